@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+
+/// Ids, errors and results shared by every header of the library.
+namespace limber {
+
+using VertexId = std::uint32_t;
+using TriangleId = std::uint32_t;
+
+/// Stands where an id is asked for and none exists.
+inline constexpr std::uint32_t no_id = 0xffff'ffffU;
+
+/// What was wrong with something that came from outside.
+enum class ErrorCode {
+  empty_mesh,          ///< no triangle
+  non_finite,          ///< a NaN or an infinity
+  too_large,           ///< a coordinate above `max_coordinate`, or more elements than ids can count
+  index_out_of_range,  ///< a triangle or an update names a vertex that does not exist
+  size_mismatch,       ///< two lists that belong together differ in length
+  unreadable_file,     ///< missing, a folder, or no permission
+  malformed_file,      ///< truncated, or not what its name says
+  unsupported_format,  ///< the file's extension is not one of those read
+  changed_connectivity,  ///< a frame whose faces differ from those of the first frame
+  broken_invariant,    ///< `validate()` found the structure damaged
+};
+
+/// One line for a person, a code for a program, and the place.
+struct Error {
+  ErrorCode code{};
+  std::string text;  ///< names what is wrong and where; no trailing newline
+  /// Index of the offending vertex, triangle, list entry or frame, where there is one.
+  std::optional<std::size_t> where;
+};
+
+/// Thrown by `Result::value()` when there is only an error to give.
+class BadResult : public std::runtime_error {
+ public:
+  explicit BadResult(Error error) : std::runtime_error(error.text), error_(std::move(error)) {}
+  const Error& error() const { return error_; }
+
+ private:
+  Error error_;
+};
+
+/// A value, or the reason why there is none.
+///
+/// Errors   `value()` throws BadResult; `operator*` and `operator->` must only be used after a check.
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::move(value)) {}
+  Result(Error error) : state_(std::move(error)) {}
+
+  explicit operator bool() const { return state_.index() == 0; }
+  const T& operator*() const& { return *std::get_if<0>(&state_); }
+  T& operator*() & { return *std::get_if<0>(&state_); }
+  const T* operator->() const { return std::get_if<0>(&state_); }
+  T* operator->() { return std::get_if<0>(&state_); }
+
+  const T& value() const& { return check(), **this; }
+  T& value() & { return check(), **this; }
+  T&& value() && { return check(), std::move(**this); }
+  const Error& error() const { return *std::get_if<1>(&state_); }
+
+ private:
+  void check() const {
+    if (!*this) throw BadResult(error());
+  }
+  std::variant<T, Error> state_;
+};
+
+/// Success, or the reason for a failure.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}
+
+  explicit operator bool() const { return !error_.has_value(); }
+  void value() const {
+    if (error_) throw BadResult(*error_);
+  }
+  const Error& error() const { return *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
+
+/// Called when a precondition is violated in a build with checks (presets `dev`, `checked`, `asan`).
+///
+/// The default handler throws std::logic_error. A handler that returns lets the program go on.
+using AssertHandler = void (*)(const char* expression, const char* file, int line);
+
+/// Replaces the handler for the whole process and returns the previous one.
+///
+/// Threads  Safe to call at any time; calls in flight may still use the previous handler.
+AssertHandler set_assert_handler(AssertHandler handler);
+
+}  // namespace limber

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "limber/geometry.h"
+#include "limber/mesh.h"
+#include "limber/query.h"
+
+/// The sphere tree of flexible models as it was first described: binary, one sphere per triangle, repaired in three
+/// ways, optionally loose. Baseline of every benchmark and second oracle of every test.
+namespace limber::classic {
+
+/// When and in which order the spheres above moved triangles are recomputed.
+enum class Maintenance {
+  immediate,  ///< at once: every moved vertex refits the path from each of its triangles to the root
+  batched,    ///< at commit(): every changed triangle, once, refits its path to the root
+  by_depth,   ///< at commit(): deepest spheres first, every affected sphere exactly once
+};
+
+/// How much larger than needed a sphere is made when it is recomputed, so that it can absorb later motion.
+struct Looseness {
+  /// Extra radius as a fraction of the tight radius; 0 keeps every sphere tight and never absorbs. Finite, >= 0.
+  double slack = 0;
+  /// A sphere that still contains its content is kept while its radius is at most this many times the one it would be
+  /// given now; above that it has grown stale and is recomputed. Finite, >= 1.
+  double stale_ratio = 1.5;
+};
+
+struct ModelOptions {
+  Maintenance maintenance = Maintenance::by_depth;
+  Looseness looseness;
+};
+
+/// Work done on the tree since the model was built.
+struct MaintenanceStats {
+  std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
+  std::uint64_t refits = 0;          ///< spheres recomputed
+  std::uint64_t absorbed = 0;        ///< spheres that were loose enough to stay, ending the way up
+};
+
+struct TreeStats {
+  std::uint32_t depth = 0;  ///< edges between the root and the deepest leaf: ceil(log2 n)
+  std::size_t nodes = 0;    ///< 2 n - 1
+  std::size_t bytes = 0;    ///< of the tree and its maintenance tables, without positions and triangles
+  double root_radius = 0;
+};
+
+/// A mesh and its sphere tree.
+///
+/// Shape    n triangles give 2 n - 1 spheres. Every triangle has one leaf; every inner sphere encloses the spheres of
+///          its two children; the shape of the tree never changes when vertices move.
+/// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
+/// Source   docs/algorithms/tree.md, docs/algorithms/maintenance.md.
+class Model {
+ public:
+  /// Cost     O(n log n), single-threaded.
+  /// Pre      Looseness values as their comments say.
+  explicit Model(Mesh mesh, const ModelOptions& options = {});
+  Model(Model&&) noexcept;
+  Model& operator=(Model&&) noexcept;
+  ~Model();
+
+  /// Moves vertex `ids[i]` to `positions[i]`; later entries win where an id is repeated.
+  ///
+  /// Frame    The model's own frame.
+  /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
+  ///          then exactly as before.
+  /// Cost     Immediate: O(triangles at the vertices * depth). Otherwise O(triangles at the vertices).
+  Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
+
+  /// Moves every vertex. Errors as move_vertices().
+  Result<void> move_all(std::span<const Vec3> positions);
+
+  /// Repairs the tree; afterwards the model may be queried. Does nothing when there is nothing to repair.
+  void commit();
+  bool is_committed() const;
+
+  const Mesh& mesh() const;
+  const ModelOptions& options() const;
+  MaintenanceStats maintenance_stats() const;
+  TreeStats tree_stats() const;
+
+  /// Checks every invariant of the tree against the current positions.
+  ///
+  /// Errors   `broken_invariant`, naming the invariant's number and the node.
+  /// Pre      The model is committed.
+  /// Cost     O(n).
+  Result<void> validate() const;
+
+  /// The library's own view of the tree; its type is private.
+  const struct Tree& tree() const { return *tree_; }
+
+ private:
+  std::unique_ptr<Tree> tree_;
+};
+
+/// A model and where it stands. Keeps a reference: the model must outlive it.
+struct Placed {
+  const Model& model;
+  Transform pose{};  ///< world_from_model
+};
+
+/// Whether two placed models meet; stops at the first intersecting pair found.
+///
+/// Pre      Both models are committed; both poses are rigid.
+/// Errors   None.
+/// Cost     Output-sensitive in practice, O(n m) at worst.
+/// Threads  Reentrant; any number of calls may share models.
+/// Source   docs/algorithms/queries.md.
+CollideResult collide(const Placed& a, const Placed& b);
+
+/// Shortest distance between two placed models, with a pair of points that attains it.
+///
+/// Promise  lower <= true distance <= upper up to float64 rounding of the placed vertices, and
+///          upper <= (1 + relative_error) * true distance. Contacts are found at every relative_error.
+/// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
+/// Pre      Both models are committed; both poses are rigid; relative_error is finite and >= 0.
+/// Errors   None.
+/// Cost     Output-sensitive in practice, O(n m) at worst.
+/// Threads  Reentrant; any number of calls may share models.
+/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/queries.md.
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+
+}  // namespace limber::classic

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "limber/math.h"
+
+/// Primitives: closest points, exact intersection, enclosing spheres.
+///
+/// Everywhere in this header: points, segments and triangles are closed sets; a triangle may be degenerate to a segment
+/// or a point and means the convex hull of its corners. All functions are pure, reentrant and cost O(1).
+namespace limber {
+
+struct Sphere {
+  Vec3 center;
+  double radius = 0;
+};
+
+struct Segment {
+  Vec3 p0, p1;
+};
+
+struct Triangle {
+  Vec3 v0, v1, v2;
+  constexpr const Vec3& operator[](std::size_t i) const { return i == 0 ? v0 : i == 1 ? v1 : v2; }
+};
+
+/// Two points and the distance between the sets they lie on.
+struct ClosestPoints {
+  double distance = 0;
+  Vec3 point_a, point_b;
+};
+
+/// On which side of the plane through (a, b, c) the point d lies, exact: +1 on the side that the normal
+/// (b - a) x (c - a) points to, -1 on the other, 0 when the four points are coplanar.
+///
+/// Pre      Coordinates are finite.
+/// Promise  The sign of the exact determinant; no rounding, underflow or overflow can change it.
+/// Source   [Shewchuk1997]; docs/algorithms/intersection.md.
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// Sign of the area of (a, b, c) after dropping coordinate `axis`, exact: +1 when counter-clockwise, 0 when collinear.
+///
+/// The kept coordinates are taken in the order (y, z), (z, x), (x, y) for axis 0, 1, 2.
+int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
+
+/// Whether two closed triangles share a point, decided exactly for the float64 coordinates given.
+///
+/// Touching is intersecting; coplanar, segment-like and point-like triangles are decided exactly too.
+/// Source   docs/algorithms/intersection.md; compare [GuigueDevillers2003].
+bool intersects(const Triangle& a, const Triangle& b);
+
+/// Whether a closed segment and a closed triangle share a point, decided exactly.
+bool intersects(const Segment& segment, const Triangle& triangle);
+
+/// Closest points of two segments; either may be a point.
+///
+/// Promise  The distance is that of two points of the segments, rounded; it exceeds the true one by at most a few
+///          units in the last place of the segments' extent.
+ClosestPoints closest_points(const Segment& a, const Segment& b);
+
+/// Closest points of a point and a triangle; the triangle may be degenerate.
+ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
+
+/// Closest points of two triangles; either may be degenerate.
+///
+/// Promise  distance == 0 exactly when intersects(a, b); then both points are the same point, which lies on both
+///          triangles up to rounding. Otherwise distance > 0 and equals the points' distance up to rounding.
+/// Source   docs/algorithms/triangle_distance.md.
+ClosestPoints closest_points(const Triangle& a, const Triangle& b);
+
+/// Smallest sphere around a triangle, its radius rounded up so that all three corners are inside.
+Sphere enclosing_sphere(const Triangle& triangle);
+
+/// Smallest sphere around two spheres, its radius recomputed from the stored centre and rounded up.
+Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
+
+/// Whether `outer` contains `inner`, judged so that rounding can only say no.
+bool contains(const Sphere& outer, const Sphere& inner);
+
+/// Whether `sphere` contains `triangle`, judged so that rounding can only say no.
+bool contains(const Sphere& sphere, const Triangle& triangle);
+
+}  // namespace limber

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Everything of the core library; mesh files are in limber/io.h.
+#include "limber/base.h"
+#include "limber/classic.h"
+#include "limber/geometry.h"
+#include "limber/math.h"
+#include "limber/mesh.h"
+#include "limber/query.h"
+#include "limber/reference.h"

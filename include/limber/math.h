@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "limber/base.h"
+
+/// Vectors, matrices and rigid transforms in float64.
+namespace limber {
+
+/// Largest magnitude of a coordinate: fourth powers of lengths, which the distance routines form, stay finite.
+inline constexpr double max_coordinate = 0x1p200;
+
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  constexpr double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr double& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+
+  constexpr Vec3& operator+=(const Vec3& v) { return *this = {x + v.x, y + v.y, z + v.z}; }
+  constexpr Vec3& operator-=(const Vec3& v) { return *this = {x - v.x, y - v.y, z - v.z}; }
+  constexpr Vec3& operator*=(double s) { return *this = {x * s, y * s, z * s}; }
+  constexpr bool operator==(const Vec3&) const = default;
+};
+
+constexpr Vec3 operator+(Vec3 a, const Vec3& b) { return a += b; }
+constexpr Vec3 operator-(Vec3 a, const Vec3& b) { return a -= b; }
+constexpr Vec3 operator-(const Vec3& v) { return {-v.x, -v.y, -v.z}; }
+constexpr Vec3 operator*(Vec3 v, double s) { return v *= s; }
+constexpr Vec3 operator*(double s, Vec3 v) { return v *= s; }
+
+constexpr double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+constexpr double length_sq(const Vec3& v) { return dot(v, v); }
+inline double length(const Vec3& v) { return std::sqrt(length_sq(v)); }
+
+constexpr Vec3 min(const Vec3& a, const Vec3& b) {
+  return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
+}
+constexpr Vec3 max(const Vec3& a, const Vec3& b) {
+  return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
+}
+inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+inline double max_abs(const Vec3& v) {
+  const Vec3 a = abs(v);
+  return a.x > a.y ? (a.x > a.z ? a.x : a.z) : (a.y > a.z ? a.y : a.z);
+}
+inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// A 3 x 3 matrix by rows.
+struct Mat3 {
+  Vec3 row0{1, 0, 0}, row1{0, 1, 0}, row2{0, 0, 1};
+  constexpr bool operator==(const Mat3&) const = default;
+};
+
+constexpr Vec3 operator*(const Mat3& m, const Vec3& v) {
+  return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)};
+}
+constexpr Mat3 transpose(const Mat3& m) {
+  return {{m.row0.x, m.row1.x, m.row2.x}, {m.row0.y, m.row1.y, m.row2.y}, {m.row0.z, m.row1.z, m.row2.z}};
+}
+constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
+  const Mat3 columns = transpose(b);
+  return {columns * a.row0, columns * a.row1, columns * a.row2};
+}
+
+/// A rigid motion: p_a = a_from_b(p_b) turns by `rotation`, then shifts by `translation`.
+///
+/// Unit     The translation is in the mesh's length unit.
+/// Pre      Wherever a query takes a Transform, `is_rigid()` holds. Reflections are not rigid motions.
+struct Transform {
+  Mat3 rotation;
+  Vec3 translation;
+
+  constexpr Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
+  constexpr bool operator==(const Transform&) const = default;
+};
+
+/// (a_from_b * b_from_c)(p_c) is a_from_b(b_from_c(p_c)), up to rounding.
+constexpr Transform operator*(const Transform& a_from_b, const Transform& b_from_c) {
+  return {a_from_b.rotation * b_from_c.rotation, a_from_b(b_from_c.translation)};
+}
+constexpr Transform inverse(const Transform& a_from_b) {
+  const Mat3 turned_back = transpose(a_from_b.rotation);
+  return {turned_back, -(turned_back * a_from_b.translation)};
+}
+
+/// Upper bound of how much `rotation` stretches any vector: 1 for an exact rotation, a little more after rounding.
+double max_stretch(const Mat3& rotation);
+
+/// True when all entries are finite and not above `max_coordinate`, the columns are orthonormal to 1e-9 and the
+/// determinant is positive.
+bool is_rigid(const Transform& transform);
+
+/// The transform that turns by the quaternion (qw, qx, qy, qz) and then shifts by `translation`.
+///
+/// The quaternion is normalised, so any length but zero will do.
+/// Errors   `non_finite` when an input is not finite or the quaternion is zero, which has no direction;
+///          `too_large` when the translation is above `max_coordinate`.
+Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, double qx, double qy, double qz);
+
+}  // namespace limber

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "limber/base.h"
+#include "limber/geometry.h"
+#include "limber/math.h"
+
+/// Triangle meshes as the engine sees them: positions and index triples, any soup welcome.
+namespace limber {
+
+/// Three corners of a triangle as indices into a mesh's positions.
+using Corners = std::array<VertexId, 3>;
+
+/// Somebody else's mesh, looked at and not kept.
+///
+/// Pre      Every corner names one of the positions; positions are finite and at most `max_coordinate` in size.
+struct MeshView {
+  std::span<const Vec3> positions;
+  std::span<const Corners> triangles;
+
+  Triangle triangle(TriangleId id) const {
+    const Corners& c = triangles[id];
+    return {positions[c[0]], positions[c[1]], positions[c[2]]};
+  }
+};
+
+/// Checks what a MeshView promises, and that there is at least one triangle.
+///
+/// Errors   The first offence: `empty_mesh`, `non_finite`, `too_large` or `index_out_of_range`, with `where`.
+/// Cost     O(vertices + triangles).
+Result<void> check_mesh(MeshView mesh);
+
+/// The same test for positions alone; `where` is the index of the first bad one.
+Result<void> check_positions(std::span<const Vec3> positions);
+
+/// A mesh that owns its arrays and is known to be sound.
+///
+/// Shape    n >= 1 triangles over v positions. Degenerate, duplicate, coplanar and intersecting triangles, unreferenced
+///          and repeated vertices, open and non-manifold edges are all ordinary.
+/// Unit     Positions are in any length unit; meshes that meet in a query share it.
+class Mesh {
+ public:
+  /// Takes the arrays over when they are sound.
+  ///
+  /// Errors   As check_mesh().
+  static Result<Mesh> create(std::vector<Vec3> positions, std::vector<Corners> triangles);
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  const std::vector<Corners>& triangles() const { return triangles_; }
+  Triangle triangle(TriangleId id) const { return view().triangle(id); }
+  MeshView view() const { return {positions_, triangles_}; }
+  operator MeshView() const { return view(); }
+
+  /// Replaces one position. Pre: `id` exists; `position` is finite and not above `max_coordinate`.
+  void set_position(VertexId id, const Vec3& position);
+
+ private:
+  Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles);
+  std::vector<Vec3> positions_;
+  std::vector<Corners> triangles_;
+};
+
+}  // namespace limber

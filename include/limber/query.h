@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "limber/base.h"
+#include "limber/math.h"
+
+/// What queries are asked and what they answer; one vocabulary for every engine.
+///
+/// Triangles are surfaces, not solids: a model wholly inside another does not collide with it. When models meet, the
+/// distance is 0, both points of the witness are one point that lies on both, and the triangle ids name a pair that
+/// truly intersects. `collide` says yes exactly when `distance` gives 0. Models are compared as placed: every vertex is
+/// moved to the world frame in float64 first, and the answer is for those rounded vertices.
+namespace limber {
+
+/// Why a query stopped where it did.
+enum class Status {
+  exact,         ///< lower == upper: the distance up to float64 rounding
+  within_error,  ///< lower < upper, and upper is within the asked error of the true distance
+  collision,     ///< the models meet: lower == upper == 0
+};
+
+/// A pair of points, one on each model, and the triangles they lie on.
+///
+/// Frame    World: the one that both poses map to.
+struct Witness {
+  Vec3 point_a, point_b;
+  TriangleId triangle_a = no_id, triangle_b = no_id;  ///< index each model's own mesh
+};
+
+/// Work done by one query.
+struct QueryStats {
+  std::uint64_t node_tests = 0;      ///< pairs of bounding volumes compared
+  std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
+};
+
+struct DistanceOptions {
+  /// The answer may exceed the true distance by this fraction of it. Contacts are found at any setting. Finite, >= 0.
+  double relative_error = 0;
+};
+
+struct DistanceResult {
+  double lower = 0;  ///< proven: no two points of the models are closer
+  double upper = 0;  ///< the distance of the witness points
+  Status status = Status::exact;
+  Witness witness;
+  QueryStats stats;
+};
+
+struct CollideResult {
+  bool collision = false;
+  std::optional<Witness> witness;  ///< there exactly when `collision`; both points are the same
+  QueryStats stats;
+};
+
+}  // namespace limber

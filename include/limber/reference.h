@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "limber/mesh.h"
+#include "limber/query.h"
+
+/// Brute-force twins of every query: each triangle of one mesh against each of the other, no tree and no tricks.
+///
+/// They are what every engine is tested against, and share the semantics of query.h.
+namespace limber::reference {
+
+struct Placed {
+  MeshView mesh;
+  Transform pose{};  ///< world_from_model
+};
+
+/// Whether the meshes meet, with the first intersecting pair in the order of ids.
+///
+/// Pre      Both meshes are sound, both poses rigid.
+/// Cost     O(n m).
+/// Threads  Reentrant.
+CollideResult collide(const Placed& a, const Placed& b);
+
+/// Shortest distance, with the first pair in the order of ids that attains it.
+///
+/// The exact answer serves any `relative_error`, so the options only exist to be the twin of the engines' function.
+/// Cost     O(n m).
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+
+}  // namespace limber::reference

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Based on  the thesis this engine follows: propagation to the root, at once, batched, or ordered by depth; loose spheres.
+// Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a node is put
+//           in once, however many children ask for it. A loose sphere is also recomputed when it has become much larger
+//           than needed, because otherwise a shrinking model would keep its largest spheres for ever.
+#include <string>
+#include <utility>
+
+#include "classic/tree.h"
+#include "core/check.h"
+
+namespace limber::classic {
+namespace {
+
+/// Repairs one node; false when its loose sphere absorbed the change, so that nothing above it needs repair.
+bool refit(Tree& tree, Node& node) {
+  const Looseness& looseness = tree.options.looseness;
+  const Sphere fresh = with_slack(tight_sphere(tree, node), looseness);
+  if (looseness.slack > 0 && node.sphere.radius <= looseness.stale_ratio * fresh.radius && sphere_holds(tree, node)) {
+    ++tree.stats.absorbed;
+    return false;
+  }
+  node.sphere = fresh;
+  ++tree.stats.refits;
+  return true;
+}
+
+/// Repairs the path from a triangle's leaf up to the root, or to the first sphere that absorbs the change.
+void refit_path(Tree& tree, TriangleId triangle) {
+  for (std::uint32_t n = tree.leaf_of[triangle]; n != no_id; n = tree.nodes[n].parent) {
+    if (!refit(tree, tree.nodes[n])) return;
+  }
+}
+
+void enqueue(Tree& tree, std::uint32_t n) {
+  if (tree.is_queued[n] != 0) return;
+  tree.is_queued[n] = 1;
+  tree.queue_at_depth[tree.nodes[n].depth].push_back(n);
+}
+
+/// Repairs every node above a changed triangle once, deepest first.
+void refit_by_depth(Tree& tree) {
+  for (const TriangleId t : tree.changed_triangles) enqueue(tree, tree.leaf_of[t]);
+  for (std::size_t depth = tree.queue_at_depth.size(); depth-- > 0;) {
+    for (const std::uint32_t n : tree.queue_at_depth[depth]) {
+      tree.is_queued[n] = 0;
+      if (refit(tree, tree.nodes[n]) && n != root) enqueue(tree, tree.nodes[n].parent);
+    }
+    tree.queue_at_depth[depth].clear();
+  }
+}
+
+void move_vertex(Tree& tree, VertexId v, const Vec3& position) {
+  LIMBER_ASSERT(v < tree.mesh.positions().size());
+  tree.mesh.set_position(v, position);
+  ++tree.stats.moved_vertices;
+  for (std::uint32_t i = tree.first_triangle_at[v]; i < tree.first_triangle_at[v + 1]; ++i) {
+    const TriangleId t = tree.triangles_at[i];
+    if (tree.options.maintenance == Maintenance::immediate) {
+      refit_path(tree, t);
+    } else if (tree.is_changed[t] == 0) {
+      tree.is_changed[t] = 1;
+      tree.changed_triangles.push_back(t);
+    }
+  }
+}
+
+Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
+  return {code, "entry " + std::to_string(entry) + " of the update " + what, entry};
+}
+
+Result<void> check_new_positions(std::span<const Vec3> positions) {
+  if (auto sound = check_positions(positions); !sound) {
+    const Error& error = sound.error();
+    return at_entry(error.code, error.where.value_or(0),
+                    error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
+  }
+  return {};
+}
+
+Error size_mismatch(const std::string& given, std::size_t given_count, const std::string& wanted, std::size_t count) {
+  return {ErrorCode::size_mismatch,
+          std::to_string(given_count) + " " + given + " for " + std::to_string(count) + " " + wanted,
+          {}};
+}
+
+}  // namespace
+
+Model::Model(Mesh mesh, const ModelOptions& options) : tree_(std::make_unique<Tree>(std::move(mesh), options)) {
+  LIMBER_VALIDATE(validate());
+}
+Model::Model(Model&&) noexcept = default;
+Model& Model::operator=(Model&&) noexcept = default;
+Model::~Model() = default;
+
+Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  if (ids.size() != positions.size()) return size_mismatch("positions", positions.size(), "ids", ids.size());
+  const std::size_t vertex_count = tree_->mesh.positions().size();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] < vertex_count) continue;
+    return at_entry(ErrorCode::index_out_of_range, i,
+                    "names vertex " + std::to_string(ids[i]) + ", but there are only " + std::to_string(vertex_count));
+  }
+  if (auto sound = check_new_positions(positions); !sound) return sound;
+  for (std::size_t i = 0; i < ids.size(); ++i) move_vertex(*tree_, ids[i], positions[i]);
+  return {};
+}
+
+Result<void> Model::move_all(std::span<const Vec3> positions) {
+  const std::size_t vertex_count = tree_->mesh.positions().size();
+  if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
+  if (auto sound = check_new_positions(positions); !sound) return sound;
+  for (VertexId v = 0; v < vertex_count; ++v) move_vertex(*tree_, v, positions[v]);
+  return {};
+}
+
+void Model::commit() {
+  Tree& tree = *tree_;
+  if (tree.options.maintenance == Maintenance::by_depth) {
+    refit_by_depth(tree);
+  } else {
+    for (const TriangleId t : tree.changed_triangles) refit_path(tree, t);
+  }
+  for (const TriangleId t : tree.changed_triangles) tree.is_changed[t] = 0;
+  tree.changed_triangles.clear();
+  LIMBER_VALIDATE(validate());
+}
+
+bool Model::is_committed() const { return tree_->changed_triangles.empty(); }
+const Mesh& Model::mesh() const { return tree_->mesh; }
+const ModelOptions& Model::options() const { return tree_->options; }
+MaintenanceStats Model::maintenance_stats() const { return tree_->stats; }
+
+}  // namespace limber::classic

@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Based on  [Shewchuk1997]: a number as a sum of non-overlapping doubles, added and multiplied without error.
+//           [Dekker1971] for the exact product of two doubles.
+// Differs   No adaptive stages in between: whoever comes here already failed the filter, and zero terms are dropped, so
+//           the integer-like inputs that fail it most often have short sums. Coordinates so large or small that a product
+//           could leave the range of double go to big integers, so there is no input for which the sign is not exact.
+#include "geometry/exact_sign.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+
+#include "core/check.h"
+
+namespace limber::geometry {
+namespace {
+
+struct Pair {
+  double high, low;  // high + low is exact, high is the rounded result
+};
+
+Pair two_sum(double a, double b) {
+  const double sum = a + b;
+  const double b_virtual = sum - a;
+  const double a_virtual = sum - b_virtual;
+  return {sum, (a - a_virtual) + (b - b_virtual)};
+}
+
+Pair split(double a) {
+  const double c = 0x1.0000002p27 * a;  // 2^27 + 1
+  const double high = c - (c - a);
+  return {high, a - high};
+}
+
+Pair two_product(double a, double b) {
+  const double product = a * b;
+  const Pair x = split(a), y = split(b);
+  const double error = ((x.high * y.high - product) + x.high * y.low + x.low * y.high) + x.low * y.low;
+  return {product, error};
+}
+
+/// A sum of at most `capacity` non-overlapping doubles in increasing magnitude; none of them is zero.
+template <std::size_t capacity>
+class Expansion {
+ public:
+  void add(double value) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const Pair s = two_sum(value, terms_[i]);
+      value = s.high;
+      if (s.low != 0) terms_[kept++] = s.low;
+    }
+    if (value != 0) {
+      LIMBER_ASSERT(kept < capacity);
+      terms_[kept++] = value;
+    }
+    size_ = kept;
+  }
+
+  template <std::size_t other>
+  void add(const Expansion<other>& e, double sign = 1) {
+    for (std::size_t i = 0; i < e.size(); ++i) add(sign * e[i]);
+  }
+
+  template <std::size_t left, std::size_t right>
+  void add_product(const Expansion<left>& a, const Expansion<right>& b, double sign = 1) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t j = 0; j < b.size(); ++j) {
+        const Pair p = two_product(a[i], b[j]);
+        if (p.low != 0) add(sign * p.low);
+        add(sign * p.high);
+      }
+    }
+  }
+
+  std::size_t size() const { return size_; }
+  double operator[](std::size_t i) const { return terms_[i]; }
+  int sign() const { return size_ == 0 ? 0 : terms_[size_ - 1] > 0 ? 1 : -1; }
+
+ private:
+  std::array<double, capacity> terms_;
+  std::size_t size_ = 0;
+};
+
+Expansion<2> difference(double a, double b) {
+  Expansion<2> e;
+  const Pair d = two_sum(a, -b);
+  if (d.low != 0) e.add(d.low);
+  e.add(d.high);
+  return e;
+}
+
+template <std::size_t terms>
+Expansion<16> minor(const std::array<Expansion<terms>, 3>& p, const std::array<Expansion<terms>, 3>& q, std::size_t i,
+                    std::size_t j) {
+  Expansion<16> m;
+  m.add_product(p[i], q[j]);
+  m.add_product(p[j], q[i], -1);
+  return m;
+}
+
+// Inside these bounds every product of three coordinate differences is a sum of doubles without overflow, and its last
+// bit (2^-52 of the smallest coordinate, cubed) is above the smallest subnormal 2^-1074.
+bool expansions_are_exact(std::initializer_list<double> coordinates) {
+  return std::all_of(coordinates.begin(), coordinates.end(), [](double x) {
+    const double size = std::abs(x);
+    return size == 0 || (size >= 0x1p-280 && size <= 0x1p300);
+  });
+}
+
+using Integer = boost::multiprecision::cpp_int;
+
+/// Doubles as integers, all multiplied by one power of two that makes them whole.
+class Integers {
+ public:
+  Integers(std::initializer_list<double> values) {
+    for (const double value : values) {
+      int exponent = 0;
+      if (std::frexp(value, &exponent) != 0) lowest_ = std::min(lowest_, exponent);
+    }
+  }
+  Integer operator()(double value) const {
+    int exponent = 0;
+    const double mantissa = std::frexp(value, &exponent);
+    if (mantissa == 0) return 0;
+    return Integer(static_cast<std::int64_t>(std::ldexp(mantissa, 53))) << static_cast<unsigned>(exponent - lowest_);
+  }
+
+ private:
+  int lowest_ = 1100;
+};
+
+}  // namespace
+
+int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  if (!expansions_are_exact({a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z})) {
+    const Integers whole{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
+    const auto minus_a = [&](const Vec3& v) {
+      return std::array<Integer, 3>{whole(v.x) - whole(a.x), whole(v.y) - whole(a.y), whole(v.z) - whole(a.z)};
+    };
+    const auto p = minus_a(b), q = minus_a(c), r = minus_a(d);
+    const Integer det = r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) +
+                        r[2] * (p[0] * q[1] - p[1] * q[0]);
+    return det.sign();
+  }
+  const auto minus_a = [&](const Vec3& v) {
+    return std::array<Expansion<2>, 3>{difference(v.x, a.x), difference(v.y, a.y), difference(v.z, a.z)};
+  };
+  const auto p = minus_a(b), q = minus_a(c), r = minus_a(d);
+  Expansion<192> det;
+  det.add_product(minor(p, q, 1, 2), r[0]);
+  det.add_product(minor(p, q, 2, 0), r[1]);
+  det.add_product(minor(p, q, 0, 1), r[2]);
+  return det.sign();
+}
+
+int exact_area_sign(double ax, double ay, double bx, double by, double cx, double cy) {
+  if (!expansions_are_exact({ax, ay, bx, by, cx, cy})) {
+    const Integers whole{ax, ay, bx, by, cx, cy};
+    const Integer det = (whole(bx) - whole(ax)) * (whole(cy) - whole(ay)) -
+                        (whole(by) - whole(ay)) * (whole(cx) - whole(ax));
+    return det.sign();
+  }
+  Expansion<16> det;
+  det.add_product(difference(bx, ax), difference(cy, ay));
+  det.add_product(difference(by, ay), difference(cx, ax), -1);
+  return det.sign();
+}
+
+}  // namespace limber::geometry

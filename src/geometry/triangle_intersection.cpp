@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Based on  the observation behind [GuigueDevillers2003] that signs of orient3d and orient2d decide everything.
+// Differs   Instead of ordering intervals on a common line it asks whether an edge of one triangle meets the other: two
+//           closed triangles share a point exactly when that is so. The question has a plain answer for every rank
+//           (triangle, segment, point), so degenerate input needs no promise and no epsilon. The nine volumes spanned by
+//           pairs of edges serve both directions and are computed when first asked for.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <tuple>
+
+#include "limber/geometry.h"
+
+namespace limber {
+namespace {
+
+constexpr std::array<std::size_t, 3> after{1, 2, 0};
+
+bool lexicographically_less(const Vec3& a, const Vec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+bool opposite(int sign_a, int sign_b) { return sign_a * sign_b < 0; }
+
+/// An axis along which the three points keep a non-zero area, if they are not collinear.
+std::optional<std::size_t> faithful_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (orient2d(a, b, c, axis) != 0) return axis;
+  }
+  return {};
+}
+
+/// Closed segments on one line: their lexicographic intervals overlap.
+bool collinear_segments_meet(const Segment& s, const Segment& t) {
+  const auto [s_low, s_high] = std::minmax(s.p0, s.p1, lexicographically_less);
+  const auto [t_low, t_high] = std::minmax(t.p0, t.p1, lexicographically_less);
+  return !lexicographically_less(s_high, t_low) && !lexicographically_less(t_high, s_low);
+}
+
+/// Closed segments in one plane, of which `axis` is a faithful projection.
+bool coplanar_segments_meet(const Segment& s, const Segment& t, std::size_t axis) {
+  const int s_t0 = orient2d(s.p0, s.p1, t.p0, axis), s_t1 = orient2d(s.p0, s.p1, t.p1, axis);
+  if (s_t0 * s_t1 > 0) return false;
+  const int t_s0 = orient2d(t.p0, t.p1, s.p0, axis), t_s1 = orient2d(t.p0, t.p1, s.p1, axis);
+  if (t_s0 * t_s1 > 0) return false;
+  if (s_t0 == 0 && s_t1 == 0 && t_s0 == 0 && t_s1 == 0) return collinear_segments_meet(s, t);
+  return true;
+}
+
+/// Any two closed segments in space.
+bool segments_meet(const Segment& s, const Segment& t) {
+  if (orient3d(s.p0, s.p1, t.p0, t.p1) != 0) return false;
+  std::optional<std::size_t> axis = faithful_axis(s.p0, s.p1, t.p0);
+  if (!axis) axis = faithful_axis(s.p0, s.p1, t.p1);
+  if (!axis) axis = faithful_axis(t.p0, t.p1, s.p0);
+  if (!axis) axis = faithful_axis(t.p0, t.p1, s.p1);
+  return axis ? coplanar_segments_meet(s, t, *axis) : collinear_segments_meet(s, t);
+}
+
+/// A segment and a triangle of which the segment lies in the plane, or which is itself degenerate.
+bool flat_segment_meets(const Segment& s, const Triangle& t) {
+  const std::optional<std::size_t> axis = faithful_axis(t.v0, t.v1, t.v2);
+  if (!axis) {  // the hull of collinear corners reaches from the lexicographically first to the last
+    const auto [low, high] = std::minmax({t.v0, t.v1, t.v2}, lexicographically_less);
+    return segments_meet(s, {low, high});
+  }
+  const int turn = orient2d(t.v0, t.v1, t.v2, *axis);
+  bool inside = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (coplanar_segments_meet(s, {t[i], t[after[i]]}, *axis)) return true;
+    inside = inside && orient2d(t[i], t[after[i]], s.p0, *axis) == turn;
+  }
+  return inside;
+}
+
+/// The signs that decide whether edges of two triangles meet the other triangle.
+class EdgeTests {
+ public:
+  EdgeTests(const Triangle& a, const Triangle& b) : a_(a), b_(b) {}
+
+  /// Whether some corner or edge of a reaches the plane of b, and the other way round; nothing meets otherwise.
+  bool planes_are_reached() {
+    for (std::size_t i = 0; i < 3; ++i) side_of_b_[i] = orient3d(b_.v0, b_.v1, b_.v2, a_[i]);
+    if (strictly_on_one_side(side_of_b_)) return false;
+    for (std::size_t i = 0; i < 3; ++i) side_of_a_[i] = orient3d(a_.v0, a_.v1, a_.v2, b_[i]);
+    return !strictly_on_one_side(side_of_a_);
+  }
+
+  bool edge_of_a_meets_b(std::size_t i) {
+    return edge_meets(side_of_b_[i], side_of_b_[after[i]], [&](std::size_t j) { return volume(i, j); }, a_, i, b_);
+  }
+  bool edge_of_b_meets_a(std::size_t j) {
+    return edge_meets(side_of_a_[j], side_of_a_[after[j]], [&](std::size_t i) { return volume(i, j); }, b_, j, a_);
+  }
+
+ private:
+  static bool strictly_on_one_side(const std::array<int, 3>& sides) {
+    return sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
+  }
+
+  template <typename Volume>
+  static bool edge_meets(int side0, int side1, const Volume& volume_at, const Triangle& owner, std::size_t edge,
+                         const Triangle& target) {
+    if (side0 * side1 > 0) return false;
+    if (side0 == 0 && side1 == 0) return flat_segment_meets({owner[edge], owner[after[edge]]}, target);
+    // The edge's line crosses the plane in one point, inside unless it passes two of the target's edges on different sides.
+    const int first = volume_at(0), second = volume_at(1);
+    if (opposite(first, second)) return false;
+    const int third = volume_at(2);
+    return !opposite(first, third) && !opposite(second, third);
+  }
+
+  /// Sign of the volume spanned by edge i of a and edge j of b.
+  int volume(std::size_t i, std::size_t j) {
+    int& known = volumes_[i][j];
+    if (known == unknown) known = orient3d(a_[i], a_[after[i]], b_[j], b_[after[j]]);
+    return known;
+  }
+
+  static constexpr int unknown = 2;
+  const Triangle& a_;
+  const Triangle& b_;
+  std::array<int, 3> side_of_a_{}, side_of_b_{};
+  std::array<std::array<int, 3>, 3> volumes_{{{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}}};
+};
+
+bool boxes_are_apart(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
+  return low_a.x > high_b.x || low_a.y > high_b.y || low_a.z > high_b.z || low_b.x > high_a.x || low_b.y > high_a.y ||
+         low_b.z > high_a.z;
+}
+
+Vec3 low(const Triangle& t) { return min(t.v0, min(t.v1, t.v2)); }
+Vec3 high(const Triangle& t) { return max(t.v0, max(t.v1, t.v2)); }
+
+}  // namespace
+
+bool intersects(const Triangle& a, const Triangle& b) {
+  if (boxes_are_apart(low(a), high(a), low(b), high(b))) return false;
+  EdgeTests tests(a, b);
+  if (!tests.planes_are_reached()) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (tests.edge_of_a_meets_b(i) || tests.edge_of_b_meets_a(i)) return true;
+  }
+  return false;
+}
+
+bool intersects(const Segment& segment, const Triangle& triangle) {
+  return intersects(Triangle{segment.p0, segment.p1, segment.p1}, triangle);
+}
+
+}  // namespace limber

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+#include <vector>
+
+#include "core/check.h"
+#include "limber/reference.h"
+
+namespace limber::reference {
+namespace {
+
+std::vector<Triangle> place(const Placed& placed) {
+  LIMBER_ASSERT(is_rigid(placed.pose));
+  std::vector<Triangle> triangles;
+  triangles.reserve(placed.mesh.triangles.size());
+  for (TriangleId t = 0; t < placed.mesh.triangles.size(); ++t) {
+    const Triangle model = placed.mesh.triangle(t);
+    triangles.push_back({placed.pose(model.v0), placed.pose(model.v1), placed.pose(model.v2)});
+  }
+  return triangles;
+}
+
+}  // namespace
+
+CollideResult collide(const Placed& a, const Placed& b) {
+  CollideResult result;
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      ++result.stats.triangle_tests;
+      if (!intersects(triangles_a[i], triangles_b[j])) continue;
+      const Vec3 shared = closest_points(triangles_a[i], triangles_b[j]).point_a;
+      result.collision = true;
+      result.witness = Witness{shared, shared, i, j};
+      return result;
+    }
+  }
+  return result;
+}
+
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&) {
+  DistanceResult result;
+  result.upper = std::numeric_limits<double>::infinity();
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      ++result.stats.triangle_tests;
+      const ClosestPoints closest = closest_points(triangles_a[i], triangles_b[j]);
+      if (closest.distance >= result.upper) continue;
+      result.upper = closest.distance;
+      result.witness = {closest.point_a, closest.point_b, i, j};
+    }
+  }
+  result.lower = result.upper;
+  result.status = result.upper == 0 ? Status::collision : Status::exact;
+  return result;
+}
+
+}  // namespace limber::reference

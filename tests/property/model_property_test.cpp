@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Random sequences of updates and queries on random soups, in every maintenance mode, loose and tight.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "classic/tree.h"
+#include "limber/classic.h"
+#include "limber/reference.h"
+#include "support/random_geometry.h"
+#include "support/rational_distance.h"
+
+namespace limber::testing {
+namespace {
+
+using classic::Maintenance;
+
+/// A soup of up to `most` triangles: half the time on a lattice, where everything is degenerate.
+Mesh arbitrary_soup(Rng& rng, std::size_t most) {
+  const std::size_t count = 1 + rng.below(most);
+  const bool on_lattice = rng.below(2) == 0;
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < count; ++i) {
+    triangles.push_back(on_lattice ? lattice_triangle(rng) : uniform_triangle(rng));
+  }
+  if (rng.below(3) == 0) triangles.push_back(triangles.front());  // a duplicate is ordinary
+  return soup(triangles);
+}
+
+classic::ModelOptions arbitrary_options(Rng& rng) {
+  classic::ModelOptions options;
+  options.maintenance = static_cast<Maintenance>(rng.below(3));
+  if (rng.below(2) == 0) options.looseness = {rng.uniform(0, 0.5), rng.uniform(1, 2)};
+  return options;
+}
+
+Vec3 arbitrary_position(Rng& rng) { return rng.below(2) == 0 ? lattice_point(rng) : uniform_point(rng, -1, 4); }
+
+/// One random update; some are refused, some move a vertex twice, some move all.
+void update(Rng& rng, classic::Model& model) {
+  const std::vector<Vec3> before = model.mesh().positions();
+  const std::uint64_t kind = rng.below(10);
+  if (kind == 0) {
+    std::vector<Vec3> positions;
+    for (std::size_t v = 0; v < before.size(); ++v) positions.push_back(arbitrary_position(rng));
+    RC_ASSERT(static_cast<bool>(model.move_all(positions)));
+    return;
+  }
+  std::vector<VertexId> ids;
+  std::vector<Vec3> positions;
+  for (std::uint64_t i = 0, count = 1 + rng.below(6); i < count; ++i) {
+    ids.push_back(static_cast<VertexId>(rng.below(before.size())));
+    positions.push_back(arbitrary_position(rng));
+  }
+  if (kind == 1) positions.back().y = std::numeric_limits<double>::quiet_NaN();
+  if (kind == 2) ids.back() = static_cast<VertexId>(before.size());
+  const auto result = model.move_vertices(ids, positions);
+  RC_ASSERT(static_cast<bool>(result) == (kind > 2));
+  if (kind <= 2) RC_ASSERT(model.mesh().positions() == before);
+}
+
+/// Every sphere above a triangle holds its corners, in exact arithmetic.
+void require_exact_enclosure(const classic::Model& model) {
+  const classic::Tree& tree = model.tree();
+  for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
+    const Triangle triangle = model.mesh().triangle(t);
+    for (std::uint32_t n = tree.leaf_of[t]; n != no_id; n = tree.nodes[n].parent) {
+      const Sphere& sphere = tree.nodes[n].sphere;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const RationalVec d = minus(rational(triangle[k]), rational(sphere.center));
+        RC_ASSERT(dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius));
+      }
+    }
+  }
+}
+
+bool lies_on(const Vec3& point, const Triangle& model_triangle, const Transform& pose, double tolerance) {
+  const Triangle t{pose(model_triangle.v0), pose(model_triangle.v1), pose(model_triangle.v2)};
+  return closest_points(point, t).distance <= tolerance;
+}
+
+/// Everything the two engines promise about one pair of placed models.
+void require_right_answers(Rng& rng, const classic::Placed& a, const classic::Placed& b) {
+  const reference::Placed brute_a{a.model.mesh(), a.pose}, brute_b{b.model.mesh(), b.pose};
+  const double size = 16 + length(a.pose.translation) + length(b.pose.translation);
+  const double tolerance = 1e-14 * size;
+
+  const DistanceResult truth = reference::distance(brute_a, brute_b);
+  const CollideResult touch = reference::collide(brute_a, brute_b);
+  RC_ASSERT(touch.collision == (truth.upper == 0));
+
+  const CollideResult hit = classic::collide(a, b);
+  RC_ASSERT(hit.collision == touch.collision);
+  RC_ASSERT(hit.witness.has_value() == hit.collision);
+
+  for (const double error : {0.0, 0.01, 0.1, rng.uniform(0, 2), 1e6}) {
+    const DistanceResult found = classic::distance(a, b, {.relative_error = error});
+    const Witness& w = found.witness;
+    RC_ASSERT((found.upper == 0) == (truth.upper == 0));
+    RC_ASSERT((found.status == Status::collision) == (truth.upper == 0));
+    RC_ASSERT(found.lower <= truth.upper);
+    RC_ASSERT(found.lower <= found.upper);
+    RC_ASSERT(found.upper >= truth.upper);
+    RC_ASSERT(found.upper <= truth.upper * (1 + error) * (1 + 1e-15));
+    if (error == 0) RC_ASSERT(found.upper == truth.upper && found.lower == found.upper);
+    RC_ASSERT(lies_on(w.point_a, a.model.mesh().triangle(w.triangle_a), a.pose, tolerance));
+    RC_ASSERT(lies_on(w.point_b, b.model.mesh().triangle(w.triangle_b), b.pose, tolerance));
+    RC_ASSERT(std::abs(length(w.point_b - w.point_a) - found.upper) <= tolerance);
+    if (found.upper == 0) {
+      RC_ASSERT(w.point_a == w.point_b);
+      const Triangle ta = a.model.mesh().triangle(w.triangle_a), tb = b.model.mesh().triangle(w.triangle_b);
+      RC_ASSERT(intersects({a.pose(ta.v0), a.pose(ta.v1), a.pose(ta.v2)}, {b.pose(tb.v0), b.pose(tb.v1), b.pose(tb.v2)}));
+    }
+  }
+}
+
+RC_GTEST_PROP(ClassicModel, StaysSoundAndRightThroughAnySequenceOfUpdates, (std::uint64_t seed)) {
+  Rng rng(seed);
+  classic::Model a(arbitrary_soup(rng, 12), arbitrary_options(rng));
+  classic::Model b(arbitrary_soup(rng, 12), arbitrary_options(rng));
+  for (int step = 0; step < 4; ++step) {
+    for (classic::Model* model : {&a, &b}) {
+      for (std::uint64_t i = 0, count = rng.below(4); i < count; ++i) update(rng, *model);
+      model->commit();
+      RC_ASSERT(model->is_committed());
+      RC_ASSERT(static_cast<bool>(model->validate()));
+      require_exact_enclosure(*model);
+    }
+    const Transform identity;
+    const Transform pose_a = rng.below(2) == 0 ? identity : random_pose(rng, 3);
+    const Transform pose_b = rng.below(2) == 0 ? identity : random_pose(rng, 3);
+    require_right_answers(rng, {a, pose_a}, {b, pose_b});
+  }
+}
+
+RC_GTEST_PROP(ClassicModel, AnswersAreSymmetric, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const classic::Model a(arbitrary_soup(rng, 20)), b(arbitrary_soup(rng, 20));
+  const Transform pose = random_pose(rng, 2);
+  const DistanceResult ab = classic::distance({a, pose}, {b}), ba = classic::distance({b}, {a, pose});
+  RC_ASSERT(std::abs(ab.upper - ba.upper) <= 1e-14 * 16);
+  RC_ASSERT((ab.upper == 0) == (ba.upper == 0));
+  RC_ASSERT(classic::collide({a, pose}, {b}).collision == classic::collide({b}, {a, pose}).collision);
+}
+
+RC_GTEST_PROP(ClassicModel, MovingBothModelsTogetherChangesNothing, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const classic::Model a(arbitrary_soup(rng, 20)), b(arbitrary_soup(rng, 20));
+  const Transform together = random_pose(rng, 5);
+  const DistanceResult here = classic::distance({a}, {b}), there = classic::distance({a, together}, {b, together});
+  RC_ASSERT(std::abs(here.upper - there.upper) <= 1e-14 * 32);
+}
+
+RC_GTEST_PROP(ClassicModel, ScalingByAPowerOfTwoScalesEveryNumberExactly, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const Mesh mesh_a = arbitrary_soup(rng, 15), mesh_b = arbitrary_soup(rng, 15);
+  const double scale = std::ldexp(1.0, static_cast<int>(rng.below(160)) - 80);
+  const auto scaled = [&](const Mesh& mesh) {
+    std::vector<Vec3> positions = mesh.positions();
+    for (Vec3& p : positions) p *= scale;
+    return Mesh::create(std::move(positions), mesh.triangles()).value();
+  };
+  const classic::Model a(mesh_a), b(mesh_b), large_a(scaled(mesh_a)), large_b(scaled(mesh_b));
+  const DistanceResult one = classic::distance({a}, {b}), other = classic::distance({large_a}, {large_b});
+  RC_ASSERT(one.upper * scale == other.upper);
+  RC_ASSERT(one.witness.point_a * scale == other.witness.point_a);
+  RC_ASSERT(one.witness.triangle_a == other.witness.triangle_a);
+  RC_ASSERT(one.stats.node_tests == other.stats.node_tests);
+}
+
+RC_GTEST_PROP(ClassicModel, OrderOfTrianglesDoesNotMatter, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const Mesh mesh_a = arbitrary_soup(rng, 15), mesh_b = arbitrary_soup(rng, 15);
+  std::vector<Corners> reversed(mesh_a.triangles().rbegin(), mesh_a.triangles().rend());
+  const classic::Model a(mesh_a), b(mesh_b), turned(Mesh::create(mesh_a.positions(), reversed).value());
+  RC_ASSERT(classic::distance({a}, {b}).upper == classic::distance({turned}, {b}).upper);
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "limber/geometry.h"
+#include "limber/mesh.h"
+#include "scenes/scenes.h"
+
+/// Random triangles of the kinds that break geometry code, from a seeded generator.
+namespace limber::testing {
+
+using scenes::Rng;
+
+inline Vec3 uniform_point(Rng& rng, double low = -1, double high = 1) {
+  const double x = rng.uniform(low, high), y = rng.uniform(low, high), z = rng.uniform(low, high);
+  return {x, y, z};
+}
+
+/// Integer coordinates 0 ... side - 1: every degeneracy happens often.
+inline Vec3 lattice_point(Rng& rng, std::uint64_t side = 4) {
+  const auto x = static_cast<double>(rng.below(side));
+  const auto y = static_cast<double>(rng.below(side));
+  const auto z = static_cast<double>(rng.below(side));
+  return {x, y, z};
+}
+
+/// Each coordinate moved by up to `ulps` units in the last place.
+inline Vec3 nudged(Rng& rng, Vec3 p, int ulps = 2) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto steps = static_cast<int>(rng.below(static_cast<std::uint64_t>(2 * ulps + 1))) - ulps;
+    for (int i = 0; i < std::abs(steps); ++i) p[axis] = std::nextafter(p[axis], steps > 0 ? HUGE_VAL : -HUGE_VAL);
+  }
+  return p;
+}
+
+inline Vec3 point_on(const Triangle& t, double u, double v) { return t.v0 + u * (t.v1 - t.v0) + v * (t.v2 - t.v0); }
+
+enum class PairKind { uniform, lattice, near_lattice, touching, sliver, coplanar, shared_edge, count };
+
+inline Triangle uniform_triangle(Rng& rng) {
+  const Vec3 v0 = uniform_point(rng), v1 = uniform_point(rng), v2 = uniform_point(rng);
+  return {v0, v1, v2};
+}
+
+inline Triangle lattice_triangle(Rng& rng, std::uint64_t side = 4) {
+  const Vec3 v0 = lattice_point(rng, side), v1 = lattice_point(rng, side), v2 = lattice_point(rng, side);
+  return {v0, v1, v2};
+}
+
+inline Triangle nudged(Rng& rng, const Triangle& t, int ulps = 2) {
+  const Vec3 v0 = nudged(rng, t.v0, ulps), v1 = nudged(rng, t.v1, ulps), v2 = nudged(rng, t.v2, ulps);
+  return {v0, v1, v2};
+}
+
+/// Two triangles of a kind; see the switch.
+inline std::pair<Triangle, Triangle> random_pair(Rng& rng, PairKind kind) {
+  switch (kind) {
+    case PairKind::lattice: {
+      const Triangle a = lattice_triangle(rng), b = lattice_triangle(rng);
+      return {a, b};
+    }
+    case PairKind::near_lattice: {
+      const Triangle a = nudged(rng, lattice_triangle(rng)), b = nudged(rng, lattice_triangle(rng));
+      return {a, b};
+    }
+    case PairKind::touching: {  // a corner of b lies on a up to rounding
+      const Triangle a = uniform_triangle(rng);
+      const double u = rng.uniform(), v = rng.uniform() * (1 - u);
+      const Vec3 p = uniform_point(rng), q = uniform_point(rng);
+      return {a, {nudged(rng, point_on(a, u, v), 1), p, q}};
+    }
+    case PairKind::sliver: {  // third corners almost on the line of the others
+      Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
+      const double height = std::ldexp(1.0, -static_cast<int>(rng.below(60)));
+      a.v2 = a.v0 + rng.uniform() * (a.v1 - a.v0) + height * uniform_point(rng);
+      b.v2 = b.v0 + rng.uniform() * (b.v1 - b.v0) + height * uniform_point(rng);
+      return {a, b};
+    }
+    case PairKind::coplanar: {  // in one oblique plane up to rounding
+      const Triangle plane = uniform_triangle(rng);
+      const auto in_plane = [&] {
+        const double u = rng.uniform(-1, 1), v = rng.uniform(-1, 1);
+        return point_on(plane, u, v);
+      };
+      const Vec3 a0 = in_plane(), a1 = in_plane(), a2 = in_plane(), b0 = in_plane(), b1 = in_plane(), b2 = in_plane();
+      return {{a0, a1, a2}, {b0, b1, b2}};
+    }
+    case PairKind::shared_edge: {
+      const Triangle a = uniform_triangle(rng);
+      const Vec3 shared = rng.below(2) == 0 ? a.v1 : nudged(rng, a.v1, 1);
+      const Vec3 near_v0 = nudged(rng, a.v0, 1), other = uniform_point(rng);
+      return {a, {shared, near_v0, other}};
+    }
+    default: {
+      const Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
+      return {a, b};
+    }
+  }
+}
+
+inline Mesh soup(const std::vector<Triangle>& triangles) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> corners;
+  for (const Triangle& t : triangles) {
+    const auto v = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), {t.v0, t.v1, t.v2});
+    corners.push_back({v, v + 1, v + 2});
+  }
+  return Mesh::create(std::move(positions), std::move(corners)).value();
+}
+
+inline Transform random_pose(Rng& rng, double reach) {
+  const Mat3 rotation = scenes::random_rotation(rng);
+  return {rotation, uniform_point(rng, -reach, reach)};
+}
+
+}  // namespace limber::testing

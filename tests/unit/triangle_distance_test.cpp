@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "support/random_geometry.h"
+#include "support/rational_distance.h"
+
+namespace limber::testing {
+namespace {
+
+double extent_of(const Triangle& a, const Triangle& b) {
+  double extent = 0;
+  for (std::size_t i = 0; i < 3; ++i) extent = std::max({extent, length(a[i] - a[0]), length(b[i] - a[0])});
+  return extent;
+}
+
+/// The exact distance rounded to a double.
+double true_distance(const Triangle& a, const Triangle& b) { return std::sqrt(squared_distance(a, b).convert_to<double>()); }
+
+double misfit(const Vec3& point, const Triangle& triangle) { return closest_points(point, triangle).distance; }
+
+TEST(SegmentDistance, KnownValues) {
+  const ClosestPoints crossing = closest_points(Segment{{-1, 0, 0}, {1, 0, 0}}, Segment{{0, -1, 2}, {0, 1, 2}});
+  EXPECT_EQ(crossing.distance, 2);
+  EXPECT_EQ(crossing.point_a, (Vec3{0, 0, 0}));
+  EXPECT_EQ(crossing.point_b, (Vec3{0, 0, 2}));
+  EXPECT_EQ(closest_points(Segment{{0, 0, 0}, {1, 0, 0}}, Segment{{3, 4, 0}, {9, 4, 0}}).distance, std::sqrt(20.0));
+  EXPECT_EQ(closest_points(Segment{{0, 0, 0}, {0, 0, 0}}, Segment{{3, 4, 0}, {3, 4, 0}}).distance, 5);
+  EXPECT_EQ(closest_points(Segment{{0, 0, 0}, {8, 0, 0}}, Segment{{3, 4, 0}, {9, 4, 0}}).distance, 4);
+}
+
+TEST(SegmentDistance, NearlyParallelSegmentsKeepTheirDigits) {
+  Rng rng(20);
+  for (int i = 0; i < 400; ++i) {
+    const double angle = std::pow(10.0, -1 - (i % 16));
+    const Vec3 direction = uniform_point(rng), off = uniform_point(rng);
+    const Vec3 middle = uniform_point(rng);
+    const Segment a{middle - direction, middle + direction};
+    const Segment b{middle - direction - angle * off, middle + direction + angle * off};
+    const double exact = true_distance({a.p0, a.p1, a.p1}, {b.p0, b.p1, b.p1});
+    EXPECT_NEAR(closest_points(a, b).distance, exact, 1e-15) << "angle " << angle;
+  }
+}
+
+TEST(PointTriangleDistance, KnownValues) {
+  const Triangle t{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  EXPECT_EQ(closest_points(Vec3{1, 1, 3}, t).distance, 3);
+  EXPECT_EQ(closest_points(Vec3{1, 1, 3}, t).point_b, (Vec3{1, 1, 0}));
+  EXPECT_EQ(closest_points(Vec3{-3, -4, 0}, t).distance, 5);
+  EXPECT_EQ(closest_points(Vec3{2, -7, 0}, t).point_b, (Vec3{2, 0, 0}));
+  EXPECT_EQ(closest_points(Vec3{1, 1, 0}, t).distance, 0);
+}
+
+TEST(TriangleDistance, KnownValues) {
+  const Triangle flat{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const ClosestPoints above = closest_points(flat, {{1, 1, 2}, {2, 1, 5}, {1, 2, 5}});
+  EXPECT_EQ(above.distance, 2);
+  EXPECT_EQ(above.point_a, (Vec3{1, 1, 0}));
+  EXPECT_EQ(above.point_b, (Vec3{1, 1, 2}));
+  EXPECT_EQ(closest_points(flat, {{7, -4, 0}, {9, -4, 0}, {7, -9, 0}}).distance, 5);
+}
+
+TEST(TriangleDistance, LargePerpendicularTriangles) {  // GammaUNC/PQP issue 4
+  const Triangle a{{0, 0, 0}, {500, 0, 0}, {0, 500, 0}};
+  const Triangle b{{600, 0, 100}, {600, 500, 100}, {600, 0, 600}};
+  EXPECT_NEAR(closest_points(a, b).distance, true_distance(a, b), 1e-12 * 600);
+}
+
+TEST(TriangleDistance, TinyTrianglesKeepTheirFaces) {
+  // Corner above the middle of a face; edge lengths from 1 to 1e-30, where an absolute threshold would drop the face.
+  for (int exponent = 0; exponent >= -100; exponent -= 5) {
+    const double s = std::ldexp(1.0, exponent);
+    const Triangle flat{{0, 0, 0}, {4 * s, 0, 0}, {0, 4 * s, 0}};
+    const Triangle above{{s, s, s}, {1.5 * s, s, 3 * s}, {s, 1.5 * s, 3 * s}};
+    EXPECT_EQ(closest_points(flat, above).distance, s);
+  }
+}
+
+class TriangleDistanceOfKind : public ::testing::TestWithParam<PairKind> {};
+
+TEST_P(TriangleDistanceOfKind, EqualsTheRationalOracle) {
+  Rng rng(21 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 100; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const double extent = std::max(extent_of(a, b), 1e-300);
+    const ClosestPoints found = closest_points(a, b);
+    ASSERT_NEAR(found.distance, true_distance(a, b), 2e-15 * extent) << "case " << i;
+  }
+}
+
+TEST_P(TriangleDistanceOfKind, PointsLieOnTheTrianglesAndAreThatFarApart) {
+  Rng rng(41 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 3000; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const double tolerance = 4e-15 * std::max(extent_of(a, b), 1e-300);
+    const ClosestPoints found = closest_points(a, b);
+    ASSERT_LE(misfit(found.point_a, a), tolerance) << "case " << i;
+    ASSERT_LE(misfit(found.point_b, b), tolerance) << "case " << i;
+    ASSERT_NEAR(length(found.point_b - found.point_a), found.distance, tolerance) << "case " << i;
+  }
+}
+
+TEST_P(TriangleDistanceOfKind, IsZeroWithOneSharedPointExactlyWhenTheyIntersect) {
+  Rng rng(61 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 5000; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const ClosestPoints found = closest_points(a, b);
+    ASSERT_EQ(found.distance == 0, intersects(a, b)) << "case " << i;
+    if (found.distance == 0) {
+      ASSERT_EQ(found.point_a, found.point_b) << "case " << i;
+    }
+  }
+}
+
+TEST_P(TriangleDistanceOfKind, IsSymmetricAndScalesWithPowersOfTwo) {
+  Rng rng(81 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 1000; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const double distance = closest_points(a, b).distance;
+    ASSERT_NEAR(closest_points(b, a).distance, distance, 2e-15 * extent_of(a, b)) << "case " << i;
+    for (const double scale : {0x1p-120, 0x1p-30, 0x1p90, 0x1p180}) {
+      const Triangle a2{a.v0 * scale, a.v1 * scale, a.v2 * scale}, b2{b.v0 * scale, b.v1 * scale, b.v2 * scale};
+      ASSERT_NEAR(closest_points(a2, b2).distance / scale, distance, 1e-15 * extent_of(a, b)) << "scale " << scale;
+    }
+  }
+}
+
+TEST_P(TriangleDistanceOfKind, SurvivesHugeOffsets) {
+  Rng rng(101 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 60; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const Vec3 offset{1e9, -3e8, 7e9};
+    const Triangle far_a{a.v0 + offset, a.v1 + offset, a.v2 + offset}, far_b{b.v0 + offset, b.v1 + offset, b.v2 + offset};
+    ASSERT_NEAR(closest_points(far_a, far_b).distance, true_distance(far_a, far_b), 2e-15 * extent_of(far_a, far_b));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleDistanceOfKind,
+                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
+                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
+                                           PairKind::shared_edge));
+
+TEST(TriangleDistance, IsPositiveForTheSmallestGap) {
+  const Triangle flat{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const double gap = std::numeric_limits<double>::denorm_min();
+  const Triangle above{{1, 1, gap}, {2, 1, 5}, {1, 2, 5}};
+  EXPECT_FALSE(intersects(flat, above));
+  const double distance = closest_points(flat, above).distance;
+  EXPECT_GT(distance, 0);
+  EXPECT_LT(distance, 1e-300);
+}
+
+TEST(TriangleDistance, EveryRankAgainstEveryRank) {
+  const Vec3 o{0, 0, 0}, x{2, 0, 0}, y{0, 2, 0};
+  const Triangle ranks_a[] = {{o, o, o}, {o, x, o}, {o, x, y}};
+  for (const Triangle& a : ranks_a) {
+    for (const Triangle& flat : ranks_a) {
+      const Vec3 up{0, 0, 3};
+      EXPECT_EQ(closest_points(a, {flat.v0 + up, flat.v1 + up, flat.v2 + up}).distance, 3);
+      EXPECT_EQ(closest_points(a, flat).distance, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
