@@ -21,16 +21,16 @@ inline constexpr std::uint32_t no_id = 0xffff'ffffU;
 
 /// What was wrong with something that came from outside.
 enum class ErrorCode {
-  empty_mesh,          ///< no triangle
-  non_finite,          ///< a NaN or an infinity
-  too_large,           ///< a coordinate above `max_coordinate`, or more elements than ids can count
-  index_out_of_range,  ///< a triangle or an update names a vertex that does not exist
-  size_mismatch,       ///< two lists that belong together differ in length
-  unreadable_file,     ///< missing, a folder, or no permission
-  malformed_file,      ///< truncated, or not what its name says
-  unsupported_format,  ///< the file's extension is not one of those read
+  empty_mesh,            ///< no triangle
+  non_finite,            ///< a NaN or an infinity
+  too_large,             ///< a coordinate above `max_coordinate`, or more elements than ids can count
+  index_out_of_range,    ///< a triangle or an update names a vertex that does not exist
+  size_mismatch,         ///< two lists that belong together differ in length
+  unreadable_file,       ///< missing, a folder, or no permission
+  malformed_file,        ///< truncated, or not what its name says
+  unsupported_format,    ///< the file's extension is not one of those read
   changed_connectivity,  ///< a frame whose faces differ from those of the first frame
-  broken_invariant,    ///< `validate()` found the structure damaged
+  broken_invariant,      ///< `validate()` found the structure damaged
 };
 
 /// One line for a person, a code for a program, and the place.

@@ -31,7 +31,7 @@ struct Looseness {
 
 struct ModelOptions {
   Maintenance maintenance = Maintenance::by_depth;
-  Looseness looseness;
+  Looseness looseness{};
 };
 
 /// Work done on the tree since the model was built.

@@ -49,9 +49,7 @@ inline double max_abs(const Vec3& v) {
   const Vec3 a = abs(v);
   return a.x > a.y ? (a.x > a.z ? a.x : a.z) : (a.y > a.z ? a.y : a.z);
 }
-inline bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+inline bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// A 3 x 3 matrix by rows.
 struct Mat3 {
@@ -59,9 +57,7 @@ struct Mat3 {
   constexpr bool operator==(const Mat3&) const = default;
 };
 
-constexpr Vec3 operator*(const Mat3& m, const Vec3& v) {
-  return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)};
-}
+constexpr Vec3 operator*(const Mat3& m, const Vec3& v) { return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)}; }
 constexpr Mat3 transpose(const Mat3& m) {
   return {{m.row0.x, m.row1.x, m.row2.x}, {m.row0.y, m.row1.y, m.row2.y}, {m.row0.z, m.row1.z, m.row2.z}};
 }

@@ -46,14 +46,14 @@ struct DistanceResult {
   double lower = 0;  ///< proven: no two points of the models are closer
   double upper = 0;  ///< the distance of the witness points
   Status status = Status::exact;
-  Witness witness;
-  QueryStats stats;
+  Witness witness{};
+  QueryStats stats{};
 };
 
 struct CollideResult {
   bool collision = false;
   std::optional<Witness> witness;  ///< there exactly when `collision`; both points are the same
-  QueryStats stats;
+  QueryStats stats{};
 };
 
 }  // namespace limber

@@ -3,8 +3,10 @@
 
 // Based on  [Quinlan1994] and the thesis this engine follows: top-down, two equal-count groups that are geometrically
 //           apart, spheres around spheres.
-// Differs   The split is the median along the longest side of the box around the leaves' centres, ties broken by triangle
-//           id, so the tree does not depend on the standard library's selection order. Nodes are laid out breadth-first.
+// Differs   The split is the median along the longest side of the box around the leaves' centres, ties broken by
+// triangle
+//           id, so the tree does not depend on the standard library's selection order. Nodes are laid out
+//           breadth-first.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -31,10 +33,9 @@ std::size_t longest_axis(std::span<const TriangleId> group, const std::vector<Ve
 std::size_t split(std::span<TriangleId> group, const std::vector<Vec3>& centers) {
   const std::size_t axis = longest_axis(group, centers);
   const std::size_t half = (group.size() + 1) / 2;
-  std::nth_element(group.begin(), group.begin() + static_cast<std::ptrdiff_t>(half), group.end(),
-                   [&](TriangleId s, TriangleId t) {
-                     return std::pair(centers[s][axis], s) < std::pair(centers[t][axis], t);
-                   });
+  std::nth_element(
+      group.begin(), group.begin() + static_cast<std::ptrdiff_t>(half), group.end(),
+      [&](TriangleId s, TriangleId t) { return std::pair(centers[s][axis], s) < std::pair(centers[t][axis], t); });
   return half;
 }
 
@@ -97,8 +98,7 @@ Sphere with_slack(Sphere tight, const Looseness& looseness) {
   return tight;
 }
 
-Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options)
-    : mesh(std::move(mesh_to_own)), options(model_options) {
+Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
   LIMBER_ASSERT(std::isfinite(options.looseness.slack) && options.looseness.slack >= 0);
   LIMBER_ASSERT(std::isfinite(options.looseness.stale_ratio) && options.looseness.stale_ratio >= 1);
   build_nodes(*this);

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Based on  the thesis this engine follows: propagation to the root, at once, batched, or ordered by depth; loose spheres.
-// Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a node is put
+// Based on  the thesis this engine follows: propagation to the root, at once, batched, or ordered by depth; loose
+// spheres. Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a
+// node is put
 //           in once, however many children ask for it. A loose sphere is also recomputed when it has become much larger
 //           than needed, because otherwise a shrinking model would keep its largest spheres for ever.
 #include <string>
@@ -74,8 +75,9 @@ Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
 Result<void> check_new_positions(std::span<const Vec3> positions) {
   if (auto sound = check_positions(positions); !sound) {
     const Error& error = sound.error();
-    return at_entry(error.code, error.where.value_or(0),
-                    error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
+    return at_entry(
+        error.code, error.where.value_or(0),
+        error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
   }
   return {};
 }

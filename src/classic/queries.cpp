@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Based on  [Quinlan1994] and the thesis this engine follows: two trees descended together, the larger sphere split, the
+// Based on  [Quinlan1994] and the thesis this engine follows: two trees descended together, the larger sphere split,
+// the
 //           nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the asked
 //           error.
 // Differs   Both spheres of a pair are placed in the world, their bounds reduced by the rounding of the placement, so a
@@ -129,7 +130,7 @@ struct CollisionQuery {
 struct DistanceQuery {
   double relative_error;
   double upper = infinity;
-  double cut = infinity;             // pairs at least this far apart cannot improve the answer enough
+  double cut = infinity;               // pairs at least this far apart cannot improve the answer enough
   double smallest_dropped = infinity;  // lower bound of everything that was not looked at
   Witness witness{};
 

@@ -7,8 +7,8 @@
 
 #include "limber/classic.h"
 
-/// The sphere tree's data. Nodes lie in breadth-first order, so the levels are contiguous, siblings are adjacent and every
-/// child comes after its parent: walking the array backwards visits children first.
+/// The sphere tree's data. Nodes lie in breadth-first order, so the levels are contiguous, siblings are adjacent and
+/// every child comes after its parent: walking the array backwards visits children first.
 ///
 /// Invariants, checked by validate():
 ///   I1  There are 2 n - 1 nodes; node 0 is the root; a node is a leaf or has two children.
@@ -46,9 +46,9 @@ struct Tree {
 
   // What commit() has to repair.
   std::vector<TriangleId> changed_triangles;
-  std::vector<std::uint8_t> is_changed;                   // by triangle
+  std::vector<std::uint8_t> is_changed;                    // by triangle
   std::vector<std::vector<std::uint32_t>> queue_at_depth;  // nodes waiting for repair, empty between commits
-  std::vector<std::uint8_t> is_queued;                    // by node
+  std::vector<std::uint8_t> is_queued;                     // by node
 
   MaintenanceStats stats;
 

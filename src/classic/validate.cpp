@@ -11,8 +11,8 @@ namespace limber::classic {
 namespace {
 
 Error broken(int invariant, std::size_t node) {
-  return {ErrorCode::broken_invariant, "invariant I" + std::to_string(invariant) + " broken at node " + std::to_string(node),
-          node};
+  return {ErrorCode::broken_invariant,
+          "invariant I" + std::to_string(invariant) + " broken at node " + std::to_string(node), node};
 }
 
 bool links_are_sound(const Tree& tree, std::uint32_t n) {
@@ -44,13 +44,15 @@ Result<void> Model::validate() const {
   }
   if (tree.leaf_of.size() != count) return broken(3, root);
   for (TriangleId t = 0; t < count; ++t) {
-    if (tree.leaf_of[t] >= tree.nodes.size() || tree.nodes[tree.leaf_of[t]].triangle != t) return broken(3, tree.leaf_of[t]);
+    if (tree.leaf_of[t] >= tree.nodes.size() || tree.nodes[tree.leaf_of[t]].triangle != t)
+      return broken(3, tree.leaf_of[t]);
   }
   if (tree.nodes.back().depth != balanced_depth(count)) return broken(4, tree.nodes.size() - 1);
   for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
     if (!sphere_holds(tree, tree.nodes[n])) return broken(tree.nodes[n].is_leaf() ? 5 : 6, n);
   }
-  const bool any_queued = std::any_of(tree.is_queued.begin(), tree.is_queued.end(), [](auto flag) { return flag != 0; });
+  const bool any_queued =
+      std::any_of(tree.is_queued.begin(), tree.is_queued.end(), [](auto flag) { return flag != 0; });
   if (!is_committed() || any_queued) return broken(7, root);
   return {};
 }

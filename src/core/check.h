@@ -9,7 +9,8 @@ void report_violation(const char* expression, const char* file, int line);
 
 }  // namespace limber::core
 
-/// LIMBER_ASSERT: an O(1) precondition. LIMBER_VALIDATE: a whole-structure check, a Result<void>, after structural changes.
+/// LIMBER_ASSERT: an O(1) precondition. LIMBER_VALIDATE: a whole-structure check, a Result<void>, after structural
+/// changes.
 #if defined(LIMBER_CHECKS)
 #define LIMBER_ASSERT(condition) \
   ((condition) ? static_cast<void>(0) : ::limber::core::report_violation(#condition, __FILE__, __LINE__))

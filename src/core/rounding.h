@@ -8,9 +8,9 @@
 
 /// Float64 arithmetic that errs on a chosen side, without touching the rounding mode.
 ///
-/// With u = 2^-53: a difference of stored coordinates carries a relative error of u, a squared length of three of them at
-/// most 5 u, its root 3.5 u. The factors below cover that with room to spare; squares below 2^-900 are treated apart,
-/// because there underflow would spoil relative errors.
+/// With u = 2^-53: a difference of stored coordinates carries a relative error of u, a squared length of three of them
+/// at most 5 u, its root 3.5 u. The factors below cover that with room to spare; squares below 2^-900 are treated
+/// apart, because there underflow would spoil relative errors.
 namespace limber::core {
 
 inline constexpr double tiny_square = 0x1p-900;

@@ -65,9 +65,7 @@ Sphere enclosing_sphere(const Sphere& a, const Sphere& b) {
   return {center, std::max(radius_around(center, a), radius_around(center, b))};
 }
 
-bool contains(const Sphere& outer, const Sphere& inner) {
-  return radius_around(outer.center, inner) <= outer.radius;
-}
+bool contains(const Sphere& outer, const Sphere& inner) { return radius_around(outer.center, inner) <= outer.radius; }
 
 bool contains(const Sphere& sphere, const Triangle& triangle) {
   return radius_around(sphere.center, triangle) <= sphere.radius;

@@ -4,8 +4,9 @@
 // Based on  [Shewchuk1997]: a number as a sum of non-overlapping doubles, added and multiplied without error.
 //           [Dekker1971] for the exact product of two doubles.
 // Differs   No adaptive stages in between: whoever comes here already failed the filter, and zero terms are dropped, so
-//           the integer-like inputs that fail it most often have short sums. Coordinates so large or small that a product
-//           could leave the range of double go to big integers, so there is no input for which the sign is not exact.
+//           the integer-like inputs that fail it most often have short sums. Coordinates so large or small that a
+//           product could leave the range of double go to big integers, so there is no input for which the sign is not
+//           exact.
 #include "geometry/exact_sign.h"
 
 #include <algorithm>
@@ -144,8 +145,8 @@ int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
       return std::array<Integer, 3>{whole(v.x) - whole(a.x), whole(v.y) - whole(a.y), whole(v.z) - whole(a.z)};
     };
     const auto p = minus_a(b), q = minus_a(c), r = minus_a(d);
-    const Integer det = r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) +
-                        r[2] * (p[0] * q[1] - p[1] * q[0]);
+    const Integer det =
+        r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) + r[2] * (p[0] * q[1] - p[1] * q[0]);
     return det.sign();
   }
   const auto minus_a = [&](const Vec3& v) {
@@ -162,8 +163,8 @@ int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
 int exact_area_sign(double ax, double ay, double bx, double by, double cx, double cy) {
   if (!expansions_are_exact({ax, ay, bx, by, cx, cy})) {
     const Integers whole{ax, ay, bx, by, cx, cy};
-    const Integer det = (whole(bx) - whole(ax)) * (whole(cy) - whole(ay)) -
-                        (whole(by) - whole(ay)) * (whole(cx) - whole(ax));
+    const Integer det =
+        (whole(bx) - whole(ax)) * (whole(cy) - whole(ay)) - (whole(by) - whole(ay)) * (whole(cx) - whole(ax));
     return det.sign();
   }
   Expansion<16> det;

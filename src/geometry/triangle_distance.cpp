@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  [Larsen1999]: the closest points of disjoint triangles lie on a pair of edges or on a corner and a face.
-// Differs   All fifteen feature pairs are compared; none is dropped by a threshold, so slivers and tiny triangles take the
+// Differs   All fifteen feature pairs are compared; none is dropped by a threshold, so slivers and tiny triangles take
+// the
 //           same path. The direction between the best points must then prove the triangles apart by projection; if it
 //           cannot, the exact predicate decides, so that distance 0 and intersection are one fact. All arithmetic is
 //           relative to a corner and, at extreme scales, divided by a power of two.
@@ -190,7 +191,8 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b) {
     return {0, shared, shared};
   }
   const double distance = frame.length_from_local(safe_length(best.between));
-  return {std::max(distance, std::numeric_limits<double>::min()), point_at(a, best.weights_a), point_at(b, best.weights_b)};
+  return {std::max(distance, std::numeric_limits<double>::min()), point_at(a, best.weights_a),
+          point_at(b, best.weights_b)};
 }
 
 ClosestPoints closest_points(const Segment& a, const Segment& b) {

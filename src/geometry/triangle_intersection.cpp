@@ -4,8 +4,8 @@
 // Based on  the observation behind [GuigueDevillers2003] that signs of orient3d and orient2d decide everything.
 // Differs   Instead of ordering intervals on a common line it asks whether an edge of one triangle meets the other: two
 //           closed triangles share a point exactly when that is so. The question has a plain answer for every rank
-//           (triangle, segment, point), so degenerate input needs no promise and no epsilon. The nine volumes spanned by
-//           pairs of edges serve both directions and are computed when first asked for.
+//           (triangle, segment, point), so degenerate input needs no promise and no epsilon. The nine volumes spanned
+//           by pairs of edges serve both directions and are computed when first asked for.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -19,9 +19,7 @@ namespace {
 
 constexpr std::array<std::size_t, 3> after{1, 2, 0};
 
-bool lexicographically_less(const Vec3& a, const Vec3& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
+bool lexicographically_less(const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
 bool opposite(int sign_a, int sign_b) { return sign_a * sign_b < 0; }
 
@@ -90,10 +88,12 @@ class EdgeTests {
   }
 
   bool edge_of_a_meets_b(std::size_t i) {
-    return edge_meets(side_of_b_[i], side_of_b_[after[i]], [&](std::size_t j) { return volume(i, j); }, a_, i, b_);
+    return edge_meets(
+        side_of_b_[i], side_of_b_[after[i]], [&](std::size_t j) { return volume(i, j); }, a_, i, b_);
   }
   bool edge_of_b_meets_a(std::size_t j) {
-    return edge_meets(side_of_a_[j], side_of_a_[after[j]], [&](std::size_t i) { return volume(i, j); }, b_, j, a_);
+    return edge_meets(
+        side_of_a_[j], side_of_a_[after[j]], [&](std::size_t i) { return volume(i, j); }, b_, j, a_);
   }
 
  private:
@@ -106,7 +106,8 @@ class EdgeTests {
                          const Triangle& target) {
     if (side0 * side1 > 0) return false;
     if (side0 == 0 && side1 == 0) return flat_segment_meets({owner[edge], owner[after[edge]]}, target);
-    // The edge's line crosses the plane in one point, inside unless it passes two of the target's edges on different sides.
+    // The edge's line crosses the plane in one point, inside unless it passes two of the target's edges on different
+    // sides.
     const int first = volume_at(0), second = volume_at(1);
     if (opposite(first, second)) return false;
     const int third = volume_at(2);
@@ -124,7 +125,8 @@ class EdgeTests {
   const Triangle& a_;
   const Triangle& b_;
   std::array<int, 3> side_of_a_{}, side_of_b_{};
-  std::array<std::array<int, 3>, 3> volumes_{{{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}}};
+  std::array<std::array<int, 3>, 3> volumes_{
+      {{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}}};
 };
 
 bool boxes_are_apart(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {

@@ -113,7 +113,8 @@ void require_right_answers(Rng& rng, const classic::Placed& a, const classic::Pl
     if (found.upper == 0) {
       RC_ASSERT(w.point_a == w.point_b);
       const Triangle ta = a.model.mesh().triangle(w.triangle_a), tb = b.model.mesh().triangle(w.triangle_b);
-      RC_ASSERT(intersects({a.pose(ta.v0), a.pose(ta.v1), a.pose(ta.v2)}, {b.pose(tb.v0), b.pose(tb.v1), b.pose(tb.v2)}));
+      RC_ASSERT(
+          intersects({a.pose(ta.v0), a.pose(ta.v1), a.pose(ta.v2)}, {b.pose(tb.v0), b.pose(tb.v1), b.pose(tb.v2)}));
     }
   }
 }

@@ -14,8 +14,8 @@ namespace {
 int rational_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const RationalVec p = minus(rational(b), rational(a)), q = minus(rational(c), rational(a)),
                     r = minus(rational(d), rational(a));
-  const Rational det = r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) +
-                       r[2] * (p[0] * q[1] - p[1] * q[0]);
+  const Rational det =
+      r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) + r[2] * (p[0] * q[1] - p[1] * q[0]);
   return det.sign();
 }
 
@@ -75,9 +75,7 @@ TEST(Orientation, IsExactAtEveryScale) {
 TEST(Orientation, IsExactForMixedMagnitudes) {
   Rng rng(4);
   const auto wild = [&] {
-    const auto coordinate = [&] {
-      return std::ldexp(rng.uniform(-1, 1), static_cast<int>(rng.below(1900)) - 1000);
-    };
+    const auto coordinate = [&] { return std::ldexp(rng.uniform(-1, 1), static_cast<int>(rng.below(1900)) - 1000); };
     const double x = coordinate(), y = coordinate(), z = coordinate();
     return Vec3{x, y, z};
   };

@@ -18,7 +18,9 @@ double extent_of(const Triangle& a, const Triangle& b) {
 }
 
 /// The exact distance rounded to a double.
-double true_distance(const Triangle& a, const Triangle& b) { return std::sqrt(squared_distance(a, b).convert_to<double>()); }
+double true_distance(const Triangle& a, const Triangle& b) {
+  return std::sqrt(squared_distance(a, b).convert_to<double>());
+}
 
 double misfit(const Vec3& point, const Triangle& triangle) { return closest_points(point, triangle).distance; }
 
@@ -133,7 +135,8 @@ TEST_P(TriangleDistanceOfKind, SurvivesHugeOffsets) {
   for (int i = 0; i < 60; ++i) {
     const auto [a, b] = random_pair(rng, GetParam());
     const Vec3 offset{1e9, -3e8, 7e9};
-    const Triangle far_a{a.v0 + offset, a.v1 + offset, a.v2 + offset}, far_b{b.v0 + offset, b.v1 + offset, b.v2 + offset};
+    const Triangle far_a{a.v0 + offset, a.v1 + offset, a.v2 + offset},
+        far_b{b.v0 + offset, b.v1 + offset, b.v2 + offset};
     ASSERT_NEAR(closest_points(far_a, far_b).distance, true_distance(far_a, far_b), 2e-15 * extent_of(far_a, far_b));
   }
 }

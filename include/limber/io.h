@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "limber/mesh.h"
+
+/// Mesh files: OBJ, PLY, STL, OFF, glTF (.gltf, .glb). Target limber::io.
+///
+/// The extension decides the format, in capitals or not. Coordinates keep float64 precision where the file has it
+/// (text, PLY of doubles); binary STL and glTF hold float32. A glTF scene becomes one mesh, every node's primitives
+/// placed by its transform; skins and morphs stay at rest. Faces keep the file's order; a face of k corners becomes the
+/// k - 2 triangles of a fan around its first corner, so triangle ids index the triangulated list in the file's own
+/// order. Vertices at equal positions are shared (welded) afterwards. Faces of fewer than three corners are skipped but
+/// counted, so that face ids stay the file's own. Messages count vertices and faces from 0, also in OBJ files.
+namespace limber {
+
+/// A mesh as a file describes it.
+struct MeshFile {
+  Mesh mesh;                                    ///< triangulated and welded; positions in order of first appearance
+  std::vector<std::uint32_t> face_of_triangle;  ///< the file's own face, counted from 0, behind each triangle
+  std::size_t face_count = 0;                   ///< faces in the file
+};
+
+/// Reads a file.
+///
+/// Errors   One line naming file and reason: `unreadable_file` (missing, a folder, no permission), `unsupported_format`
+///          (the extension), `malformed_file` (truncated, not a mesh), `empty_mesh` (no face of three corners),
+///          `non_finite`, `too_large` or `index_out_of_range` with the file's vertex or face.
+/// Cost     O(size of the file).
+Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
+
+/// The same, the mesh alone.
+Result<Mesh> load_mesh(const std::filesystem::path& path);
+
+/// Frames of one deforming mesh: files with the same vertex count and the same faces, positions differing.
+///
+/// Vertices are welded by the first frame's positions, and every later frame by the same map, so vertex and triangle
+/// ids mean the same in every frame even where moving vertices meet or part.
+class MeshSequence {
+ public:
+  /// Reads the first frame. Errors as read_mesh_file().
+  static Result<MeshSequence> open(const std::filesystem::path& first_frame);
+
+  const MeshFile& first() const { return first_; }
+
+  /// Reads frame number `frame` (only used in messages) and returns the positions of the welded vertices.
+  ///
+  /// Errors   As read_mesh_file(), and `changed_connectivity` naming the frame number with both vertex counts and both
+  ///          face counts, or, where counts agree, the first face that differs. `where` is the frame number.
+  Result<std::vector<Vec3>> read_positions(const std::filesystem::path& path, std::size_t frame) const;
+
+ private:
+  explicit MeshSequence(MeshFile first) : first_(std::move(first)) {}
+
+  MeshFile first_;
+  std::size_t file_vertex_count_ = 0;
+  std::vector<std::uint32_t> file_corners_;  // of all faces one after the other, as in the file, before welding
+  std::vector<std::size_t> file_face_ends_;  // where each face ends in `file_corners_`
+  std::vector<VertexId> file_vertex_of_;     // the first file vertex for each welded vertex
+};
+
+}  // namespace limber

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/base.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "core/check.h"
+#include "core/rounding.h"
+
+namespace limber::testing {
+namespace {
+
+TEST(Result, HoldsAValueOrAnError) {
+  const Result<int> good = 7;
+  ASSERT_TRUE(static_cast<bool>(good));
+  EXPECT_EQ(*good, 7);
+  EXPECT_EQ(good.value(), 7);
+  const Result<int> bad = Error{ErrorCode::empty_mesh, "nothing there", 3};
+  ASSERT_FALSE(static_cast<bool>(bad));
+  EXPECT_EQ(bad.error().code, ErrorCode::empty_mesh);
+  EXPECT_EQ(bad.error().where, 3U);
+}
+
+TEST(Result, ValueThrowsTheErrorItHolds) {
+  const Result<int> bad = Error{ErrorCode::non_finite, "vertex 4 is not finite", 4};
+  try {
+    static_cast<void>(bad.value());
+    FAIL() << "no exception";
+  } catch (const BadResult& e) {
+    EXPECT_STREQ(e.what(), "vertex 4 is not finite");
+    EXPECT_EQ(e.error().code, ErrorCode::non_finite);
+  }
+  const Result<void> nothing = Error{ErrorCode::too_large, "x", {}};
+  EXPECT_THROW(nothing.value(), BadResult);
+  EXPECT_NO_THROW(Result<void>().value());
+}
+
+TEST(Result, MovesItsValueOut) {
+  Result<std::unique_ptr<int>> owner = std::make_unique<int>(5);
+  const std::unique_ptr<int> taken = std::move(owner).value();
+  EXPECT_EQ(*taken, 5);
+}
+
+TEST(AssertHandler, IsCalledWithTheExpressionAndCanBeReplaced) {
+  static const char* seen = nullptr;
+  const AssertHandler previous =
+      set_assert_handler([](const char* expression, const char*, int) { seen = expression; });
+  core::report_violation("1 == 2", "file.cpp", 3);
+  set_assert_handler(previous);
+  EXPECT_STREQ(seen, "1 == 2");
+}
+
+TEST(AssertHandler, ThrowsByDefault) {
+  EXPECT_THROW(core::report_violation("1 == 2", "file.cpp", 3), std::logic_error);
+}
+
+TEST(Rounding, SumsAndDistancesErrOnTheirSide) {
+  EXPECT_EQ(core::add_up(0, 3), 3);
+  EXPECT_GT(core::add_up(1, 0x1p-60), 1);
+  const Vec3 a{1, 1, 1}, b{2, 2, 2};
+  EXPECT_GT(core::distance_up(a, b), std::sqrt(3.0));
+  EXPECT_LT(core::distance_down(a, b), std::sqrt(3.0));
+  EXPECT_EQ(core::distance_up(a, a), 0);
+  EXPECT_GE(core::distance_up({0, 0, 0}, {1e-200, 1e-200, 1e-200}), 1.7e-200);
+  EXPECT_EQ(core::distance_down({0, 0, 0}, {1e-200, 0, 0}), 0);
+}
+
+}  // namespace
+}  // namespace limber::testing

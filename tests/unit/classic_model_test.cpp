@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "classic/tree.h"
+#include "limber/classic.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+using classic::Maintenance;
+using classic::Model;
+using classic::ModelOptions;
+
+Mesh triangles_in_a_row(std::size_t count) {
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto x = static_cast<double>(i);
+    triangles.push_back({{x, 0, 0}, {x + 0.5, 0, 0}, {x, 0.5, 0}});
+  }
+  return soup(triangles);
+}
+
+TEST(ClassicTree, IsBalancedForEveryCount) {
+  for (std::size_t n = 1; n <= 70; ++n) {
+    const Model model(triangles_in_a_row(n));
+    ASSERT_TRUE(static_cast<bool>(model.validate())) << n;
+    EXPECT_EQ(model.tree_stats().nodes, 2 * n - 1);
+    EXPECT_EQ(model.tree_stats().depth, static_cast<std::uint32_t>(std::bit_width(n - 1)));
+  }
+}
+
+TEST(ClassicTree, OfOneTriangleIsALeaf) {
+  const Model model(triangles_in_a_row(1));
+  EXPECT_TRUE(model.tree().nodes[0].is_leaf());
+  EXPECT_EQ(model.tree_stats().depth, 0U);
+}
+
+TEST(ClassicTree, SiblingsOfARowAreApart) {
+  // Equal-count halves of a row must not interleave: all triangles of the first child lie left of the second's.
+  const Model model(triangles_in_a_row(64));
+  const auto& nodes = model.tree().nodes;
+  for (const classic::Node& node : nodes) {
+    if (node.is_leaf()) continue;
+    const Sphere &first = nodes[node.first_child].sphere, &second = nodes[node.first_child + 1].sphere;
+    EXPECT_LT(first.center.x + first.radius * 0.5, second.center.x);
+  }
+}
+
+TEST(ClassicTree, DoesNotSplitCoincidentTrianglesUnevenly) {
+  const std::vector<Triangle> same(33, Triangle{{1, 2, 3}, {2, 2, 3}, {1, 3, 3}});
+  const Model model(soup(same));
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  EXPECT_EQ(model.tree_stats().depth, 6U);
+}
+
+TEST(ClassicTree, ValidateNamesTheBrokenInvariant) {
+  Model model(triangles_in_a_row(8));
+  auto& tree = const_cast<classic::Tree&>(model.tree());
+  const auto broken_by = [&](auto&& damage, auto&& repair) {
+    damage();
+    const Result<void> result = model.validate();
+    repair();
+    EXPECT_TRUE(static_cast<bool>(model.validate()));
+    return result ? std::string("none") : result.error().text;
+  };
+  classic::Node& inner = tree.nodes[1];
+  classic::Node& leaf = tree.nodes[10];
+  EXPECT_EQ(broken_by([&] { tree.nodes[0].parent = 3; }, [&] { tree.nodes[0].parent = no_id; }),
+            "invariant I1 broken at node 0");
+  EXPECT_EQ(broken_by([&] { tree.nodes[4].parent = 2; }, [&] { tree.nodes[4].parent = 1; }),
+            "invariant I2 broken at node 1");
+  EXPECT_EQ(broken_by([&] { std::swap(tree.leaf_of[0], tree.leaf_of[1]); },
+                      [&] { std::swap(tree.leaf_of[0], tree.leaf_of[1]); })
+                .substr(0, 12),
+            "invariant I3");
+  const double inner_radius = inner.sphere.radius, leaf_radius = leaf.sphere.radius;
+  EXPECT_EQ(broken_by([&] { inner.sphere.radius *= 0.9; }, [&] { inner.sphere.radius = inner_radius; }),
+            "invariant I6 broken at node 1");
+  EXPECT_EQ(broken_by([&] { leaf.sphere.radius *= 0.9; }, [&] { leaf.sphere.radius = leaf_radius; }),
+            "invariant I5 broken at node 10");
+  EXPECT_EQ(broken_by([&] { tree.is_queued[2] = 1; }, [&] { tree.is_queued[2] = 0; }), "invariant I7 broken at node 0");
+}
+
+/// Moves the first vertex of the given triangles up a little and commits.
+classic::MaintenanceStats stats_after_moving(Maintenance mode, const std::vector<TriangleId>& which) {
+  Model model(triangles_in_a_row(16), {.maintenance = mode});
+  std::vector<VertexId> ids;
+  std::vector<Vec3> positions;
+  for (const TriangleId t : which) {
+    ids.push_back(3 * t);
+    positions.push_back(model.mesh().positions()[3 * t] + Vec3{0, 0, 0.1});
+  }
+  model.move_vertices(ids, positions).value();
+  model.commit();
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  return model.maintenance_stats();
+}
+
+TEST(ClassicMaintenance, CountsWhatEachModeMustRefit) {
+  // 16 triangles: depth 4, five nodes from leaf to root. Triangles 0 and 1 are siblings; 0 is moved twice.
+  EXPECT_EQ(stats_after_moving(Maintenance::immediate, {0, 0, 1}).refits, 15U);
+  EXPECT_EQ(stats_after_moving(Maintenance::batched, {0, 0, 1}).refits, 10U);
+  EXPECT_EQ(stats_after_moving(Maintenance::by_depth, {0, 0, 1}).refits, 6U);
+  // Triangles of different halves share the root only.
+  EXPECT_EQ(stats_after_moving(Maintenance::batched, {0, 15}).refits, 10U);
+  EXPECT_EQ(stats_after_moving(Maintenance::by_depth, {0, 15}).refits, 9U);
+}
+
+TEST(ClassicMaintenance, ByDepthRefitsEveryNodeOnceWhenAllVerticesMove) {
+  Model model(scenes::thesis_ball());
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p *= 1.5;
+  model.move_all(positions).value();
+  model.commit();
+  EXPECT_EQ(model.maintenance_stats().refits, model.tree_stats().nodes);
+  EXPECT_EQ(model.maintenance_stats().moved_vertices, positions.size());
+}
+
+TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
+  Rng rng(50);
+  Model models[] = {Model(scenes::thesis_ball(), {.maintenance = Maintenance::immediate}),
+                    Model(scenes::thesis_ball(), {.maintenance = Maintenance::batched}),
+                    Model(scenes::thesis_ball(), {.maintenance = Maintenance::by_depth})};
+  for (int round = 0; round < 20; ++round) {
+    const scenes::Dent dent{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 1), 0.1};
+    for (Model& model : models) {
+      const auto moves = scenes::dent_moves(dent, model.mesh().positions());
+      model.move_vertices(moves.ids, moves.positions).value();
+      model.commit();
+    }
+  }
+  for (std::size_t n = 0; n < models[0].tree().nodes.size(); ++n) {
+    for (const Model& model : models) {
+      ASSERT_EQ(model.tree().nodes[n].sphere.center, models[0].tree().nodes[n].sphere.center);
+      ASSERT_EQ(model.tree().nodes[n].sphere.radius, models[0].tree().nodes[n].sphere.radius);
+    }
+  }
+}
+
+TEST(ClassicMaintenance, QueriesNeedACommit) {
+  Model model(triangles_in_a_row(4));
+  EXPECT_TRUE(model.is_committed());
+  model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
+  EXPECT_FALSE(model.is_committed());
+  model.commit();
+  EXPECT_TRUE(model.is_committed());
+  Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
+  immediate.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
+  EXPECT_TRUE(immediate.is_committed());
+}
+
+TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
+  Model model(triangles_in_a_row(4));
+  const std::vector<Vec3> before = model.mesh().positions();
+  const std::vector<VertexId> ids{0, 99};
+  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}};
+  const auto expect_refused = [&](const Result<void>& result, ErrorCode code, const char* text) {
+    ASSERT_FALSE(static_cast<bool>(result));
+    EXPECT_EQ(result.error().code, code);
+    EXPECT_EQ(result.error().text, text);
+    EXPECT_EQ(model.mesh().positions(), before);
+    EXPECT_TRUE(model.is_committed());
+    EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
+  };
+  expect_refused(model.move_vertices(ids, two), ErrorCode::index_out_of_range,
+                 "entry 1 of the update names vertex 99, but there are only 12");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0}, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0, 1}, std::vector<Vec3>{{0, 0, 1}, {0, NAN, 0}}),
+                 ErrorCode::non_finite, "entry 1 of the update is not finite");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{1e70, 0, 1}}), ErrorCode::too_large,
+                 "entry 0 of the update has a coordinate above the limit of 2^200");
+  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for 12 vertices");
+}
+
+TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
+  Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}}, {{0, 1, 2}}).value());
+  model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 1, 1}}).value();
+  model.commit();
+  EXPECT_EQ(model.maintenance_stats().refits, 0U);
+  EXPECT_EQ(model.mesh().positions()[3], (Vec3{1, 1, 1}));
+}
+
+TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
+  for (const Maintenance mode : {Maintenance::immediate, Maintenance::batched, Maintenance::by_depth}) {
+    Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.slack = 0.2}});
+    const auto raise = [&](double height) {
+      model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, height}}).value();
+      model.commit();
+      EXPECT_TRUE(static_cast<bool>(model.validate()));
+      return model.maintenance_stats();
+    };
+    EXPECT_EQ(raise(0.01).refits, 0U);
+    EXPECT_EQ(raise(0.02).absorbed, 2U);
+    EXPECT_GT(raise(5).refits, 0U);
+  }
+}
+
+TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
+  Model model(triangles_in_a_row(16), {.looseness = {.slack = 0.1, .stale_ratio = 1.5}});
+  const double radius = model.tree_stats().root_radius;
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p *= 0.01;
+  model.move_all(positions).value();
+  model.commit();
+  EXPECT_LT(model.tree_stats().root_radius, 0.02 * radius);
+}
+
+TEST(ClassicLooseness, NoSlackNeverAbsorbs) {
+  Model model(triangles_in_a_row(16));
+  model.move_all(model.mesh().positions()).value();
+  model.commit();
+  EXPECT_EQ(model.maintenance_stats().absorbed, 0U);
+  EXPECT_EQ(model.maintenance_stats().refits, model.tree_stats().nodes);
+}
+
+#if defined(LIMBER_CHECKS)
+TEST(ClassicModel, PreconditionsAreChecked) {
+  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.slack = -1}}), std::logic_error);
+  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.slack = 0.1, .stale_ratio = 0.5}}), std::logic_error);
+  Model stale(triangles_in_a_row(2));
+  const Model other(triangles_in_a_row(2));
+  EXPECT_THROW(static_cast<void>(classic::distance({other}, {other}, {.relative_error = -0.1})), std::logic_error);
+  EXPECT_THROW(static_cast<void>(classic::distance({other, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}}, {other})),
+               std::logic_error);
+  stale.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
+  EXPECT_THROW(static_cast<void>(classic::collide({stale}, {other})), std::logic_error);
+}
+#endif
+
+}  // namespace
+}  // namespace limber::testing
