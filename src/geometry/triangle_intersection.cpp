@@ -53,8 +53,7 @@ bool segments_meet(const Segment& s, const Segment& t) {
   if (orient3d(s.p0, s.p1, t.p0, t.p1) != 0) return false;
   std::optional<std::size_t> axis = faithful_axis(s.p0, s.p1, t.p0);
   if (!axis) axis = faithful_axis(s.p0, s.p1, t.p1);
-  if (!axis) axis = faithful_axis(t.p0, t.p1, s.p0);
-  if (!axis) axis = faithful_axis(t.p0, t.p1, s.p1);
+  if (!axis) axis = faithful_axis(t.p0, t.p1, s.p0);  // s may be a point
   return axis ? coplanar_segments_meet(s, t, *axis) : collinear_segments_meet(s, t);
 }
 

@@ -85,6 +85,13 @@ TEST(Orientation, IsExactForMixedMagnitudes) {
   }
 }
 
+TEST(Orientation, IsExactWhereAProductUnderflowsInTheFilter) {
+  // 1.49 of the smallest double rounds to 1, which turns 1.49 - 1.2 > 0 into 1 - 1.2 < 0.
+  const Vec3 origin{0, 0, 0}, p{0, 0, 0x1p-537}, q{1.49 * 0x1p-537, 0x1p-537, 0}, r{1.2 * 0x1p200, 0x1p200, 0};
+  EXPECT_EQ(orient3d(origin, p, q, r), 1);
+  EXPECT_EQ(rational_volume_sign(origin, p, q, r), 1);
+}
+
 TEST(Orientation, ExpansionsAndBigIntegersAgree) {
   // The same lattice points with and without a factor that forces the big integers.
   Rng rng(5);
