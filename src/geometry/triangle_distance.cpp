@@ -80,16 +80,18 @@ struct Face {
   Triangle corner;
   std::array<Vec3, 3> edge;
   Vec3 normal;
+  std::array<Vec3, 3> inward;  ///< in the plane, across the edge, towards the third corner
 
   explicit Face(const Triangle& t) : corner(t), edge{t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2} {
     normal = cross(edge[0], edge[1]);
+    for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
 
   /// Weights of the foot of p when it falls into the triangle; false when it does not or the triangle has no area.
   bool foot(const Vec3& p, Vec3& weights) const {
-    const double w2 = dot(cross(edge[0], p - corner.v0), normal);
-    const double w0 = dot(cross(edge[1], p - corner.v1), normal);
-    const double w1 = dot(cross(edge[2], p - corner.v2), normal);
+    const double w2 = dot(inward[0], p - corner.v0);
+    const double w0 = dot(inward[1], p - corner.v1);
+    const double w1 = dot(inward[2], p - corner.v2);
     const double sum = w0 + w1 + w2;
     if (!(w0 >= 0 && w1 >= 0 && w2 >= 0 && sum > 0)) return false;
     weights = {w0 / sum, w1 / sum, w2 / sum};

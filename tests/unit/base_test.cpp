@@ -65,6 +65,7 @@ TEST(Rounding, SumsAndDistancesErrOnTheirSide) {
   EXPECT_EQ(core::distance_up(a, a), 0);
   EXPECT_GE(core::distance_up({0, 0, 0}, {1e-200, 1e-200, 1e-200}), 1.7e-200);
   EXPECT_EQ(core::distance_down({0, 0, 0}, {1e-200, 0, 0}), 0);
+  EXPECT_LE(core::distance_down({0, 0, 0}, {1.72e-162, 0, 0}), 1.72e-162);  // the square rounds up to a subnormal
 }
 
 }  // namespace

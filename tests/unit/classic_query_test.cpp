@@ -60,6 +60,15 @@ TEST(ClassicDistance, TouchingIsCollidingAtEveryError) {
   }
 }
 
+TEST(ClassicDistance, AContactIsFoundEvenWhenTheCutUnderflows) {
+  // The pair that is looked at first is 1e-20 apart; divided by the error that is 0, yet the contact must not be dropped.
+  const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
+  const Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
+  const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
+  EXPECT_EQ(r.status, Status::collision);
+  EXPECT_EQ(r.stats.triangle_tests, 2U);
+}
+
 TEST(ClassicDistance, TheSmallestGapIsNotAContact) {
   const double gap = std::numeric_limits<double>::denorm_min();
   const Model a(soup({unit})), b(soup({{{0.2, 0.2, gap}, {3, 0, 1}, {3, 1, 1}}}));

@@ -32,6 +32,13 @@ TEST(EnclosingSphere, OfAPointHasRadiusZero) {
   EXPECT_EQ(s.radius, 0);
 }
 
+TEST(EnclosingSphere, OfANeedleWithAVanishingSideIsFinite) {
+  const Triangle needle{{0, 0, 0}, {1, 0, 0}, {-1e-170, 1e-170, 0}};
+  const Sphere s = enclosing_sphere(needle);
+  EXPECT_NEAR(s.radius, 0.5, 1e-14);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_TRUE(exactly_inside(s, needle[k]));
+}
+
 TEST(EnclosingSphere, ContainsTheCornersExactlyAndIsAlmostSmallest) {
   Rng rng(30);
   for (int i = 0; i < 3500; ++i) {
