@@ -135,6 +135,19 @@ TEST(ClassicQueries, HoldFarFromTheOrigin) {
   }
 }
 
+TEST(ClassicQueries, RoundingOfThePlacementNeverHidesAContact) {
+  // A corner of a is the point b, so they touch wherever both are placed together; the spheres' gap is pure rounding there.
+  Rng rng(72);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 corner = uniform_point(rng), other = uniform_point(rng);
+    const Model a(soup({{corner, other, other}})), b(soup({{corner, corner, corner}}));
+    Transform pose = random_pose(rng, i % 2 == 0 ? 1e8 : 1);
+    if (i % 3 == 0) pose.rotation.row1 += uniform_point(rng) * 1e-10;  // as orthonormal as is_rigid() asks for
+    ASSERT_TRUE(classic::collide({a, pose}, {b, pose}).collision) << "case " << i;
+    ASSERT_EQ(classic::distance({a, pose}, {b, pose}, {.relative_error = 0.1}).upper, 0) << "case " << i;
+  }
+}
+
 TEST(ClassicQueries, ShareModelsBetweenThreads) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const auto separation = [](std::size_t i) { return 0.25 + 0.5 * static_cast<double>(i % 4); };
