@@ -110,6 +110,18 @@ TEST(ClassicCollide, FarModelsCostOneTest) {
   EXPECT_EQ(r.stats.triangle_tests, 0U);
 }
 
+TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
+  // The counts are the same on every machine; a change here is a change of the descent and belongs into the experiments.
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
+  const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
+  EXPECT_EQ(collide.node_tests, 6919U);
+  EXPECT_EQ(collide.triangle_tests, 560U);
+  const QueryStats distance = classic::distance({square}, {ball, pose}).stats;
+  EXPECT_EQ(distance.node_tests, 29055U);
+  EXPECT_EQ(distance.triangle_tests, 5914U);
+}
+
 TEST(ClassicQueries, EqualTheReferenceOnLatticeAndUniformSoups) {
   Rng rng(70);
   for (int i = 0; i < 3000; ++i) {
