@@ -43,13 +43,23 @@ TEST(ClassicTree, OfOneTriangleIsALeaf) {
 }
 
 TEST(ClassicTree, SiblingsOfARowAreApart) {
-  // Equal-count halves of a row must not interleave: all triangles of the first child lie left of the second's.
-  const Model model(triangles_in_a_row(64));
-  const auto& nodes = model.tree().nodes;
-  for (const classic::Node& node : nodes) {
-    if (node.is_leaf()) continue;
-    const Sphere &first = nodes[node.first_child].sphere, &second = nodes[node.first_child + 1].sphere;
-    EXPECT_LT(first.center.x + first.radius * 0.5, second.center.x);
+  // Equal-count halves of a row must not interleave, whichever axis the row runs along.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<Triangle> row;
+    for (std::uint64_t i = 0; i < 64; ++i) {
+      Vec3 at, along, across;
+      at[axis] = static_cast<double>(37 * i % 64);  // not in order
+      along[axis] = 0.5;
+      across[(axis + 1) % 3] = 0.5;
+      row.push_back({at, at + along, at + across});
+    }
+    const Model model(soup(row));
+    const auto& nodes = model.tree().nodes;
+    for (const classic::Node& node : nodes) {
+      if (node.is_leaf()) continue;
+      const Sphere &first = nodes[node.first_child].sphere, &second = nodes[node.first_child + 1].sphere;
+      EXPECT_LT(first.center[axis] + first.radius * 0.5, second.center[axis]) << "axis " << axis;
+    }
   }
 }
 

@@ -61,7 +61,8 @@ TEST(ClassicDistance, TouchingIsCollidingAtEveryError) {
 }
 
 TEST(ClassicDistance, AContactIsFoundEvenWhenTheCutUnderflows) {
-  // The pair that is looked at first is 1e-20 apart; divided by the error that is 0, yet the contact must not be dropped.
+  // The pair that is looked at first is 1e-20 apart; divided by the error that is 0, yet the contact must not be
+  // dropped.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
   const Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
   const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
@@ -111,7 +112,8 @@ TEST(ClassicCollide, FarModelsCostOneTest) {
 }
 
 TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
-  // The counts are the same on every machine; a change here is a change of the descent and belongs into the experiments.
+  // The counts are the same on every machine; a change here is a change of the descent and belongs into the
+  // experiments.
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
   const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
@@ -148,7 +150,8 @@ TEST(ClassicQueries, HoldFarFromTheOrigin) {
 }
 
 TEST(ClassicQueries, RoundingOfThePlacementNeverHidesAContact) {
-  // A corner of a is the point b, so they touch wherever both are placed together; the spheres' gap is pure rounding there.
+  // A corner of a is the point b, so they touch wherever both are placed together; the spheres' gap is pure rounding
+  // there.
   Rng rng(72);
   for (int i = 0; i < 500; ++i) {
     const Vec3 corner = uniform_point(rng), other = uniform_point(rng);
