@@ -1,0 +1,320 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scenes/scenes.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace limber::scenes {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr std::uint64_t pose_seed = 0x5EED0001;
+constexpr std::uint64_t dent_seed = 0x5EED0003;
+constexpr int dents_of_dented = 200;
+
+/// Not FNV's own start, 14695981039346656037, but that number without its last digit: the published hashes of these
+/// meshes were made with it, and any start serves.
+constexpr std::uint64_t hash_start = 1469598103934665603U;
+
+/// Terms of the power series beyond the first; at |x| <= pi the last of them is far below one unit in the last place.
+constexpr int series_terms = 16;
+
+double reduced_to_one_turn(double x) { return x - std::floor(x / (2 * pi) + 0.5) * (2 * pi); }
+
+/// The generators below only make sound meshes, so a failure here is theirs and may throw.
+Mesh made(std::vector<Vec3> positions, std::vector<Corners> triangles) {
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+/// A soup from a source of corners: triangle i owns the vertices 3 i, 3 i + 1, 3 i + 2.
+template <typename NextTriangle>
+Mesh soup(std::uint32_t triangle_count, NextTriangle next_triangle) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  positions.reserve(std::size_t{3} * triangle_count);
+  triangles.reserve(triangle_count);
+  for (std::uint32_t i = 0; i < triangle_count; ++i) {
+    for (const Vec3& corner : next_triangle()) positions.push_back(corner);
+    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return made(std::move(positions), std::move(triangles));
+}
+
+template <typename Draw>
+Vec3 drawn_point(Draw draw) {
+  const double x = draw();
+  const double y = draw();
+  const double z = draw();
+  return {x, y, z};
+}
+
+Mesh dented_sheet(std::uint64_t seed) {
+  Mesh sheet = thesis_sheet();
+  Rng rng(seed);
+  for (int step = 0; step < dents_of_dented; ++step) {
+    const VertexMoves moves = dent_moves(random_dent(rng), sheet.positions());
+    for (std::size_t i = 0; i < moves.ids.size(); ++i) sheet.set_position(moves.ids[i], moves.positions[i]);
+  }
+  return sheet;
+}
+
+struct NamedScene {
+  const char* name;
+  bool takes_number;
+  std::uint64_t default_number;
+  Mesh (*make)(std::uint64_t number);
+};
+
+constexpr std::array<NamedScene, 7> named_scenes = {{
+    {"square", false, 0, [](std::uint64_t) { return thesis_square(); }},
+    {"ball", false, 0, [](std::uint64_t) { return thesis_ball(); }},
+    {"sheet", false, 0, [](std::uint64_t) { return thesis_sheet(); }},
+    {"dented", true, dent_seed, [](std::uint64_t seed) { return dented_sheet(seed); }},
+    {"wave", true, 0, [](std::uint64_t frame) { return wave_sheet(100, 100, static_cast<double>(frame)); }},
+    {"soup", true, 1,
+     [](std::uint64_t seed) {
+       Rng rng(seed);
+       return random_soup(rng, 1000, 0.2);
+     }},
+    {"lattice", true, 1,
+     [](std::uint64_t seed) {
+       Rng rng(seed);
+       return lattice_soup(rng, 200, 4);
+     }},
+}};
+
+Error no_such_scene(const std::string& name) {
+  std::string text = "no scene is called '" + name + "'; there are";
+  const char* separator = " ";
+  for (const NamedScene& scene : named_scenes) {
+    text += std::exchange(separator, ", ");
+    text += scene.name;
+    if (scene.takes_number) text += "[:number]";
+  }
+  return {ErrorCode::unsupported_format, std::move(text), std::nullopt};
+}
+
+std::optional<std::uint64_t> parsed_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+std::uint64_t Rng::next() {
+  state_ += 0x9E3779B97F4A7C15ULL;
+  std::uint64_t z = state_;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+  return z ^ (z >> 31);
+}
+
+double Rng::uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+
+double Rng::uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+std::uint64_t Rng::below(std::uint64_t bound) { return next() % bound; }
+
+double sine(double x) {
+  x = reduced_to_one_turn(x);
+  double term = x;
+  double sum = x;
+  for (int k = 1; k <= series_terms; ++k) {
+    term = term * (-(x * x)) / static_cast<double>(2 * k * (2 * k + 1));
+    sum += term;
+  }
+  return sum;
+}
+
+double cosine(double x) {
+  x = reduced_to_one_turn(x);
+  double term = 1;
+  double sum = 1;
+  for (int k = 1; k <= series_terms; ++k) {
+    term = term * (-(x * x)) / static_cast<double>((2 * k - 1) * (2 * k));
+    sum += term;
+  }
+  return sum;
+}
+
+Mat3 random_rotation(Rng& rng) {
+  const double u1 = rng.uniform();
+  const double u2 = rng.uniform();
+  const double u3 = rng.uniform();
+  const double a = std::sqrt(1 - u1);
+  const double b = std::sqrt(u1);
+  double x = a * sine(2 * pi * u2);
+  double y = a * cosine(2 * pi * u2);
+  double z = b * sine(2 * pi * u3);
+  double w = b * cosine(2 * pi * u3);
+  const double norm = std::sqrt(x * x + y * y + z * z + w * w);
+  x /= norm;
+  y /= norm;
+  z /= norm;
+  w /= norm;
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+          {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+          {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+}
+
+Mesh grid(std::uint32_t nx, std::uint32_t ny, double x0, double y0, double dx, double dy) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  positions.reserve((std::size_t{nx} + 1) * (std::size_t{ny} + 1));
+  triangles.reserve(std::size_t{2} * nx * ny);
+  for (std::uint32_t j = 0; j <= ny; ++j) {
+    for (std::uint32_t i = 0; i <= nx; ++i) positions.push_back({x0 + i * dx, y0 + j * dy, 0});
+  }
+  for (std::uint32_t j = 0; j < ny; ++j) {
+    for (std::uint32_t i = 0; i < nx; ++i) {
+      const VertexId a = j * (nx + 1) + i;
+      const VertexId b = a + 1;
+      const VertexId c = a + nx + 2;
+      const VertexId d = a + nx + 1;
+      triangles.push_back({a, b, c});
+      triangles.push_back({a, c, d});
+    }
+  }
+  return made(std::move(positions), std::move(triangles));
+}
+
+Mesh ball(std::uint32_t slices, std::uint32_t stacks) {
+  std::vector<Vec3> positions = {{0, 0, 1}};
+  for (std::uint32_t k = 1; k < stacks; ++k) {
+    const double theta = pi * k / stacks;
+    for (std::uint32_t s = 0; s < slices; ++s) {
+      const double phi = 2 * pi * s / slices;
+      positions.push_back({sine(theta) * cosine(phi), sine(theta) * sine(phi), cosine(theta)});
+    }
+  }
+  positions.push_back({0, 0, -1});
+  const auto south = static_cast<VertexId>(positions.size() - 1);
+
+  const auto on_ring = [&](std::uint32_t ring, std::uint32_t s) -> VertexId {
+    return 1 + (ring - 1) * slices + s % slices;
+  };
+  std::vector<Corners> triangles;
+  for (std::uint32_t s = 0; s < slices; ++s) triangles.push_back({0, on_ring(1, s), on_ring(1, s + 1)});
+  for (std::uint32_t k = 1; k + 1 < stacks; ++k) {
+    for (std::uint32_t s = 0; s < slices; ++s) {
+      const VertexId a = on_ring(k, s);
+      const VertexId b = on_ring(k + 1, s);
+      const VertexId c = on_ring(k + 1, s + 1);
+      const VertexId d = on_ring(k, s + 1);
+      triangles.push_back({a, b, c});
+      triangles.push_back({a, c, d});
+    }
+  }
+  const std::uint32_t last = stacks - 1;
+  for (std::uint32_t s = 0; s < slices; ++s) triangles.push_back({on_ring(last, s), south, on_ring(last, s + 1)});
+  return made(std::move(positions), std::move(triangles));
+}
+
+Mesh thesis_square() { return grid(64, 64, -4, -4, 0.125, 0.125); }
+Mesh thesis_ball() { return ball(32, 17); }
+Mesh thesis_sheet() { return grid(100, 100, 0, 0, 1, 1); }
+
+Mesh wave_sheet(std::uint32_t nx, std::uint32_t ny, double frame) {
+  const double height = 4.0 * ny / nx;
+  const Mesh flat = grid(nx, ny, 0, 0, 4.0 / nx, height / ny);
+  std::vector<Vec3> positions = flat.positions();
+  const double phase = 0.37 * frame;
+  for (Vec3& p : positions) p.z = 0.1 * sine(4 * p.x + phase) * cosine(5 * p.y - 0.7 * phase);
+  return made(std::move(positions), flat.triangles());
+}
+
+Mesh random_soup(Rng& rng, std::uint32_t triangles, double size) {
+  return soup(triangles, [&] {
+    const Vec3 place = drawn_point([&] { return rng.uniform(-1, 1); });
+    std::array<Vec3, 3> corners;
+    for (Vec3& corner : corners) corner = place + drawn_point([&] { return rng.uniform(-size / 2, size / 2); });
+    return corners;
+  });
+}
+
+Mesh lattice_soup(Rng& rng, std::uint32_t triangles, std::uint32_t side) {
+  return soup(triangles, [&] {
+    std::array<Vec3, 3> corners;
+    for (Vec3& corner : corners) corner = drawn_point([&] { return static_cast<double>(rng.below(side)); });
+    return corners;
+  });
+}
+
+Result<Mesh> by_name(const std::string& name) {
+  const std::size_t colon = name.find(':');
+  const std::string base = name.substr(0, colon);
+  for (const NamedScene& scene : named_scenes) {
+    if (base != scene.name) continue;
+    if (colon == std::string::npos) return scene.make(scene.default_number);
+    const std::optional<std::uint64_t> number = parsed_number(name.substr(colon + 1));
+    if (scene.takes_number && number) return scene.make(*number);
+  }
+  return no_such_scene(name);
+}
+
+Transform ball_over_square(const Mesh& ball, double separation, std::uint32_t index) {
+  Rng rng(pose_seed + index);
+  Transform pose;
+  pose.rotation = random_rotation(rng);
+  if (index == 0) {
+    pose.translation.x = 0.1 * std::sqrt(2.0);
+    pose.translation.y = 0.1 * std::sqrt(3.0);
+  } else {
+    pose.translation.x = 2 * rng.uniform() - 1;
+    pose.translation.y = 2 * rng.uniform() - 1;
+  }
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : ball.positions()) lowest = std::min(lowest, dot(pose.rotation.row2, p));
+  pose.translation.z = separation - lowest;
+  return pose;
+}
+
+Dent random_dent(Rng& rng) {
+  Dent dent;
+  dent.x = 100 * rng.uniform();
+  dent.y = 100 * rng.uniform();
+  dent.radius = 1 + 9 * rng.uniform();
+  dent.slope = (rng.next() & 1) != 0 ? 0.1 : -0.1;
+  return dent;
+}
+
+VertexMoves dent_moves(const Dent& dent, std::span<const Vec3> positions) {
+  VertexMoves moves;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3& p = positions[i];
+    const double dx = p.x - dent.x;
+    const double dy = p.y - dent.y;
+    const double distance = std::sqrt(dx * dx + dy * dy);
+    if (distance > dent.radius) continue;
+    moves.ids.push_back(static_cast<VertexId>(i));
+    moves.positions.push_back({p.x, p.y, p.z + dent.slope * distance});
+  }
+  return moves;
+}
+
+std::uint64_t hash(MeshView mesh) {
+  std::uint64_t state = hash_start;
+  const auto mix = [&state](std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) state = (state ^ ((value >> (8 * i)) & 0xFF)) * 0x100000001B3ULL;
+  };
+  for (const Vec3& p : mesh.positions) {
+    for (const double coordinate : {p.x, p.y, p.z}) mix(std::bit_cast<std::uint64_t>(coordinate), 8);
+  }
+  for (const Corners& triangle : mesh.triangles) {
+    for (const VertexId corner : triangle) mix(corner, 4);
+  }
+  return state;
+}
+
+}  // namespace limber::scenes
