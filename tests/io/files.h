@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "limber/io.h"
+
+/// Mesh files made on the spot, in a folder of each test's own.
+namespace limber {
+
+class FilesTest : public ::testing::Test {
+ protected:
+  FilesTest() : folder_(std::filesystem::temp_directory_path() / folder_name()) {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  ~FilesTest() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+
+  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+    std::filesystem::remove(path(name));  // overwriting waits for the disk, a new file does not
+    std::ofstream(path(name), std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return path(name);
+  }
+
+  Result<MeshFile> read(const std::string& name, std::string_view bytes) const {
+    return read_mesh_file(write(name, bytes));
+  }
+
+  /// Reads a file that must be refused, and checks the form of the message.
+  Error refused(const std::string& name, std::string_view bytes) const {
+    const Result<MeshFile> file = read(name, bytes);
+    if (file) {
+      ADD_FAILURE() << name << " was accepted:\n" << bytes;
+      return {};
+    }
+    EXPECT_TRUE(is_one_line_about(path(name), file.error().text)) << file.error().text;
+    return file.error();
+  }
+
+  static bool is_one_line_about(const std::filesystem::path& path, const std::string& text) {
+    return text.starts_with(path.string() + ": ") && text.size() > path.string().size() + 2 &&
+           text.find_first_of("\r\n") == text.npos;
+  }
+
+ private:
+  static std::string folder_name() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = "limber_io_" + std::to_string(getpid()) + "_" + info->test_suite_name() + "_" + info->name();
+    for (char& c : name) c = c == '/' ? '_' : c;
+    return name;
+  }
+
+  std::filesystem::path folder_;
+};
+
+/// Appends a number in the given byte order.
+template <typename Number>
+void append(std::string& bytes, Number number, bool big_endian = false) {
+  const auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(number);
+  for (std::size_t i = 0; i < raw.size(); ++i) bytes += raw[big_endian ? raw.size() - 1 - i : i];
+}
+
+/// The number a decimal stands for.
+inline double exact(const char* decimal) { return std::strtod(decimal, nullptr); }
+
+// The same tetrahedron in every format; the faces are outward and in the same order.
+inline const std::vector<Vec3> tetrahedron_positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}};
+inline const std::vector<Corners> tetrahedron_triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+std::string tetrahedron_obj();
+std::string tetrahedron_off();
+std::string tetrahedron_ply_ascii();
+std::string tetrahedron_ply_binary(bool big_endian);
+std::string tetrahedron_stl_text();
+std::string tetrahedron_stl_binary();
+std::string tetrahedron_glb();
+std::string tetrahedron_gltf();
+
+/// A binary glTF file of a description and a buffer.
+std::string glb(std::string json, std::string buffer);
+/// The description of one primitive of `vertex_count` float positions followed by `index_count` 16-bit indices.
+/// `nodes` stands for the scene and its nodes, `uri` names the buffer where it is not the file's own.
+std::string gltf_json(std::size_t vertex_count, std::size_t index_count, const std::string& nodes = {},
+                      const std::string& uri = {});
+std::string gltf_buffer(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles);
+std::string base64(std::string_view bytes);
+
+/// All of the above, as (file name, bytes).
+std::vector<std::pair<std::string, std::string>> tetrahedron_files();
+
+}  // namespace limber

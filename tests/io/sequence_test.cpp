@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+
+namespace limber {
+namespace {
+
+using Sequence = FilesTest;
+using Positions = std::vector<Vec3>;
+
+/// Two triangles side by side with corners of their own, the second shifted.
+std::string two_loose_triangles(const std::string& shift) {
+  return "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 " + shift + "\nv 1 1 " + shift + "\nv 0 1 " + shift + "\nf 1 2 3\nf 4 5 6\n";
+}
+
+TEST_F(Sequence, vertices_that_meet_later_stay_apart) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
+  ASSERT_TRUE(frames) << frames.error().text;
+  EXPECT_EQ(frames->first().mesh.positions().size(), 6U);
+  const Result<Positions> met = frames->read_positions(write("1.obj", two_loose_triangles("0")), 1);
+  ASSERT_TRUE(met) << met.error().text;
+  EXPECT_EQ(*met, (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+}
+
+TEST_F(Sequence, vertices_welded_in_the_first_frame_stay_one) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("0")));
+  ASSERT_TRUE(frames) << frames.error().text;
+  EXPECT_EQ(frames->first().mesh.positions().size(), 4U);
+  EXPECT_EQ(frames->first().mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {1, 3, 2}}));
+  const Result<Positions> parted = frames->read_positions(write("1.obj", two_loose_triangles("7")), 1);
+  ASSERT_TRUE(parted) << parted.error().text;
+  EXPECT_EQ(*parted, (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 7}}));  // each is where its first copy is
+}
+
+TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {
+  for (const auto& [name, bytes] : tetrahedron_files()) {
+    const Result<MeshSequence> frames = MeshSequence::open(write(name, bytes));
+    ASSERT_TRUE(frames) << frames.error().text;
+    const Result<Positions> again = frames->read_positions(path(name), 1);
+    ASSERT_TRUE(again) << again.error().text;
+    EXPECT_EQ(*again, frames->first().mesh.positions()) << name;
+  }
+}
+
+TEST_F(Sequence, stl_frames_that_collapse_to_a_point_keep_their_vertices) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.stl", tetrahedron_stl_binary()));
+  ASSERT_TRUE(frames);
+  std::string collapsed = tetrahedron_stl_binary();
+  std::fill(collapsed.begin() + 84, collapsed.end(), '\0');
+  const Result<Positions> positions = frames->read_positions(write("1.stl", collapsed), 1);
+  ASSERT_TRUE(positions) << positions.error().text;
+  EXPECT_EQ(*positions, Positions(4));
+}
+
+TEST_F(Sequence, gltf_frames_that_collapse_to_a_point_keep_their_vertices) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.glb", tetrahedron_glb()));
+  ASSERT_TRUE(frames);
+  const std::string buffer = gltf_buffer(Positions(4), tetrahedron_triangles);
+  const Result<Positions> positions = frames->read_positions(write("1.glb", glb(gltf_json(4, 12), buffer)), 1);
+  ASSERT_TRUE(positions) << positions.error().text;
+  EXPECT_EQ(*positions, Positions(4));
+}
+
+TEST_F(Sequence, changed_counts_are_named) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
+  ASSERT_TRUE(frames);
+  for (const auto& [bytes, counts] : std::vector<std::pair<std::string, std::string>>{
+           {tetrahedron_obj(), "4 vertices and 4 faces"},
+           {two_loose_triangles("1") + "v 9 9 9\n", "7 vertices and 2 faces"},
+           {two_loose_triangles("1") + "f 1 2\n", "6 vertices and 3 faces"}}) {
+    const Result<Positions> frame = frames->read_positions(write("17.obj", bytes), 17);
+    ASSERT_FALSE(frame);
+    const Error& error = frame.error();
+    EXPECT_EQ(error.code, ErrorCode::changed_connectivity);
+    EXPECT_EQ(error.where, 17U);
+    EXPECT_EQ(error.text, path("17.obj").string() + ": frame 17 has " + counts + ", the first frame 6 and 2");
+  }
+}
+
+TEST_F(Sequence, first_face_that_differs_is_named) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+  const Result<MeshSequence> frames =
+      MeshSequence::open(write("0.obj", vertices + "f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 3\n"));
+  ASSERT_TRUE(frames);
+  for (const auto& [faces, differing] : std::vector<std::pair<std::string, std::string>>{
+           {"f 1 2 3\nf 4 3 2\nf 1 2 4 3\nf 1 4 3\n", "face 1"},
+           {"f 1 2 3\nf 2 4 3\nf 1 2 4\nf 3 1 4 3\n", "face 2"},  // the same corners, cut elsewhere
+           {"f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 2\n", "face 3"}}) {
+    const Result<Positions> frame = frames->read_positions(write("2.obj", vertices + faces), 2);
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().code, ErrorCode::changed_connectivity);
+    EXPECT_EQ(frame.error().where, 2U);
+    EXPECT_NE(frame.error().text.find(differing), std::string::npos) << frame.error().text;
+    EXPECT_TRUE(is_one_line_about(path("2.obj"), frame.error().text));
+  }
+}
+
+TEST_F(Sequence, faces_that_agree_only_after_welding_differ) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("0")));
+  ASSERT_TRUE(frames);
+  std::string bytes = two_loose_triangles("0");
+  bytes.replace(bytes.find("f 4 5 6"), 7, "f 2 5 6");  // vertices 2 and 4 are at the same place
+  const Result<Positions> frame = frames->read_positions(write("1.obj", bytes), 1);
+  ASSERT_FALSE(frame);
+  EXPECT_EQ(frame.error().code, ErrorCode::changed_connectivity);
+}
+
+TEST_F(Sequence, later_frames_are_checked_like_the_first) {
+  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
+  ASSERT_TRUE(frames);
+  const auto code_of = [&](const std::string& bytes) {
+    const Result<Positions> frame = frames->read_positions(write("1.obj", bytes), 1);
+    if (frame) return ErrorCode::broken_invariant;
+    EXPECT_TRUE(is_one_line_about(path("1.obj"), frame.error().text));
+    return frame.error().code;
+  };
+  EXPECT_EQ(code_of(two_loose_triangles("nan")), ErrorCode::non_finite);
+  EXPECT_EQ(code_of(two_loose_triangles("1e70")), ErrorCode::too_large);
+  EXPECT_EQ(code_of(two_loose_triangles("x")), ErrorCode::malformed_file);
+  EXPECT_EQ(code_of(""), ErrorCode::malformed_file);
+  const Result<Positions> missing = frames->read_positions(path("missing.obj"), 2);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::unreadable_file);
+}
+
+TEST_F(Sequence, first_frame_has_the_errors_of_a_single_file) {
+  const Result<MeshSequence> frames = MeshSequence::open(path("missing.obj"));
+  ASSERT_FALSE(frames);
+  EXPECT_EQ(frames.error().text, read_mesh_file(path("missing.obj")).error().text);
+}
+
+}  // namespace
+}  // namespace limber
