@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Includes may only point down the layers; third-party headers stay where the tables below put them."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from repository import CPP_SUFFIXES, Finding, files, run, shown, text_of
+
+# Folder of src -> the folders of src its files may include, besides itself. A file name stands for that file alone.
+PRIVATE = {
+    "core": (),
+    "math": ("core",),
+    "geometry": ("math", "core"),
+    "simd": ("math", "core"),
+    "tree": ("simd", "geometry", "math", "core"),
+    "model": ("tree", "simd", "geometry", "math", "core"),
+    "query": ("model", "tree", "simd", "geometry", "math", "core"),
+    "classic": ("geometry", "math", "core", "model/mesh.h"),
+    "reference": ("geometry", "math", "core", "model/mesh.h"),
+    "io": (),
+}
+
+# Folder of src -> the public headers it may include; None: every one but io.h, which only io may.
+PUBLIC: dict[str, tuple[str, ...] | None] = {
+    "core": ("base.h", "math.h"),
+    "math": ("base.h", "math.h"),
+    "geometry": ("base.h", "math.h", "geometry.h"),
+    "simd": ("base.h", "math.h"),
+    "tree": ("base.h", "math.h", "geometry.h", "mesh.h", "stats.h"),
+    "model": None,
+    "query": None,
+    "classic": None,
+    "reference": None,
+    "io": ("base.h", "math.h", "geometry.h", "mesh.h", "io.h"),
+}
+
+# First part of a third-party include -> where in the library or above it is welcome. A trailing slash means a folder.
+THIRD_PARTY = {
+    "boost": ("src/geometry/exact_sign.cpp", "tests/", "bench/"),
+    "CGAL": ("src/io/", "tests/", "bench/"),
+    "assimp": ("src/io/", "tests/", "bench/"),
+    "hwy": ("src/simd/",),
+    "tbb": ("src/core/",),
+    "oneapi": ("src/core/",),
+}
+
+# Folders above the library, and which of its private headers they may see.
+EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python")
+MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/")
+# Parts of the repository that edge code may name in full.
+EDGE_MAY_INCLUDE = {
+    "apps": ("apps/", "scenes/"),
+    "scenes": ("scenes/",),
+    "tests": ("tests/", "scenes/"),
+    "bench": ("bench/", "scenes/"),
+    "examples": ("examples/", "scenes/"),
+    "fuzz": ("fuzz/", "scenes/"),
+    "python": ("python/", "scenes/"),
+}
+
+STANDARD = frozenset(
+    """algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits
+    clocale cmath codecvt compare complex concepts condition_variable coroutine csetjmp csignal cstdarg cstddef cstdint
+    cstdio cstdlib cstring ctime cuchar cwchar cwctype deque exception execution filesystem format forward_list fstream
+    functional future initializer_list iomanip ios iosfwd iostream istream iterator latch limits list locale map memory
+    memory_resource mutex new numbers numeric optional ostream queue random ranges ratio regex scoped_allocator semaphore
+    set shared_mutex source_location span sstream stack stdexcept stop_token streambuf string string_view strstream
+    syncstream system_error thread tuple type_traits typeindex typeinfo unordered_map unordered_set utility valarray
+    variant vector version""".split()
+)
+
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:<([^>\n]+)>|"([^"\n]+)")')
+
+
+def _within(path: str, places: tuple[str, ...]) -> bool:
+    return any(path.startswith(place) if place.endswith("/") else path == place for place in places)
+
+
+def _objection(root: Path, path: str, target: str) -> str | None:
+    """Why `path` may not include `target`; None if it may."""
+    first, _, rest = target.partition("/")
+    parts = path.split("/")
+    top, layer = parts[0], parts[1] if parts[0] == "src" and len(parts) > 2 else ""
+    if ".." in target.split("/"):
+        return "names its place from the top, not by '..'"
+    if target in STANDARD:
+        return None
+
+    if first == "limber":
+        if not (root / "include" / target).is_file():
+            return "there is no such public header"
+        if top != "src":
+            return None
+        allowed = PUBLIC.get(layer, ())
+        if allowed is None:
+            return "only src/io may include it" if rest == "io.h" else None
+        return None if rest in allowed else "points up: not a header below this layer"
+    if top == "include":
+        return "public headers include the standard library and limber/ only"
+    if first in THIRD_PARTY:
+        return None if _within(path, THIRD_PARTY[first]) else f"{first} is only for {', '.join(THIRD_PARTY[first])}"
+
+    if top == "src":
+        if layer not in PRIVATE:
+            return f"src/{layer} is not a layer; add it to the table of tools/check_layers.py"
+        if first == layer or _within(target, tuple(p if "." in p else p + "/" for p in PRIVATE[layer])):
+            return None
+        if first in PRIVATE:
+            return f"points up or aside: {layer} may include {', '.join(PRIVATE[layer]) or 'no other layer'}"
+        return "neither a standard header nor one of ours (private headers are named folder/file.h)"
+
+    if first in PRIVATE and (root / "src" / target).is_file():
+        return None if path.startswith(MAY_LOOK_INSIDE) else "private header: only public ones may be used here"
+    if first + "/" in EDGE_MAY_INCLUDE[top] or first not in EDGES:
+        return None
+    return f"{top} may include {', '.join(EDGE_MAY_INCLUDE[top])}"
+
+
+def check(root: Path) -> list[Finding]:
+    findings = []
+    for path in files(root, "include", "src", *EDGES, suffixes=CPP_SUFFIXES):
+        name = shown(root, path)
+        for number, line in enumerate(text_of(path).splitlines(), 1):
+            match = _INCLUDE.match(line)
+            if match is None:
+                continue
+            target = match.group(1) or match.group(2)
+            objection = _objection(root, name, target)
+            if objection is not None:
+                findings.append(Finding(name, number, f"includes {target}: {objection}"))
+    return findings
+
+
+if __name__ == "__main__":
+    sys.exit(run(__doc__, check))

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What sources and pages refer to exists: bibliography keys, our own files, links between pages."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from urllib.parse import unquote
+
+from repository import Finding, files, line_at, run, shown, text_of
+
+BIBLIOGRAPHY = "docs/references.bib"
+READ_SUFFIXES = (".h", ".cpp", ".py", ".md", ".cmake", "CMakeLists.txt")
+NOT_READ = ("tools/test_tools.py",)  # makes up references that lead nowhere
+
+_KEY = r"[A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?"
+CITATION = re.compile(rf"\[({_KEY}(?:[,;] *{_KEY})*)\]")
+ENTRY = re.compile(r"^[ \t]*@(\w+)[ \t]*\{[ \t]*([^,\s]+)[ \t]*,", re.MULTILINE)
+OWN_FILE = re.compile(
+    r"(?<![\w/.<>*-])((?:docs|include|src|scenes|apps|tests|bench|examples|tools)/[\w./-]*\.(?:md|bib|h|cpp|py|csv|svg|png))\b"
+)
+FENCE = re.compile(r"^[ \t]*(```|~~~).*?^[ \t]*\1[^\n]*$", re.MULTILINE | re.DOTALL)
+CODE_SPAN = re.compile(r"`[^`\n]*`")
+LINK = re.compile(r"\]\(\s*<?([^()\s<>]+)>?(?:\s+\"[^\"]*\")?\s*\)|^[ \t]*\[[^\]\n]+\]:[ \t]+(\S+)|\b(?:src|href)=\"([^\"]+)\"",
+                  re.MULTILINE)
+ELSEWHERE = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
+HEADING = re.compile(r"^#{1,6}[ \t]+(.*?)[ \t]*#*$", re.MULTILINE)
+
+
+def _blank(match: re.Match[str]) -> str:
+    return re.sub(r"[^\n]", " ", match.group())
+
+
+def check_citations(root: Path, texts: dict[str, str]) -> list[Finding]:
+    findings, entries, cited = [], dict[str, int](), set[str]()
+    bibliography = root / BIBLIOGRAPHY
+    if bibliography.is_file():
+        text = text_of(bibliography)
+        for match in ENTRY.finditer(text):
+            kind, key = match.group(1).lower(), match.group(2)
+            if kind in ("comment", "string", "preamble"):
+                continue
+            if key in entries:
+                findings.append(Finding(BIBLIOGRAPHY, line_at(text, match.start()), f"{key} is defined twice"))
+            entries[key] = line_at(text, match.start())
+    for name, text in texts.items():
+        for match in CITATION.finditer(text):
+            for key in re.findall(_KEY, match.group(1)):
+                cited.add(key)
+                if key not in entries:
+                    findings.append(Finding(name, line_at(text, match.start()), f"[{key}] is not in {BIBLIOGRAPHY}"))
+    findings += [
+        Finding(BIBLIOGRAPHY, line, f"{key} is cited nowhere") for key, line in entries.items() if key not in cited
+    ]
+    return findings
+
+
+def check_own_files(root: Path, texts: dict[str, str]) -> list[Finding]:
+    return [
+        Finding(name, line_at(text, match.start()), f"{match.group(1)} does not exist")
+        for name, text in texts.items()
+        for match in OWN_FILE.finditer(text)
+        if not (root / match.group(1)).exists()
+    ]
+
+
+def _anchors(text: str) -> set[str]:
+    """The anchors a page gets for its headings."""
+    anchors = set(re.findall(r"<a (?:id|name)=\"([^\"]+)\"", text))
+    for heading in HEADING.findall(FENCE.sub(_blank, text)):
+        plain = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        count = 0
+        while (slug := plain if count == 0 else f"{plain}-{count}") in anchors:
+            count += 1
+        anchors.add(slug)
+    return anchors
+
+
+def check_links(root: Path, texts: dict[str, str]) -> list[Finding]:
+    findings = []
+    for name, text in texts.items():
+        if not name.endswith(".md"):
+            continue
+        prose = CODE_SPAN.sub(_blank, FENCE.sub(_blank, text))
+        for match in LINK.finditer(prose):
+            target = next(group for group in match.groups() if group)
+            if ELSEWHERE.match(target):
+                continue
+            place, _, anchor = unquote(target).partition("#")
+            page = ((root / name).parent / place).resolve() if place else (root / name).resolve()
+            line = line_at(prose, match.start())
+            if not page.is_relative_to(root.resolve()):
+                findings.append(Finding(name, line, f"link {target} leads out of the repository"))
+            elif not page.exists():
+                findings.append(Finding(name, line, f"link {target} leads nowhere"))
+            elif anchor and page.suffix == ".md" and anchor not in _anchors(text_of(page)):
+                findings.append(Finding(name, line, f"link {target}: there is no such heading"))
+    return findings
+
+
+def check(root: Path) -> list[Finding]:
+    texts = {shown(root, path): text_of(path) for path in files(root, suffixes=READ_SUFFIXES)}
+    for name in NOT_READ:
+        texts.pop(name, None)
+    return check_citations(root, texts) + check_own_files(root, texts) + check_links(root, texts)
+
+
+if __name__ == "__main__":
+    sys.exit(run(__doc__, check))

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Proves that every check can fail: small repositories with one fault each, and sound twins."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import tempfile
+import unittest
+from collections.abc import Callable
+from pathlib import Path
+
+import check_layers
+import check_refs
+import check_sizes
+from repository import Finding, cpp_code, files
+
+HEAD = "// SPDX-FileCopyrightText: The limber authors\n// SPDX-License-Identifier: BSD-3-Clause\n"
+HEADERS = {f"include/limber/{name}.h": HEAD for name in ("base", "math", "geometry", "mesh", "classic", "io")}
+
+
+class Repository(unittest.TestCase):
+    def findings(self, check: Callable[[Path], list[Finding]], tree: dict[str, str]) -> list[str]:
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+            for name, text in tree.items():
+                path = Path(folder, name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return [str(finding) for finding in check(Path(folder))]
+
+    def assert_sound(self, check: Callable[[Path], list[Finding]], tree: dict[str, str]) -> None:
+        self.assertEqual(self.findings(check, tree), [])
+
+    def assert_faulty(self, check: Callable[[Path], list[Finding]], tree: dict[str, str], *starts: str) -> None:
+        found = self.findings(check, tree)
+        self.assertEqual(len(found), len(starts), found)
+        for finding, start in zip(found, starts):
+            self.assertTrue(finding.startswith(start), finding)
+
+
+class Layers(Repository):
+    def includes(self, path: str, target: str, *more: str) -> dict[str, str]:
+        line = f"#include {target}\n" if target.startswith("<") else f'#include "{target}"\n'
+        tree = {**HEADERS, **{name: HEAD for name in more}, path: HEAD + line}
+        if not target.startswith(("<", "limber/")) and not more:
+            tree.setdefault(f"src/{target}", HEAD)
+        return tree
+
+    def test_down_is_allowed(self) -> None:
+        for path, target in (
+            ("src/geometry/a.cpp", "core/check.h"),
+            ("src/geometry/a.cpp", "geometry/b.h"),
+            ("src/classic/a.cpp", "model/mesh.h"),
+            ("src/classic/a.cpp", "limber/classic.h"),
+            ("src/io/a.cpp", "limber/io.h"),
+            ("src/io/a.cpp", "<CGAL/Point_3.h>"),
+            ("src/io/a.cpp", "<assimp/scene.h>"),
+            ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
+            ("include/limber/mesh.h", "limber/base.h"),
+            ("include/limber/mesh.h", "<vector>"),
+            ("tests/unit/a_test.cpp", "classic/tree.h"),
+            ("tests/property/a_test.cpp", "classic/tree.h"),
+            ("tests/oracle/a_test.cpp", "<CGAL/Point_3.h>"),
+            ("apps/limber/a.cpp", "<fmt/format.h>"),
+        ):
+            with self.subTest(path=path, target=target):
+                self.assert_sound(check_layers.check, self.includes(path, target))
+        for path, target in (
+            ("tests/unit/a_test.cpp", "support/b.h"),
+            ("tests/unit/a_test.cpp", "scenes/scenes.h"),
+            ("bench/thesis/a.cpp", "bench/support/report.h"),
+        ):
+            with self.subTest(path=path, target=target):
+                self.assert_sound(check_layers.check, self.includes(path, target, "tests/support/b.h"))
+
+    def test_everything_else_is_not(self) -> None:
+        for path, target in (
+            ("src/core/a.cpp", "math/b.h"),
+            ("src/geometry/a.cpp", "classic/tree.h"),
+            ("src/geometry/a.cpp", "limber/classic.h"),
+            ("src/classic/a.cpp", "model/placed.h"),
+            ("src/classic/a.cpp", "limber/io.h"),
+            ("src/io/a.cpp", "core/check.h"),
+            ("src/newcomer/a.cpp", "core/check.h"),
+            ("src/core/a.cpp", "../geometry/b.h"),
+            ("src/core/a.cpp", "neighbour.h"),
+            ("src/core/a.cpp", "<unistd.h>"),
+            ("src/geometry/a.cpp", "<boost/rational.hpp>"),
+            ("src/geometry/a.cpp", "<CGAL/Point_3.h>"),
+            ("apps/limber/a.cpp", "<assimp/scene.h>"),
+            ("apps/limber/a.cpp", "core/check.h"),
+            ("tests/oracle/a_test.cpp", "classic/tree.h"),
+            ("bench/thesis/a.cpp", "classic/tree.h"),
+            ("include/limber/mesh.h", "core/check.h"),
+            ("include/limber/mesh.h", "<fmt/format.h>"),
+            ("include/limber/mesh.h", "limber/no_such.h"),
+        ):
+            with self.subTest(path=path, target=target):
+                self.assert_faulty(check_layers.check, self.includes(path, target), f"{path}:3: includes ")
+        for path, target in (("apps/limber/a.cpp", "tests/support/b.h"), ("scenes/a.cpp", "bench/support/b.h")):
+            with self.subTest(path=path, target=target):
+                tree = self.includes(path, target, "tests/support/b.h")
+                self.assert_faulty(check_layers.check, tree, f"{path}:3: includes ")
+
+
+class Sizes(Repository):
+    def sound(self, lines: int = 10) -> dict[str, str]:
+        """Ten files, each with a check in ten lines."""
+        text = HEAD + "LIMBER_ASSERT(true);\n" + "\n" * (lines - 3)
+        return {f"src/core/file{i}.cpp": text for i in range(10)}
+
+    def test_sound(self) -> None:
+        self.assert_sound(check_sizes.check, self.sound())
+
+    def test_one_long_file_in_ten_is_usual(self) -> None:
+        tree = self.sound() | {"tests/unit/long.cpp": HEAD + "\n" * 500}
+        self.assert_sound(check_sizes.check, tree)
+
+    def test_two_are_too_many(self) -> None:
+        tree = self.sound() | {f"tests/unit/long{i}.cpp": HEAD + "\n" * 500 for i in range(2)}
+        self.assert_faulty(check_sizes.check, tree, "tests/unit/long0.cpp:502: ", "tests/unit/long1.cpp:502: ")
+
+    def test_none_is_huge(self) -> None:
+        tree = self.sound() | {"tests/unit/huge.cpp": HEAD + "\n" * 800}
+        self.assert_faulty(check_sizes.check, tree, "tests/unit/huge.cpp:802: ")
+
+    def test_the_umbrella_is_light(self) -> None:
+        tree = self.sound() | {f"src/core/more{i}.cpp": HEAD + "LIMBER_ASSERT(true);\n" * 5 for i in range(60)}
+        tree |= {f"include/limber/h{i}.h": HEAD + "\n" * 390 for i in range(11)}
+        tree["include/limber/limber.h"] = HEAD + "".join(f'#include "limber/h{i}.h"\n' for i in range(11))
+        self.assert_faulty(check_sizes.check_umbrella, tree, "include/limber/limber.h:1: pulls in 4325 ")
+
+    def test_checks_are_required_and_comments_do_not_count(self) -> None:
+        tree = {"src/core/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
+        self.assert_faulty(check_sizes.check, tree, "src:1: 0.0 checks ")
+
+    def test_licence(self) -> None:
+        for name in ("src/core/b.cpp", "tools/b.py", "src/core/CMakeLists.txt", "dev", ".ci/run", ".clang-tidy"):
+            with self.subTest(name=name):
+                self.assert_faulty(check_sizes.check, self.sound() | {name: "\n"}, f"{name}:1: does not start ")
+
+    def test_unfinished(self) -> None:
+        for name, text in (("src/core/b.h", HEAD + "// TODO: all\n"), ("docs/a.md", "\n\nFIXME\n")):
+            with self.subTest(name=name):
+                self.assert_faulty(check_sizes.check, self.sound() | {name: text}, f"{name}:3: ")
+        self.assert_sound(check_sizes.check, self.sound() | {"src/core/b.h": HEAD + "// TODO(#12): that\n"})
+
+    def test_silence(self) -> None:
+        for text in ("std::cout << 1;", "std::cerr << 1;", 'printf("");', "fprintf(stderr, x);", "#include <iostream>",
+                     "std::abort();", "exit(1);", "assert(x);"):
+            with self.subTest(text=text):
+                tree = self.sound() | {"src/core/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
+                self.assert_faulty(check_sizes.check, tree, "src/core/b.cpp:4: ")
+        for text in ("// std::cout", 'f("printf()");', "snprintf(b, n, f);", "static_assert(true);", "ssize_t exit_code();"):
+            with self.subTest(text=text):
+                tree = self.sound() | {"src/core/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
+                self.assert_sound(check_sizes.check, tree)
+
+
+class References(Repository):
+    BIB = {"docs/references.bib": "@article{Euler1999,\n title = {x}\n}\n"}
+
+    def test_sound(self) -> None:
+        tree = self.BIB | {
+            "src/a.cpp": "// [Euler1999], see docs/a.md\nint x = y[A1999x];\n",
+            "docs/a.md": "# A b\n[b](b/b.md#c-d) [web](https://example.org/x.md) `[code](nowhere)` [self](#a-b)\n",
+            "docs/b/b.md": "# C, d!\n[up](../a.md)\n```\n[x](nowhere.md)\n```\n",
+        }
+        self.assert_sound(check_refs.check, tree)
+
+    def test_unknown_key(self) -> None:
+        tree = self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}
+        self.assert_faulty(check_refs.check, tree, "src/a.cpp:2: [Gauss1988] ")
+
+    def test_no_bibliography(self) -> None:
+        self.assert_faulty(check_refs.check, {"docs/a.md": "[Euler1999]\n"}, "docs/a.md:1: ")
+
+    def test_uncited_and_doubled_entries(self) -> None:
+        self.assert_faulty(check_refs.check, self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere")
+        tree = {"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"}
+        self.assert_faulty(check_refs.check, tree, "docs/references.bib:4: Euler1999 is defined twice")
+
+    def test_missing_own_file(self) -> None:
+        self.assert_faulty(check_refs.check, {"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg")
+        self.assert_faulty(check_refs.check, {"src/a.h": "// fixed by tests/unit/no_test.cpp\n"}, "src/a.h:1: tests/unit")
+
+    def test_dead_links(self) -> None:
+        for link in ("[a](no.md)", "![a](no.svg)", "[a](../no.md)", "[a]: no.md", '<img src="no.png">', "[a](#no)",
+                     "[a](a.md#no)", "[a](../../etc)"):
+            with self.subTest(link=link):
+                self.assert_faulty(check_refs.check, {"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
+
+
+class Text(Repository):
+    def test_code_keeps_places_and_loses_comments(self) -> None:
+        text = "a = \"//x\"; // b\n/* c\n */ d = 1'000 + '\\''; R\"(\n\")\" e\n"
+        code = cpp_code(text)
+        self.assertEqual(code.split(), ["a", "=", ";", "d", "=", "1'000", "+", ";", "e"])
+        self.assertEqual([len(line) for line in code.split("\n")], [len(line) for line in text.split("\n")])
+
+    def test_build_trees_are_left_out(self) -> None:
+        tree = {"build/a.cpp": "", "build-x/a.cpp": "", ".git/a.cpp": "", ".ci/run": "", "src/a.cpp": ""}
+        seen: list[str] = []
+
+        def look(root: Path) -> list[Finding]:
+            seen.extend(path.relative_to(root).as_posix() for path in files(root))
+            return []
+
+        self.findings(look, tree)
+        self.assertEqual(seen, [".ci/run", "src/a.cpp"])
+
+
+if __name__ == "__main__":
+    unittest.main()
