@@ -31,6 +31,7 @@ std::size_t longest_axis(std::span<const TriangleId> group, const std::vector<Ve
 
 /// Orders the group so that its first half lies before the second along the longest axis; returns the half's size.
 std::size_t split(std::span<TriangleId> group, const std::vector<Vec3>& centers) {
+  LIMBER_ASSERT(group.size() >= 2);
   const std::size_t axis = longest_axis(group, centers);
   const std::size_t half = (group.size() + 1) / 2;
   std::nth_element(
@@ -65,6 +66,7 @@ void build_nodes(Tree& tree) {
       group_of.push_back(part);
     }
   }
+  LIMBER_ASSERT(tree.nodes.size() == 2 * count - 1);
 }
 
 void list_triangles_at_vertices(Tree& tree) {
@@ -74,6 +76,7 @@ void list_triangles_at_vertices(Tree& tree) {
   }
   std::partial_sum(tree.first_triangle_at.begin(), tree.first_triangle_at.end(), tree.first_triangle_at.begin());
   tree.triangles_at.resize(tree.first_triangle_at.back());
+  LIMBER_ASSERT(tree.triangles_at.size() == 3 * tree.mesh.triangles().size());
   std::vector<std::uint32_t> next = tree.first_triangle_at;
   for (TriangleId t = 0; t < tree.mesh.triangles().size(); ++t) {
     for (const VertexId v : tree.mesh.triangles()[t]) tree.triangles_at[next[v]++] = t;

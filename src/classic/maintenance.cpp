@@ -24,18 +24,21 @@ bool refit(Tree& tree, Node& node) {
     return false;
   }
   node.sphere = fresh;
+  LIMBER_ASSERT(sphere_holds(tree, node));
   ++tree.stats.refits;
   return true;
 }
 
 /// Repairs the path from a triangle's leaf up to the root, or to the first sphere that absorbs the change.
 void refit_path(Tree& tree, TriangleId triangle) {
+  LIMBER_ASSERT(triangle < tree.leaf_of.size());
   for (std::uint32_t n = tree.leaf_of[triangle]; n != no_id; n = tree.nodes[n].parent) {
     if (!refit(tree, tree.nodes[n])) return;
   }
 }
 
 void enqueue(Tree& tree, std::uint32_t n) {
+  LIMBER_ASSERT(n < tree.nodes.size());
   if (tree.is_queued[n] != 0) return;
   tree.is_queued[n] = 1;
   tree.queue_at_depth[tree.nodes[n].depth].push_back(n);

@@ -99,6 +99,7 @@ class Descent {
   }
 
   static Visit child(const PlacedTree& tree, const Node& node, std::uint32_t which) {
+    LIMBER_ASSERT(!node.is_leaf());
     const std::uint32_t n = node.first_child + which;
     return {n, tree.sphere(n)};
   }
@@ -141,6 +142,7 @@ struct DistanceQuery {
   }
   void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
     const ClosestPoints closest = closest_points(a, b);
+    LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
     cut = relative_error == 0 ? upper : upper / (1 + relative_error) * (1 - 0x1p-51);
@@ -167,6 +169,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   LIMBER_ASSERT(query.upper < infinity);
   result.upper = query.upper;
   result.lower = std::min(query.upper, query.smallest_dropped);
+  LIMBER_ASSERT(result.lower <= result.upper);
   result.witness = query.witness;
   result.status = result.upper == 0              ? Status::collision
                   : result.lower == result.upper ? Status::exact

@@ -40,7 +40,8 @@ Vec3 center_of(const Triangle& t) {
   const Vec3 n = cross(to_a, to_b);
   const double n_sq = length_sq(n);
   const bool acute = dot(to_a, to_b) > 0;
-  // Below 2^-100 the middle is as good: c is within 2^-50 of an end. OfANeedleWithAVanishingSideIsFinite needs the test.
+  // Below 2^-100 the middle is as good: c is within 2^-50 of an end. OfANeedleWithAVanishingSideIsFinite needs the
+  // test.
   if (!acute || n_sq < 0x1p-100) return a + (b - a) * 0.5;
   const Vec3 offset = (length_sq(to_a) * cross(to_b, n) + length_sq(to_b) * cross(n, to_a)) * (0.5 / n_sq);
   return c + offset * longest;

@@ -7,6 +7,7 @@
 //           make the comparisons false (inf, NaN) and so go to the exact stage like every other undecided input.
 #include <cmath>
 
+#include "core/check.h"
 #include "geometry/exact_sign.h"
 #include "limber/geometry.h"
 
@@ -26,6 +27,7 @@ int sign(double x) { return x > 0 ? 1 : -1; }
 }  // namespace
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  LIMBER_ASSERT(is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d));
   const Vec3 p = b - a, q = c - a, r = d - a;
   const double yz = p.y * q.z, zy = p.z * q.y;
   const double zx = p.z * q.x, xz = p.x * q.z;
@@ -39,6 +41,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis) {
+  LIMBER_ASSERT(axis < 3);
+  LIMBER_ASSERT(is_finite(a) && is_finite(b) && is_finite(c));
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
   const double left = (b[i] - a[i]) * (c[j] - a[j]);
   const double right = (b[j] - a[j]) * (c[i] - a[i]);

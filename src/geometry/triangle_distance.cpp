@@ -161,7 +161,7 @@ double distance_to(const Face& face, const Vec3& p) {
 ///
 /// Candidates are the closest features (contacts of boundaries, coplanar overlap) and the points where an edge passes
 /// through the other's plane. The one nearest to both is taken, so no case distinction can pick a bad one.
-Vec3 contact_point(const Face& a, const Face& b, const Best& best) {
+Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = distance_to(b, contact);
   const auto consider_edges_of = [&](const Face& owner, const Face& target) {
@@ -177,6 +177,7 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best) {
   };
   if (misfit > 0) consider_edges_of(a, b);
   if (misfit > 0) consider_edges_of(b, a);
+  LIMBER_ASSERT(misfit <= 0x1p-44 * extent);
   return contact;
 }
 
@@ -189,7 +190,7 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b) {
   const Face local_a(frame.to_local(a)), local_b(frame.to_local(b));
   const Best best = closest_features(local_a, local_b);
   if (!is_separated(local_a.corner, local_b.corner, best.between, frame.extent()) && intersects(a, b)) {
-    const Vec3 shared = frame.from_local(contact_point(local_a, local_b, best));
+    const Vec3 shared = frame.from_local(contact_point(local_a, local_b, best, frame.extent()));
     return {0, shared, shared};
   }
   const double distance = frame.length_from_local(safe_length(best.between));

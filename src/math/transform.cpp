@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/check.h"
 #include "limber/math.h"
 
 namespace limber {
@@ -46,6 +47,7 @@ Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, 
   const Mat3 rotation{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  LIMBER_ASSERT(is_rigid({rotation, translation}));
   return Transform{rotation, translation};
 }
 

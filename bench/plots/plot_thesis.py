@@ -1,0 +1,254 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures and tables of docs/experiments.md from the results of the thesis benchmarks.
+
+Writes docs/images/thesis_queries.svg and docs/images/thesis_updates.svg, and replaces the tables of the page.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+try:
+    import matplotlib
+except ModuleNotFoundError:
+    sys.exit("plot_thesis.py needs matplotlib (Debian: python3-matplotlib)")
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator  # noqa: E402
+
+from thesis_results import MODE_NAMES, MODES, Results, write_tables  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Okabe and Ito's palette: told apart with every kind of colour vision.
+BLACK, ORANGE, SKY, GREEN, BLUE, RED, PINK = "#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
+MODE_COLORS = {"immediate": RED, "batched": ORANGE, "by_depth": BLUE}
+ERROR_COLORS = {0.01: GREEN, 0.1: SKY, 0.5: ORANGE, 1.0: PINK}
+GREY = "#666666"
+
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 3.5,
+    "svg.hashsalt": "limber",  # the same results give the same file
+    "svg.fonttype": "path",
+    "figure.facecolor": "white",
+}
+
+
+def plain(value: float, _position: int = 0) -> str:
+    return f"{value:,.0f}".replace(",", " ") if abs(value) >= 10000 else f"{value:g}"
+
+
+def separation_axis(axes) -> None:
+    """From far away at the left to deep in contact at the right, logarithmic on both sides of 0."""
+    axes.set_xscale("symlog", linthresh=0.01, linscale=0.5)
+    axes.set_xlim(100, -1.8)
+    ticks = [64, 8, 1, 0.1, 0.01, 0, -0.1, -1]
+    axes.xaxis.set_major_locator(FixedLocator(ticks))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}".replace("-", "\N{MINUS SIGN}")))
+    axes.axvspan(0, -1.8, color="#f3f0ea", zorder=0)
+    axes.set_xlabel("separation, units; right of 0: penetration")
+
+
+def log_axis(axes, label: str, low: float, high: float) -> None:
+    axes.set_yscale("log")
+    axes.set_ylim(low, high)
+    axes.yaxis.set_major_formatter(FuncFormatter(plain))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_ylabel(label)
+
+
+def curve(axes, points: dict[float, float], color: str, **style) -> None:
+    axes.plot(list(points), list(points.values()), color=color, marker="o", **style)
+
+
+def label(axes, x: float, y: float, text: str, color: str, **style) -> None:
+    axes.annotate(text, (x, y), color=color, textcoords="offset points", **{"xytext": (4, 4), "fontsize": 8.5, **style})
+
+
+def key(axes, x: float, y: float, entries: list[tuple[str, str]]) -> None:
+    """Names in their curves' colours, from the upper curve down, where no label fits beside the curves."""
+    for i, (text, color) in enumerate(entries):
+        axes.text(x, y - 0.058 * i, text, color=color, transform=axes.transAxes, fontsize=8.5, fontweight="bold",
+                  va="top")
+
+
+def caption(axes, text: str) -> None:
+    axes.text(0, -0.235, text, transform=axes.transAxes, fontsize=8, color=GREY, va="top")
+
+
+def contact_note(axes) -> None:
+    axes.text(-0.02, 0.97, "in contact", transform=axes.get_xaxis_transform(), fontsize=8, color=GREY, va="top",
+              ha="center")
+
+
+def with_spread(axes, results: Results, query: str, error: float, color: str) -> dict[float, float]:
+    low, high = (results.query(query, error, column) for column in ("min_us", "p99_us"))
+    middle = results.query(query, error, "median_us")
+    axes.fill_between(list(low), list(low.values()), list(high.values()), color=color, alpha=0.18, linewidth=0)
+    curve(axes, middle, color)
+    return middle
+
+
+def plot_queries(results: Results, target: Path) -> None:
+    figure, grid = plt.subplots(2, 2, figsize=(10.5, 8.2))
+    (collision, exact), (approximate, counters) = grid
+
+    collision.set_title("Collision")
+    with_spread(collision, results, "collide", 0, BLUE)
+    log_axis(collision, "time per query, µs", 0.02, 1000)
+    caption(collision, "Source, 400 MHz Pentium II: tenths of a millisecond far away,\n"
+                       "just under 60 ms near contact, under 10 ms in contact.")
+
+    exact.set_title("Exact distance")
+    with_spread(exact, results, "distance", 0, BLACK)
+    log_axis(exact, "time per query, µs", 100, 1e6)
+    caption(exact, "Source: at least 310 ms when separated, slower the further apart;\n"
+                   "260 ms down to 238 ms in contact.")
+
+    approximate.set_title("Distance within a relative error")
+    for query in ("distance", "collide"):
+        curve(approximate, results.query(query, 0, "median_us"), "#aaaaaa", linewidth=1)
+    for error, color in ERROR_COLORS.items():
+        curve(approximate, results.query("distance", error, "median_us"), color)
+    names = [(f"{error * 100:g} %", color) for error, color in ERROR_COLORS.items()]
+    key(approximate, 0.44, 0.37, [("exact", GREY), *names, ("collision", GREY)])
+    log_axis(approximate, "time per query, µs", 0.02, 1e6)
+    caption(approximate, "Source: between the two; quick far away, dearest on the way in,\n"
+                         "cheaper again towards contact. It gives no times here.")
+
+    counters.set_title("Work per query, pairs looked at")
+    for name, query, error, color, at, shift in (("exact", "distance", 0, BLACK, 32, (4, 5)),
+                                                 ("10 %", "distance", 0.1, SKY, 8, (-26, 6)),
+                                                 ("collision", "collide", 0, BLUE, 2, (5, -11))):
+        nodes = results.query(query, error, "node_tests")
+        triangles = {x: y for x, y in results.query(query, error, "triangle_tests").items() if y > 0}
+        curve(counters, nodes, color)
+        curve(counters, triangles, color, linestyle=(0, (1, 1.2)), linewidth=1.2, markerfacecolor="white")
+        label(counters, at, nodes[at], name, color, xytext=shift, fontweight="bold")
+    log_axis(counters, "pairs per query", 0.7, 1e7)
+    caption(counters, "Full lines: pairs of spheres. Dotted lines, open markers: pairs of triangles.\n"
+                      "There are 8.4 million pairs of triangles in all.")
+
+    for axes in grid.flat:
+        separation_axis(axes)
+        contact_note(axes)
+    figure.suptitle("A ball of 1024 triangles over a flat square of 8192: classic sphere tree, one thread; "
+                    "median; bands from minimum to 99th percentile", x=0.01, ha="left", fontsize=9.5)
+    figure.tight_layout(rect=(0, 0, 1, 0.985), h_pad=2.2, w_pad=2.5)
+    save(figure, target)
+
+
+def plot_updates(results: Results, target: Path) -> None:
+    figure, grid = plt.subplots(2, 2, figsize=(10.5, 8.2))
+    (times, refits), (loose_updates, loose_queries) = grid
+    batches = list(results.update("large", "immediate", 0, "median_us"))
+
+    times.set_title("Time per moved vertex")
+    refits.set_title("Spheres refitted per moved vertex")
+    label_shift = {"immediate": (0, 6), "batched": (0, -13), "by_depth": (0, 6)}
+    for mode in MODES:
+        low, high, middle, count = (results.update("large", mode, 0, column)
+                                    for column in ("min_us", "max_us", "median_us", "refits"))
+        times.fill_between(batches, list(low.values()), list(high.values()), color=MODE_COLORS[mode], alpha=0.2,
+                           linewidth=0)
+        for axes, points in ((times, middle), (refits, count)):
+            curve(axes, points, MODE_COLORS[mode])
+            label(axes, 1, points[1], MODE_NAMES[mode], MODE_COLORS[mode], xytext=label_shift[mode], fontweight="bold")
+    marking = results.update("large", "by_depth", 0, "move_us")
+    curve(times, marking, GREY, linewidth=1)
+    label(times, 1, marking[1], "of which marking", GREY, xytext=(0, -12))
+    log_axis(times, "µs", 0.005, 20)
+    log_axis(refits, "refits", 0.2, 300)
+    caption(times, "Tight spheres, 1000 dents of slope 0.1, a dent moves about 108 vertices.\n"
+                   "Source: 0.13 ms immediate, 0.09 ms batched, 0.06 ms by depth, hardly\n"
+                   "dependent on the batch.")
+    caption(refits, "A tree over 20 000 triangles is 15 levels deep, a vertex has 6 triangles: about 91\n"
+                    "refits for each vertex moved alone. When dents of one commit overlap, vertices\n"
+                    "moved more than once are repaired once.")
+    for axes in (times, refits):
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(FixedLocator([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.xaxis.set_major_formatter(FuncFormatter(plain))
+        axes.set_xlabel("dents per commit")
+
+    slacks = results.slacks()
+    dents = 10
+    loose_updates.set_title("Looseness: time per moved vertex")
+    loose_queries.set_title("Looseness: what a distance query then costs")
+    for motion, line in (("large", "-"), ("small", (0, (4, 1.5)))):
+        for mode in MODES:
+            points = {x: results.update(motion, mode, s, "median_us")[dents] for x, s in enumerate(slacks)}
+            curve(loose_updates, points, MODE_COLORS[mode], linestyle=line)
+            nodes = {x: results.update(motion, mode, s, "query_node_tests")[dents] for x, s in enumerate(slacks)}
+            curve(loose_queries, nodes, MODE_COLORS[mode], linestyle=line)
+    for mode in MODES:
+        label(loose_updates, 0, results.update("large", mode, 0, "median_us")[dents], MODE_NAMES[mode],
+              MODE_COLORS[mode], xytext=(-6, -3), ha="right", fontweight="bold")
+    for motion, shift in (("large", (-8, 6)), ("small", (6, -12))):
+        label(loose_queries, 3, results.update(motion, "by_depth", slacks[3], "query_node_tests")[dents],
+              f"{motion} motion", BLACK, xytext=shift, ha="right" if motion == "large" else "left")
+    log_axis(loose_updates, "µs", 0.05, 10)
+    log_axis(loose_queries, "pairs of spheres per query", 5e3, 1e6)
+    caption(loose_updates, f"{dents} dents per commit. Full lines: large motion, slope 0.1.\n"
+                           "Dashed: small motion, slope 0.001.")
+    caption(loose_queries, "Exact distance of the ball hovering 0.5 above the dented sheet; colours as beside.\n"
+                           "Source: looseness can only make queries dearer; no figures.")
+    for axes in (loose_updates, loose_queries):
+        axes.set_xlim(-1.4 if axes is loose_updates else -0.25, len(slacks) - 0.75)
+        axes.set_xticks(range(len(slacks)), ["0, tight", *(f"{s:g}" for s in slacks[1:])])
+        axes.set_xlabel("slack: extra radius as a fraction of the tight one")
+
+    figure.suptitle("Keeping the sphere tree of a 100 x 100 sheet, 20 000 triangles, while it is dented: one thread; "
+                    "median, band from minimum to maximum", x=0.01, ha="left", fontsize=9.5)
+    figure.tight_layout(rect=(0, 0, 1, 0.985), h_pad=2.2, w_pad=2.5)
+    save(figure, target)
+
+
+def save(figure, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(target, metadata={"Date": None} if target.suffix == ".svg" else None, dpi=110)
+    plt.close(figure)
+    print(target)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=Path, help="folder with the tables of the two benchmarks")
+    parser.add_argument("--preview", type=Path, metavar="FOLDER", help="only figures, as PNG into FOLDER")
+    arguments = parser.parse_args()
+    try:
+        results = Results.read(arguments.results.resolve())
+    except FileNotFoundError as error:
+        sys.exit(f"plot_thesis.py: no {error.filename}; run both benchmarks with --out {arguments.results}")
+    folder, suffix = (arguments.preview, ".png") if arguments.preview else (ROOT / "docs/images", ".svg")
+    with plt.rc_context(STYLE):
+        plot_queries(results, folder / f"thesis_queries{suffix}")
+        plot_updates(results, folder / f"thesis_updates{suffix}")
+    if not arguments.preview:
+        page = ROOT / "docs/experiments.md"
+        write_tables(results, page)
+        print(page)
+
+
+if __name__ == "__main__":
+    main()

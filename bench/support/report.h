@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <utility>
+
+/// What every benchmark reads from its command line, checks, and writes.
+namespace limber::bench {
+
+struct Options {
+  std::filesystem::path out;  ///< folder for results; empty: only the console
+  bool quick = false;         ///< few rounds: shows that everything works, not how fast
+};
+
+/// The options, or the exit code when there is nothing more to do.
+///
+/// Errors   A folder that cannot be made, and what the command line got wrong, are reported on the console.
+struct ParsedOptions {
+  Options options;
+  std::optional<int> exit_code;
+};
+ParsedOptions parse_options(int argc, const char* const* argv, const std::string& question);
+
+/// Counts wrong answers and says what they were. A benchmark with any prints no times and ends with exit code 1.
+class Checker {
+ public:
+  template <typename... Args>
+  bool check(bool right, fmt::format_string<Args...> what_is_wrong, Args&&... args) {
+    if (!right) {
+      ++wrong_;
+      fmt::print(stderr, "WRONG: {}\n", fmt::format(what_is_wrong, std::forward<Args>(args)...));
+    }
+    return right;
+  }
+  bool all_right() const { return wrong_ == 0; }
+
+ private:
+  int wrong_ = 0;
+};
+
+/// A table as comma-separated values; writes nothing when there is no folder to write to.
+class CsvFile {
+ public:
+  CsvFile(const Options& options, const std::string& name, const std::string& header);
+
+  template <typename... Args>
+  void row(fmt::format_string<Args...> format, Args&&... args) {
+    if (file_.is_open()) file_ << fmt::format(format, std::forward<Args>(args)...) << '\n';
+  }
+
+ private:
+  std::ofstream file_;
+};
+
+/// Processor, compiler and flags into `machine.txt`; warns on the console when the build checks itself while timed.
+void report_machine(const Options& options);
+
+}  // namespace limber::bench

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Question        What does a query cost at a given separation, and what do the kind of answer and contact do to it?
+// Workload        A ball of 1024 triangles and diameter 2 over a flat square of 8192 triangles and 8 x 8 units, from 64
+//                 units of separation down to 1 unit of penetration. Pose 0, and the mean over 15 other places and
+//                 turns. Collision, exact distance, approximate distance; the classic sphere tree; one thread.
+// Metric          Time per query: minimum, median and 99th percentile over rounds in each of which every query runs
+//                 once at every separation. Beside them the pairs of spheres and of triangles looked at.
+// Expected shape  Collision: next to nothing far away, steeply up towards contact, sharply down in contact. Exact
+//                 distance: dearest far away, where all pairs look alike, and ever cheaper down into contact.
+//                 Approximate distance: like collision from afar, like exact distance close by, cheaper the larger the
+//                 error allowed.
+// Checked         Before anything is timed: exact distance against the separation known by construction, contact
+//                 against its sign, approximate answers against their error, witness points against the distance, and
+//                 two separations against brute force.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/support/report.h"
+#include "bench/support/sampling.h"
+#include "limber/classic.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+
+namespace limber::bench {
+namespace {
+
+constexpr std::array separations = {64.0, 32.0, 16.0,  8.0, 4.0,    2.0,  1.0,  0.5, 0.25,
+                                    0.1,  0.01, 0.001, 0.0, -0.001, -0.1, -0.5, -1.0};
+constexpr std::array brute_force_separations = {0.1, -0.1};
+constexpr double tolerance = 8 * 1e-12;  // 1e-12 of the square's edge
+
+struct Query {
+  const char* name;
+  double relative_error;  // of a distance; collisions have none
+
+  bool is_collision() const { return std::string_view(name) == "collide"; }
+};
+constexpr std::array<Query, 6> queries = {
+    {{"collide", 0}, {"distance", 0}, {"distance", 0.01}, {"distance", 0.1}, {"distance", 0.5}, {"distance", 1}}};
+
+struct Scene {
+  classic::Model square{scenes::thesis_square()};
+  classic::Model ball{scenes::thesis_ball()};
+};
+
+/// One query's answer in the terms all queries share.
+struct Answer {
+  bool collision = false;
+  DistanceResult distance;  // of a collision query only the counters
+};
+
+Answer ask(const Scene& scene, const Query& query, const Transform& pose) {
+  const classic::Placed square{scene.square}, ball{scene.ball, pose};
+  Answer answer;
+  if (query.is_collision()) {
+    const CollideResult result = classic::collide(square, ball);
+    answer.collision = result.collision;
+    answer.distance.stats = result.stats;
+  } else {
+    answer.distance = classic::distance(square, ball, {.relative_error = query.relative_error});
+    answer.collision = answer.distance.status == Status::collision;
+  }
+  return answer;
+}
+
+/// One query at one separation in one pose.
+struct Case {
+  Query query;
+  double separation;
+  std::uint32_t pose_index;
+  Transform pose;
+  Answer answer;
+  std::size_t repetitions = 1;
+  std::vector<double> samples_us;
+
+  std::string name() const {
+    return fmt::format("{} with error {} at {} in pose {}", query.name, query.relative_error, separation, pose_index);
+  }
+};
+
+std::vector<Case> cases_of_pose(const Scene& scene, std::uint32_t pose_index) {
+  std::vector<Case> cases;
+  for (const double separation : separations) {
+    const Transform pose = scenes::ball_over_square(scene.ball.mesh(), separation, pose_index);
+    for (const Query& query : queries) cases.push_back({query, separation, pose_index, pose, {}, 1, {}});
+  }
+  return cases;
+}
+
+void check_witness(Checker& checker, const Scene& scene, const Case& c) {
+  const Witness& w = c.answer.distance.witness;
+  const Triangle on_square = scene.square.mesh().triangle(w.triangle_a);
+  const Triangle model = scene.ball.mesh().triangle(w.triangle_b);
+  const Triangle on_ball{c.pose(model.v0), c.pose(model.v1), c.pose(model.v2)};
+  checker.check(closest_points(w.point_a, on_square).distance <= tolerance &&
+                    closest_points(w.point_b, on_ball).distance <= tolerance,
+                "{}: a witness point is off its triangle", c.name());
+  const double apart = length(w.point_a - w.point_b);
+  checker.check(std::abs(apart - c.answer.distance.upper) <= tolerance, "{}: witness {} apart, distance {}", c.name(),
+                apart, c.answer.distance.upper);
+}
+
+/// Against the distance `truth`; whether two models at distance 0 meet is only certain when they overlap.
+void check_against(Checker& checker, const Case& c, double truth, bool contact_is_certain) {
+  if (contact_is_certain) {
+    checker.check(c.answer.collision == (truth == 0), "{}: collision is {}", c.name(), c.answer.collision);
+  }
+  if (c.query.is_collision()) return;
+  const DistanceResult& result = c.answer.distance;
+  checker.check(result.upper >= truth - tolerance && result.upper <= truth * (1 + c.query.relative_error) + tolerance,
+                "{}: {} instead of {}", c.name(), result.upper, truth);
+  checker.check(result.lower <= truth + tolerance, "{}: lower bound {} above {}", c.name(), result.lower, truth);
+  checker.check(c.answer.collision == (result.upper == 0), "{}: status against distance", c.name());
+}
+
+void answer_and_check(Checker& checker, const Scene& scene, std::vector<Case>& cases) {
+  bool collides = false;
+  for (Case& c : cases) {
+    const Stopwatch watch;
+    c.answer = ask(scene, c.query, c.pose);
+    c.repetitions = repetitions_for(watch.us());
+    check_against(checker, c, std::max(c.separation, 0.0), c.separation != 0);
+    if (c.query.is_collision()) {
+      collides = c.answer.collision;  // the first query at each separation
+    } else {
+      checker.check(c.answer.collision == collides, "{}: distance {} although collide says {}", c.name(),
+                    c.answer.distance.upper, collides);
+      check_witness(checker, scene, c);
+    }
+  }
+}
+
+void check_by_brute_force(Checker& checker, const Scene& scene, const std::vector<Case>& cases) {
+  for (const double separation : brute_force_separations) {
+    const Transform pose = scenes::ball_over_square(scene.ball.mesh(), separation, 0);
+    const reference::Placed square{scene.square.mesh()}, ball{scene.ball.mesh(), pose};
+    const double truth = reference::distance(square, ball).upper;
+    checker.check(reference::collide(square, ball).collision == (truth == 0), "brute force contradicts itself");
+    for (const Case& c : cases) {
+      if (c.separation == separation) check_against(checker, c, truth, true);
+    }
+  }
+}
+
+void time_rounds(Checker& checker, const Scene& scene, std::vector<Case>& cases, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    for (Case& c : cases) {
+      std::uint64_t node_tests = 0;
+      c.samples_us.push_back(
+          mean_us(c.repetitions, [&] { node_tests += ask(scene, c.query, c.pose).distance.stats.node_tests; }));
+      checker.check(node_tests == c.repetitions * c.answer.distance.stats.node_tests, "{}: not repeatable", c.name());
+    }
+  }
+}
+
+void report_pose(const Options& options, const std::vector<Case>& cases) {
+  CsvFile csv(options, "thesis_queries.csv",
+              "query,relative_error,separation,min_us,median_us,p99_us,node_tests,triangle_tests,upper");
+  fmt::print("pose 0: median time per query, us (pairs of spheres / of triangles)\n{:>8}", "sep");
+  for (const Query& query : queries) fmt::print(" {:>26}", fmt::format("{} {}", query.name, query.relative_error));
+  for (const Case& c : cases) {
+    const Summary us = summarize(c.samples_us);
+    const QueryStats& stats = c.answer.distance.stats;
+    if (c.query.is_collision()) fmt::print("\n{:>8}", c.separation);
+    fmt::print(" {:>26}", fmt::format("{:.1f} ({}/{})", us.median, stats.node_tests, stats.triangle_tests));
+    csv.row("{},{},{},{:.4f},{:.4f},{:.4f},{},{},{}", c.query.name, c.query.relative_error, c.separation, us.min,
+            us.median, us.p99, stats.node_tests, stats.triangle_tests,
+            c.query.is_collision() ? "" : fmt::format("{}", c.answer.distance.upper));
+  }
+  fmt::print("\n\n");
+}
+
+void report_mean_over_poses(const Options& options, const std::vector<std::vector<Case>>& poses) {
+  CsvFile csv(options, "thesis_queries_poses.csv",
+              "query,relative_error,separation,poses,mean_us,fastest_pose_us,slowest_pose_us,mean_node_tests,"
+              "mean_triangle_tests");
+  fmt::print("{} other poses: mean over them of the fastest time per query, us\n{:>8}", poses.size(), "sep");
+  for (const Query& query : queries) fmt::print(" {:>14}", fmt::format("{} {}", query.name, query.relative_error));
+  for (std::size_t i = 0; i < poses.front().size(); ++i) {
+    std::vector<double> us, node_tests, triangle_tests;
+    for (const std::vector<Case>& cases : poses) {
+      us.push_back(summarize(cases[i].samples_us).min);  // too few rounds for a median to shed disturbances
+      node_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.node_tests));
+      triangle_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.triangle_tests));
+    }
+    const Case& c = poses.front()[i];
+    const Summary spread = summarize(us);
+    if (c.query.is_collision()) fmt::print("\n{:>8}", c.separation);
+    fmt::print(" {:>14.1f}", mean(us));
+    csv.row("{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f},{:.1f}", c.query.name, c.query.relative_error, c.separation,
+            poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(triangle_tests));
+  }
+  fmt::print("\n");
+}
+
+int run(const Options& options) {
+  const int rounds = options.quick ? 3 : 61;
+  const int rounds_of_others = options.quick ? 1 : 3;
+  const std::uint32_t other_poses = options.quick ? 2 : 15;
+
+  const Scene scene;
+  Checker checker;
+  std::vector<Case> canonical = cases_of_pose(scene, 0);
+  answer_and_check(checker, scene, canonical);
+  check_by_brute_force(checker, scene, canonical);
+  std::vector<std::vector<Case>> others;
+  for (std::uint32_t index = 1; index <= other_poses; ++index) {
+    others.push_back(cases_of_pose(scene, index));
+    answer_and_check(checker, scene, others.back());
+  }
+  if (!checker.all_right()) return 1;
+
+  time_rounds(checker, scene, canonical, rounds);
+  for (int round = 0; round < rounds_of_others; ++round) {
+    for (std::vector<Case>& cases : others) time_rounds(checker, scene, cases, 1);
+  }
+  if (!checker.all_right()) return 1;
+
+  report_machine(options);
+  report_pose(options, canonical);
+  report_mean_over_poses(options, others);
+  return 0;
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) try {
+  const auto [options, exit_code] =
+      limber::bench::parse_options(argc, argv, "Time per query against the separation of ball and square");
+  return exit_code ? *exit_code : limber::bench::run(options);
+} catch (const std::exception& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return 2;
+}
