@@ -22,10 +22,11 @@ enum class Maintenance {
 
 /// How much larger than needed a sphere is made when it is recomputed, so that it can absorb later motion.
 struct Looseness {
-  /// Extra radius as a fraction of the tight radius; 0 keeps every sphere tight and never absorbs. Finite, >= 0.
+  /// Extra radius as a fraction of the tight radius; 0 keeps every sphere tight and never absorbs.
+  /// Between 0 and 100; it compounds from level to level.
   double slack = 0;
   /// A sphere that still contains its content is kept while its radius is at most this many times the one it would be
-  /// given now; above that it has grown stale and is recomputed. Finite, >= 1.
+  /// given now; above that it has grown stale and is recomputed. Between 1 and 1e6.
   double stale_ratio = 1.5;
 };
 

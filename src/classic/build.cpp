@@ -8,7 +8,6 @@
 //           id, so the tree does not depend on the standard library's selection order. Nodes are laid out
 //           breadth-first.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -102,8 +101,8 @@ Sphere with_slack(Sphere tight, const Looseness& looseness) {
 }
 
 Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
-  LIMBER_ASSERT(std::isfinite(options.looseness.slack) && options.looseness.slack >= 0);
-  LIMBER_ASSERT(std::isfinite(options.looseness.stale_ratio) && options.looseness.stale_ratio >= 1);
+  LIMBER_ASSERT(options.looseness.slack >= 0 && options.looseness.slack <= 100);
+  LIMBER_ASSERT(options.looseness.stale_ratio >= 1 && options.looseness.stale_ratio <= 1e6);
   build_nodes(*this);
   list_triangles_at_vertices(*this);
   is_changed.assign(mesh.triangles().size(), 0);

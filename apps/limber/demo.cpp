@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "bad_input.h"
+#include "demo_page.h"
+#include "demo_run.h"
+#include "demo_table.h"
+#include "options.h"
+#include "output.h"
+#include "verb.h"
+
+namespace limber::program {
+namespace {
+
+constexpr std::uint64_t max_frames = 100'000;
+constexpr std::uint64_t max_dents_per_frame = 1'000;
+
+struct Arguments {
+  DemoOptions demo;
+  std::string page = "limber-demo.html";
+  bool is_unchecked = false;
+  bool json = false;
+};
+
+[[noreturn]] void cannot_write(const std::string& path) {
+  throw BadInput(fmt::format("--out: cannot write {}: {}", path, std::strerror(errno)));
+}
+
+/// Finds out before the work is done whether its result can be stored.
+void check_writable(const std::string& path) {
+  if (!std::ofstream(path, std::ios::app)) cannot_write(path);
+}
+
+void store(const std::string& page, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  file << page;
+  file.close();
+  if (!file) cannot_write(path);
+}
+
+Json to_json(const Spread& spread) { return {{"median", spread.median}, {"p99", spread.p99}, {"max", spread.max}}; }
+
+const char* check_word(const DemoRun& run) {
+  if (!run.is_right) return "skipped";
+  if (!*run.is_right) return "different";
+  return run.options.query.relative_error == 0 ? "equal" : "within_error";
+}
+
+Json as_json(const DemoRun& run, const std::string& page) {
+  const DemoSummary summary = summary_of(run.frames);
+  return {
+      {"query", "demo"},
+      {"frames", run.frames.size()},
+      {"dents_per_frame", run.options.dents_per_frame},
+      {"seed", run.options.seed},
+      {"relative_error", run.options.query.relative_error},
+      {"mode", to_text(run.options.model.maintenance)},
+      {"slack", run.options.model.looseness.slack},
+      {"stale_ratio", run.options.model.looseness.stale_ratio},
+      {"moved_vertices", summary.updates.moved_vertices},
+      {"refits", summary.updates.refits},
+      {"absorbed", summary.updates.absorbed},
+      {"update_us", to_json(summary.update_us)},
+      {"query_us", to_json(summary.answer_us)},
+      {"rough_query_us", to_json(summary.rough_us)},
+      {"min_distance", summary.min_distance},
+      {"contact_frames", summary.contact_frames},
+      {"wall_s", run.wall_s},
+      {"brute_force", check_word(run)},
+      {"page", page},
+  };
+}
+
+void write_summary(const DemoRun& run, const std::string& page) {
+  write("\n");
+  for (const auto& [name, text] : summary_rows(run)) write_line("{:<22}{}", name, text);
+  write_line("{:<22}{}", "page", page);
+}
+
+void check(DemoRun& run, bool is_silent) {
+  if (!is_silent) {
+    write_line("checking the last frame against brute force ...");
+    flush();
+  }
+  run.is_right = is_confirmed_by_brute_force(run);
+}
+
+void run(const Arguments& arguments) {
+  check_writable(arguments.page);
+  DemoTable table(arguments.demo.frames);
+  DemoRun run = run_demo(arguments.demo, [&](const std::vector<DemoFrame>& frames) {
+    if (!arguments.json) table.show(frames);
+  });
+  if (!arguments.is_unchecked) check(run, arguments.json);
+  store(demo_page(run), arguments.page);
+  if (arguments.json) {
+    write(to_line(as_json(run, arguments.page)));
+  } else {
+    write_summary(run, arguments.page);
+  }
+  if (run.is_right == false) throw std::logic_error("brute force gives another distance for the last frame");
+}
+
+}  // namespace
+
+Verb add_demo(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a sheet that is dented; makes a page of it");
+  DemoOptions& demo = arguments->demo;
+  add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");
+  add_count(command, "--dents-per-frame", demo.dents_per_frame, 0, max_dents_per_frame,
+            "dents in each frame; one moves about 116 of the 10 201 vertices");
+  add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "which dents");
+  add_relative_error(command, demo.query.relative_error);
+  add_maintenance(command, demo.model);
+  command.add_option("--out", arguments->page, "where the page is written")->type_name("FILE")->capture_default_str();
+  command.add_flag("--no-check", arguments->is_unchecked, "do not compare the last frame with brute force");
+  add_json(command, arguments->json, "answer with one JSON object instead of tables");
+  command.footer(
+      "The sheet has 20 000 triangles and 100 units a side, the ball 1024 triangles and a diameter of 2 units. Every\n"
+      "frame dents the sheet, repairs its sphere tree, and asks for the distance: at --relative-error and, to "
+      "compare,\n"
+      "at 0.1. Times in the answer are per frame, in microseconds in JSON.");
+  return {&command, [arguments] { run(*arguments); }};
+}
+
+}  // namespace limber::program

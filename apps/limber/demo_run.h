@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "limber/classic.h"
+
+/// The demonstration without its looks: a sheet is dented again and again while a ball flies over it.
+namespace limber::program {
+
+struct DemoOptions {
+  std::uint64_t frames = 600;
+  std::uint64_t dents_per_frame = 2;
+  std::uint64_t seed = 1;
+  DistanceOptions query;
+  classic::ModelOptions model;
+};
+
+/// A second query in each frame is asked at this error, to show what an approximate answer costs and gives.
+inline constexpr double rough_error = 0.1;
+
+struct DemoFrame {
+  Vec3 ball_center;
+  classic::MaintenanceStats update;  ///< of this frame alone
+  double update_us = 0;              ///< moving the vertices and repairing the tree
+  DistanceResult answer;             ///< at the error asked for
+  double answer_us = 0;
+  DistanceResult rough;  ///< at `rough_error`
+  double rough_us = 0;
+};
+
+struct DemoRun {
+  DemoOptions options;
+  std::vector<DemoFrame> frames;
+  Mesh sheet;  ///< as it is in the last frame
+  Mesh ball;
+  Transform ball_pose;           ///< in the last frame
+  double wall_s = 0;             ///< of all frames
+  std::optional<bool> is_right;  ///< whether brute force confirms the last frame; empty when not checked
+};
+
+/// Called after each frame with all frames so far.
+using FrameWatcher = std::function<void(const std::vector<DemoFrame>&)>;
+
+/// Plays all frames and checks nothing. Pre: at least one frame.
+DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher);
+
+/// Whether every triangle against every other gives the last frame's distance, up to rounding. Takes a while.
+bool is_confirmed_by_brute_force(const DemoRun& run);
+
+/// Middle and far end of a list of numbers.
+struct Spread {
+  double median = 0, p99 = 0, max = 0;
+};
+
+/// Pre: there is at least one value.
+Spread spread_of(std::vector<double> values);
+
+/// What a run comes to.
+struct DemoSummary {
+  classic::MaintenanceStats updates;
+  Spread update_us, answer_us, rough_us;
+  double min_distance = 0;  ///< the smallest upper bound
+  std::uint64_t contact_frames = 0;
+
+  double update_us_per_vertex = 0;  ///< all updates by all moved vertices
+};
+DemoSummary summary_of(const std::vector<DemoFrame>& frames);
+
+}  // namespace limber::program

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "demo_run.h"
+#include "stopwatch.h"
+
+namespace limber::program {
+
+/// Shows a running demonstration on standard output: on a terminal a table redrawn in place, otherwise a line now and
+/// then.
+class DemoTable {
+ public:
+  explicit DemoTable(std::size_t frame_count);
+
+  void show(const std::vector<DemoFrame>& frames);
+
+ private:
+  void redraw(const std::vector<DemoFrame>& frames);
+
+  std::size_t frame_count_;
+  bool on_terminal_;
+  bool stands_ = false;
+  Stopwatch since_drawn_;
+};
+
+/// What a run came to, as pairs of a name and a text with units.
+std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run);
+
+/// Digits in groups of three.
+std::string grouped(std::uint64_t count);
+
+/// A time in the unit that suits it.
+std::string duration_text(double microseconds);
+
+}  // namespace limber::program

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "limber/classic.h"
+
+/// Options with one way to say what is wrong with a value. Targets hold the defaults and outlive the parsing.
+namespace limber::program {
+
+/// What a number may be.
+struct NumberRange {
+  double low = 0, high = 0;
+  std::string text;  ///< after "must be ": "a finite number >= 0"
+};
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
+                        const std::string& description);
+
+/// A whole number from `low` to `high`.
+CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
+                       std::uint64_t high, const std::string& description);
+
+/// One of several words.
+template <typename T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
+                        const std::vector<std::pair<std::string, T>>& choices, const std::string& description) {
+  std::string words, default_word;
+  for (const auto& [word, value] : choices) {
+    words += (words.empty() ? "" : "|") + word;
+    if (value == target) default_word = word;
+  }
+  const auto read = [&target, choices, words, name](const std::string& text) {
+    for (const auto& [word, value] : choices) {
+      if (text != word) continue;
+      target = value;
+      return;
+    }
+    throw CLI::ValidationError(name, "must be one of " + words + ", not '" + text + "'");
+  };
+  return command.add_option_function<std::string>(name, read, description)->type_name(words)->default_str(default_word);
+}
+
+/// `--json`.
+CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description);
+
+/// `--relative-error`.
+CLI::Option* add_relative_error(CLI::App& command, double& target);
+
+/// `--mode`, `--slack`, `--stale-ratio`: how the trees follow moving vertices.
+void add_maintenance(CLI::App& command, classic::ModelOptions& target);
+const char* to_text(classic::Maintenance maintenance);
+
+}  // namespace limber::program

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "output.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "number_text.h"
+
+namespace limber::program {
+namespace {
+
+[[noreturn]] void fail(int reason) {
+  throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write the answer: {}", std::strerror(reason)));
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);  // file names need not be UTF-8
+}
+
+void append(std::string& line, const Json& json);
+
+void append_object(std::string& line, const Json& json) {
+  const char* separator = "";
+  line += '{';
+  for (const auto& [key, value] : json.items()) {
+    line += separator + quoted(key) + ": ";
+    append(line, value);
+    separator = ", ";
+  }
+  line += '}';
+}
+
+void append_array(std::string& line, const Json& json) {
+  const char* separator = "";
+  line += '[';
+  for (const Json& value : json) {
+    line += separator;
+    append(line, value);
+    separator = ", ";
+  }
+  line += ']';
+}
+
+void append(std::string& line, const Json& json) {
+  if (json.is_object()) {
+    append_object(line, json);
+  } else if (json.is_array()) {
+    append_array(line, json);
+  } else if (json.is_string()) {
+    line += quoted(json.get<std::string>());
+  } else if (json.is_number_float()) {
+    const double number = json.get<double>();
+    if (!std::isfinite(number)) throw std::logic_error("an answer is not finite");
+    line += to_text(number);
+  } else {
+    line += json.dump();
+  }
+}
+
+}  // namespace
+
+void write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail(errno);
+}
+
+void flush() {
+  if (std::fflush(stdout) != 0) fail(errno);
+}
+
+std::string to_line(const Json& json) {
+  std::string line;
+  append(line, json);
+  line += '\n';
+  return line;
+}
+
+Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
+
+Json to_json(const QueryStats& stats) {
+  return {{"node_tests", stats.node_tests}, {"triangle_tests", stats.triangle_tests}};
+}
+
+const char* to_text(Status status) {
+  switch (status) {
+    case Status::exact:
+      return "exact";
+    case Status::within_error:
+      return "within_error";
+    case Status::collision:
+      return "collision";
+  }
+  throw std::logic_error("an answer has no known status");
+}
+
+std::string on_one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+  }
+  return line;
+}
+
+}  // namespace limber::program

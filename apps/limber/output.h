@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "limber/query.h"
+
+/// Everything the program writes to standard output goes through here.
+namespace limber::program {
+
+using Json = nlohmann::ordered_json;
+
+/// Thrown when standard output cannot be written. The text is empty when its reader has gone, which is no news to it.
+class OutputFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Writes to standard output. Errors: OutputFailed.
+void write(std::string_view text);
+
+/// The same, formatted and with a line end.
+template <typename... Args>
+void write_line(fmt::format_string<Args...> format, Args&&... args) {
+  write(fmt::vformat(fmt::string_view(format), fmt::make_format_args(args...)) + '\n');
+}
+
+/// Hands over what has been written so far. Errors: OutputFailed.
+void flush();
+
+/// One line of JSON, all numbers with fractions in 17 significant digits.
+///
+/// Pre      All numbers are finite.
+std::string to_line(const Json& json);
+
+Json to_json(const Vec3& point);
+Json to_json(const QueryStats& stats);
+const char* to_text(Status status);
+
+/// The text without line ends or other control characters, so that it stays on one line.
+std::string on_one_line(std::string_view text);
+
+}  // namespace limber::program

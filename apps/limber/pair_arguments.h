@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "limber/classic.h"
+#include "limber/io.h"
+#include "limber/reference.h"
+#include "stopwatch.h"
+
+namespace CLI {
+class App;
+}
+
+namespace limber::program {
+
+enum class Engine { classic, reference };
+
+/// What the verbs about two still models share.
+struct PairArguments {
+  std::string a, b;
+  Transform pose_a, pose_b;  // world_from_model
+  Engine engine = Engine::classic;
+  bool json = false;
+};
+void add_pair_arguments(CLI::App& command, PairArguments& arguments);
+
+template <typename Answer>
+struct TimedAnswer {
+  Answer answer;
+  double build_us = 0;    // of the trees of both models
+  double elapsed_us = 0;  // of the query alone
+};
+
+/// Puts a query to the engine asked for; `query` takes two placed models or meshes of either engine.
+template <typename Query>
+auto ask(const PairArguments& arguments, const MeshFile& a, const MeshFile& b, Query query) {
+  if (arguments.engine == Engine::reference) {
+    const Stopwatch asking;
+    auto answer = query(reference::Placed{a.mesh, arguments.pose_a}, reference::Placed{b.mesh, arguments.pose_b});
+    return TimedAnswer<decltype(answer)>{std::move(answer), 0, asking.microseconds()};
+  }
+  const Stopwatch building;
+  const classic::Model model_a(a.mesh);
+  const classic::Model model_b(b.mesh);
+  const double build_us = building.microseconds();
+  const Stopwatch asking;
+  auto answer = query(classic::Placed{model_a, arguments.pose_a}, classic::Placed{model_b, arguments.pose_b});
+  return TimedAnswer<decltype(answer)>{std::move(answer), build_us, asking.microseconds()};
+}
+
+}  // namespace limber::program

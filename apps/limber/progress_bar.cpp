@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "progress_bar.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+namespace limber::program {
+namespace {
+
+constexpr std::size_t width = 40;
+constexpr double redraw_s = 0.1;
+
+void show(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(std::size_t frame_count) : frame_count_(frame_count), is_shown_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() {
+  if (!stands_) return;
+  show("\r\033[K");
+  stands_ = false;
+}
+
+void ProgressBar::draw(std::size_t done) {
+  if (!is_shown_ || (stands_ && done < frame_count_ && since_drawn_.seconds() < redraw_s)) return;
+  const std::size_t filled = width * done / frame_count_;
+  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} frames", "", filled, "", width - filled, done, frame_count_));
+  stands_ = true;
+  since_drawn_ = Stopwatch();
+}
+
+}  // namespace limber::program

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "stopwatch.h"
+
+namespace limber::program {
+
+/// A bar on standard error that shows how many frames are done, if that is a terminal; otherwise silent.
+class ProgressBar {
+ public:
+  explicit ProgressBar(std::size_t frame_count);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  /// Takes the bar away, so that a line can be written where it stood.
+  void clear();
+
+  /// Draws the bar unless it was drawn a moment ago and still stands.
+  void draw(std::size_t done);
+
+ private:
+  std::size_t frame_count_;
+  bool is_shown_;  // whether there is a terminal
+  bool stands_ = false;
+  Stopwatch since_drawn_;
+};
+
+}  // namespace limber::program

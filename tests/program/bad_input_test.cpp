@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "program/run_program.h"
+
+namespace limber::program_tests {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
+void expect_refused(const Words& words, const std::string& part_of_the_line) {
+  std::string typed = "limber";
+  for (const std::string& word : words) typed += ' ' + word;
+  SCOPED_TRACE(typed);
+  const Outcome outcome = run(words);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.out, "");
+  ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+  EXPECT_EQ(outcome.err.find("limber: "), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.back(), '\n');
+  EXPECT_NE(outcome.err.find(part_of_the_line), std::string::npos) << outcome.err;
+}
+
+TEST(ProgramBadInput, VerbsAndOptions) {
+  expect_refused({}, "a verb is missing; there are info, distance, collide, track, demo");
+  expect_refused({"measure"}, "'measure' is no verb");
+  expect_refused({"--jason"}, "'--jason' is no verb");
+  expect_refused({"measure\nfoo"}, "'measure foo' is no verb");
+  expect_refused({"info"}, "info: M is required");
+  expect_refused({"distance", "scene:ball"}, "distance: B is required");
+  expect_refused({"distance", "scene:ball", "scene:ball", "scene:ball"}, "distance: ");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--fast"}, "--fast");
+  expect_refused({"collide", "scene:ball", "scene:ball", "--relative-error", "1"}, "--relative-error");
+  expect_refused({"track", "--a", "scene:ball"}, "track: --b is required");
+}
+
+TEST(ProgramBadInput, Numbers) {
+  const auto with = [](const std::string& option, const std::string& value) {
+    return Words{"distance", "scene:ball", "scene:ball", option, value};
+  };
+  for (const std::string value : {"-1", "-1e-300", "nan", "inf", "-inf", "1e999", "ten", "0.1x", "0x10", "1,5", ""}) {
+    expect_refused(with("--relative-error", value), "--relative-error: must be a finite number >= 0");
+  }
+  expect_refused({"distance", "scene:ball", "scene:ball", "--relative-error"}, "--relative-error");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--relative-error", "1", "--relative-error", "2"},
+                 "--relative-error");
+  expect_refused(with("--engine", "fast"), "--engine: must be one of classic|reference, not 'fast'");
+  const auto track_with = [](const std::string& option, const std::string& value) {
+    return Words{"track", "--a", "scene:ball", "--b", "scene:ball", option, value};
+  };
+  expect_refused(track_with("--mode", "depth"), "--mode: must be one of immediate|batched|by-depth");
+  expect_refused(track_with("--slack", "-0.1"), "--slack: must be a number from 0");
+  expect_refused(track_with("--slack", "1e9"), "--slack: must be a number from 0");
+  expect_refused(track_with("--stale-ratio", "0.9"), "--stale-ratio: must be a number from 1");
+  expect_refused(track_with("--stale-ratio", "nan"), "--stale-ratio: must be a number from 1");
+  expect_refused(track_with("--loop", "0"), "--loop: must be a whole number from 1");
+  expect_refused(track_with("--loop", "1.5"), "--loop: must be a whole number from 1");
+  expect_refused({"demo", "--frames", "0"}, "--frames: must be a whole number from 1");
+  expect_refused({"demo", "--frames", "99999999999999999999"}, "--frames: must be a whole number from 1");
+  expect_refused({"demo", "--seed", "-1"}, "--seed: must be a whole number from 0");
+}
+
+TEST(ProgramBadInput, Poses) {
+  const auto with = [](const std::string& pose) {
+    return Words{"collide", "scene:ball", "scene:ball", "--pose-b", pose};
+  };
+  expect_refused(with("0,0,0,0,0,0,0"), "--pose-b: the quaternion");
+  expect_refused(with("0,0,0,nan,0,0,0"), "--pose-b: the quaternion");
+  expect_refused(with("0,0,0,1,0,0,1e400"), "--pose-b: the quaternion");
+  expect_refused(with("nan,0,0,1,0,0,0"), "--pose-b: the translation");
+  expect_refused(with("1e200,0,0,1,0,0,0"), "--pose-b: the translation");
+  expect_refused(with("1,2,3"), "--pose-b: a pose is 7 numbers tx,ty,tz,qw,qx,qy,qz, not 3");
+  expect_refused(with("0,0,0,1,0,0,0,0"), "not 8");
+  expect_refused(with("0,0,0,1,0,0,"), "'' is not a number");
+  expect_refused(with("0,0,zero,1,0,0,0"), "'zero' is not a number");
+  expect_refused(with(""), "--pose-b: ");
+}
+
+TEST(ProgramBadInput, Models) {
+  const Folder folder;
+  expect_refused({"info", folder.path("missing.obj")}, "missing.obj");
+  expect_refused({"info", folder.path("")}, "info: ");
+  expect_refused({"info", folder.store("mesh.txt", "")}, "mesh.txt");
+  expect_refused({"info", folder.store("empty.obj", "")}, "empty.obj");
+  expect_refused({"info", folder.store("points.obj", "v 0 0 0\nv 1 0 0\n")}, "points.obj");
+  expect_refused({"info", folder.store("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")}, "nan.obj");
+  expect_refused({"info", folder.store("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")}, "index.obj");
+  expect_refused({"info", folder.store("huge.obj", "v 0 0 1e70\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")}, "huge.obj");
+  expect_refused({"info", folder.store("noise.stl", "\x01\x02\x03")}, "noise.stl");
+  expect_refused({"info", "scene:cube"}, "scene:cube: no scene is called 'cube'; there are square, ball");
+  expect_refused({"info", "scene:"}, "no scene is called ''");
+  expect_refused({"distance", "scene:ball", "scene:wave:x"}, "wave:x");
+  expect_refused({"info", "line\nbreak.obj"}, "line break.obj");
+  expect_refused({"info", ""}, "info: ");
+}
+
+TEST(ProgramBadInput, Tracks) {
+  const Folder folder;
+  const auto with_poses = [&](const std::string& csv) {
+    return Words{"track", "--a", "scene:ball", "--b", "scene:square", "--poses-a", folder.store("poses.csv", csv)};
+  };
+  expect_refused(with_poses(""), "poses.csv: has no pose");
+  expect_refused(with_poses("# nothing\n\n"), "poses.csv: has no pose");
+  expect_refused(with_poses("0,0,3,1,0,0,0\n0,0,3,1,0,0\n"), "poses.csv: line 2: a pose is 7 numbers");
+  expect_refused(with_poses("# a\ntx,ty,tz,qw,qx,qy,qz\n0,0,3,1,0,0,x\n"), "poses.csv: line 3: 'x' is not a number");
+  expect_refused(with_poses("0,0,3,0,0,0,0\n"), "poses.csv: line 1: the quaternion");
+  expect_refused(with_poses("0,0,3,1,0,0,0\ntx,ty,tz,qw,qx,qy,qz\n"), "poses.csv: line 2: 'tx' is not a number");
+  expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("no.csv")}, "no.csv");
+  expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("")}, "is a folder");
+  expect_refused(
+      {"track", "--a", "scene:wave:0", "scene:wave:1", "--b", "scene:wave:0", "scene:wave:1", "scene:wave:2"},
+      "--a has 2 frames, but --b has 3");
+  expect_refused({"track", "--a", "scene:wave:0", "scene:wave:1", "--b", "scene:ball", "--poses-b",
+                  folder.store("three.csv", "0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n")},
+                 "--a has 2 frames, but --poses-b has 3");
+  expect_refused({"track", "--a", "scene:wave:0", folder.path("x.obj"), "--b", "scene:ball"}, "not both");
+}
+
+TEST(ProgramBadInput, PagesThatCannotBeWritten) {
+  const Folder folder;
+  expect_refused({"demo", "--out", folder.path("no/such/folder.html")}, "demo: --out: cannot write");
+  expect_refused({"demo", "--out", folder.path("")}, "demo: --out: cannot write");
+}
+
+}  // namespace
+}  // namespace limber::program_tests

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "program/run_program.h"
+
+namespace limber::program_tests {
+namespace {
+
+TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
+  const Folder folder;
+  // A unit square of two triangles, a copy of one turned over, a third triangle at their common edge, one segment-like
+  // triangle away from all, a stray vertex; the last vertex repeats the first.
+  const std::string file = folder.store("odd.obj",
+                                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 2\n"
+                                        "v 5 5 5\nv 6 6 6\nv 7 7 7\nv 100 0 0\nv 0 0 0\n"
+                                        "f 1 2 3 4\nf 3 2 10\nf 1 3 5\nf 6 7 8\n");
+  const nlohmann::json json = json_of(run({"info", file, "--json"}));
+  EXPECT_EQ(json["query"], "info");
+  EXPECT_EQ(json["vertices"], 9);
+  EXPECT_EQ(json["triangles"], 5);
+  EXPECT_EQ(json["faces"], 4);
+  EXPECT_EQ(json["extent"]["min"], (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(json["extent"]["max"], (std::vector<double>{7, 7, 7}));
+  EXPECT_DOUBLE_EQ(json["extent"]["diagonal"].get<double>(), std::sqrt(147.0));
+  EXPECT_EQ(json["open_edges"], 2 + 2 + 3);
+  EXPECT_EQ(json["non_manifold_edges"], 1);
+  EXPECT_EQ(json["degenerate_triangles"], 1);
+  EXPECT_EQ(json["duplicate_triangles"], 1);
+  EXPECT_EQ(json["unreferenced_vertices"], 1);
+  EXPECT_EQ(json["tree"]["nodes"], 9);
+  EXPECT_EQ(json["tree"]["depth"], 3);
+}
+
+TEST(ProgramInfo, FindsNothingWrongWithABall) {
+  const nlohmann::json json = json_of(run({"info", "scene:ball", "--json"}));
+  EXPECT_EQ(json["triangles"], 1024);
+  EXPECT_EQ(json["vertices"], 514);
+  for (const char* key :
+       {"open_edges", "non_manifold_edges", "degenerate_triangles", "duplicate_triangles", "unreferenced_vertices"}) {
+    EXPECT_EQ(json[key], 0) << key;
+  }
+  EXPECT_EQ(json["tree"]["depth"], 10);
+  EXPECT_EQ(json["tree"]["nodes"], 2047);
+  EXPECT_DOUBLE_EQ(json["tree"]["bytes_per_triangle"].get<double>(), json["tree"]["bytes"].get<double>() / 1024);
+  EXPECT_GT(json["build_us"].get<double>(), 0);
+  EXPECT_GT(json["load_us"].get<double>(), 0);
+}
+
+TEST(ProgramInfo, TellsNearlyDegenerateFromDegenerate) {
+  const Folder folder;
+  const std::string file = folder.store("thin.obj",
+                                        "v 0 0 0\nv 1 1 0\nv 2 2 0\nv 2 2.0000000000000004 0\n"
+                                        "f 1 2 3\nf 1 2 4\nf 1 1 1\n");
+  EXPECT_EQ(json_of(run({"info", file, "--json"}))["degenerate_triangles"], 2);
+}
+
+TEST(ProgramInfo, TextNamesEveryCount) {
+  const Outcome outcome = run({"info", "scene:sheet"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* line :
+       {"vertices               10201\n", "triangles              20000\n", "open edges             400\n",
+        "tree nodes             39999\n", "extent max             100 100 0\n"}) {
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+  }
+}
+
+TEST(Program, HelpIsAnAnswer) {
+  for (const std::string verb : {"", "info", "distance", "collide", "track", "demo"}) {
+    const std::vector<std::string> words =
+        verb.empty() ? std::vector<std::string>{"--help"} : std::vector<std::string>{verb, "--help"};
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NE(outcome.out.find("Usage: limber"), std::string::npos) << outcome.out;
+    EXPECT_TRUE(verb.empty() || outcome.out.find("--json") != std::string::npos) << outcome.out;
+  }
+}
+
+TEST(Program, SaysItsVersion) {
+  const Outcome outcome = run({"--version"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out.find("limber "), 0U) << outcome.out;
+}
+
+TEST(Program, AFullDiskIsOneLineAndNoAnswer) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const Outcome outcome = run_into("/dev/full", {"distance", "scene:ball", "scene:ball", "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+}
+
+}  // namespace
+}  // namespace limber::program_tests

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+
+#include "limber/reference.h"
+#include "program/run_program.h"
+#include "scenes/scenes.h"
+
+namespace limber::program_tests {
+namespace {
+
+using Keys = std::vector<std::string>;
+
+Keys keys_of(const nlohmann::json& json) {
+  Keys keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;  // in alphabetical order
+}
+
+Vec3 point_of(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
+
+/// Two soups that stay clear of each other when the second is moved by the pose.
+struct SoupFiles {
+  Folder folder;
+  Mesh a, b;
+  std::string path_a, path_b;
+
+  explicit SoupFiles(std::uint64_t seed) : SoupFiles(scenes::Rng(seed)) {}
+
+ private:
+  explicit SoupFiles(scenes::Rng rng)
+      : a(scenes::random_soup(rng, 60, 0.4)),
+        b(scenes::random_soup(rng, 50, 0.4)),
+        path_a(folder.store("a.obj", a)),
+        path_b(folder.store("b.obj", b)) {}
+};
+
+TEST(ProgramDistance, PrintsExactlyTheDocumentedKeys) {
+  const nlohmann::json json = json_of(run({"distance", "scene:ball", "scene:square", "--json"}));
+  EXPECT_EQ(keys_of(json), (Keys{"build_us", "elapsed_us", "face_a", "face_b", "lower", "point_a", "point_b", "query",
+                                 "stats", "status", "triangle_a", "triangle_b", "upper"}));
+  EXPECT_EQ(keys_of(json["stats"]), (Keys{"node_tests", "triangle_tests"}));
+  EXPECT_EQ(json["query"], "distance");
+  EXPECT_GE(json["build_us"].get<double>(), 0);
+  EXPECT_GT(json["elapsed_us"].get<double>(), 0);
+}
+
+TEST(ProgramDistance, AnswersAreThoseOfTheLibraryToTheLastBit) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    const SoupFiles soups(seed);
+    const Transform pose = transform_from_quaternion({2.1, 0.3, -0.7}, 0.3, -0.4, 0.5, 0.6).value();
+    const DistanceResult expected = reference::distance({soups.a}, {soups.b, pose});
+    const nlohmann::json json = json_of(run({"distance", soups.path_a, soups.path_b, "--json", "--engine", "reference",
+                                             "--pose-b", "2.1,0.3,-0.7,0.3,-0.4,0.5,0.6"}));
+    EXPECT_EQ(json["upper"].get<double>(), expected.upper);
+    EXPECT_EQ(json["lower"].get<double>(), expected.lower);
+    EXPECT_EQ(point_of(json["point_a"]), expected.witness.point_a);
+    EXPECT_EQ(point_of(json["point_b"]), expected.witness.point_b);
+    EXPECT_EQ(json["triangle_a"], expected.witness.triangle_a);
+    EXPECT_EQ(json["triangle_b"], expected.witness.triangle_b);
+  }
+}
+
+TEST(ProgramDistance, BothEnginesGiveTheSameDistance) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    const SoupFiles soups(seed);
+    for (const std::string pose : {"0,0,0,1,0,0,0", "2,0,0,1,1,0,0", "-3,4,1,0,0,2,1"}) {
+      const auto ask = [&](const std::string& engine) {
+        return json_of(run({"distance", soups.path_a, soups.path_b, "--json", "--pose-a", pose, "--engine", engine}));
+      };
+      const nlohmann::json classic = ask("classic"), reference = ask("reference");
+      EXPECT_EQ(classic["lower"], classic["upper"]);
+      EXPECT_NEAR(classic["upper"].get<double>(), reference["upper"].get<double>(), 1e-14);
+      EXPECT_EQ(classic["status"], reference["status"]);
+    }
+  }
+}
+
+TEST(ProgramDistance, WritesSeventeenSignificantDigits) {
+  const SoupFiles soups(9);
+  const Outcome outcome = run({"distance", soups.path_a, soups.path_b, "--json", "--pose-b", "2.5,0.1,0.2,1,2,3,4"});
+  const nlohmann::json json = json_of(outcome);
+  char expected[64];
+  std::snprintf(expected, sizeof expected, "\"upper\": %.17g,", json["upper"].get<double>());
+  EXPECT_NE(outcome.out.find(expected), std::string::npos) << outcome.out;
+  for (const double coordinate : json["point_b"].get<std::vector<double>>()) {
+    std::snprintf(expected, sizeof expected, "%.17g", coordinate);
+    EXPECT_NE(outcome.out.find(expected), std::string::npos) << expected << " in " << outcome.out;
+  }
+}
+
+TEST(ProgramDistance, TextAndJsonSayTheSameNumber) {
+  const std::vector<std::string> question = {"distance", "scene:soup:1", "scene:soup:2", "--pose-b", "3,0,0,1,2,3,4"};
+  std::vector<std::string> with_json = question;
+  with_json.push_back("--json");
+  const Outcome text = run(question);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(text.out, found, std::regex("upper +(\\S+)"))) << text.out;
+  EXPECT_EQ(std::strtod(found[1].str().c_str(), nullptr), json_of(run(with_json))["upper"].get<double>());
+}
+
+TEST(ProgramDistance, WitnessesAreInTheWorldFrame) {
+  const nlohmann::json json = json_of(run({"distance", "scene:ball", "scene:square", "--json", "--pose-a",
+                                           "100,0,12.5,1,0,0,0", "--pose-b", "100,0,10,1,0,0,0"}));
+  EXPECT_EQ(json["status"], "exact");
+  EXPECT_DOUBLE_EQ(json["upper"].get<double>(), 1.5);
+  EXPECT_EQ(point_of(json["point_a"]), (Vec3{100, 0, 11.5}));
+  EXPECT_EQ(point_of(json["point_b"]), (Vec3{100, 0, 10}));
+}
+
+TEST(ProgramDistance, QuaternionsMayHaveAnyLength) {
+  const auto upper = [](const std::string& pose) {
+    return json_of(run({"distance", "scene:square", "scene:ball", "--json", "--pose-a", pose}))["upper"].get<double>();
+  };
+  // A quarter turn about x makes the square upright, 3 units away from the ball's middle.
+  EXPECT_NEAR(upper("0,3,0,1,1,0,0"), 2, 0.02);
+  EXPECT_EQ(upper("0,3,0,1,1,0,0"), upper("0,3,0,1e-200,1e-200,0,0"));
+  EXPECT_EQ(upper("0,3,0,1,1,0,0"), upper(" 0, +3, 0,\t-8e100,-8e100,0,0"));
+}
+
+TEST(ProgramDistance, ErrorsWidenTheIntervalAndKeepItTrue) {
+  const std::vector<std::string> question = {"distance", "scene:ball",        "scene:square",
+                                             "--pose-a", "0.1,0.2,4,1,0,0,0", "--json"};
+  const auto exact = json_of(run(question))["upper"].get<double>();
+  for (const std::string error : {"0.01", "0.1", "1", "10", "1e300"}) {
+    std::vector<std::string> rough = question;
+    rough.insert(rough.end(), {"--relative-error", error});
+    const nlohmann::json json = json_of(run(rough));
+    EXPECT_LE(json["lower"].get<double>(), exact);
+    EXPECT_GE(json["upper"].get<double>(), exact);
+    EXPECT_LE(json["upper"].get<double>(), exact * (1 + std::strtod(error.c_str(), nullptr)) * (1 + 1e-12));
+    EXPECT_EQ(json["status"], json["lower"] == json["upper"] ? "exact" : "within_error");
+  }
+}
+
+TEST(ProgramDistance, FacesAreThoseOfTheFile) {
+  const Folder folder;
+  // A strip of three quads along x; the second triangle of the last quad is nearest to a point-like triangle beyond it.
+  const std::string strip = folder.store("strip.obj",
+                                         "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 3 1 0\n"
+                                         "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n");
+  const std::string far = folder.store("far.obj", "v 2.5 2 0\nf 1 1 1\n");
+  const nlohmann::json json = json_of(run({"distance", strip, far, "--json"}));
+  EXPECT_EQ(json["upper"], 1);
+  EXPECT_EQ(json["triangle_a"], 5);
+  EXPECT_EQ(json["face_a"], 2);
+  EXPECT_EQ(json["face_b"], 0);
+}
+
+TEST(ProgramDistance, ReadsRealMeshes) {
+  const std::filesystem::path meshes = std::filesystem::path(LIMBER_SOURCE_DIR) / ".." / "shared" / "meshes";
+  const std::string spot = (meshes / "spot.obj").string();
+  if (!std::filesystem::exists(spot)) GTEST_SKIP() << "no data";
+  const nlohmann::json json = json_of(run({"distance", spot, spot, "--pose-b", "3,0,0,1,0,0,0", "--json"}));
+  EXPECT_EQ(json["status"], "exact");
+  EXPECT_GT(json["upper"].get<double>(), 2);
+  EXPECT_LT(json["upper"].get<double>(), 3);
+}
+
+TEST(ProgramCollide, SaysYesWithAPointOnBoth) {
+  const nlohmann::json json = json_of(run(
+      {"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,5,1,0,0,0", "--pose-b", "0,0,4.5,1,0,0,0"}));
+  EXPECT_EQ(keys_of(json), (Keys{"build_us", "collision", "elapsed_us", "query", "stats", "witness"}));
+  EXPECT_EQ(json["query"], "collide");
+  EXPECT_EQ(json["collision"], "yes");
+  EXPECT_EQ(keys_of(json["witness"]), (Keys{"face_a", "face_b", "point", "triangle_a", "triangle_b"}));
+  EXPECT_NEAR(point_of(json["witness"]["point"]).z, 4.5, 1e-12);
+}
+
+TEST(ProgramCollide, SaysNoWithoutAWitness) {
+  const nlohmann::json json =
+      json_of(run({"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,1.001,1,0,0,0"}));
+  EXPECT_EQ(json["collision"], "no");
+  EXPECT_TRUE(json["witness"].is_null());
+  const Outcome text = run({"collide", "scene:ball", "scene:square", "--pose-a", "0,0,1.001,1,0,0,0"});
+  EXPECT_EQ(text.out.find("collision no"), 0U) << text.out;
+}
+
+TEST(ProgramCollide, TouchingIsMeeting) {
+  EXPECT_EQ(json_of(run({"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,1,1,0,0,0"}))["collision"],
+            "yes");
+}
+
+TEST(ProgramCollide, BothEnginesAgreeWithTheDistance) {
+  for (int seed = 1; seed <= 6; ++seed) {
+    const std::string a = "scene:lattice:" + std::to_string(seed), b = "scene:lattice:" + std::to_string(seed + 100);
+    for (const std::string pose : {"0,0,0,1,0,0,0", "3,0,0,1,0,0,0", "4,4,0,1,0,0,0"}) {
+      SCOPED_TRACE(a + " " + pose);
+      const auto ask = [&](const std::string& verb, const std::string& engine) {
+        return json_of(run({verb, a, b, "--pose-b", pose, "--engine", engine, "--json"}));
+      };
+      const nlohmann::json answer = ask("collide", "classic");
+      EXPECT_EQ(answer["collision"], ask("collide", "reference")["collision"]);
+      EXPECT_EQ(answer["collision"] == "yes", ask("distance", "classic")["status"] == "collision");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::program_tests

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "limber/mesh.h"
+
+/// The built program as its users meet it: arguments in, standard output, standard error and exit code out.
+namespace limber::program_tests {
+
+struct Outcome {
+  int exit_code = -1;  ///< 128 + the signal's number when a signal ended it
+  std::string out, err;
+};
+
+/// Runs the program with neither stream on a terminal.
+Outcome run(const std::vector<std::string>& arguments);
+
+/// The same with standard output going to a file or device, so that `out` stays empty.
+Outcome run_into(const std::string& file, const std::vector<std::string>& arguments);
+
+/// The one line of JSON that a successful run prints; fails the test on anything else.
+nlohmann::json json_of(const Outcome& outcome);
+
+std::vector<std::string> lines_of(const std::string& text);
+std::vector<std::string> cells_of(const std::string& csv_line);
+
+/// A folder for one test, empty at first and removed at the end.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::string path(const std::string& name) const { return (path_ / name).string(); }
+
+  /// Stores a text and returns the file's path.
+  std::string store(const std::string& name, const std::string& text) const;
+
+  /// Stores a mesh as OBJ, all digits of it, and returns the file's path.
+  std::string store(const std::string& name, MeshView mesh) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace limber::program_tests
