@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <fstream>
 #include <new>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

@@ -143,6 +143,8 @@ TEST_F(Errors, faces_that_name_missing_vertices_are_named) {
     EXPECT_EQ(error.where, 1U) << face;
   }
   EXPECT_EQ(refused("a.obj", "f 1 2 3\n").code, ErrorCode::index_out_of_range);
+  EXPECT_EQ(refused("a.obj", vertices + "f 0 1 2\n" + vertices).code, ErrorCode::index_out_of_range);
+  EXPECT_EQ(refused("a.obj", vertices + "f 1 2 -4\n" + vertices).code, ErrorCode::index_out_of_range);
   for (const char* face : {"3 0 1 3", "3 0 1 -1", "3 0 1 4294967296"}) {
     const Error off = refused("a.off", std::string("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n") + face + "\n");
     EXPECT_EQ(off.code, ErrorCode::index_out_of_range) << face;
@@ -159,7 +161,9 @@ TEST_F(Errors, faces_that_name_missing_vertices_are_named) {
   ply.back() = 4;
   EXPECT_EQ(refused("a.ply", ply).code, ErrorCode::index_out_of_range);
   ply[ply.size() - 4] = '\xff';
-  EXPECT_EQ(refused("a.ply", ply).code, ErrorCode::index_out_of_range);
+  const Error negative = refused("a.ply", ply);
+  EXPECT_EQ(negative.code, ErrorCode::index_out_of_range);
+  EXPECT_NE(negative.text.find("vertex -"), std::string::npos) << negative.text;
 }
 
 TEST_F(Errors, broken_obj_records_are_malformed) {
@@ -221,6 +225,12 @@ TEST_F(Errors, broken_ply_files_are_malformed) {
   for (const auto& [part, instead] : changes) {
     EXPECT_EQ(refused("a.ply", with(part, instead)).code, ErrorCode::malformed_file) << part << " -> " << instead;
   }
+}
+
+TEST_F(Errors, ply_vertices_with_two_coordinates_of_one_name_are_malformed) {
+  std::string bytes = tetrahedron_ply_ascii();
+  bytes.insert(bytes.find("element face"), "property double z\n");
+  EXPECT_NE(refused("a.ply", bytes).text.find("coordinate z"), std::string::npos);
 }
 
 TEST_F(Errors, ply_headers_that_promise_billions_are_refused_at_once) {

@@ -92,6 +92,12 @@ TEST_F(Formats, float64_is_kept_to_the_bit_in_text) {
                                          "endloop endfacet\nendsolid\n"));
 }
 
+TEST_F(Formats, decimals_below_the_range_are_zero) {
+  const Result<MeshFile> file = read("a.obj", "v 1e-999 -1E-400 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  ASSERT_TRUE(file) << file.error().text;
+  EXPECT_EQ(file->mesh.positions()[0], Vec3());
+}
+
 TEST_F(Formats, float64_is_kept_to_the_bit_in_binary_ply) {
   for (const bool big_endian : {false, true}) {
     std::string bytes = "ply\nformat ";
@@ -118,14 +124,15 @@ TEST_F(Formats, decimal_comma_of_the_global_locale_does_not_matter) {
 }
 
 TEST_F(Formats, obj_records_without_geometry_are_passed_over) {
-  const Result<MeshFile> file = read("a.obj",
-                                     "\xEF\xBB\xBF# byte order mark\nmtllib a.mtl\nv 0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5\r\n"
-                                     "v 1 1 0 # comment\nvt 0 0\nvn 0 0 1\nvp 0\ng one\nusemtl red\ns off\nl 1 2\np 1\n"
-                                     "my_extension 7\nf\t1/1/1\t2/1/1\t3/1/1\n\n   \nf 1//1 2//1 3//1  # comment\n"
-                                     "f 1/1 \\\n  2/1 \\\r\n 3/1\n");
+  const Result<MeshFile> file =
+      read("a.obj",
+           "\xEF\xBB\xBF# byte order mark\nmtllib a.mtl\nv 0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5\r\n"
+           "v 1 1 0 # comment\nvt 0 0\nvn 0 0 1\nvp 0\ng one\nusemtl red\ns off\nl 1 2\np 1\n"
+           "my_extension 7\nf\t1/1/1\t2/1/1\t3/1/1\nfo 1 2 3\n\n   \nf 1//1 2//1 3//1  # comment\n"
+           "f 1/1 \\\n  2/1 \\\r\n 3/1\n");
   ASSERT_TRUE(file) << file.error().text;
   EXPECT_EQ(file->mesh.positions(), (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}));
-  EXPECT_EQ(file->mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {0, 1, 2}, {0, 1, 2}}));
+  EXPECT_EQ(file->mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 1, 2}}));
 }
 
 TEST_F(Formats, obj_objects_and_groups_become_one_mesh_with_relative_indices) {

@@ -4,10 +4,6 @@
 
 #include "files.h"
 
-#ifndef LIMBER_SOURCE_DIR
-#define LIMBER_SOURCE_DIR "."
-#endif
-
 namespace limber {
 namespace {
 
