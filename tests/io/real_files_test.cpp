@@ -1,19 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdlib>
-
 #include "files.h"
+#include "support/real_meshes.h"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Where the meshes lie: the environment's LIMBER_MESHES, or beside the source folder.
-fs::path meshes() {
-  const char* folder = std::getenv("LIMBER_MESHES");
-  return folder != nullptr ? fs::path(folder) : fs::path(LIMBER_SOURCE_DIR) / ".." / "shared" / "meshes";
-}
+using testing::real_mesh;
 
 struct Known {
   const char* name;
@@ -23,7 +17,7 @@ struct Known {
 class RealFiles : public ::testing::TestWithParam<Known> {};
 
 TEST_P(RealFiles, have_their_known_number_of_triangles) {
-  const fs::path path = meshes() / GetParam().name;
+  const fs::path path = real_mesh(GetParam().name);
   if (!fs::exists(path)) GTEST_SKIP() << "no data";
   const Result<MeshFile> file = read_mesh_file(path);
   ASSERT_TRUE(file) << file.error().text;
@@ -43,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(All, RealFiles,
                          });
 
 TEST(RealSequence, cloth_frames_share_their_connectivity) {
-  const fs::path first = meshes() / "cloth_ball_92.ply", second = meshes() / "cloth_ball_93.ply";
+  const fs::path first = real_mesh("cloth_ball_92.ply"), second = real_mesh("cloth_ball_93.ply");
   if (!fs::exists(first) || !fs::exists(second)) GTEST_SKIP() << "no data";
   const Result<MeshSequence> frames = MeshSequence::open(first);
   ASSERT_TRUE(frames) << frames.error().text;

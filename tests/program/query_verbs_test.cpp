@@ -9,6 +9,7 @@
 #include "limber/reference.h"
 #include "program/run_program.h"
 #include "scenes/scenes.h"
+#include "support/real_meshes.h"
 
 namespace limber::program_tests {
 namespace {
@@ -155,8 +156,7 @@ TEST(ProgramDistance, FacesAreThoseOfTheFile) {
 }
 
 TEST(ProgramDistance, ReadsRealMeshes) {
-  const std::filesystem::path meshes = std::filesystem::path(LIMBER_SOURCE_DIR) / ".." / "shared" / "meshes";
-  const std::string spot = (meshes / "spot.obj").string();
+  const std::string spot = testing::real_mesh("spot.obj").string();
   if (!std::filesystem::exists(spot)) GTEST_SKIP() << "no data";
   const nlohmann::json json = json_of(run({"distance", spot, spot, "--pose-b", "3,0,0,1,0,0,0", "--json"}));
   EXPECT_EQ(json["status"], "exact");
