@@ -14,6 +14,8 @@ struct Known {
   std::size_t triangle_count;
 };
 
+void PrintTo(const Known& known, std::ostream* out) { *out << known.name; }
+
 class RealFiles : public ::testing::TestWithParam<Known> {};
 
 TEST_P(RealFiles, have_their_known_number_of_triangles) {

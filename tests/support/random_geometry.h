@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <ostream>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,13 @@ inline Vec3 nudged(Rng& rng, Vec3 p, int ulps = 2) {
 inline Vec3 point_on(const Triangle& t, double u, double v) { return t.v0 + u * (t.v1 - t.v0) + v * (t.v2 - t.v0); }
 
 enum class PairKind { uniform, lattice, near_lattice, touching, sliver, coplanar, shared_edge, count };
+
+/// How a test with a kind as its parameter is called.
+inline void PrintTo(PairKind kind, std::ostream* out) {
+  constexpr const char* names[] = {"uniform", "lattice",  "near_lattice", "touching",
+                                   "sliver",  "coplanar", "shared_edge"};
+  *out << names[static_cast<std::size_t>(kind)];
+}
 
 inline Triangle uniform_triangle(Rng& rng) {
   const Vec3 v0 = uniform_point(rng), v1 = uniform_point(rng), v2 = uniform_point(rng);
