@@ -16,7 +16,6 @@ namespace {
 
 using classic::Maintenance;
 using classic::Model;
-using classic::ModelOptions;
 
 Mesh triangles_in_a_row(std::size_t count) {
   std::vector<Triangle> triangles;
