@@ -91,6 +91,8 @@ const char* to_text(Status status) {
       return "within_error";
     case Status::collision:
       return "collision";
+    case Status::beyond_limit:
+      return "beyond_limit";
   }
   throw std::logic_error("an answer has no known status");
 }

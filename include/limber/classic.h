@@ -115,14 +115,21 @@ CollideResult collide(const Placed& a, const Placed& b);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
-/// Promise  lower <= true distance <= upper up to float64 rounding of the placed vertices, and
-///          upper <= (1 + relative_error) * true distance. Contacts are found at every relative_error.
+/// Promise  lower <= true distance <= upper up to float64 rounding of the placed vertices; upper is within either of
+///          the asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
-/// Pre      Both models are committed; both poses are rigid; relative_error is finite and >= 0.
+/// Limit    If nothing is as close as max_distance, lower is that, upper is infinite, and the witness is empty.
+/// Pre      Both models are committed; both poses are rigid; the options are as their comments say.
 /// Errors   None.
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/queries.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+
+/// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
+///
+/// Pre      Both models are committed; both poses are rigid; max_distance is finite and >= 0.
+/// Cost     As distance().
+WithinResult within(const Placed& a, const Placed& b, double max_distance);
 
 }  // namespace limber::classic

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "limber/base.h"
@@ -21,6 +22,7 @@ enum class Status {
   exact,         ///< lower == upper: the distance up to float64 rounding
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
+  beyond_limit,  ///< nothing is as close as max_distance: lower >= max_distance, upper is infinite, no witness
 };
 
 /// A pair of points, one on each model, and the triangles they lie on.
@@ -37,9 +39,12 @@ struct QueryStats {
   std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
 };
 
+/// What an answer is good enough for. A query stops as soon as either error is met; contacts are found at any setting.
 struct DistanceOptions {
-  /// The answer may exceed the true distance by this fraction of it. Contacts are found at any setting. Finite, >= 0.
-  double relative_error = 0;
+  double relative_error = 0;  ///< the answer may exceed the true distance by this fraction of it; finite, >= 0
+  double absolute_error = 0;  ///< the answer may exceed the true distance by this length; finite, >= 0
+  /// Models further apart than this are only told to be so; >= 0, infinity for no limit.
+  double max_distance = std::numeric_limits<double>::infinity();
 };
 
 struct DistanceResult {
@@ -53,6 +58,13 @@ struct DistanceResult {
 struct CollideResult {
   bool collision = false;
   std::optional<Witness> witness;  ///< there exactly when `collision`; both points are the same
+  QueryStats stats{};
+};
+
+struct WithinResult {
+  bool within = false;
+  /// A pair of points at most that far apart, there exactly when `within`; not necessarily the closest.
+  std::optional<Witness> witness;
   QueryStats stats{};
 };
 

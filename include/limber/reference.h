@@ -24,8 +24,13 @@ CollideResult collide(const Placed& a, const Placed& b);
 
 /// Shortest distance, with the first pair in the order of ids that attains it.
 ///
-/// The exact answer serves any `relative_error`, so the options only exist to be the twin of the engines' function.
+/// The exact answer serves any error, so of the options only `max_distance` makes a difference.
 /// Cost     O(n m).
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+
+/// Whether the meshes are at most `max_distance` apart, with the closest pair.
+///
+/// Cost     O(n m).
+WithinResult within(const Placed& a, const Placed& b, double max_distance);
 
 }  // namespace limber::reference

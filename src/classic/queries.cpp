@@ -129,13 +129,19 @@ struct CollisionQuery {
 };
 
 struct DistanceQuery {
-  double relative_error;
+  DistanceOptions options;
+  double enough;  // an answer this small ends the query
+  double cut;     // pairs at least this far apart cannot improve the answer enough
   double upper = infinity;
-  double cut = infinity;               // pairs at least this far apart cannot improve the answer enough
   double smallest_dropped = infinity;  // lower bound of everything that was not looked at
   Witness witness{};
 
+  // Closed: a pair exactly max_distance apart matters.
+  DistanceQuery(const DistanceOptions& asked, double good_enough)
+      : options(asked), enough(good_enough), cut(std::nextafter(asked.max_distance, infinity)) {}
+
   bool matters(double lower_bound) {
+    if (upper <= enough) return false;
     if (lower_bound < cut || (lower_bound == 0 && upper > 0)) return true;
     smallest_dropped = std::min(smallest_dropped, lower_bound);
     return false;
@@ -145,8 +151,11 @@ struct DistanceQuery {
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
-    cut = relative_error == 0 ? upper : upper / (1 + relative_error) * (1 - 0x1p-51);
     witness = {closest.point_a, closest.point_b, id_a, id_b};
+    if (upper > options.max_distance) return;  // no answer, so nothing may be left out for its sake
+    const double e = options.relative_error;
+    const double relative = e == 0 ? upper : upper / (1 + e) * (1 - 0x1p-51);
+    cut = std::min({cut, relative, upper - options.absolute_error});
   }
 };
 
@@ -163,9 +172,17 @@ CollideResult collide(const Placed& a, const Placed& b) {
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   LIMBER_ASSERT(std::isfinite(options.relative_error) && options.relative_error >= 0);
+  LIMBER_ASSERT(std::isfinite(options.absolute_error) && options.absolute_error >= 0);
+  LIMBER_ASSERT(options.max_distance >= 0);
   DistanceResult result;
-  DistanceQuery query{.relative_error = options.relative_error};
+  DistanceQuery query(options, 0);
   Descent(a, b, query, result.stats).run();
+  if (query.upper > options.max_distance) {
+    result.lower = options.max_distance;
+    result.upper = infinity;
+    result.status = Status::beyond_limit;
+    return result;
+  }
   LIMBER_ASSERT(query.upper < infinity);
   result.upper = query.upper;
   result.lower = std::min(query.upper, query.smallest_dropped);
@@ -174,6 +191,16 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   result.status = result.upper == 0              ? Status::collision
                   : result.lower == result.upper ? Status::exact
                                                  : Status::within_error;
+  return result;
+}
+
+WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+  LIMBER_ASSERT(std::isfinite(max_distance) && max_distance >= 0);
+  WithinResult result;
+  DistanceQuery query({.max_distance = max_distance}, max_distance);
+  Descent(a, b, query, result.stats).run();
+  result.within = query.upper <= max_distance;
+  if (result.within) result.witness = query.witness;
   return result;
 }
 

@@ -9,6 +9,8 @@
 namespace limber::reference {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 std::vector<Triangle> place(const Placed& placed) {
   LIMBER_ASSERT(is_rigid(placed.pose));
   std::vector<Triangle> triangles;
@@ -38,9 +40,9 @@ CollideResult collide(const Placed& a, const Placed& b) {
   return result;
 }
 
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&) {
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   DistanceResult result;
-  result.upper = std::numeric_limits<double>::infinity();
+  result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
@@ -53,6 +55,21 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   }
   result.lower = result.upper;
   result.status = result.upper == 0 ? Status::collision : Status::exact;
+  if (result.upper > options.max_distance) {
+    result.lower = options.max_distance;
+    result.upper = infinity;
+    result.witness = {};
+    result.status = Status::beyond_limit;
+  }
+  return result;
+}
+
+WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+  WithinResult result;
+  const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
+  result.stats = closest.stats;
+  result.within = closest.status != Status::beyond_limit;
+  if (result.within) result.witness = closest.witness;
   return result;
 }
 
