@@ -46,12 +46,12 @@ THIRD_PARTY = {
     "assimp": ("src/io/", "tests/", "bench/"),
     "hwy": ("src/simd/",),
     "tbb": ("src/core/",),
-    "oneapi": ("src/core/",),
+    "oneapi": ("src/core/", "tests/", "bench/"),
 }
 
 # Folders above the library, and which of its private headers they may see.
 EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python")
-MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/")
+MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/", "bench/develop/")
 # Parts of the repository that edge code may name in full.
 EDGE_MAY_INCLUDE = {
     "apps": ("apps/", "scenes/"),

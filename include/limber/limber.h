@@ -8,5 +8,6 @@
 #include "limber/geometry.h"
 #include "limber/math.h"
 #include "limber/mesh.h"
+#include "limber/model.h"
 #include "limber/query.h"
 #include "limber/reference.h"

@@ -35,4 +35,19 @@ inline double distance_down(const Vec3& a, const Vec3& b) {
   return d_sq < tiny_square ? 0 : std::sqrt(d_sq) * (1 - 0x1p-50);
 }
 
+/// A float32 at least x and at most a few units in the last place above it; 0 for 0, infinity above them all.
+///
+/// Not by comparing x with its nearest float32: GCC 12 vectorises conversions to float32 and back as if they rounded
+/// nothing. The same goes for to_24_bits().
+inline float float_up(double x) { return x == 0 ? 0.0F : static_cast<float>(x + std::abs(x) * 0x1p-23 + 0x1p-126); }
+
+/// A float32 at most x, as float_up().
+inline float float_down(double x) { return -float_up(-x); }
+
+/// A float32 number near x, as float64: within 2^-24 of its size, or within 2^-100. Pre: |x| < 2^90.
+inline double to_24_bits(double x) {
+  const double high = x * (0x1p29 + 1);  // Veltkamp's splitting
+  return std::abs(x) < 0x1p-100 ? 0 : high - (high - x);
+}
+
 }  // namespace limber::core

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include <cstddef>
+
+/// Work on several threads, over oneTBB. Callers arrange that results do not depend on who runs what.
+namespace limber::core {
+
+/// Calls body(i) for every i below `count`, in chunks of about `grain`.
+template <typename Body>
+void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
+  if (count <= grain) {
+    for (std::size_t i = 0; i < count; ++i) body(i);
+    return;
+  }
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
+/// Calls both, at the same time if `worthwhile`.
+template <typename First, typename Second>
+void parallel_invoke(bool worthwhile, const First& first, const Second& second) {
+  if (worthwhile) return oneapi::tbb::parallel_invoke(first, second);
+  first();
+  second();
+}
+
+}  // namespace limber::core

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "core/check.h"
+#include "tree/node.h"
+
+namespace limber::query {
+
+/// Two nodes whose subtrees are still to be compared.
+struct NodePair {
+  float bound_sq;  ///< squared lower bound of their distance, in squared units of a's tree; 0 when nothing is proven
+  tree::NodeId node[2];
+};
+
+/// The pairs a traversal still has to look at, in a fixed amount of memory.
+///
+/// Pairs whose bounding volumes meet have to be opened whatever happens, so they are taken first, last in first out,
+/// which leads to contacts soonest. The others are taken nearest first, to within one of 64 equal steps between the
+/// least bound and the one that matters no more: a queue that orders them exactly costs more than it saves. When there
+/// are too many of those, more of them are taken last in first out too, which needs no more room than the depth of both
+/// trees.
+class Pending {
+ public:
+  bool empty() const { return stack_size_ == 0 && filled_ == 0; }
+
+  /// Adds a pair that is taken before all others.
+  void push_first(const NodePair& pair) {
+    LIMBER_ASSERT(stack_size_ < stack_capacity);
+    stack_[stack_size_++] = pair;
+  }
+
+  void push(const NodePair& pair) {
+    std::uint16_t slot = free_;
+    if (slot != none) {
+      free_ = next_[slot];
+    } else if (used_ < capacity) {
+      slot = static_cast<std::uint16_t>(used_++);
+    } else {
+      return push_first(pair);
+    }
+    pairs_[slot] = pair;
+    link(slot);
+  }
+
+  /// Pre: not empty().
+  NodePair pop() {
+    LIMBER_ASSERT(!empty());
+    if (stack_size_ > 0) return stack_[--stack_size_];
+    const int step = std::countr_zero(filled_);
+    const std::uint16_t slot = first_[step];
+    first_[step] = next_[slot];
+    if (first_[step] == none) filled_ &= filled_ - 1;
+    next_[slot] = free_;
+    free_ = slot;
+    return pairs_[slot];
+  }
+
+  /// Says which bounds matter: those from `least` to `most`. To be repeated when they have become much fewer.
+  void focus(float least, float most) {
+    least_ = least;
+    steps_ = most > least ? static_cast<float>(step_count) / (most - least) : 0;
+    std::uint64_t old = filled_;
+    std::uint16_t chain = none;  // all slots in use, the pairs to be taken first at the end
+    for (; old != 0; old &= ~std::bit_floor(old)) {
+      for (std::uint16_t slot = first_[std::bit_width(old) - 1]; slot != none;) {
+        const std::uint16_t after = next_[slot];
+        next_[slot] = chain;
+        chain = slot;
+        slot = after;
+      }
+    }
+    filled_ = 0;
+    while (chain != none) {
+      const std::uint16_t after = next_[chain];
+      link(chain);
+      chain = after;
+    }
+  }
+
+  /// The smallest squared bound of all pairs.
+  float lowest_bound_sq() const {
+    float lowest = no_bound;
+    for (std::uint32_t i = 0; i < stack_size_; ++i) lowest = std::min(lowest, stack_[i].bound_sq);
+    if (filled_ == 0) return lowest;
+    for (std::uint16_t slot = first_[std::countr_zero(filled_)]; slot != none; slot = next_[slot]) {
+      lowest = std::min(lowest, pairs_[slot].bound_sq);
+    }
+    return lowest;
+  }
+
+  void clear() {
+    stack_size_ = used_ = 0;
+    filled_ = 0;
+    free_ = none;
+    steps_ = 0;
+  }
+
+  static constexpr float no_bound = 3e38F;
+
+ private:
+  void link(std::uint16_t slot) {
+    const float at = (pairs_[slot].bound_sq - least_) * steps_;
+    const auto step = static_cast<std::uint32_t>(std::clamp(at, 0.0F, static_cast<float>(step_count - 1)));
+    next_[slot] = (filled_ >> step & 1) != 0 ? first_[step] : none;
+    first_[step] = slot;
+    filled_ |= std::uint64_t{1} << step;
+  }
+
+  // Every pair taken from the stack adds less than `width` more and goes one level down one of two trees, each of at
+  // most 11 levels: 2^32 triangles.
+  static constexpr std::uint32_t stack_capacity = 192, capacity = 2048, step_count = 64;
+  static constexpr std::uint16_t none = 0xffff;
+
+  NodePair stack_[stack_capacity], pairs_[capacity];
+  std::uint16_t next_[capacity];     // of the same step, or of the free slots
+  std::uint16_t first_[step_count];  // last pushed; only where filled_ says so
+  std::uint64_t filled_ = 0;         // steps that have pairs
+  std::uint32_t stack_size_ = 0, used_ = 0;
+  std::uint16_t free_ = none;
+  float least_ = 0, steps_ = 0;
+};
+
+}  // namespace limber::query

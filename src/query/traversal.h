@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "query/pending.h"
+#include "query/placed_pair.h"
+
+/// The one loop of all queries between two models.
+///
+/// Based on  [Quinlan1994]: pairs of nodes are compared, those that cannot matter are dropped, the others opened.
+/// Differs   Eight children are compared at once, against one node: the thicker side is opened, the other stays as it
+///           is. Pairs are taken nearest first. Bounds also use the direction in which the best pair so far was apart.
+namespace limber::query {
+
+/// What is sought. A pair of triangles at least `cut` apart cannot matter; `cut` only shrinks.
+///
+/// Needs    double cut() const              > 0
+///          const Heading& heading() const
+///          bool finished() const           nothing that is left can matter
+///          bool apart(const Triangle&, const Triangle&) const   a quick no, before compare()
+///          void compare(TriangleId a, TriangleId b, const Triangle&, const Triangle&)
+///          static constexpr bool any       whether any pair will do; otherwise the nearest is sought
+template <typename Goal>
+class Traversal {
+ public:
+  Traversal(const PlacedPair& placed, Goal& goal, QueryStats& stats)
+      : placed_(placed), goal_(goal), stats_(stats), kernels_(simd::kernels()) {
+    const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
+    to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, 0x1p126));
+  }
+
+  /// Starts over with the two roots.
+  void start(double root_bound) {
+    pending_.clear();
+    dropped_ = false;
+    ++stats_.node_tests;
+    if (root_bound >= goal_.cut()) return drop();
+    const double units = root_bound / placed_.tree(Side::a).unit;
+    const auto bound_sq = static_cast<float>(std::min(units * units * (1 - 0x1p-20), 1e38));
+    least_sq_ = bound_sq;
+    focus_sq_ = Pending::no_bound;
+    pending_.push_first({bound_sq, {tree::root, tree::root}});
+  }
+
+  /// Looks at one more pair. False when none that matters is left.
+  bool step() {
+    if (goal_.finished() || pending_.empty()) return false;
+    update_limits();
+    const NodePair pair = pending_.pop();
+    if (pair.bound_sq >= limit_sq_[0]) {
+      drop();
+    } else if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
+      compare_leaves(pair);
+    } else {
+      open(pair);
+    }
+    return true;
+  }
+
+  /// Whether something at least cut() away was left out.
+  bool dropped() const { return dropped_; }
+
+ private:
+  /// A node being opened against another.
+  struct Opening {
+    Side side;  // of the one that is opened
+    NodePair pair;
+    std::uint32_t block;
+    unsigned kept;  // its lanes that matter
+    alignas(32) float order[simd::width];
+  };
+
+  bool is_leaf(Side s, const NodePair& pair) const {
+    return tree::block_of(pair.node[index(s)]) >= placed_.tree(s).lowest_level();
+  }
+  std::uint32_t child_of(Side s, tree::NodeId node) const {
+    return placed_.tree(s).blocks[tree::block_of(node)].first_child + tree::lane_of(node);
+  }
+  /// What a node adds to the looseness of bounds: half the thickness of its slab, and a little of its ball.
+  double looseness(Side s, tree::NodeId node) const {
+    const tree::Tree& tree = placed_.tree(s);
+    const simd::NodeBounds& n = tree.blocks[tree::block_of(node)].bounds;
+    const std::uint32_t k = tree::lane_of(node);
+    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + ball_share * n.radius[k]);
+  }
+  /// Whether to open the node of a: it can be, and the other cannot or is no looser.
+  bool opens_a(const NodePair& pair) const {
+    const bool looser = looseness(Side::a, pair.node[0]) >= looseness(Side::b, pair.node[1]);
+    return !is_leaf(Side::a, pair) && (looser || is_leaf(Side::b, pair));
+  }
+
+  void drop() { dropped_ = true; }
+
+  void update_limits() {
+    if (goal_.cut() == limits_for_) return;
+    limits_for_ = goal_.cut();
+    for (const Side s : {Side::a, Side::b}) {
+      const double units = limits_for_ / placed_.tree(s).unit;
+      const double limit = std::min(units * units * (1 + 0x1p-22), 3e38);  // rounding to float32 included
+      // A positive limit never drops a pair whose bound is 0.
+      limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::denorm_min());
+    }
+    if (limit_sq_[0] - least_sq_ > 0.5F * (focus_sq_ - least_sq_)) return;
+    focus_sq_ = limit_sq_[0];
+    pending_.focus(least_sq_, focus_sq_);
+  }
+
+  /// Compares the children of one node of the pair with the other as it is.
+  void open(const NodePair& pair) {
+    Opening o;
+    o.side = opens_a(pair) ? Side::a : Side::b;
+    o.pair = pair;
+    o.block = child_of(o.side, pair.node[index(o.side)]);
+    const tree::Block& block = placed_.tree(o.side).blocks[o.block];
+    const Side closed = other(o.side);
+    const tree::NodeId node = pair.node[index(closed)];
+    stats_.node_tests += block.count;
+
+    const simd::Facing facing = placed_.facing(o.side, block, node);
+    simd::Toward toward;
+    const Heading& heading = goal_.heading();
+    if (heading.known) {
+      const double reach = is_leaf(closed, pair)
+                               ? placed_.leaf_reach(closed, node, child_of(closed, node), heading, kernels_)
+                               : placed_.reach(closed, node, heading);
+      toward = placed_.toward(o.side, block, node, reach, heading, goal_.cut());
+    }
+    o.kept = kernels_.bound_lanes(block.bounds, block.count, facing, heading.known ? &toward : nullptr,
+                                  limit_sq_[index(o.side)], o.order);
+    if (o.kept != (1U << block.count) - 1) drop();
+    if (o.kept != 0) keep(o);
+  }
+
+  /// Puts the lanes that matter where they will be taken in the right order.
+  void keep(const Opening& o) {
+    unsigned meeting = 0;
+    for (std::uint32_t lane = 0; lane < simd::width; ++lane) {
+      meeting |= (o.order[lane] * to_a_sq_[index(o.side)] > 0 ? 0U : 1U) << lane;
+    }
+    meeting &= o.kept;
+    if (meeting == 0) {
+      if (Goal::any || goal_.heading().known) return push_rest(o, o.kept);
+      return descend(o);
+    }
+    push_rest(o, o.kept & ~meeting);
+    // The deepest overlap last, so that it is taken first.
+    while (meeting != 0) {
+      auto shallowest = static_cast<std::uint32_t>(std::countr_zero(meeting));
+      for (unsigned rest = meeting & (meeting - 1); rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+        if (o.order[lane] >= o.order[shallowest]) shallowest = lane;
+      }
+      meeting &= ~(1U << shallowest);
+      pending_.push_first(child_pair(o, shallowest));
+    }
+  }
+
+  /// Straight down, by the nearest lane, while nothing has been found.
+  void descend(const Opening& o) {
+    auto nearest = static_cast<std::uint32_t>(std::countr_zero(o.kept));
+    for (unsigned rest = o.kept; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      if (o.order[lane] < o.order[nearest]) nearest = lane;
+    }
+    push_rest(o, o.kept & ~(1U << nearest));
+    pending_.push_first(child_pair(o, nearest));
+  }
+
+  void push_rest(const Opening& o, unsigned lanes) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+      pending_.push(child_pair(o, static_cast<std::uint32_t>(std::countr_zero(lanes))));
+    }
+  }
+
+  NodePair child_pair(const Opening& o, std::uint32_t lane) const {
+    NodePair pair = o.pair;
+    pair.bound_sq = std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)];
+    pair.node[index(o.side)] = o.block * simd::width + lane;
+    return pair;
+  }
+
+  void compare_leaves(const NodePair& pair) {
+    const std::uint32_t leaf_a = child_of(Side::a, pair.node[0]), leaf_b = child_of(Side::b, pair.node[1]);
+    const Heading& heading = goal_.heading();
+    if (heading.known) {
+      const double reach_a = placed_.leaf_reach(Side::a, pair.node[0], leaf_a, heading, kernels_);
+      const double reach_b = placed_.leaf_reach(Side::b, pair.node[1], leaf_b, heading, kernels_);
+      if (placed_.gap(pair.node[0], reach_a, pair.node[1], reach_b, heading) >= goal_.cut()) return drop();
+    }
+    const tree::Leaf& a = placed_.tree(Side::a).leaves[leaf_a];
+    const tree::Leaf& b = placed_.tree(Side::b).leaves[leaf_b];
+    double scale = 1;
+    const simd::LeafPair leaves = placed_.leaf_pair(pair.node[0], pair.node[1], heading, goal_.cut(), scale);
+    simd::Candidate candidates[simd::width * simd::width];
+    const std::uint32_t count = kernels_.leaf_candidates(a.corners, b.corners, leaves, candidates);
+    if (count != simd::width * simd::width) drop();
+    if (count == 0) return;
+    // The nearest first: it may rule the others out.
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < count; ++i) {
+      if (candidates[i].bound_sq < candidates[nearest].bound_sq) nearest = i;
+    }
+    std::swap(candidates[0], candidates[nearest]);
+    for (std::uint32_t i = 0; i < count && !goal_.finished(); ++i) {
+      const double reach = goal_.cut() * scale + static_cast<double>(leaves.error);
+      if (static_cast<double>(candidates[i].bound_sq) >= reach * reach * (1 + 0x1p-20)) {
+        drop();
+      } else {
+        compare_triangles(a.triangle[candidates[i].lane_a], b.triangle[candidates[i].lane_b]);
+      }
+    }
+  }
+
+  void compare_triangles(TriangleId id_a, TriangleId id_b) {
+    LIMBER_ASSERT(id_a != no_id && id_b != no_id);
+    const Triangle a = placed_.triangle(Side::a, id_a), b = placed_.triangle(Side::b, id_b);
+    if (goal_.apart(a, b)) return drop();
+    ++stats_.triangle_tests;
+    goal_.compare(id_a, id_b, a, b);
+  }
+
+  static constexpr float ball_share = 0.01F;
+
+  const PlacedPair& placed_;
+  Goal& goal_;
+  QueryStats& stats_;
+  const simd::Kernels& kernels_;
+  double limits_for_ = -1;
+  float limit_sq_[2] = {0, 0};         // of what matters, in squared units of either tree
+  float to_a_sq_[2] = {1, 1};          // squared units of either tree in those of a
+  float least_sq_ = 0, focus_sq_ = 0;  // what pending_ was told to focus on
+  bool dropped_ = false;
+  Pending pending_;
+};
+
+}  // namespace limber::query

@@ -1,0 +1,283 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The kernels' arithmetic, included once per instruction set, inside that set's namespace, after `Packet` and `Mask`
+// have been defined there. No include guard for that reason.
+
+// Largest error of a squared quantity formed from at most ten float32 operations, as a fraction of it.
+inline constexpr float squares_up = 1 + 0x1p-20F, squares_down = 1 - 0x1p-20F;
+
+struct Packet3 {
+  Packet x, y, z;
+};
+
+LIMBER_KERNEL Packet3 operator-(const Packet3& a, const Packet3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+LIMBER_KERNEL Packet3 broadcast(const float* v) { return {Packet::set(v[0]), Packet::set(v[1]), Packet::set(v[2])}; }
+LIMBER_KERNEL Packet dot(const Packet3& a, const Packet3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+LIMBER_KERNEL Packet3 cross(const Packet3& a, const Packet3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+LIMBER_KERNEL Packet zero() { return Packet::set(0); }
+
+/// Half of a ball cut by its slab, on one side of the centre: its height, and the radius of the circle at that height.
+struct Cap {
+  Packet height, rim;
+};
+
+LIMBER_KERNEL Cap cap(Packet radius, Packet height) {
+  return {height, sqrt(max(radius * radius - height * height, zero()))};
+}
+LIMBER_KERNEL Cap select(Mask which, const Cap& a, const Cap& b) {
+  return {select(which, a.height, b.height), select(which, a.rim, b.rim)};
+}
+
+/// How far a ball with that cap reaches in a direction at an angle to the slab's normal: the ball itself where its
+/// furthest point is left, the rim otherwise.
+LIMBER_KERNEL Packet reach(Packet radius, const Cap& c, Packet cosine, Packet sine) {
+  return select(radius * cosine <= c.height, radius, c.height * cosine + c.rim * sine);
+}
+
+/// Squared length of a segment with these components, negative ones counting as none.
+LIMBER_KERNEL Packet gap_sq(Packet along, Packet across) {
+  const Packet u = max(along, zero()), v = max(across, zero());
+  return u * u + v * v;
+}
+
+/// Lanes `i` and following of a block of nodes, and the facing node, as seen by the stages of bound_lanes().
+struct Pairing {
+  Packet3 center, half, normal;
+  Packet3 d;  // from the lanes' centres to the facing node's
+  Packet radius, distance, d_sq;
+  Packet reaches, between;  // sum of the radii, and gap of the balls
+  Cap upper, lower;
+};
+
+LIMBER_KERNEL Pairing pair_up(const NodeBounds& lanes, std::uint32_t i, const Facing& facing) {
+  Pairing p;
+  p.center = {Packet::load(lanes.center_x + i), Packet::load(lanes.center_y + i), Packet::load(lanes.center_z + i)};
+  p.half = {Packet::load(lanes.half_x + i), Packet::load(lanes.half_y + i), Packet::load(lanes.half_z + i)};
+  p.normal = {Packet::load(lanes.normal_x + i), Packet::load(lanes.normal_y + i), Packet::load(lanes.normal_z + i)};
+  p.radius = Packet::load(lanes.radius + i);
+  p.upper = cap(p.radius, Packet::load(lanes.high + i));
+  p.lower = cap(p.radius, zero() - Packet::load(lanes.low + i));
+  p.d = broadcast(facing.center) - p.center;
+  p.d_sq = dot(p.d, p.d);
+  p.distance = sqrt(p.d_sq);
+  p.reaches = p.radius + Packet::set(facing.radius);
+  p.between = p.distance - p.reaches;
+  return p;
+}
+
+/// The lanes that are not far enough away along the direction `toward`.
+LIMBER_KERNEL Mask near_along(const Pairing& p, const Toward& toward) {
+  const Packet3 n = broadcast(toward.normal);
+  const Packet cosine = dot(p.normal, n);
+  const Packet3 crossed = cross(p.normal, n);
+  const Packet ball_reach =
+      reach(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
+  const Packet box_reach = abs(n.x) * p.half.x + abs(n.y) * p.half.y + abs(n.z) * p.half.z;
+  // The gap along n falls short of the cut by `lack`; what the balls are apart across n may make up for it:
+  // (cut - lack)^2 + across^2 >= cut^2.
+  const Packet lack = dot(n, p.center) + min(ball_reach, box_reach) - Packet::set(toward.gap);
+  const Packet3 crossed_d = cross(p.d, n);
+  const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(squares_down) - p.reaches, zero());
+  const Packet cut = Packet::set(toward.cut), missing = min(lack, cut);
+  const Packet needed = missing * (cut + (cut - missing));
+  return (lack > zero()) & (needed >= across * across * Packet::set(squares_down));
+}
+
+/// Squared gap of the balls or of the boxes along the lanes' axes.
+LIMBER_KERNEL Packet ball_and_box_sq(const Pairing& p, const Packet3& half_f) {
+  const Packet x = max(abs(p.d.x) - p.half.x - half_f.x, zero());
+  const Packet y = max(abs(p.d.y) - p.half.y - half_f.y, zero());
+  const Packet z = max(abs(p.d.z) - p.half.z - half_f.z, zero());
+  return max(gap_sq(p.between, zero()), x * x + y * y + z * z);
+}
+
+/// Squared gap along the normal of either slab or along the line of centres.
+LIMBER_KERNEL Packet slab_sq(const Pairing& p, const Facing& facing) {
+  const Packet radius_f = Packet::set(facing.radius);
+  const Packet3 normal_f = broadcast(facing.normal);
+  const Cap upper_f = cap(radius_f, Packet::set(facing.high)), lower_f = cap(radius_f, Packet::set(-facing.low));
+  // Along either normal, together with the gap of the balls across it.
+  const Packet cosine = dot(p.normal, normal_f);
+  const Packet3 crossed = cross(p.normal, normal_f);
+  const Packet cosine_abs = abs(cosine), sine = sqrt(dot(crossed, crossed));
+  const Packet height_f = dot(p.d, normal_f), height = dot(p.d, p.normal);
+  const Packet height_f_abs = abs(height_f), height_abs = abs(height);
+  const Cap near_f = select(height_f > zero(), lower_f, upper_f), near = select(height > zero(), p.upper, p.lower);
+  // Of what the products of dot() can be off by, the square roots keep no more than 2^-20 of d_sq.
+  const Packet doubt = p.d_sq * Packet::set(0x1p-20F);
+  const Packet aside_f = sqrt(max(p.d_sq - height_f * height_f - doubt, zero()));
+  const Packet aside = sqrt(max(p.d_sq - height * height - doubt, zero()));
+  const Packet tilted = reach(p.radius, select(height_f * cosine > zero(), p.upper, p.lower), cosine_abs, sine);
+  const Packet tilted_f = reach(radius_f, select(height * cosine > zero(), lower_f, upper_f), cosine_abs, sine);
+  const Packet best = max(gap_sq(height_f_abs - tilted - near_f.height, aside_f - p.reaches),
+                          gap_sq(height_abs - near.height - tilted_f, aside - p.reaches));
+  // Along the line of centres; products with `distance` instead of quotients. sqrt(2 * 2^-20) < 0.0015 makes good what
+  // `doubt` took from the sines.
+  const Packet more = p.distance * Packet::set(0.0015F);
+  const Packet box = abs(p.d.x) * p.half.x + abs(p.d.y) * p.half.y + abs(p.d.z) * p.half.z;
+  const Packet line = min(box, select(p.radius * height_abs <= near.height * p.distance, p.radius * p.distance,
+                                      near.height * height_abs + near.rim * (aside + more)));
+  const Packet line_f = select(radius_f * height_f_abs <= near_f.height * p.distance, radius_f * p.distance,
+                               near_f.height * height_f_abs + near_f.rim * (aside_f + more));
+  const Packet gap = max(p.d_sq - line - line_f, zero()) / max(p.distance, Packet::set(0x1p-50F));
+  return max(best, gap * gap);
+}
+
+LIMBER_KERNEL unsigned bound_packet(const NodeBounds& lanes, std::uint32_t i, const Facing& facing,
+                                    const Toward* toward, float limit_sq, float* order) {
+  const Pairing p = pair_up(lanes, i, facing);
+  const Packet limit = Packet::set(limit_sq), down = Packet::set(squares_down);
+  const Packet best = max(ball_and_box_sq(p, broadcast(facing.half)), slab_sq(p, facing)) * down;
+  const Packet overlap = p.between / max(p.reaches, Packet::set(0x1p-100F));
+  select(best > zero(), best, min(overlap, zero())).store(order + i);
+  const unsigned kept = bits(best < limit);
+  return toward == nullptr ? kept : kept & bits(near_along(p, *toward));
+}
+
+LIMBER_KERNEL unsigned bound_lanes(const NodeBounds& lanes, std::uint32_t count, const Facing& facing,
+                                   const Toward* toward, float limit_sq, float* order) {
+  unsigned kept = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    kept |= bound_packet(lanes, i, facing, toward, limit_sq, order) << i;
+  }
+  return kept & ((1U << count) - 1);
+}
+
+LIMBER_KERNEL float leaf_support(const LeafTriangles& leaf, const float* normal) {
+  const Packet3 n = broadcast(normal);
+  Packet furthest = Packet::set(-0x1p100F);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 3; ++k) {
+      furthest = max(furthest, dot(n, Packet3{Packet::from_int16(leaf.corner[3 * k] + i),
+                                              Packet::from_int16(leaf.corner[3 * k + 1] + i),
+                                              Packet::from_int16(leaf.corner[3 * k + 2] + i)}));
+    }
+  }
+  return largest(furthest);
+}
+
+/// Corners as numbers, for one leaf: [3 * corner + axis][lane].
+struct alignas(64) Corners {
+  float v[9][width];
+
+  LIMBER_KERNEL Packet3 at(int corner, std::uint32_t lane) const {
+    return {Packet::load(v[3 * corner] + lane), Packet::load(v[3 * corner + 1] + lane),
+            Packet::load(v[3 * corner + 2] + lane)};
+  }
+  LIMBER_KERNEL Packet3 spread(int corner, std::uint32_t lane) const {
+    return {Packet::set(v[3 * corner][lane]), Packet::set(v[3 * corner + 1][lane]),
+            Packet::set(v[3 * corner + 2][lane])};
+  }
+};
+
+/// Three numbers, one for each corner.
+struct Extent {
+  Packet low, high;
+};
+LIMBER_KERNEL Extent extent(Packet x, Packet y, Packet z) { return {min(min(x, y), z), max(max(x, y), z)}; }
+
+/// Squared gap of two triangles along a direction of squared length `w_sq`, times `w_sq`.
+LIMBER_KERNEL Packet gap_along_sq(const Extent& a, const Extent& b) {
+  const Packet gap = max(max(b.low - a.high, a.low - b.high), zero());
+  return gap * gap;
+}
+
+/// Whether triangles that far apart cannot matter. Directions too short for float32 tell nothing.
+LIMBER_KERNEL Mask apart(Packet gap, Packet w_sq, Packet limit_sq) {
+  return (gap >= limit_sq * w_sq) & (w_sq >= Packet::set(1e-20F));
+}
+
+/// Tells the lanes of b apart from one triangle of a; `rows` has that triangle in every lane. Leaves in `bound_sq` the
+/// best bound it met.
+LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
+                                   Packet& bound_sq) {
+  // Along the line of the middles: right where the triangles are small against their distance.
+  const Packet3 w{b[0].x + b[1].x + b[2].x - (rows[0].x + rows[1].x + rows[2].x),
+                  b[0].y + b[1].y + b[2].y - (rows[0].y + rows[1].y + rows[2].y),
+                  b[0].z + b[1].z + b[2].z - (rows[0].z + rows[1].z + rows[2].z)};
+  const Packet w_sq = dot(w, w);
+  const Packet gap_w = gap_along_sq(extent(dot(w, rows[0]), dot(w, rows[1]), dot(w, rows[2])),
+                                    extent(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
+  unsigned kept = wanted & ~bits(apart(gap_w, w_sq, limit_sq));
+  if (kept == 0) return 0;
+  // Along the normal of either triangle, from a corner of a so that the numbers are small.
+  const Packet3 r0[3] = {b[0] - rows[0], b[1] - rows[0], b[2] - rows[0]};
+  const Packet3 e1 = rows[1] - rows[0], e2 = rows[2] - rows[0];
+  const Packet3 n = cross(e1, e2);
+  const Packet n_sq = dot(n, n);
+  const Packet gap_n =
+      gap_along_sq(extent(zero(), dot(n, e1), dot(n, e2)), extent(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
+  const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
+  const Packet m_sq = dot(m, m);
+  const Packet gap_m =
+      gap_along_sq(extent(zero(), dot(m, e1), dot(m, e2)), extent(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
+  kept &= ~(bits(apart(gap_n, n_sq, limit_sq)) | bits(apart(gap_m, m_sq, limit_sq)));
+  const Packet least = Packet::set(1e-20F);
+  bound_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
+  return kept;
+}
+
+LIMBER_KERNEL std::uint32_t leaf_candidates(const LeafTriangles& a, const LeafTriangles& b, const LeafPair& pair,
+                                            Candidate* candidates) {
+  Corners ca, cb;
+  std::uint8_t wanted[width];
+  unsigned any = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::from_int16(a.corner[k] + i) * Packet::set(pair.step_a)).store(ca.v[k] + i);
+    for (int k = 0; k < 9; ++k) (Packet::from_int16(b.corner[k] + i) * Packet::set(pair.step_b)).store(cb.v[k] + i);
+  }
+  if (pair.has_toward) {
+    alignas(64) float reach_a[width];
+    const Packet3 na = broadcast(pair.toward_a), nb = broadcast(pair.toward_b);
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      extent(dot(na, ca.at(0, i)), dot(na, ca.at(1, i)), dot(na, ca.at(2, i))).high.store(reach_a + i);
+    }
+    for (unsigned char& row : wanted) row = 0;
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet least = extent(dot(nb, cb.at(0, i)), dot(nb, cb.at(1, i)), dot(nb, cb.at(2, i))).low;
+      for (std::uint32_t row = 0; row < width; ++row) {
+        wanted[row] = static_cast<std::uint8_t>(wanted[row] |
+                                                bits(Packet::set(reach_a[row]) - least > Packet::set(pair.gap)) << i);
+        any |= wanted[row];
+      }
+    }
+    if (any == 0) return 0;
+  } else {
+    for (unsigned char& row : wanted) row = 0xff;
+  }
+
+  const float* r = pair.a_from_b;
+  const float reach = pair.cut + pair.error;
+  const Packet limit_sq = Packet::set(reach * reach * squares_up);
+  alignas(64) float bounds[width][width];
+  unsigned kept[width] = {};
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    Packet3 placed[3];
+    for (int k = 0; k < 3; ++k) {
+      const Packet3 p = cb.at(k, i);
+      placed[k] = {dot(broadcast(r), p) + Packet::set(pair.offset[0]),
+                   dot(broadcast(r + 3), p) + Packet::set(pair.offset[1]),
+                   dot(broadcast(r + 6), p) + Packet::set(pair.offset[2])};
+    }
+    for (std::uint32_t row = 0; row < width; ++row) {
+      const unsigned these = wanted[row] >> i & ((1U << Packet::lanes) - 1);
+      if (these == 0) continue;
+      const Packet3 rows[3] = {ca.spread(0, row), ca.spread(1, row), ca.spread(2, row)};
+      Packet bound_sq = zero();
+      kept[row] |= compare_row(rows, placed, limit_sq, these, bound_sq) << i;
+      bound_sq.store(bounds[row] + i);
+    }
+  }
+  std::uint32_t count = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (unsigned rest = kept[row]; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      candidates[count++] = {bounds[row][lane], static_cast<std::uint8_t>(row), static_cast<std::uint8_t>(lane)};
+    }
+  }
+  return count;
+}

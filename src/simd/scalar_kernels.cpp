@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The kernels one lane at a time: what every instruction set is compared with, bit by bit.
+#include <bit>
+#include <cmath>
+
+#include "simd/kernels.h"
+
+namespace limber::simd {
+namespace scalar {
+namespace {
+
+#define LIMBER_KERNEL inline
+
+struct Mask {
+  bool m;
+};
+
+/// A vector of one number.
+struct Packet {
+  static constexpr std::uint32_t lanes = 1;
+  float v;
+
+  static Packet set(float x) { return {x}; }
+  static Packet load(const float* p) { return {*p}; }
+  static Packet from_int16(const std::int16_t* p) { return {static_cast<float>(*p)}; }
+  void store(float* p) const { *p = v; }
+};
+
+inline Packet operator+(Packet a, Packet b) { return {a.v + b.v}; }
+inline Packet operator-(Packet a, Packet b) { return {a.v - b.v}; }
+inline Packet operator*(Packet a, Packet b) { return {a.v * b.v}; }
+inline Packet operator/(Packet a, Packet b) { return {a.v / b.v}; }
+inline Packet sqrt(Packet a) { return {std::sqrt(a.v)}; }
+inline Packet abs(Packet a) { return {std::abs(a.v)}; }
+inline Packet max(Packet a, Packet b) { return {a.v > b.v ? a.v : b.v}; }
+inline Packet min(Packet a, Packet b) { return {a.v < b.v ? a.v : b.v}; }
+inline Mask operator>(Packet a, Packet b) { return {a.v > b.v}; }
+inline Mask operator<(Packet a, Packet b) { return {a.v < b.v}; }
+inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
+inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
+inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
+inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
+inline float largest(Packet a) { return a.v; }
+inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
+
+#include "simd/kernels-inl.h"
+
+#undef LIMBER_KERNEL
+
+}  // namespace
+}  // namespace scalar
+
+const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_support, scalar::leaf_candidates};
+
+}  // namespace limber::simd

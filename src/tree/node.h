@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "limber/base.h"
+#include "limber/mesh.h"
+#include "simd/packets.h"
+
+/// The tree's data. A node is a lane of a block; a block holds the children of one node, and block 0 holds the root
+/// alone. Blocks lie level by level, so siblings' blocks are adjacent; all leaves are on one level.
+///
+/// Invariants, checked by validate():
+///   I1  Block 0 has one lane. Every other block is the child block of exactly one lane, one level up.
+///   I2  Every leaf is the child of exactly one lane of the lowest level; every triangle is in exactly one leaf. Lanes
+///       of the last leaf beyond the triangles repeat its last one.
+///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
+///   I4  A lane's ball, box and slab contain every corner of every triangle below it.
+///   I5  A quantised corner is within half a step, each coordinate, of the corner it stands for.
+///   I6  `reach` of a block is at least the distance from its origin of every point of its lanes' balls.
+namespace limber::tree {
+
+using simd::width;
+
+/// Up to `width` sibling nodes.
+struct alignas(64) Block {
+  simd::NodeBounds bounds;    // 384 bytes   in units, relative to origin
+  Vec3 origin;                //  24         model frame
+  float reach;                //   4         in units
+  std::uint32_t first_child;  //   4         block, or leaf on the lowest level, of lane 0; lane k has the k-th after it
+  std::uint32_t count;        //   4         lanes in use, the first ones
+};
+static_assert(sizeof(Block) == 448);
+
+/// Up to `width` triangles.
+struct Leaf {
+  simd::LeafTriangles corners;  // 144 bytes   about the centre of the leaf's lane
+  TriangleId triangle[width];   //  32
+};
+static_assert(sizeof(Leaf) == 176);
+
+struct Tree {
+  std::vector<Block> blocks;
+  std::vector<Leaf> leaves;
+  std::vector<std::uint32_t> level_begin;  // first block of each level, and one past the last
+  double unit = 1;                         // length of 1 in the blocks, a power of two
+
+  /// Blocks from here on have leaves as children.
+  std::uint32_t lowest_level() const { return level_begin[level_begin.size() - 2]; }
+};
+
+/// A lane of a block: block * width + lane.
+using NodeId = std::uint32_t;
+inline constexpr NodeId root = 0;
+
+inline std::uint32_t block_of(NodeId node) { return node / width; }
+inline std::uint32_t lane_of(NodeId node) { return node % width; }
+
+inline Vec3 local_center(const Block& block, std::uint32_t lane) {
+  return {block.bounds.center_x[lane], block.bounds.center_y[lane], block.bounds.center_z[lane]};
+}
+/// Centre of a node in the model frame, rounded: within 2^-52 of the sum of the magnitudes added.
+inline Vec3 model_center(const Tree& tree, NodeId node) {
+  const Block& block = tree.blocks[block_of(node)];
+  return block.origin + tree.unit * local_center(block, lane_of(node));
+}
+
+/// The tree of a mesh.
+///
+/// Cost     O(n log n), on the threads of the caller's oneTBB arena; the same tree on any number of them.
+Tree build(MeshView mesh);
+
+/// Recomputes all bounds from the positions; the shape of the tree and who is in which leaf stay.
+///
+/// Cost     O(n), parallel as build().
+void fit(Tree& tree, MeshView mesh);
+
+/// Errors   `broken_invariant`, naming the invariant's number and the node.
+Result<void> validate(const Tree& tree, MeshView mesh);
+
+}  // namespace limber::tree

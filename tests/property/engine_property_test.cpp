@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Every promise of the queries, on random soups, poses and settings, with every instruction set.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "simd/kernels.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void require_witness(const Scene& s, const Witness& w, double distance) {
+  const auto lies_on = [&](const Vec3& point, const Triangle& t, const Transform& pose) {
+    return closest_points(point, Triangle{pose(t.v0), pose(t.v1), pose(t.v2)}).distance <= 10 * s.tolerance;
+  };
+  RC_ASSERT(lies_on(w.point_a, s.mesh_a.triangle(w.triangle_a), s.pose_a));
+  RC_ASSERT(lies_on(w.point_b, s.mesh_b.triangle(w.triangle_b), s.pose_b));
+  RC_ASSERT(std::abs(length(w.point_b - w.point_a) - distance) <= 10 * s.tolerance);
+  if (distance == 0) RC_ASSERT(w.point_a == w.point_b);
+}
+
+/// `a` and `b` are models of the scene's meshes; `truth` is the reference's distance.
+void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Placed& b, double truth) {
+  const double slack = s.tolerance;
+  const DistanceResult exact = distance(a, b);
+  RC_ASSERT(std::abs(exact.upper - truth) <= slack);
+  RC_ASSERT(exact.lower == exact.upper);
+  RC_ASSERT((exact.upper == 0) == (truth == 0));
+  RC_ASSERT(exact.status == (truth == 0 ? Status::collision : Status::exact));
+  require_witness(s, exact.witness, exact.upper);
+
+  const CollideResult hit = collide(a, b);
+  RC_ASSERT(hit.collision == (truth == 0));
+  RC_ASSERT(hit.witness.has_value() == hit.collision);
+  if (hit.witness) require_witness(s, *hit.witness, 0);
+
+  const double relative = rng.uniform(0, 1), absolute = rng.below(2) == 0 ? 0 : rng.uniform(0, 1) * s.size / 20;
+  const DistanceResult rough = distance(a, b, {.relative_error = relative, .absolute_error = absolute});
+  RC_ASSERT((rough.upper == 0) == (truth == 0));
+  RC_ASSERT(rough.lower <= truth + slack);
+  RC_ASSERT(rough.upper >= truth - slack);
+  RC_ASSERT(rough.upper <= std::max(truth * (1 + relative), truth + absolute) + slack);
+  require_witness(s, rough.witness, rough.upper);
+
+  const double limit = rng.below(4) == 0 ? truth : truth * (0.5 + 0.5 * static_cast<double>(rng.below(3)));
+  if (std::abs(limit - truth) > slack || limit == 0) {
+    const WithinResult near = within(a, b, limit);
+    RC_ASSERT(near.within == (truth <= limit));
+    RC_ASSERT(near.witness.has_value() == near.within);
+    const DistanceResult limited = distance(a, b, {.max_distance = limit});
+    RC_ASSERT((limited.status == Status::beyond_limit) == (truth > limit));
+    RC_ASSERT(limited.lower <= truth + slack);
+    if (truth > limit) RC_ASSERT(limited.upper == infinity && limited.lower >= limit);
+    if (truth <= limit) RC_ASSERT(std::abs(limited.upper - truth) <= slack);
+  }
+}
+
+RC_GTEST_PROP(FastEngine, IsRightOnAnySceneAtAnySetting, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const Scene s = arbitrary_scene(rng);
+  const Model model_a(s.mesh_a), model_b(s.mesh_b);
+  RC_ASSERT(static_cast<bool>(model_a.validate()));
+  const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+  const double truth = reference::distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).upper;
+  require_right_answers(rng, s, a, b, truth);
+
+  Pair pair;
+  distance(a, {model_b, random_pose(rng, 1)}, {}, pair);  // a start that is no help
+  const DistanceResult warm = distance(a, b, {}, pair);
+  RC_ASSERT(std::abs(warm.upper - truth) <= s.tolerance);
+  RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+  const DistanceResult swapped = distance(b, a);
+  RC_ASSERT(std::abs(swapped.upper - truth) <= s.tolerance);
+}
+
+RC_GTEST_PROP(FastEngine, AnswersToTheBitAlikeOnEveryInstructionSet, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const Scene s = arbitrary_scene(rng);
+  const Model model_a(s.mesh_a), model_b(s.mesh_b);
+  const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+  const DistanceOptions options{.relative_error = rng.below(2) == 0 ? 0 : rng.uniform(0, 1)};
+  const auto ask = [&](const simd::Kernels& set) {
+    simd::use_kernels(&set);
+    const DistanceResult result = distance(a, b, options);
+    simd::use_kernels(nullptr);
+    return result;
+  };
+  const DistanceResult first = ask(simd::scalar_kernels);
+  for (const simd::Kernels& set : simd::all_kernels()) {
+    const DistanceResult result = ask(set);
+    RC_ASSERT(std::memcmp(&result.lower, &first.lower, sizeof(double)) == 0);
+    RC_ASSERT(std::memcmp(&result.upper, &first.upper, sizeof(double)) == 0);
+    RC_ASSERT(std::memcmp(&result.witness, &first.witness, sizeof(Witness)) == 0);
+    RC_ASSERT(result.stats.node_tests == first.stats.node_tests);
+    RC_ASSERT(result.stats.triangle_tests == first.stats.triangle_tests);
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

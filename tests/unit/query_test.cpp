@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What every engine promises about its queries.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "scenes/scenes.h"
+#include "support/engines.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+template <typename Engine>
+class Query : public ::testing::Test, public Asking<Engine> {};
+
+struct EngineNames {
+  template <typename Engine>
+  static std::string GetName(int) {
+    if (std::is_same_v<Engine, FastEngine>) return "fast";
+    return std::is_same_v<Engine, ClassicEngine> ? "classic" : "reference";
+  }
+};
+using Engines = ::testing::Types<FastEngine, ClassicEngine, ReferenceEngine>;
+TYPED_TEST_SUITE(Query, Engines, EngineNames);
+
+TYPED_TEST(Query, OfSingleTrianglesIsThatOfThePrimitive) {
+  const typename TestFixture::Model a(soup({unit})), b(soup({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}}));
+  const DistanceResult r = this->distance(a, b);
+  EXPECT_EQ(r.upper, 2);
+  EXPECT_EQ(r.lower, 2);
+  EXPECT_EQ(r.status, Status::exact);
+  EXPECT_EQ(r.witness.triangle_a, 0U);
+  EXPECT_EQ(r.witness.triangle_b, 0U);
+  EXPECT_EQ(r.stats.triangle_tests, 1U);
+}
+
+TYPED_TEST(Query, PointsAreInTheWorldFrame) {
+  const typename TestFixture::Model a(soup({unit})), b(soup({unit}));
+  const DistanceResult r = this->distance(a, b, {{}, {0, 0, 10}}, {}, {{}, {0, 0, 7}});
+  EXPECT_EQ(r.upper, 3);
+  EXPECT_EQ(r.witness.point_a.z, 7);
+  EXPECT_EQ(r.witness.point_b.z, 10);
+}
+
+TYPED_TEST(Query, TakesTrianglesAsSurfacesNotSolids) {
+  const typename TestFixture::Model shell(scenes::ball(32, 17));
+  std::vector<Vec3> positions = scenes::ball(16, 9).positions();
+  for (Vec3& p : positions) p *= 0.25;
+  const typename TestFixture::Model kernel(Mesh::create(positions, scenes::ball(16, 9).triangles()).value());
+  EXPECT_FALSE(this->collide(shell, kernel).collision);
+  EXPECT_GT(this->distance(shell, kernel).upper, 0.7);
+}
+
+TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
+  const typename TestFixture::Model a(soup({unit})), b(soup({{{1, 0, 0}, {3, 0, 1}, {3, 1, 1}}}));
+  const CollideResult hit = this->collide(a, b);
+  ASSERT_TRUE(hit.collision);
+  EXPECT_EQ(hit.witness->point_a, (Vec3{1, 0, 0}));
+  EXPECT_TRUE(this->within(a, b, 0).within);
+  for (const DistanceOptions& options : std::vector<DistanceOptions>{{},
+                                                                     {.relative_error = 0.5},
+                                                                     {.relative_error = 1e308},
+                                                                     {.absolute_error = 100},
+                                                                     {.absolute_error = 1e300},
+                                                                     {.max_distance = 0},
+                                                                     {.max_distance = 1}}) {
+    const DistanceResult r = this->distance(a, b, {}, options);
+    EXPECT_EQ(r.status, Status::collision);
+    EXPECT_EQ(r.lower, 0);
+    EXPECT_EQ(r.upper, 0);
+    EXPECT_EQ(r.witness.point_a, (Vec3{1, 0, 0}));
+    EXPECT_EQ(r.witness.point_b, (Vec3{1, 0, 0}));
+  }
+}
+
+TYPED_TEST(Query, FindsAContactBehindANearMiss) {
+  // What is looked at first is 1e-20 apart; divided by the error, or less the absolute one, that leaves nothing, yet
+  // the contact must not be dropped.
+  const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
+  const typename TestFixture::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
+  EXPECT_EQ(this->distance(a, b, {}, {.relative_error = 1e308}).status, Status::collision);
+  EXPECT_EQ(this->distance(a, b, {}, {.absolute_error = 1}).status, Status::collision);
+}
+
+TYPED_TEST(Query, TellsTheSmallestGapFromAContact) {
+  const double gap = std::numeric_limits<double>::denorm_min();
+  const typename TestFixture::Model a(soup({unit})), b(soup({{{0.2, 0.2, gap}, {3, 0, 1}, {3, 1, 1}}}));
+  EXPECT_FALSE(this->collide(a, b).collision);
+  EXPECT_GT(this->distance(a, b).upper, 0);
+  EXPECT_FALSE(this->within(a, b, 0).within);
+}
+
+TYPED_TEST(Query, LimitIsClosed) {
+  const typename TestFixture::Model a(soup({unit})), b(soup({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}}));
+  const double below = std::nextafter(2.0, 0.0);
+  EXPECT_TRUE(this->within(a, b, 2).within);
+  EXPECT_FALSE(this->within(a, b, below).within);
+  EXPECT_FALSE(this->within(a, b, below).witness.has_value());
+  EXPECT_EQ(this->distance(a, b, {}, {.max_distance = 2}).status, Status::exact);
+  const DistanceResult beyond = this->distance(a, b, {}, {.max_distance = below});
+  EXPECT_EQ(beyond.status, Status::beyond_limit);
+  EXPECT_EQ(beyond.lower, below);
+  EXPECT_EQ(beyond.upper, infinity);
+  EXPECT_EQ(beyond.witness.triangle_a, no_id);
+}
+
+TYPED_TEST(Query, AnErrorDoesNotHideWhatIsWithinTheLimit) {
+  // The first pair found may be beyond the limit and yet within the error of the closest, which is not.
+  const Triangle further{{0, 0, 1.05}, {1, 0, 1.05}, {0, 1, 1.05}}, closer{{5, 0, 1}, {6, 0, 1}, {5, 1, 1}};
+  for (const auto& triangles : {std::vector{further, closer}, std::vector{closer, further}}) {
+    const typename TestFixture::Model a(scenes::grid(8, 8, -1, -1, 1, 1)), b(soup(triangles));
+    const DistanceResult r = this->distance(a, b, {}, {.relative_error = 0.1, .max_distance = 1.01});
+    EXPECT_EQ(r.upper, 1);
+    EXPECT_EQ(this->distance(a, b, {}, {.absolute_error = 0.1, .max_distance = 1.01}).upper, 1);
+  }
+}
+
+TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
+  const typename TestFixture::Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
+  for (const double separation : {0.01, 1.0, 16.0}) {
+    const Transform pose = scenes::ball_over_square(ball.mesh(), separation, 0);
+    const double truth = this->distance(square, ball, pose).upper;
+    EXPECT_NEAR(truth, separation, 1e-13);
+    for (const double error : {0.01, 0.1, 0.5, 1.0}) {
+      const DistanceResult relative = this->distance(square, ball, pose, {.relative_error = error});
+      EXPECT_LE(truth, relative.upper);
+      EXPECT_LE(relative.upper, truth * (1 + error));
+      EXPECT_LE(relative.lower, truth);
+      EXPECT_GE(relative.lower * (1 + error), relative.upper * (1 - 1e-15));
+      const DistanceResult absolute = this->distance(square, ball, pose, {.absolute_error = error});
+      EXPECT_LE(truth, absolute.upper);
+      EXPECT_LE(absolute.upper, truth + error);
+      EXPECT_LE(absolute.lower, truth);
+      const WithinResult near = this->within(square, ball, separation + error, pose);
+      ASSERT_TRUE(near.within);
+      EXPECT_LE(length(near.witness->point_b - near.witness->point_a), separation + error + 1e-13);
+      EXPECT_FALSE(this->within(square, ball, separation * 0.999, pose).within);
+    }
+  }
+}
+
+TYPED_TEST(Query, EqualsBruteForceOnLatticeAndUniformSoups) {
+  Rng rng(70);
+  for (int i = 0; i < 3000; ++i) {
+    const Mesh mesh_a = i % 2 == 0 ? scenes::lattice_soup(rng, 6, 4) : scenes::random_soup(rng, 6, 2);
+    const Mesh mesh_b = i % 2 == 0 ? scenes::lattice_soup(rng, 6, 4) : scenes::random_soup(rng, 6, 2);
+    const typename TestFixture::Model a(mesh_a), b(mesh_b);
+    const double truth = reference::distance({mesh_a}, {mesh_b}).upper;
+    ASSERT_NEAR(this->distance(a, b).upper, truth, 1e-15) << "case " << i;
+    ASSERT_EQ(this->distance(a, b).upper == 0, truth == 0) << "case " << i;
+    ASSERT_EQ(this->collide(a, b).collision, truth == 0) << "case " << i;
+  }
+}
+
+TYPED_TEST(Query, HoldsFarFromTheOrigin) {
+  Rng rng(71);
+  for (int i = 0; i < 200; ++i) {
+    const Mesh mesh_a = scenes::random_soup(rng, 10, 2), mesh_b = scenes::random_soup(rng, 10, 2);
+    const typename TestFixture::Model a(mesh_a), b(mesh_b);
+    const Transform far_a{scenes::random_rotation(rng), {1e8, -1e8, 3e8}};
+    const Transform far_b{scenes::random_rotation(rng), {1e8 + 1, -1e8, 3e8}};
+    const double truth = reference::distance({mesh_a, far_a}, {mesh_b, far_b}).upper;
+    ASSERT_NEAR(this->distance(a, b, far_b, {}, far_a).upper, truth, 1e-15 * 3e8) << "case " << i;
+  }
+}
+
+TYPED_TEST(Query, RoundingOfThePlacementNeverHidesAContact) {
+  // A corner of a is the point b, so they touch wherever both are placed together; the bounds' gap is pure rounding
+  // there.
+  Rng rng(72);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 corner = uniform_point(rng), other = uniform_point(rng);
+    const typename TestFixture::Model a(soup({{corner, other, other}})), b(soup({{corner, corner, corner}}));
+    Transform pose = random_pose(rng, i % 2 == 0 ? 1e8 : 1);
+    if (i % 3 == 0) pose.rotation.row1 += uniform_point(rng) * 1e-10;  // as orthonormal as is_rigid() asks for
+    ASSERT_TRUE(this->collide(a, b, pose, pose).collision) << "case " << i;
+    ASSERT_EQ(this->distance(a, b, pose, {.relative_error = 0.1}, pose).upper, 0) << "case " << i;
+  }
+}
+
+TYPED_TEST(Query, WorksAtEveryScale) {
+  // Powers of two change nothing but the exponents, as long as squares stay normal.
+  Rng rng(73);
+  for (const int exponent : {-140, -60, 0, 60, 195}) {
+    const double scale = std::ldexp(1.0, exponent);
+    const auto scaled = [&](const Mesh& mesh) {
+      std::vector<Vec3> positions = mesh.positions();
+      for (Vec3& p : positions) p *= scale;
+      return Mesh::create(std::move(positions), mesh.triangles()).value();
+    };
+    for (int i = 0; i < 20; ++i) {
+      const Mesh mesh_a = scenes::random_soup(rng, 20, 1), mesh_b = scenes::random_soup(rng, 20, 1);
+      const Transform pose{scenes::random_rotation(rng), {3, 1, 2}};
+      const double truth = reference::distance({mesh_a}, {mesh_b, pose}).upper;
+      const typename TestFixture::Model a(scaled(mesh_a)), b(scaled(mesh_b));
+      const double found = this->distance(a, b, {pose.rotation, pose.translation * scale}).upper;
+      ASSERT_NEAR(found / scale, truth, 1e-14) << "2^" << exponent;
+    }
+  }
+}
+
+TYPED_TEST(Query, ComparesModelsOfVeryDifferentSize) {
+  // A speck over a plane 2^40 times its size, and a speck next to another far away.
+  Rng rng(74);
+  const double tiny = 0x1p-40;
+  std::vector<Vec3> positions = scenes::ball(8, 5).positions();
+  for (Vec3& p : positions) p *= tiny;
+  const Mesh speck_mesh = Mesh::create(std::move(positions), scenes::ball(8, 5).triangles()).value();
+  const Mesh plane_mesh = scenes::grid(8, 8, -4, -4, 1, 1);
+  const typename TestFixture::Model speck(speck_mesh), plane(plane_mesh);
+  for (int i = 0; i < 50; ++i) {
+    const double x = rng.uniform(-4, 4), y = rng.uniform(-4, 4), height = rng.uniform(-1, 3) * tiny;
+    const Transform pose{scenes::random_rotation(rng), {x, y, height}};
+    const double truth = reference::distance({plane_mesh}, {speck_mesh, pose}).upper;
+    ASSERT_NEAR(this->distance(plane, speck, pose).upper, truth, 4e-15);
+    ASSERT_EQ(this->collide(plane, speck, pose).collision, truth == 0);
+    ASSERT_NEAR(this->distance(speck, speck, pose).upper, reference::distance({speck_mesh}, {speck_mesh, pose}).upper,
+                4e-15);
+  }
+}
+
+TYPED_TEST(Query, SharesModelsBetweenThreads) {
+  const typename TestFixture::Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
+  const auto separation = [](std::size_t i) { return 0.25 + 0.5 * static_cast<double>(i % 4); };
+  std::vector<double> found(8);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      threads.emplace_back([&, i] {
+        const Transform pose = scenes::ball_over_square(ball.mesh(), separation(i), 0);
+        for (int repeat = 0; repeat < 5; ++repeat) found[i] = this->distance(square, ball, pose).upper;
+        if (this->collide(square, ball, pose).collision) found[i] = -1;
+      });
+    }
+  }
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], separation(i), 1e-13);
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include "limber/model.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+#include "support/rational_distance.h"
+#include "tree/node.h"
+
+namespace limber::testing {
+namespace {
+
+using tree::Tree;
+
+TEST(Tree, ShapeDependsOnTheNumberOfTrianglesAlone) {
+  Rng rng(210);
+  for (const std::uint32_t triangles : {1U, 2U, 8U, 9U, 64U, 65U, 512U, 513U, 700U, 4097U}) {
+    const Model a(scenes::random_soup(rng, triangles, 1)), b(scenes::lattice_soup(rng, triangles, 2));
+    const std::size_t leaves = (triangles + 7) / 8;
+    std::size_t levels = 1;
+    for (std::size_t reach = 1; reach < leaves; reach *= 8) ++levels;
+    for (const Model* model : {&a, &b}) {
+      EXPECT_TRUE(static_cast<bool>(model->validate())) << triangles;
+      EXPECT_EQ(model->tree_stats().leaves, leaves);
+      EXPECT_EQ(model->tree_stats().levels, levels);
+    }
+    EXPECT_EQ(a.tree_stats().nodes, b.tree_stats().nodes);
+    EXPECT_EQ(a.tree_stats().bytes, b.tree_stats().bytes);
+  }
+}
+
+TEST(Tree, StaysWithinItsMemory) {
+  const Model sheet(scenes::grid(200, 200, 0, 0, 1, 1));
+  const double bytes = static_cast<double>(sheet.tree_stats().bytes);
+  EXPECT_LE(bytes / static_cast<double>(sheet.mesh().triangles().size()), 40);
+}
+
+TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
+  const Mesh mesh = scenes::thesis_sheet();  // 20 000 triangles: enough to be built on several threads
+  const auto built_on = [&](std::size_t threads) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+    return tree::build(mesh);
+  };
+  const Tree one = built_on(1), many = built_on(4);
+  ASSERT_EQ(one.blocks.size(), many.blocks.size());
+  ASSERT_EQ(one.leaves.size(), many.leaves.size());
+  for (std::size_t i = 0; i < one.blocks.size(); ++i) {
+    ASSERT_EQ(std::memcmp(&one.blocks[i].bounds, &many.blocks[i].bounds, sizeof(simd::NodeBounds)), 0) << i;
+    ASSERT_EQ(one.blocks[i].origin, many.blocks[i].origin) << i;
+  }
+  EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(tree::Leaf)), 0);
+}
+
+/// Whether a corner lies in all volumes of a lane, in exact arithmetic.
+bool holds_exactly(const Tree& tree, std::uint32_t b, std::uint32_t lane, const Vec3& corner) {
+  const tree::Block& block = tree.blocks[b];
+  const simd::NodeBounds& n = block.bounds;
+  const auto exact = [](float x) { return Rational(static_cast<double>(x)); };
+  const Rational unit(tree.unit);
+  const RationalVec out = minus(rational(corner), rational(block.origin));
+  const Rational x = out[0] / unit - exact(n.center_x[lane]), y = out[1] / unit - exact(n.center_y[lane]),
+                 z = out[2] / unit - exact(n.center_z[lane]);
+  const Rational r = exact(n.radius[lane]);
+  const Rational h = x * exact(n.normal_x[lane]) + y * exact(n.normal_y[lane]) + z * exact(n.normal_z[lane]);
+  const auto within = [](const Rational& value, const Rational& limit) { return value <= limit && -value <= limit; };
+  return x * x + y * y + z * z <= r * r && within(x, exact(n.half_x[lane])) && within(y, exact(n.half_y[lane])) &&
+         within(z, exact(n.half_z[lane])) && h >= exact(n.low[lane]) && h <= exact(n.high[lane]);
+}
+
+/// Leaves below a lane.
+void visit_leaves(const Tree& tree, std::uint32_t b, std::uint32_t lane,
+                  const std::function<void(const tree::Leaf&)>& visit) {
+  const std::uint32_t child = tree.blocks[b].first_child + lane;
+  if (b >= tree.lowest_level()) return visit(tree.leaves[child]);
+  for (std::uint32_t k = 0; k < tree.blocks[child].count; ++k) visit_leaves(tree, child, k, visit);
+}
+
+TEST(Tree, BoundsHoldInExactArithmetic) {
+  Rng rng(211);
+  for (int i = 0; i < 60; ++i) {
+    Mesh mesh = i % 3 == 0 ? scenes::lattice_soup(rng, 100, 3) : scenes::random_soup(rng, 100, 1 + i % 5);
+    std::vector<Vec3> positions = mesh.positions();
+    const Vec3 offset = i % 4 == 0 ? Vec3{1e6, -3e7, 1e5} : Vec3{};
+    const double scale = i % 5 == 0 ? 0x1p-90 : i % 5 == 1 ? 0x1p150 : 1;
+    for (Vec3& p : positions) p = (p + offset) * scale;
+    mesh = Mesh::create(std::move(positions), mesh.triangles()).value();
+    const Tree tree = tree::build(mesh);
+    for (std::uint32_t b = 0; b < tree.blocks.size(); ++b) {
+      for (std::uint32_t lane = 0; lane < tree.blocks[b].count; ++lane) {
+        visit_leaves(tree, b, lane, [&](const tree::Leaf& leaf) {
+          for (const TriangleId t : leaf.triangle) {
+            for (std::size_t k = 0; k < 3; ++k) {
+              ASSERT_TRUE(holds_exactly(tree, b, lane, mesh.triangle(t)[k])) << "case " << i << " block " << b;
+            }
+          }
+        });
+      }
+    }
+  }
+}
+
+TEST(Tree, ValidateNamesWhatIsBroken) {
+  const Mesh mesh = scenes::ball(16, 9);
+  const Tree sound = tree::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(tree::validate(sound, mesh)));
+  const auto complaint = [&](const std::function<void(Tree&)>& damage) {
+    Tree tree = sound;
+    damage(tree);
+    const auto result = tree::validate(tree, mesh);
+    return result ? std::string("nothing") : result.error().text.substr(0, 2);
+  };
+  const std::size_t last = sound.blocks.size() - 1;
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[0].count = 2; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].first_child += 1; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.level_begin.back() -= 1; }), "I1");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].first_child -= 1; }), "I2");
+  EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }), "I2");
+  EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = 100000; }), "I2");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.radius[0] *= 0.99F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[0].bounds.half_y[0] *= 0.99F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.high[1] -= 1e-3F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.low[1] += 1e-3F; }), "I4");
+  EXPECT_EQ(complaint([](Tree& t) { t.leaves[1].corners.corner[4][5] += 2; }), "I5");
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].reach *= 0.9F; }), "I6");
+}
+
+}  // namespace
+}  // namespace limber::testing
