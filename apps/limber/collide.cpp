@@ -43,7 +43,7 @@ void write_lines(const TimedAnswer<CollideResult>& timed, const MeshFile& a, con
     write_line("on a      triangle {}, face {}", witness->triangle_a, a.face_of_triangle[witness->triangle_a]);
     write_line("on b      triangle {}, face {}", witness->triangle_b, b.face_of_triangle[witness->triangle_b]);
   }
-  write_line("tests     {} of spheres, {} of triangles", result.stats.node_tests, result.stats.triangle_tests);
+  write_line("tests     {} of nodes, {} of triangles", result.stats.node_tests, result.stats.triangle_tests);
   write_line("time      build {:.3f} us, query {:.3f} us", timed.build_us, timed.elapsed_us);
 }
 

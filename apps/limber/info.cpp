@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "limber/classic.h"
+#include "limber/model.h"
 #include "mesh_argument.h"
 #include "number_text.h"
 #include "options.h"
@@ -103,7 +103,7 @@ struct Info {
   Extent extent;
   EdgeCounts edges;
   std::size_t degenerate = 0, duplicates = 0, unreferenced = 0;
-  classic::TreeStats tree;
+  TreeStats tree;
   double load_us = 0, build_us = 0;
 
   double diagonal() const { return length(extent.high - extent.low); }
@@ -125,7 +125,7 @@ Info examine(const std::string& argument) {
   info.duplicates = count_duplicates(mesh);
   info.unreferenced = count_unreferenced(mesh);
   const Stopwatch building;
-  const classic::Model model(std::move(file.mesh));
+  const Model model(std::move(file.mesh));
   info.build_us = building.microseconds();
   info.load_us = load_us;
   info.tree = model.tree_stats();
@@ -146,8 +146,9 @@ Json as_json(const Info& info) {
       {"duplicate_triangles", info.duplicates},
       {"unreferenced_vertices", info.unreferenced},
       {"tree",
-       {{"depth", info.tree.depth},
+       {{"levels", info.tree.levels},
         {"nodes", info.tree.nodes},
+        {"leaves", info.tree.leaves},
         {"bytes", info.tree.bytes},
         {"bytes_per_triangle", info.bytes_per_triangle()}}},
       {"load_us", info.load_us},
@@ -167,8 +168,8 @@ void write_lines(const Info& info) {
   write_line("degenerate triangles   {}", info.degenerate);
   write_line("duplicate triangles    {}", info.duplicates);
   write_line("unreferenced vertices  {}", info.unreferenced);
-  write_line("tree depth             {}", info.tree.depth);
-  write_line("tree nodes             {}", info.tree.nodes);
+  write_line("tree levels            {}", info.tree.levels);
+  write_line("tree nodes             {}, {} of them leaves", info.tree.nodes, info.tree.leaves);
   write_line("tree size              {} bytes, {:.1f} per triangle", info.tree.bytes, info.bytes_per_triangle());
   write_line("time                   load {:.3f} us, build {:.3f} us", info.load_us, info.build_us);
 }

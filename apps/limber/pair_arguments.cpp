@@ -31,8 +31,9 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments) {
   command.add_option("B", arguments.b, "as A, in the same length unit")->type_name("MODEL")->required();
   add_pose(command, "--pose-a", arguments.pose_a, "A");
   add_pose(command, "--pose-b", arguments.pose_b, "B");
-  add_choice(command, "--engine", arguments.engine, {{"classic", Engine::classic}, {"reference", Engine::reference}},
-             "sphere trees, or every triangle against every other");
+  add_choice(command, "--engine", arguments.engine,
+             {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
+             "wide trees, the original binary sphere trees, or every triangle against every other");
   add_json(command, arguments.json, "answer with one JSON object");
 }
 

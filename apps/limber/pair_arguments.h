@@ -6,6 +6,7 @@
 
 #include "limber/classic.h"
 #include "limber/io.h"
+#include "limber/model.h"
 #include "limber/reference.h"
 #include "stopwatch.h"
 
@@ -15,13 +16,13 @@ class App;
 
 namespace limber::program {
 
-enum class Engine { classic, reference };
+enum class Engine { fast, classic, reference };
 
 /// What the verbs about two still models share.
 struct PairArguments {
   std::string a, b;
   Transform pose_a, pose_b;  // world_from_model
-  Engine engine = Engine::classic;
+  Engine engine = Engine::fast;
   bool json = false;
 };
 void add_pair_arguments(CLI::App& command, PairArguments& arguments);
@@ -33,21 +34,26 @@ struct TimedAnswer {
   double elapsed_us = 0;  // of the query alone
 };
 
-/// Puts a query to the engine asked for; `query` takes two placed models or meshes of either engine.
-template <typename Query>
-auto ask(const PairArguments& arguments, const MeshFile& a, const MeshFile& b, Query query) {
-  if (arguments.engine == Engine::reference) {
-    const Stopwatch asking;
-    auto answer = query(reference::Placed{a.mesh, arguments.pose_a}, reference::Placed{b.mesh, arguments.pose_b});
-    return TimedAnswer<decltype(answer)>{std::move(answer), 0, asking.microseconds()};
-  }
+/// Builds models of one engine and puts a query to it.
+template <typename Model, typename Placed, typename Query>
+auto ask_models(const PairArguments& arguments, const MeshFile& a, const MeshFile& b, Query query) {
   const Stopwatch building;
-  const classic::Model model_a(a.mesh);
-  const classic::Model model_b(b.mesh);
+  const Model model_a(a.mesh);
+  const Model model_b(b.mesh);
   const double build_us = building.microseconds();
   const Stopwatch asking;
-  auto answer = query(classic::Placed{model_a, arguments.pose_a}, classic::Placed{model_b, arguments.pose_b});
+  auto answer = query(Placed{model_a, arguments.pose_a}, Placed{model_b, arguments.pose_b});
   return TimedAnswer<decltype(answer)>{std::move(answer), build_us, asking.microseconds()};
+}
+
+/// Puts a query to the engine asked for; `query` takes two placed models or meshes of any engine.
+template <typename Query>
+auto ask(const PairArguments& arguments, const MeshFile& a, const MeshFile& b, Query query) {
+  if (arguments.engine == Engine::fast) return ask_models<Model, Placed>(arguments, a, b, query);
+  if (arguments.engine == Engine::classic) return ask_models<classic::Model, classic::Placed>(arguments, a, b, query);
+  const Stopwatch asking;
+  auto answer = query(reference::Placed{a.mesh, arguments.pose_a}, reference::Placed{b.mesh, arguments.pose_b});
+  return TimedAnswer<decltype(answer)>{std::move(answer), 0, asking.microseconds()};
 }
 
 }  // namespace limber::program

@@ -46,7 +46,10 @@ TEST(ProgramBadInput, Numbers) {
   expect_refused({"distance", "scene:ball", "scene:ball", "--relative-error"}, "--relative-error");
   expect_refused({"distance", "scene:ball", "scene:ball", "--relative-error", "1", "--relative-error", "2"},
                  "--relative-error");
-  expect_refused(with("--engine", "fast"), "--engine: must be one of classic|reference, not 'fast'");
+  expect_refused(with("--engine", "quick"), "--engine: must be one of fast|classic|reference, not 'quick'");
+  expect_refused(with("--absolute-error", "-1"), "--absolute-error: must be a finite number >= 0");
+  expect_refused(with("--max-distance", "-1"), "--max-distance: must be a number >= 0");
+  expect_refused(with("--max-distance", "nan"), "--max-distance: must be a number >= 0");
   const auto track_with = [](const std::string& option, const std::string& value) {
     return Words{"track", "--a", "scene:ball", "--b", "scene:ball", option, value};
   };

@@ -28,8 +28,9 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
   EXPECT_EQ(json["degenerate_triangles"], 1);
   EXPECT_EQ(json["duplicate_triangles"], 1);
   EXPECT_EQ(json["unreferenced_vertices"], 1);
-  EXPECT_EQ(json["tree"]["nodes"], 9);
-  EXPECT_EQ(json["tree"]["depth"], 3);
+  EXPECT_EQ(json["tree"]["nodes"], 1);
+  EXPECT_EQ(json["tree"]["leaves"], 1);
+  EXPECT_EQ(json["tree"]["levels"], 1);
 }
 
 TEST(ProgramInfo, FindsNothingWrongWithABall) {
@@ -40,8 +41,9 @@ TEST(ProgramInfo, FindsNothingWrongWithABall) {
        {"open_edges", "non_manifold_edges", "degenerate_triangles", "duplicate_triangles", "unreferenced_vertices"}) {
     EXPECT_EQ(json[key], 0) << key;
   }
-  EXPECT_EQ(json["tree"]["depth"], 10);
-  EXPECT_EQ(json["tree"]["nodes"], 2047);
+  EXPECT_EQ(json["tree"]["levels"], 4);
+  EXPECT_EQ(json["tree"]["nodes"], 128 + 16 + 2 + 1);
+  EXPECT_EQ(json["tree"]["leaves"], 128);
   EXPECT_DOUBLE_EQ(json["tree"]["bytes_per_triangle"].get<double>(), json["tree"]["bytes"].get<double>() / 1024);
   EXPECT_GT(json["build_us"].get<double>(), 0);
   EXPECT_GT(json["load_us"].get<double>(), 0);
@@ -58,9 +60,8 @@ TEST(ProgramInfo, TellsNearlyDegenerateFromDegenerate) {
 TEST(ProgramInfo, TextNamesEveryCount) {
   const Outcome outcome = run({"info", "scene:sheet"});
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* line :
-       {"vertices               10201\n", "triangles              20000\n", "open edges             400\n",
-        "tree nodes             39999\n", "extent max             100 100 0\n"}) {
+  for (const char* line : {"vertices               10201\n", "triangles              20000\n",
+                           "open edges             400\n", " of them leaves\n", "extent max             100 100 0\n"}) {
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
   }
 }

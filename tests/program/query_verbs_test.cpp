@@ -67,7 +67,7 @@ TEST(ProgramDistance, AnswersAreThoseOfTheLibraryToTheLastBit) {
   }
 }
 
-TEST(ProgramDistance, BothEnginesGiveTheSameDistance) {
+TEST(ProgramDistance, AllEnginesGiveTheSameDistance) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(seed);
     const SoupFiles soups(seed);
@@ -75,11 +75,35 @@ TEST(ProgramDistance, BothEnginesGiveTheSameDistance) {
       const auto ask = [&](const std::string& engine) {
         return json_of(run({"distance", soups.path_a, soups.path_b, "--json", "--pose-a", pose, "--engine", engine}));
       };
-      const nlohmann::json classic = ask("classic"), reference = ask("reference");
-      EXPECT_EQ(classic["lower"], classic["upper"]);
-      EXPECT_NEAR(classic["upper"].get<double>(), reference["upper"].get<double>(), 1e-14);
-      EXPECT_EQ(classic["status"], reference["status"]);
+      const nlohmann::json reference = ask("reference");
+      for (const char* engine : {"fast", "classic"}) {
+        const nlohmann::json found = ask(engine);
+        EXPECT_EQ(found["lower"], found["upper"]) << engine;
+        EXPECT_NEAR(found["upper"].get<double>(), reference["upper"].get<double>(), 1e-14) << engine;
+        EXPECT_EQ(found["status"], reference["status"]) << engine;
+      }
     }
+  }
+}
+
+TEST(ProgramDistance, LimitIsHeldByAllEngines) {
+  for (const std::string engine : {"fast", "classic", "reference"}) {
+    const auto ask = [&](const std::string& option, const std::string& value) {
+      return run(
+          {"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--engine", engine, option, value});
+    };
+    const Outcome beyond = ask("--max-distance", "1.5");
+    EXPECT_NE(beyond.out.find("status    beyond_limit\nlower     1.5\ntests"), std::string::npos) << beyond.out;
+    EXPECT_NE(ask("--max-distance", "2.5").out.find("status    exact"), std::string::npos) << engine;
+    EXPECT_NE(ask("--max-distance", "inf").out.find("status    exact"), std::string::npos) << engine;
+    EXPECT_EQ(ask("--absolute-error", "0.5").exit_code, 0) << engine;
+  }
+  const nlohmann::json json = json_of(
+      run({"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--max-distance", "1.5", "--json"}));
+  EXPECT_EQ(json["status"], "beyond_limit");
+  EXPECT_EQ(json["lower"], 1.5);
+  for (const char* key : {"upper", "point_a", "point_b", "triangle_a", "triangle_b", "face_a", "face_b"}) {
+    EXPECT_TRUE(json[key].is_null()) << key;
   }
 }
 
@@ -188,7 +212,7 @@ TEST(ProgramCollide, TouchingIsMeeting) {
             "yes");
 }
 
-TEST(ProgramCollide, BothEnginesAgreeWithTheDistance) {
+TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
   for (int seed = 1; seed <= 6; ++seed) {
     const std::string a = "scene:lattice:" + std::to_string(seed), b = "scene:lattice:" + std::to_string(seed + 100);
     for (const std::string pose : {"0,0,0,1,0,0,0", "3,0,0,1,0,0,0", "4,4,0,1,0,0,0"}) {
@@ -196,9 +220,11 @@ TEST(ProgramCollide, BothEnginesAgreeWithTheDistance) {
       const auto ask = [&](const std::string& verb, const std::string& engine) {
         return json_of(run({verb, a, b, "--pose-b", pose, "--engine", engine, "--json"}));
       };
-      const nlohmann::json answer = ask("collide", "classic");
-      EXPECT_EQ(answer["collision"], ask("collide", "reference")["collision"]);
-      EXPECT_EQ(answer["collision"] == "yes", ask("distance", "classic")["status"] == "collision");
+      const nlohmann::json truth = ask("collide", "reference");
+      for (const char* engine : {"fast", "classic"}) {
+        EXPECT_EQ(ask("collide", engine)["collision"], truth["collision"]) << engine;
+        EXPECT_EQ(truth["collision"] == "yes", ask("distance", engine)["status"] == "collision") << engine;
+      }
     }
   }
 }

@@ -89,8 +89,8 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   const auto rows = json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
-    const nlohmann::json still =
-        json_of(run({"distance", waves[f], "scene:ball", "--pose-b", "2,2,1.5,1,0,0,0", "--json"}));
+    const nlohmann::json still = json_of(
+        run({"distance", waves[f], "scene:ball", "--pose-b", "2,2,1.5,1,0,0,0", "--json", "--engine", "classic"}));
     EXPECT_EQ(rows[f]["upper"], still["upper"]) << f;
     EXPECT_EQ(rows[f]["lower"], rows[f]["upper"]);
     EXPECT_EQ(rows[f]["point_a"], still["point_a"]);
