@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/check.h"
 #include "core/rounding.h"
@@ -43,10 +44,25 @@ float abs_dot3(const float* a, float x, float y, float z) {
   return std::abs(a[0]) * x + std::abs(a[1]) * y + std::abs(a[2]) * z;
 }
 
+double sum_of_sides(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+double root_radius(const tree::Tree& tree) { return tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]); }
+
+/// Distance of a point from the box or the slab of a root, given its place relative to the root's centre, in its frame.
+double root_gap(const tree::Tree& tree, const Vec3& point) {
+  const simd::NodeBounds& n = tree.blocks[0].bounds;
+  const Vec3 out = max(abs(point) - tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]}, Vec3{});
+  const double height = dot(Vec3{n.normal_x[0], n.normal_y[0], n.normal_z[0]}, point);
+  const double above = height - tree.unit * static_cast<double>(n.high[0]);
+  const double below = tree.unit * static_cast<double>(n.low[0]) - height;
+  return std::max({length(out), above, below});
+}
+
+/// At least how far the placed model is from the world's origin.
 double reach_of_model(const Placed& placed) {
   const tree::Tree& tree = placed.model.tree();
-  const double radius = tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]);
-  return length(placed.pose.translation) + (length(tree.blocks[0].origin) + 2 * radius) * 1.001;
+  const double radius = root_radius(tree);
+  return sum_of_sides(placed.pose.translation) + (sum_of_sides(tree.blocks[0].origin) + 2 * radius) * 1.001;
 }
 
 }  // namespace
@@ -57,19 +73,23 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b) {
   // Placing rounds each coordinate of a vertex or centre by some units of the magnitudes added (see
   // classic/queries.cpp); going to the other model's frame and along a heading adds as many again.
   error_ = 0x1p-45 * (reach_of_model(a) + reach_of_model(b));
-  const Placed* const placed[2] = {&a, &b};
-  for (std::size_t s = 0; s < 2; ++s) {
-    const Placed &own = *placed[s], &opposite = *placed[1 - s];
-    PlacedTree& side = sides_[s];
-    side.tree = &own.model.tree();
-    side.mesh = own.model.mesh();
-    side.pose = own.pose;
-    side.from_other = relative(own.pose, opposite.pose);
-    store(side.from_other.rotation, side.rotation);
-    side.per_unit = 1 / side.tree->unit;
-    side.ratio = static_cast<float>(std::min(opposite.model.tree().unit * side.per_unit, furthest));
-    side.error_units = core::float_up(std::min(error_ * side.per_unit, furthest)) + 0x1p-100F;
+  for (const auto& [placed, side] : {std::pair(&a, &sides_[0]), std::pair(&b, &sides_[1])}) {
+    side->tree = &placed->model.tree();
+    side->mesh = placed->model.mesh();
+    side->pose = placed->pose;
+    side->per_unit = 1 / side->tree->unit;
   }
+}
+
+void PlacedPair::prepare(Side s) {
+  PlacedTree& side = sides_[index(s)];
+  if (side.is_prepared) return;
+  const PlacedTree& opposite = at(other(s));
+  side.is_prepared = true;
+  side.from_other = relative(side.pose, opposite.pose);
+  store(side.from_other.rotation, side.rotation);
+  side.ratio = static_cast<float>(std::min(opposite.tree->unit * side.per_unit, furthest));
+  side.error_units = core::float_up(std::min(error_ * side.per_unit, furthest)) + 0x1p-100F;
 }
 
 Triangle PlacedPair::triangle(Side s, TriangleId t) const {
@@ -79,14 +99,17 @@ Triangle PlacedPair::triangle(Side s, TriangleId t) const {
 }
 
 double PlacedPair::root_bound() const {
-  double reaches = error_;
-  Vec3 centers[2];
-  for (std::size_t s = 0; s < 2; ++s) {
-    const tree::Tree& tree = *sides_[s].tree;
-    centers[s] = sides_[s].pose(tree::model_center(tree, tree::root));
-    reaches += tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]) * (1 + 0x1p-28);
-  }
-  return std::max(0.0, core::distance_down(centers[0], centers[1]) - reaches * (1 + 0x1p-50));
+  const PlacedTree &a = at(Side::a), &b = at(Side::b);
+  const Vec3 between =
+      b.pose(tree::model_center(*b.tree, tree::root)) - a.pose(tree::model_center(*a.tree, tree::root));
+  const double radius_a = root_radius(*a.tree), radius_b = root_radius(*b.tree);
+  double best = length(between) - radius_a - radius_b;
+  // The ball of one next to the box and the slab of the other.
+  best = std::max(best, root_gap(*a.tree, transpose(a.pose.rotation) * between) - radius_b);
+  best = std::max(best, root_gap(*b.tree, transpose(b.pose.rotation) * -between) - radius_a);
+  // Float32 normals, nearly orthonormal rotations, float64 rounding.
+  const double slack = (sum_of_sides(between) + radius_a + radius_b) * 0x1p-20 + error_;
+  return std::max(0.0, best - slack);
 }
 
 Heading PlacedPair::heading(const Vec3& from_a_to_b) const {
@@ -102,7 +125,8 @@ Heading PlacedPair::heading(const Vec3& from_a_to_b) const {
   return h;
 }
 
-simd::Facing PlacedPair::facing(Side s, const Block& block, NodeId node) const {
+simd::Facing PlacedPair::facing(Side s, const Block& block, NodeId node) {
+  prepare(s);
   const PlacedTree &own = at(s), &opposite = at(other(s));
   const Block& from = opposite.tree->blocks[tree::block_of(node)];
   const std::uint32_t k = tree::lane_of(node);
@@ -172,7 +196,8 @@ simd::Toward PlacedPair::toward(Side s, const Block& block, NodeId node, double 
   return t;
 }
 
-simd::LeafPair PlacedPair::leaf_pair(NodeId a, NodeId b, const Heading& heading, double cut, double& scale) const {
+simd::LeafPair PlacedPair::leaf_pair(NodeId a, NodeId b, const Heading& heading, double cut, double& scale) {
+  prepare(Side::a);
   const PlacedTree &ta = at(Side::a), &tb = at(Side::b);
   const Vec3 center_a = tree::model_center(*ta.tree, a), center_b = tree::model_center(*tb.tree, b);
   const double radius_a =

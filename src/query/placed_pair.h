@@ -33,7 +33,7 @@ class PlacedPair {
 
   const tree::Tree& tree(Side s) const { return *sides_[index(s)].tree; }
 
-  /// At most the distance of the models: that of the balls around them.
+  /// At most the distance of the models: a quick look at their roots.
   double root_bound() const;
 
   /// Triangle of either model in the world.
@@ -46,7 +46,7 @@ class PlacedPair {
   Heading heading(const Vec3& from_a_to_b) const;
 
   /// `node` of the other side as seen by the lanes of `block`, of side `s`.
-  simd::Facing facing(Side s, const tree::Block& block, tree::NodeId node) const;
+  simd::Facing facing(Side s, const tree::Block& block, tree::NodeId node);
 
   /// The limit along a heading for the lanes of `block`, of side `s`, facing `node`, which reaches `reach` towards
   /// them.
@@ -66,20 +66,22 @@ class PlacedPair {
   }
 
   /// Two leaves, given by their nodes, and the factor from lengths to theirs.
-  simd::LeafPair leaf_pair(tree::NodeId a, tree::NodeId b, const Heading& heading, double cut, double& scale) const;
+  simd::LeafPair leaf_pair(tree::NodeId a, tree::NodeId b, const Heading& heading, double cut, double& scale);
 
  private:
   struct PlacedTree {
     const tree::Tree* tree;
     MeshView mesh;
     Transform pose;
-    Transform from_other;  // this model's frame from the other's
-    float rotation[9];     // of from_other, by rows
-    double per_unit;       // 1 / tree->unit
-    float ratio;           // other tree's unit / this one's
+    double per_unit;           // 1 / tree->unit
+    bool is_prepared = false;  // whether what follows is known: many queries end before it is needed
+    Transform from_other;      // this model's frame from the other's
+    float rotation[9];         // of from_other, by rows
+    float ratio;               // other tree's unit / this one's
     float error_units;
   };
   const PlacedTree& at(Side s) const { return sides_[index(s)]; }
+  void prepare(Side s);
 
   PlacedTree sides_[2];
   double error_ = 0;

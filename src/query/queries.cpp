@@ -119,8 +119,7 @@ class Closest {
 
 /// Compares what the start knows, then everything else. Returns whether something was left out.
 template <typename Goal>
-bool search(const Placed& a, const Placed& b, const PlacedPair& placed, const Start& start, Goal& goal,
-            QueryStats& stats) {
+bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& start, Goal& goal, QueryStats& stats) {
   query::Traversal<Goal> traversal(placed, goal, stats);
   if (start.known(a, b)) {
     ++stats.triangle_tests;
@@ -136,7 +135,7 @@ bool search(const Placed& a, const Placed& b, const PlacedPair& placed, const St
 
 CollideResult collide_from(const Placed& a, const Placed& b, const Start& start) {
   CollideResult result;
-  const PlacedPair placed(a, b);
+  PlacedPair placed(a, b);
   Contact contact;
   search(a, b, placed, start, contact, result.stats);
   result.collision = contact.witness.has_value();
@@ -150,7 +149,7 @@ DistanceResult distance_from(const Placed& a, const Placed& b, const DistanceOpt
   LIMBER_ASSERT(std::isfinite(options.absolute_error) && options.absolute_error >= 0);
   LIMBER_ASSERT(options.max_distance >= 0);
   DistanceResult result;
-  const PlacedPair placed(a, b);
+  PlacedPair placed(a, b);
   Closest closest(placed, options, 0);
   const bool dropped = search(a, b, placed, start, closest, result.stats);
   if (closest.upper > options.max_distance) {
@@ -172,7 +171,7 @@ DistanceResult distance_from(const Placed& a, const Placed& b, const DistanceOpt
 WithinResult within_from(const Placed& a, const Placed& b, double max_distance, const Start& start) {
   LIMBER_ASSERT(std::isfinite(max_distance) && max_distance >= 0);
   WithinResult result;
-  const PlacedPair placed(a, b);
+  PlacedPair placed(a, b);
   Closest closest(placed, {.max_distance = max_distance}, max_distance);
   search(a, b, placed, start, closest, result.stats);
   result.within = closest.upper <= max_distance;

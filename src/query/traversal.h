@@ -28,7 +28,7 @@ namespace limber::query {
 template <typename Goal>
 class Traversal {
  public:
-  Traversal(const PlacedPair& placed, Goal& goal, QueryStats& stats)
+  Traversal(PlacedPair& placed, Goal& goal, QueryStats& stats)
       : placed_(placed), goal_(goal), stats_(stats), kernels_(simd::kernels()) {
     const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, 0x1p126));
@@ -226,7 +226,7 @@ class Traversal {
 
   static constexpr float ball_share = 0.01F;
 
-  const PlacedPair& placed_;
+  PlacedPair& placed_;
   Goal& goal_;
   QueryStats& stats_;
   const simd::Kernels& kernels_;

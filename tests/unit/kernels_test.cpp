@@ -89,7 +89,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
   int told_apart = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.a.tree().blocks[1];
     const auto facing_leaf = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
     const simd::Facing facing = placed.facing(Side::a, lanes, Case::leaf_node(facing_leaf));
@@ -112,7 +112,7 @@ TEST(Kernels, HeadingsNeverRuleOutWhatMatters) {
   int ruled_out = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.a.tree().blocks[1];
     const auto facing_leaf = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
     const tree::NodeId node = Case::leaf_node(facing_leaf);
@@ -144,7 +144,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   int left_out = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const auto ka = static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count));
     const auto kb = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
     const tree::Leaf &la = c.a.tree().leaves[ka], &lb = c.b.tree().leaves[kb];
@@ -182,7 +182,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   const auto sets = simd::all_kernels();
   for (int i = 0; i < 2000; ++i) {
     const Case c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.b.tree().blocks[1];
     const tree::NodeId node = Case::leaf_node(static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count)));
     const Vec3 way = uniform_point(rng);
