@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// A body in motion: each query starts from what the last one found.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "limber/limber.h"
+#include "scenes/scenes.h"
+
+int main() {
+  const limber::Model sheet(limber::scenes::wave_sheet(100, 100, 0)), ball(limber::scenes::thesis_ball());
+  limber::Pair pair;  // belongs to these two models; one thread at a time
+  double nearest = 1e9, largest_difference = 0;
+  unsigned long long cold_tests = 0, warm_tests = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    const double t = 0.01 * frame;
+    const limber::Transform pose =
+        limber::transform_from_quaternion({2 + std::cos(3 * t), 2 + std::sin(3 * t), 1.5 - 0.4 * t}, 1, t, 0, t)
+            .value();
+    const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {}, pair);
+    const limber::DistanceResult cold = limber::distance({sheet}, {ball, pose});
+    nearest = std::min(nearest, warm.upper);
+    largest_difference = std::max(largest_difference, std::abs(warm.upper - cold.upper));
+    warm_tests += warm.stats.triangle_tests;
+    cold_tests += cold.stats.triangle_tests;
+  }
+  std::printf("nearest %g; exact triangle tests: %llu warm, %llu cold\n", nearest, warm_tests, cold_tests);
+  return largest_difference < 1e-13 && warm_tests < cold_tests ? 0 : 1;
+}
