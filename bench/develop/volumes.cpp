@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question  What does each bounding volume of the fast engine's nodes bring, in visits and in time?
-// Workload  Ball over square (aligned, and both turned together) and any two mesh files, at gaps of 0 to 10 times the size,
+// Workload  Ball over square (aligned, and both turned together) and any two mesh files, at gaps of 0 to 10 times the
+// size,
 //           16 seeded poses each; exact distance, from nothing.
-// Metric    Node tests, triangle tests and microseconds: median over the poses, and the worst. Variants are interleaved.
-// Shape     The engine itself runs; volumes are switched off by making them too large to say anything, which leaves the ball.
+// Metric    Node tests, triangle tests and microseconds: median over the poses, and the worst. Variants are
+// interleaved. Shape     The engine itself runs; volumes are switched off by making them too large to say anything,
+// which leaves the ball.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

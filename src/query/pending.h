@@ -35,16 +35,14 @@ class Pending {
   }
 
   void push(const NodePair& pair) {
-    std::uint16_t slot = free_;
-    if (slot != none) {
-      free_ = next_[slot];
-    } else if (used_ < capacity) {
-      slot = static_cast<std::uint16_t>(used_++);
-    } else {
-      return push_first(pair);
-    }
+    // A free slot if there is one, a new one otherwise, without a branch that nobody could predict.
+    const bool reuse = free_ != none;
+    const std::uint32_t slot = reuse ? free_ : used_;
+    if (slot == capacity) return push_first(pair);
+    used_ += reuse ? 0 : 1;
+    free_ = reuse ? next_[slot] : none;
     pairs_[slot] = pair;
-    link(slot);
+    link(static_cast<std::uint16_t>(slot));
   }
 
   /// Pre: not empty().
@@ -53,8 +51,9 @@ class Pending {
     if (stack_size_ > 0) return stack_[--stack_size_];
     const int step = std::countr_zero(filled_);
     const std::uint16_t slot = first_[step];
-    first_[step] = next_[slot];
-    if (first_[step] == none) filled_ &= filled_ - 1;
+    const std::uint16_t after = next_[slot];
+    first_[step] = after;
+    filled_ ^= std::uint64_t{after == none} << step;
     next_[slot] = free_;
     free_ = slot;
     return pairs_[slot];

@@ -164,11 +164,9 @@ double PlacedPair::reach(Side s, NodeId node, const Heading& heading) const {
   const float x = n.normal_x[k], y = n.normal_y[k], z = n.normal_z[k], radius = n.radius[k];
   const float cosine = dot3(out, x, y, z), cosine_abs = std::abs(cosine);
   const float height = cosine > 0 ? n.high[k] : -n.low[k];
-  float ball = radius;
-  if (radius * cosine_abs > height) {
-    const float u = y * out[2] - z * out[1], v = z * out[0] - x * out[2], w = x * out[1] - y * out[0];
-    ball = height * cosine_abs + std::sqrt(std::max(0.0F, radius * radius - height * height) * (u * u + v * v + w * w));
-  }
+  const float u = y * out[2] - z * out[1], v = z * out[0] - x * out[2], w = x * out[1] - y * out[0];
+  const float rim = std::sqrt(std::max(0.0F, radius * radius - height * height) * (u * u + v * v + w * w));
+  const float ball = radius * cosine_abs > height ? height * cosine_abs + rim : radius;
   const float box = abs_dot3(out, n.half_x[k], n.half_y[k], n.half_z[k]);
   return static_cast<double>(std::min(ball, box) + radius * doubt) * own.tree->unit;
 }

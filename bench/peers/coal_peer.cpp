@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Coal with BVHModel<OBBRSS>, from the C++ headers and library in its PyPI wheel. As in FCL, the relative error of a
+// distance request is not looked at for two meshes.
+#include <coal/BVH/BVH_model.h>
+#include <coal/collision.h>
+#include <coal/distance.h>
+
+#include <algorithm>
+
+#include "bench/peers/peer.h"
+
+namespace limber::bench {
+namespace {
+
+using Model = coal::BVHModel<coal::OBBRSS>;
+
+std::shared_ptr<Model> built(const Mesh& mesh) {
+  std::vector<coal::Vec3s> points;
+  for (const Vec3& p : mesh.positions()) points.emplace_back(p.x, p.y, p.z);
+  std::vector<coal::Triangle> triangles;
+  for (const Corners& c : mesh.triangles()) triangles.emplace_back(c[0], c[1], c[2]);
+  auto model = std::make_shared<Model>();
+  model->beginModel();
+  model->addSubModel(points, triangles);
+  model->endModel();
+  return model;
+}
+
+coal::Transform3s transform(const Transform& pose) {
+  coal::Matrix3s r;
+  const Vec3 rows[3] = {pose.rotation.row0, pose.rotation.row1, pose.rotation.row2};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) r(i, j) = rows[i][static_cast<std::size_t>(j)];
+  }
+  return {r, coal::Vec3s(pose.translation.x, pose.translation.y, pose.translation.z)};
+}
+
+class CoalPeer : public Peer {
+ public:
+  CoalPeer(const Mesh& a, const Mesh& b) : a_(built(a)), b_(built(b)) {}
+  bool answers(Question) const override { return true; }
+  double ask(Question question, const Transform& pose_b) override {
+    const coal::Transform3s origin = coal::Transform3s::Identity(), pose = transform(pose_b);
+    if (question == Question::collide) {
+      const coal::CollisionRequest request;
+      coal::CollisionResult result;
+      return coal::collide(a_.get(), origin, b_.get(), pose, request, result) > 0 ? 0 : 1;
+    }
+    coal::DistanceRequest request;
+    request.enable_signed_distance = false;
+    if (question == Question::rough) request.rel_err = rough_error;
+    coal::DistanceResult result;
+    return std::max(0.0, coal::distance(a_.get(), origin, b_.get(), pose, request, result));
+  }
+
+ private:
+  std::shared_ptr<Model> a_, b_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer>(a, b); }
+
+}  // namespace limber::bench

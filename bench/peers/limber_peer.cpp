@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/peers/peer.h"
+#include "limber/model.h"
+
+namespace limber::bench {
+namespace {
+
+class LimberPeer : public Peer {
+ public:
+  LimberPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+  bool answers(Question) const override { return true; }
+  double ask(Question question, const Transform& pose_b) override {
+    switch (question) {
+      case Question::exact:
+        return distance({a_}, {b_, pose_b}).upper;
+      case Question::rough:
+        return distance({a_}, {b_, pose_b}, {.relative_error = rough_error}).upper;
+      case Question::collide:
+        break;
+    }
+    return collide({a_}, {b_, pose_b}).collision ? 0 : 1;
+  }
+
+ private:
+  Model a_, b_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b) { return std::make_unique<LimberPeer>(a, b); }
+
+std::vector<std::pair<std::string, PeerFactory>> all_peers() {
+  return {
+      {"limber", make_limber},
+#ifdef LIMBER_PEER_FCL
+      {"fcl", make_fcl},       {"fcl-forced", make_fcl_forced},
+#endif
+#ifdef LIMBER_PEER_COAL
+      {"coal", make_coal},
+#endif
+#ifdef LIMBER_PEER_CGAL
+      {"cgal", make_cgal},
+#endif
+#ifdef LIMBER_PEER_BULLET
+      {"bullet", make_bullet},
+#endif
+#ifdef LIMBER_PEER_EMBREE
+      {"embree", make_embree},
+#endif
+  };
+}
+
+std::optional<double> reference_build_ns([[maybe_unused]] const Mesh& mesh) {
+#ifdef LIMBER_PEER_FCL
+  return fcl_build_ns(mesh);
+#else
+  return std::nullopt;
+#endif
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/peers/more.h"
+
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bench/peers/peer.h"
+#include "bench/peers/scenes_of_peers.h"
+#include "bench/support/sampling.h"
+#include "limber/io.h"
+#include "limber/model.h"
+#include "scenes/scenes.h"
+
+namespace limber::bench {
+namespace {
+
+/// A slow flight of b past a: half a turn around it, at a distance that goes up and down, turning all the while.
+std::vector<Transform> flight(const Model& a, const Model& b, double closest, std::size_t frames) {
+  std::vector<Transform> poses;
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double t = static_cast<double>(f) / static_cast<double>(frames);
+    const Vec3 away{scenes::cosine(3 * t), scenes::sine(3 * t), 0.3 * scenes::sine(9 * t)};
+    const Transform turned = transform_from_quaternion({}, 1, 0.4 * t, 0.2, 0.7 * t).value();
+    Transform pose{turned.rotation, away * 2};
+    for (int step = 0; step < 8; ++step) {  // towards a until about as near as wanted
+      const double found = distance({a}, {b, pose}, {.relative_error = 0.01}).upper;
+      pose.translation += away * ((closest * (1.2 + scenes::sine(20 * t)) - found) / length(away));
+    }
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+void warm(const Model& a, const Model& b, int rounds, Checker& checker, CsvFile& csv, Markdown& table) {
+  table.line("\n### Warm start along a smooth flight of 500 frames\n");
+  table.line("| gap about | query | cold us a frame | warm us a frame | ratio |");
+  table.line("|:--|:--|--:|--:|--:|");
+  for (const double gap : {0.3, 0.05, 0.001}) {
+    const std::vector<Transform> poses = flight(a, b, gap, 500);
+    for (const double error : {0.0, 0.1}) {
+      const DistanceOptions options{.relative_error = error};
+      std::vector<double> cold, warmed;
+      for (int round = 0; round < rounds; ++round) {
+        double sum = 0, warm_sum = 0;
+        const Stopwatch watch;
+        for (const Transform& pose : poses) sum += distance({a}, {b, pose}, options).upper;
+        cold.push_back(watch.us() / static_cast<double>(poses.size()));
+        Pair pair;
+        const Stopwatch warm_watch;
+        for (const Transform& pose : poses) warm_sum += distance({a}, {b, pose}, options, pair).upper;
+        warmed.push_back(warm_watch.us() / static_cast<double>(poses.size()));
+        checker.check(std::abs(sum - warm_sum) <= (error + 1e-12) * sum, "a warm start changes distances at gap {}",
+                      gap);
+      }
+      const double cold_us = summarize(cold).median, warm_us = summarize(warmed).median;
+      const char* const query = error == 0 ? "distance" : "within 10 %";
+      table.line("| {} | {} | {:.3g} | {:.3g} | {:.3g} |", gap, query, cold_us, warm_us, cold_us / warm_us);
+      csv.row("warm,{},{},{:.4g},{:.4g},{:.4g}", gap, query, cold_us, warm_us, cold_us / warm_us);
+    }
+  }
+}
+
+void growth(Mesh mesh, int rounds, CsvFile& csv, Markdown& table) {
+  table.line("\n### Growth: a mesh against itself, divided flat, 20 poses\n");
+  table.line("| triangles | gap | distance us, median | times that of a quarter |");
+  table.line("|--:|--:|--:|--:|");
+  const Model coarse(mesh);
+  std::vector<std::vector<Transform>> poses;  // by gap
+  const double gaps[] = {1, 0.05, 0.001};
+  for (const double gap : gaps) {
+    scenes::Rng rng(0x5EED0007);
+    poses.emplace_back();
+    for (int i = 0; i < 20; ++i) {
+      Transform pose{scenes::random_rotation(rng), {}};
+      const Vec3 away = scenes::random_rotation(rng).row0;
+      pose.translation = away * 3;
+      for (int step = 0; step < 100; ++step) {
+        pose.translation += away * (gap - distance({coarse}, {coarse, pose}).upper);
+      }
+      poses.back().push_back(pose);
+    }
+  }
+  double before[std::size(gaps)] = {};
+  for (int level = 0; level < 3; ++level) {
+    if (level > 0) mesh = subdivided(mesh);
+    const Model model(mesh);
+    for (std::size_t g = 0; g < std::size(gaps); ++g) {
+      std::vector<double> times;
+      for (const Transform& pose : poses[g]) {
+        std::vector<double> samples;
+        for (int round = 0; round < rounds; ++round) {
+          samples.push_back(mean_us(2, [&] { distance({model}, {model, pose}); }));
+        }
+        times.push_back(summarize(samples).median);
+      }
+      const double median = summarize(times).median;
+      const double factor = level == 0 ? 1 : median / before[g];
+      table.line("| {} | {} | {:.3g} | {:.3g} |", mesh.triangles().size(), gaps[g], median, factor);
+      csv.row("growth,{},{},{:.4g},,{:.4g}", mesh.triangles().size(), gaps[g], median, factor);
+      before[g] = median;
+    }
+  }
+}
+
+double build_ns(const Mesh& mesh, std::size_t threads, int rounds) {
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+  std::vector<double> samples;
+  for (int round = 0; round < rounds; ++round) {
+    Mesh copy = mesh;
+    const Stopwatch watch;
+    const Model model(std::move(copy));
+    samples.push_back(watch.us() * 1e3 / static_cast<double>(mesh.triangles().size()));
+  }
+  return summarize(samples).median;
+}
+
+void build(const std::string& name, const Mesh& mesh, int rounds, CsvFile& csv, Markdown& table) {
+  const double one = build_ns(mesh, 1, rounds), two = build_ns(mesh, 2, rounds);
+  const double bytes =
+      static_cast<double>(Model(mesh).tree_stats().bytes) / static_cast<double>(mesh.triangles().size());
+  const std::optional<double> reference = reference_build_ns(mesh);
+  table.line("| {} | {} | {:.4g} | {:.4g} | {:.3g} | {:.4g} | {:.3g} | {:.3g} |", name, mesh.triangles().size(), one,
+             two, one / two, reference.value_or(0), reference.value_or(0) / one, bytes);
+  csv.row("build,{},ns per triangle,{:.4g},{:.4g},{:.4g}", mesh.triangles().size(), one, two, reference.value_or(0));
+  csv.row("memory,{},bytes per triangle,{:.4g},,", mesh.triangles().size(), bytes);
+}
+
+}  // namespace
+
+void measure_more(const Options& options, const std::filesystem::path& meshes, Checker& checker, Markdown& table) {
+  CsvFile csv(options, "peers_more.csv", "what,situation,query,first,second,ratio");
+  const int rounds = options.quick ? 1 : 5;
+  const Mesh bunny = normalised(load_mesh(meshes / "stanford-bunny.obj").value());
+  const Mesh armadillo = normalised(load_mesh(meshes / "armadillo.obj").value());
+  warm(Model(bunny), Model(armadillo), rounds, checker, csv, table);
+  growth(bunny, rounds, csv, table);
+  table.line("\n### Build, nanoseconds a triangle, and bytes a triangle\n");
+  table.line("| mesh | triangles | one thread | two | ratio | FCL OBBRSS | FCL / ours | bytes |");
+  table.line("|:--|--:|--:|--:|--:|--:|--:|--:|");
+  build("bunny", bunny, rounds, csv, table);
+  build("wave sheet", scenes::wave_sheet(400, 250, 0), rounds, csv, table);
+}
+
+}  // namespace limber::bench

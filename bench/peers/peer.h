@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "limber/mesh.h"
+
+/// Other libraries behind one face. Every adapter is one file; those whose library was not found are left out.
+namespace limber::bench {
+
+enum class Question { exact, rough, collide };  ///< rough: within a relative error of 0.1
+inline constexpr double rough_error = 0.1;
+
+/// Two models of one library, ready to be asked. a stands at the origin.
+class Peer {
+ public:
+  Peer() = default;
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  virtual ~Peer() = default;
+
+  virtual bool answers(Question question) const = 0;
+  /// The distance, 0 in contact; for `collide` 0 or 1: 0 means contact.
+  virtual double ask(Question question, const Transform& pose_b) = 0;
+  /// Work that a new pose of b costs before it can be asked, where that is not part of ask().
+  virtual void move(const Transform&) {}
+};
+
+using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
+
+/// The library itself first, then those that were found.
+std::vector<std::pair<std::string, PeerFactory>> all_peers();
+
+/// Nanoseconds per triangle that the reference peer of the tables takes to build `mesh`; nothing if it is not there.
+std::optional<double> reference_build_ns(const Mesh& mesh);
+
+std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
+double fcl_build_ns(const Mesh& mesh);
+
+}  // namespace limber::bench

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "limber/mesh.h"
+
+/// What libraries are compared on.
+namespace limber::bench {
+
+/// One situation in several poses of b.
+struct Situation {
+  std::string name;
+  bool touching = false;  ///< so near to contact that rounding decides: yes and no are not compared
+  std::vector<Transform> poses;
+};
+
+struct PeerScene {
+  std::string name;
+  Mesh a, b;
+  std::vector<Situation> situations;
+};
+
+/// Ball and square of the source's experiment, both turned together by one random rotation so that nothing is aligned
+/// with an axis, at all its separations, in `pose_count` poses.
+PeerScene turned_ball_and_square(std::size_t pose_count);
+
+/// Two scans, centred, scaled to a diagonal of 1, b slid along a random direction: far (gap 1), mid (0.05), near
+/// (0.001), and overlapping (0.011 further than near).
+///
+/// Errors   BadResult when a file cannot be read.
+PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
+                    std::size_t pose_count);
+
+/// Centred on its box and scaled to a diagonal of 1, without triangles that have no area.
+Mesh normalised(const Mesh& mesh);
+
+/// Every triangle divided into four at the middles of its sides.
+Mesh subdivided(const Mesh& mesh);
+
+}  // namespace limber::bench
