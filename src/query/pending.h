@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <iterator>
 
 #include "core/check.h"
 #include "tree/node.h"
@@ -59,6 +60,11 @@ class Pending {
     return pairs_[slot];
   }
 
+  /// Whether no pair that is left has a bound below `limit_sq`, as far as can be told at once.
+  bool all_beyond(float limit_sq) const {
+    return stack_size_ == 0 && step_of(limit_sq) < static_cast<std::uint32_t>(std::countr_zero(filled_));
+  }
+
   /// Says which bounds matter: those from `least` to `most`. To be repeated when they have become much fewer.
   void focus(float least, float most) {
     least_ = least;
@@ -73,7 +79,7 @@ class Pending {
         slot = after;
       }
     }
-    filled_ = 0;
+    forget_steps();
     while (chain != none) {
       const std::uint16_t after = next_[chain];
       link(chain);
@@ -81,31 +87,28 @@ class Pending {
     }
   }
 
-  /// The smallest squared bound of all pairs.
-  float lowest_bound_sq() const {
-    float lowest = no_bound;
-    for (std::uint32_t i = 0; i < stack_size_; ++i) lowest = std::min(lowest, stack_[i].bound_sq);
-    if (filled_ == 0) return lowest;
-    for (std::uint16_t slot = first_[std::countr_zero(filled_)]; slot != none; slot = next_[slot]) {
-      lowest = std::min(lowest, pairs_[slot].bound_sq);
-    }
-    return lowest;
-  }
-
   void clear() {
     stack_size_ = used_ = 0;
-    filled_ = 0;
+    forget_steps();
     free_ = none;
     steps_ = 0;
   }
 
-  static constexpr float no_bound = 3e38F;
+  static constexpr float no_bound = 3e38F, largest_bound = 2e38F;
 
  private:
+  void forget_steps() {
+    std::fill(std::begin(first_), std::end(first_), none);
+    filled_ = 0;
+  }
+  std::uint32_t step_of(float bound_sq) const {
+    const float at = (bound_sq - least_) * steps_;
+    // In this order a product of 0 and infinity counts as 0. Signed, since that is what processors convert.
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::min(std::max(0.0F, at), step_count - 1.0F)));
+  }
   void link(std::uint16_t slot) {
-    const float at = (pairs_[slot].bound_sq - least_) * steps_;
-    const auto step = static_cast<std::uint32_t>(std::clamp(at, 0.0F, static_cast<float>(step_count - 1)));
-    next_[slot] = (filled_ >> step & 1) != 0 ? first_[step] : none;
+    const std::uint32_t step = step_of(pairs_[slot].bound_sq);
+    next_[slot] = first_[step];
     first_[step] = slot;
     filled_ |= std::uint64_t{1} << step;
   }
@@ -117,7 +120,7 @@ class Pending {
 
   NodePair stack_[stack_capacity], pairs_[capacity];
   std::uint16_t next_[capacity];     // of the same step, or of the free slots
-  std::uint16_t first_[step_count];  // last pushed; only where filled_ says so
+  std::uint16_t first_[step_count];  // last pushed
   std::uint64_t filled_ = 0;         // steps that have pairs
   std::uint32_t stack_size_ = 0, used_ = 0;
   std::uint16_t free_ = none;

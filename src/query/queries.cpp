@@ -30,7 +30,6 @@ class Start {
 
 namespace {
 
-using query::Heading;
 using query::PlacedPair;
 using query::Side;
 
@@ -39,27 +38,29 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Some pair of triangles that intersects.
 class Contact {
  public:
+  explicit Contact(const PlacedPair& placed) : placed_(placed) {}
+
   static constexpr bool any = true;
   std::optional<Witness> witness;
 
   double cut() const { return std::numeric_limits<double>::min(); }
-  const Heading& heading() const { return none_; }
   bool finished() const { return witness.has_value(); }
-  bool apart(const Triangle&, const Triangle&) const { return false; }
-  void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
+  bool apart(TriangleId, TriangleId) const { return false; }
+  void compare(TriangleId id_a, TriangleId id_b) {
+    const Triangle a = placed_.triangle(Side::a, id_a), b = placed_.triangle(Side::b, id_b);
     if (!intersects(a, b)) return;
     const Vec3 shared = closest_points(a, b).point_a;
     witness = Witness{shared, shared, id_a, id_b};
   }
 
  private:
-  Heading none_;
+  const PlacedPair& placed_;
 };
 
 /// The closest pair of triangles, or one near enough.
 class Closest {
  public:
-  Closest(const PlacedPair& placed, const DistanceOptions& options, double enough)
+  Closest(PlacedPair& placed, const DistanceOptions& options, double enough)
       : placed_(placed), options_(options), enough_(enough), tie_(0x1p-7 * placed.error()) {
     // Closed: a pair exactly max_distance apart matters.
     cut_ = std::max(std::nextafter(options.max_distance, infinity), smallest);
@@ -70,22 +71,20 @@ class Closest {
   Witness witness{};
 
   double cut() const { return cut_; }
-  const Heading& heading() const { return heading_; }
   bool finished() const { return upper <= enough_; }
 
-  /// Whether the triangles are apart along the heading by as much as matters, up to rounding. Triangles that share the
+  /// Whether the triangles are apart along the way by as much as matters, up to rounding. Triangles that share the
   /// corner or edge the best pair was found at are, exactly, and are many.
-  bool apart(const Triangle& a, const Triangle& b) const {
-    if (!heading_.known) return false;
-    const Vec3& n = direction_;
-    const double high = std::max({dot(n, a.v0), dot(n, a.v1), dot(n, a.v2)});
-    const double low = std::min({dot(n, b.v0), dot(n, b.v1), dot(n, b.v2)});
-    // A pair as far apart as the best adds nothing; one as far apart as the limit allows is sought.
-    return low - high > tie_ && low - high >= (upper <= options_.max_distance ? cut_ - tie_ : cut_ + tie_);
+  bool apart(TriangleId a, TriangleId b) const {
+    if (!placed_.is_aimed()) return false;
+    const double gap = placed_.gap_along(a, b);
+    // A pair as far apart as the best adds nothing; one as far apart as the limit allows is sought. Contacts always
+    // are.
+    return gap > placed_.error() && gap >= (upper <= options_.max_distance ? cut_ - tie_ : cut_ + tie_);
   }
 
-  void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
-    const ClosestPoints closest = closest_points(a, b);
+  void compare(TriangleId id_a, TriangleId id_b) {
+    const ClosestPoints closest = closest_points(placed_.triangle(Side::a, id_a), placed_.triangle(Side::b, id_b));
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
@@ -98,8 +97,7 @@ class Closest {
     const Vec3 apart = closest.point_b - closest.point_a;
     const double size = length(apart);
     if (!(size > 0x1p-500)) return;  // too short to have a direction
-    direction_ = apart * (1 / size);
-    heading_ = placed_.heading(direction_);
+    placed_.aim(apart * (1 / size));
   }
 
  private:
@@ -108,13 +106,11 @@ class Closest {
   // Contacts matter at any setting, so the cut stays above 0.
   static constexpr double smallest = std::numeric_limits<double>::min();
 
-  const PlacedPair& placed_;
+  PlacedPair& placed_;
   DistanceOptions options_;
   double enough_;
   double tie_;
   double cut_ = infinity;
-  Vec3 direction_;
-  Heading heading_;
 };
 
 /// Compares what the start knows, then everything else. Returns whether something was left out.
@@ -123,8 +119,7 @@ bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& s
   query::Traversal<Goal> traversal(placed, goal, stats);
   if (start.known(a, b)) {
     ++stats.triangle_tests;
-    goal.compare(start.triangle_a(), start.triangle_b(), placed.triangle(Side::a, start.triangle_a()),
-                 placed.triangle(Side::b, start.triangle_b()));
+    goal.compare(start.triangle_a(), start.triangle_b());
     if (goal.finished()) return true;
   }
   traversal.start(placed.root_bound());
@@ -136,7 +131,7 @@ bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& s
 CollideResult collide_from(const Placed& a, const Placed& b, const Start& start) {
   CollideResult result;
   PlacedPair placed(a, b);
-  Contact contact;
+  Contact contact(placed);
   search(a, b, placed, start, contact, result.stats);
   result.collision = contact.witness.has_value();
   result.witness = contact.witness;

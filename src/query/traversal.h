@@ -20,10 +20,9 @@ namespace limber::query {
 /// What is sought. A pair of triangles at least `cut` apart cannot matter; `cut` only shrinks.
 ///
 /// Needs    double cut() const              > 0
-///          const Heading& heading() const
 ///          bool finished() const           nothing that is left can matter
-///          bool apart(const Triangle&, const Triangle&) const   a quick no, before compare()
-///          void compare(TriangleId a, TriangleId b, const Triangle&, const Triangle&)
+///          bool apart(TriangleId a, TriangleId b) const   a quick no, before compare()
+///          void compare(TriangleId a, TriangleId b)
 ///          static constexpr bool any       whether any pair will do; otherwise the nearest is sought
 template <typename Goal>
 class Traversal {
@@ -41,7 +40,7 @@ class Traversal {
     ++stats_.node_tests;
     if (root_bound >= goal_.cut()) return drop();
     const double units = root_bound / placed_.tree(Side::a).unit;
-    const auto bound_sq = static_cast<float>(std::min(units * units * (1 - 0x1p-20), 1e38));
+    const auto bound_sq = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
     least_sq_ = bound_sq;
     focus_sq_ = Pending::no_bound;
     pending_.push_first({bound_sq, {tree::root, tree::root}});
@@ -54,6 +53,7 @@ class Traversal {
     const NodePair pair = pending_.pop();
     if (pair.bound_sq >= limit_sq_[0]) {
       drop();
+      if (pending_.all_beyond(limit_sq_[0])) pending_.clear();
     } else if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       compare_leaves(pair);
     } else {
@@ -71,7 +71,7 @@ class Traversal {
     Side side;  // of the one that is opened
     NodePair pair;
     std::uint32_t block;
-    unsigned kept;  // its lanes that matter
+    simd::KeptLanes kept;  // its lanes that matter
     alignas(32) float order[simd::width];
   };
 
@@ -80,6 +80,15 @@ class Traversal {
   }
   std::uint32_t child_of(Side s, tree::NodeId node) const {
     return placed_.tree(s).blocks[tree::block_of(node)].first_child + tree::lane_of(node);
+  }
+  simd::Seen seen_node(Side s, const NodePair& pair) const {
+    const tree::NodeId node = pair.node[index(s)];
+    return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node), nullptr};
+  }
+  simd::Seen seen_leaf(Side s, const NodePair& pair) const {
+    const tree::NodeId node = pair.node[index(s)];
+    return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node),
+            &placed_.tree(s).leaves[child_of(s, node)].corners};
   }
   /// What a node adds to the looseness of bounds: half the thickness of its slab, and a little of its ball.
   double looseness(Side s, tree::NodeId node) const {
@@ -101,9 +110,11 @@ class Traversal {
   void update_limits() {
     if (goal_.cut() == limits_for_) return;
     limits_for_ = goal_.cut();
+    placed_.set_cut(limits_for_);
     for (const Side s : {Side::a, Side::b}) {
       const double units = limits_for_ / placed_.tree(s).unit;
-      const double limit = std::min(units * units * (1 + 0x1p-22), 3e38);  // rounding to float32 included
+      const double limit =
+          std::min(units * units * (1 + 0x1p-22), double{Pending::no_bound});  // rounding to float32 included
       // A positive limit never drops a pair whose bound is 0.
       limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::denorm_min());
     }
@@ -119,37 +130,22 @@ class Traversal {
     o.pair = pair;
     o.block = child_of(o.side, pair.node[index(o.side)]);
     const tree::Block& block = placed_.tree(o.side).blocks[o.block];
-    const Side closed = other(o.side);
-    const tree::NodeId node = pair.node[index(closed)];
     stats_.node_tests += block.count;
-
-    const simd::Facing facing = placed_.facing(o.side, block, node);
-    simd::Toward toward;
-    const Heading& heading = goal_.heading();
-    if (heading.known) {
-      const double reach = is_leaf(closed, pair)
-                               ? placed_.leaf_reach(closed, node, child_of(closed, node), heading, kernels_)
-                               : placed_.reach(closed, node, heading);
-      toward = placed_.toward(o.side, block, node, reach, heading, goal_.cut());
-    }
-    o.kept = kernels_.bound_lanes(block.bounds, block.count, facing, heading.known ? &toward : nullptr,
-                                  limit_sq_[index(o.side)], o.order);
-    if (o.kept != (1U << block.count) - 1) drop();
-    if (o.kept != 0) keep(o);
+    const Side closed = other(o.side);
+    const simd::Seen seen = is_leaf(closed, pair) ? seen_leaf(closed, pair) : seen_node(closed, pair);
+    o.kept = kernels_.bound_lanes(block, seen, placed_.view(o.side), limit_sq_[index(o.side)], o.order);
+    if (o.kept.all != (1U << block.count) - 1) drop();
+    if (o.kept.all != 0) keep(o);
   }
 
   /// Puts the lanes that matter where they will be taken in the right order.
   void keep(const Opening& o) {
-    unsigned meeting = 0;
-    for (std::uint32_t lane = 0; lane < simd::width; ++lane) {
-      meeting |= (o.order[lane] * to_a_sq_[index(o.side)] > 0 ? 0U : 1U) << lane;
-    }
-    meeting &= o.kept;
+    unsigned meeting = o.kept.meeting;
     if (meeting == 0) {
-      if (Goal::any || goal_.heading().known) return push_rest(o, o.kept);
+      if (Goal::any || placed_.is_aimed()) return push_rest(o, o.kept.all);
       return descend(o);
     }
-    push_rest(o, o.kept & ~meeting);
+    push_rest(o, o.kept.all & ~meeting);
     // The deepest overlap last, so that it is taken first.
     while (meeting != 0) {
       auto shallowest = static_cast<std::uint32_t>(std::countr_zero(meeting));
@@ -164,12 +160,12 @@ class Traversal {
 
   /// Straight down, by the nearest lane, while nothing has been found.
   void descend(const Opening& o) {
-    auto nearest = static_cast<std::uint32_t>(std::countr_zero(o.kept));
-    for (unsigned rest = o.kept; rest != 0; rest &= rest - 1) {
+    auto nearest = static_cast<std::uint32_t>(std::countr_zero(o.kept.all));
+    for (unsigned rest = o.kept.all; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
       if (o.order[lane] < o.order[nearest]) nearest = lane;
     }
-    push_rest(o, o.kept & ~(1U << nearest));
+    push_rest(o, o.kept.all & ~(1U << nearest));
     pending_.push_first(child_pair(o, nearest));
   }
 
@@ -181,49 +177,41 @@ class Traversal {
 
   NodePair child_pair(const Opening& o, std::uint32_t lane) const {
     NodePair pair = o.pair;
-    pair.bound_sq = std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)];
+    // Below any limit that stands for none, even where the units of the trees are worlds apart.
+    pair.bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
     pair.node[index(o.side)] = o.block * simd::width + lane;
     return pair;
   }
 
   void compare_leaves(const NodePair& pair) {
-    const std::uint32_t leaf_a = child_of(Side::a, pair.node[0]), leaf_b = child_of(Side::b, pair.node[1]);
-    const Heading& heading = goal_.heading();
-    if (heading.known) {
-      const double reach_a = placed_.leaf_reach(Side::a, pair.node[0], leaf_a, heading, kernels_);
-      const double reach_b = placed_.leaf_reach(Side::b, pair.node[1], leaf_b, heading, kernels_);
-      if (placed_.gap(pair.node[0], reach_a, pair.node[1], reach_b, heading) >= goal_.cut()) return drop();
-    }
-    const tree::Leaf& a = placed_.tree(Side::a).leaves[leaf_a];
-    const tree::Leaf& b = placed_.tree(Side::b).leaves[leaf_b];
-    double scale = 1;
-    const simd::LeafPair leaves = placed_.leaf_pair(pair.node[0], pair.node[1], heading, goal_.cut(), scale);
-    simd::Candidate candidates[simd::width * simd::width];
-    const std::uint32_t count = kernels_.leaf_candidates(a.corners, b.corners, leaves, candidates);
-    if (count != simd::width * simd::width) drop();
-    if (count == 0) return;
+    const simd::Seen seen_a = seen_leaf(Side::a, pair), seen_b = seen_leaf(Side::b, pair);
+    simd::Candidates found;
+    kernels_.leaf_candidates(seen_a, seen_b, placed_.view(Side::a), found);
+    if (found.count != simd::width * simd::width) drop();
+    if (found.count == 0) return;
     // The nearest first: it may rule the others out.
     std::uint32_t nearest = 0;
-    for (std::uint32_t i = 1; i < count; ++i) {
-      if (candidates[i].bound_sq < candidates[nearest].bound_sq) nearest = i;
+    for (std::uint32_t i = 1; i < found.count; ++i) {
+      if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
-    std::swap(candidates[0], candidates[nearest]);
-    for (std::uint32_t i = 0; i < count && !goal_.finished(); ++i) {
-      const double reach = goal_.cut() * scale + static_cast<double>(leaves.error);
-      if (static_cast<double>(candidates[i].bound_sq) >= reach * reach * (1 + 0x1p-20)) {
+    std::swap(found.pairs[0], found.pairs[nearest]);
+    const tree::Leaf& a = placed_.tree(Side::a).leaves[child_of(Side::a, pair.node[0])];
+    const tree::Leaf& b = placed_.tree(Side::b).leaves[child_of(Side::b, pair.node[1])];
+    for (std::uint32_t i = 0; i < found.count && !goal_.finished(); ++i) {
+      const double reach = goal_.cut() * found.scale + static_cast<double>(found.error);
+      if (static_cast<double>(found.pairs[i].bound_sq) >= reach * reach * (1 + 0x1p-20)) {
         drop();
       } else {
-        compare_triangles(a.triangle[candidates[i].lane_a], b.triangle[candidates[i].lane_b]);
+        compare_triangles(a.triangle[found.pairs[i].lane_a], b.triangle[found.pairs[i].lane_b]);
       }
     }
   }
 
   void compare_triangles(TriangleId id_a, TriangleId id_b) {
     LIMBER_ASSERT(id_a != no_id && id_b != no_id);
-    const Triangle a = placed_.triangle(Side::a, id_a), b = placed_.triangle(Side::b, id_b);
-    if (goal_.apart(a, b)) return drop();
+    if (goal_.apart(id_a, id_b)) return drop();
     ++stats_.triangle_tests;
-    goal_.compare(id_a, id_b, a, b);
+    goal_.compare(id_a, id_b);
   }
 
   static constexpr float ball_share = 0.01F;

@@ -20,6 +20,27 @@ LIMBER_KERNEL Packet3 cross(const Packet3& a, const Packet3& b) {
 
 LIMBER_KERNEL Packet zero() { return Packet::set(0); }
 
+/// The furthest of each triangle's corners in direction n, in steps.
+LIMBER_KERNEL Packet furthest_corners(const LeafTriangles& leaf, std::uint32_t i, const Packet3& n) {
+  Packet furthest[3];
+  for (int k = 0; k < 3; ++k) {
+    furthest[k] =
+        dot(n, Packet3{Packet::from_int16(leaf.corner[3 * k] + i), Packet::from_int16(leaf.corner[3 * k + 1] + i),
+                       Packet::from_int16(leaf.corner[3 * k + 2] + i)});
+  }
+  return max(max(furthest[0], furthest[1]), furthest[2]);
+}
+LIMBER_KERNEL float leaf_support(const LeafTriangles& leaf, const float* normal) {
+  const Packet3 n = broadcast(normal);
+  Packet furthest = furthest_corners(leaf, 0, n);
+  for (std::uint32_t i = Packet::lanes; i < width; i += Packet::lanes) {
+    furthest = max(furthest, furthest_corners(leaf, i, n));
+  }
+  return largest(furthest);
+}
+
+#include "simd/placing-inl.h"
+
 /// Half of a ball cut by its slab, on one side of the centre: its height, and the radius of the circle at that height.
 struct Cap {
   Packet height, rim;
@@ -99,7 +120,8 @@ LIMBER_KERNEL Packet ball_and_box_sq(const Pairing& p, const Packet3& half_f) {
 LIMBER_KERNEL Packet slab_sq(const Pairing& p, const Facing& facing) {
   const Packet radius_f = Packet::set(facing.radius);
   const Packet3 normal_f = broadcast(facing.normal);
-  const Cap upper_f = cap(radius_f, Packet::set(facing.high)), lower_f = cap(radius_f, Packet::set(-facing.low));
+  const Cap upper_f{Packet::set(facing.high), Packet::set(facing.rim_high)};
+  const Cap lower_f{Packet::set(-facing.low), Packet::set(facing.rim_low)};
   // Along either normal, together with the gap of the balls across it.
   const Packet cosine = dot(p.normal, normal_f);
   const Packet3 crossed = cross(p.normal, normal_f);
@@ -108,15 +130,15 @@ LIMBER_KERNEL Packet slab_sq(const Pairing& p, const Facing& facing) {
   const Packet height_f_abs = abs(height_f), height_abs = abs(height);
   const Cap near_f = select(height_f > zero(), lower_f, upper_f), near = select(height > zero(), p.upper, p.lower);
   // Of what the products of dot() can be off by, the square roots keep no more than 2^-20 of d_sq.
-  const Packet doubt = p.d_sq * Packet::set(0x1p-20F);
-  const Packet aside_f = sqrt(max(p.d_sq - height_f * height_f - doubt, zero()));
-  const Packet aside = sqrt(max(p.d_sq - height * height - doubt, zero()));
+  const Packet rounding = p.d_sq * Packet::set(0x1p-20F);
+  const Packet aside_f = sqrt(max(p.d_sq - height_f * height_f - rounding, zero()));
+  const Packet aside = sqrt(max(p.d_sq - height * height - rounding, zero()));
   const Packet tilted = reach(p.radius, select(height_f * cosine > zero(), p.upper, p.lower), cosine_abs, sine);
   const Packet tilted_f = reach(radius_f, select(height * cosine > zero(), lower_f, upper_f), cosine_abs, sine);
   const Packet best = max(gap_sq(height_f_abs - tilted - near_f.height, aside_f - p.reaches),
                           gap_sq(height_abs - near.height - tilted_f, aside - p.reaches));
   // Along the line of centres; products with `distance` instead of quotients. sqrt(2 * 2^-20) < 0.0015 makes good what
-  // `doubt` took from the sines.
+  // `rounding` took from the sines.
   const Packet more = p.distance * Packet::set(0.0015F);
   const Packet box = abs(p.d.x) * p.half.x + abs(p.d.y) * p.half.y + abs(p.d.z) * p.half.z;
   const Packet line = min(box, select(p.radius * height_abs <= near.height * p.distance, p.radius * p.distance,
@@ -127,37 +149,32 @@ LIMBER_KERNEL Packet slab_sq(const Pairing& p, const Facing& facing) {
   return max(best, gap * gap);
 }
 
-LIMBER_KERNEL unsigned bound_packet(const NodeBounds& lanes, std::uint32_t i, const Facing& facing,
-                                    const Toward* toward, float limit_sq, float* order) {
+LIMBER_KERNEL KeptLanes bound_packet(const NodeBounds& lanes, std::uint32_t i, const Facing& facing,
+                                     const Toward* toward, float limit_sq, float* order) {
   const Pairing p = pair_up(lanes, i, facing);
   const Packet limit = Packet::set(limit_sq), down = Packet::set(squares_down);
   const Packet best = max(ball_and_box_sq(p, broadcast(facing.half)), slab_sq(p, facing)) * down;
   const Packet overlap = p.between / max(p.reaches, Packet::set(0x1p-100F));
   select(best > zero(), best, min(overlap, zero())).store(order + i);
-  const unsigned kept = bits(best < limit);
-  return toward == nullptr ? kept : kept & bits(near_along(p, *toward));
+  unsigned kept = bits(best < limit);
+  if (toward != nullptr) kept &= bits(near_along(p, *toward));
+  return {kept, kept & bits(best <= zero())};
 }
 
-LIMBER_KERNEL unsigned bound_lanes(const NodeBounds& lanes, std::uint32_t count, const Facing& facing,
-                                   const Toward* toward, float limit_sq, float* order) {
-  unsigned kept = 0;
+LIMBER_KERNEL KeptLanes bound_lanes(const Block& lanes, const Seen& seen, const View& view, float limit_sq,
+                                    float* order) {
+  alignas(32) double between[4];
+  place(*seen.block, seen.lane, view, lanes.origin, between);
+  const Facing facing = face(lanes, seen, view, between);
+  Toward toward;
+  if (view.has_toward) toward = look(lanes, seen, view, between);
+  KeptLanes kept{0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    kept |= bound_packet(lanes, i, facing, toward, limit_sq, order) << i;
+    const KeptLanes these = bound_packet(lanes.bounds, i, facing, view.has_toward ? &toward : nullptr, limit_sq, order);
+    kept.all |= these.all << i, kept.meeting |= these.meeting << i;
   }
-  return kept & ((1U << count) - 1);
-}
-
-LIMBER_KERNEL float leaf_support(const LeafTriangles& leaf, const float* normal) {
-  const Packet3 n = broadcast(normal);
-  Packet furthest = Packet::set(-0x1p100F);
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    for (int k = 0; k < 3; ++k) {
-      furthest = max(furthest, dot(n, Packet3{Packet::from_int16(leaf.corner[3 * k] + i),
-                                              Packet::from_int16(leaf.corner[3 * k + 1] + i),
-                                              Packet::from_int16(leaf.corner[3 * k + 2] + i)}));
-    }
-  }
-  return largest(furthest);
+  const unsigned used = (1U << lanes.count) - 1;
+  return {kept.all & used, kept.meeting & used};
 }
 
 /// Corners as numbers, for one leaf: [3 * corner + axis][lane].
@@ -221,63 +238,133 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
   return kept;
 }
 
-LIMBER_KERNEL std::uint32_t leaf_candidates(const LeafTriangles& a, const LeafTriangles& b, const LeafPair& pair,
-                                            Candidate* candidates) {
-  Corners ca, cb;
-  std::uint8_t wanted[width];
-  unsigned any = 0;
+/// Which lanes of b, in bits, matter to which of a, in bytes, by how far they reach towards each other.
+LIMBER_KERNEL std::uint64_t near_along(const LeafTriangles& a, const LeafTriangles& b, const LeafPair& pair,
+                                       const View& view) {
+  alignas(64) float high[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    for (int k = 0; k < 9; ++k) (Packet::from_int16(a.corner[k] + i) * Packet::set(pair.step_a)).store(ca.v[k] + i);
-    for (int k = 0; k < 9; ++k) (Packet::from_int16(b.corner[k] + i) * Packet::set(pair.step_b)).store(cb.v[k] + i);
+    (furthest_corners(a, i, broadcast(view.normal)) * Packet::set(pair.step_a)).store(high + i);
   }
-  if (pair.has_toward) {
-    alignas(64) float reach_a[width];
-    const Packet3 na = broadcast(pair.toward_a), nb = broadcast(pair.toward_b);
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      extent(dot(na, ca.at(0, i)), dot(na, ca.at(1, i)), dot(na, ca.at(2, i))).high.store(reach_a + i);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet reach = furthest_corners(b, i, broadcast(view.other_normal)) * Packet::set(pair.step_b);
+    for (std::uint32_t row = 0; row < width; ++row) {
+      wanted |= std::uint64_t{bits(Packet::set(high[row]) + reach > Packet::set(pair.gap))} << (8 * row + i);
     }
-    for (unsigned char& row : wanted) row = 0;
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet least = extent(dot(nb, cb.at(0, i)), dot(nb, cb.at(1, i)), dot(nb, cb.at(2, i))).low;
-      for (std::uint32_t row = 0; row < width; ++row) {
-        wanted[row] = static_cast<std::uint8_t>(wanted[row] |
-                                                bits(Packet::set(reach_a[row]) - least > Packet::set(pair.gap)) << i);
-        any |= wanted[row];
-      }
-    }
-    if (any == 0) return 0;
-  } else {
-    for (unsigned char& row : wanted) row = 0xff;
   }
+  return wanted;
+}
 
-  const float* r = pair.a_from_b;
+/// Boxes of the triangles of a leaf.
+struct alignas(64) Boxes {
+  float low[3][width], high[3][width];
+};
+
+LIMBER_KERNEL void find_boxes(const Corners& c, Boxes& boxes) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 p = c.at(0, i), q = c.at(1, i), r = c.at(2, i);
+    const Extent x = extent(p.x, q.x, r.x), y = extent(p.y, q.y, r.y), z = extent(p.z, q.z, r.z);
+    x.low.store(boxes.low[0] + i), x.high.store(boxes.high[0] + i);
+    y.low.store(boxes.low[1] + i), y.high.store(boxes.high[1] + i);
+    z.low.store(boxes.low[2] + i), z.high.store(boxes.high[2] + i);
+  }
+}
+
+/// The same by their boxes.
+LIMBER_KERNEL std::uint64_t near_by_box(const Corners& a, const Corners& b, Packet limit_sq) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      Packet sum = zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        const Packet above = Packet::load(boxes_b.low[axis] + i) - Packet::set(boxes_a.high[axis][row]);
+        const Packet below = Packet::set(boxes_a.low[axis][row]) - Packet::load(boxes_b.high[axis] + i);
+        const Packet gap = max(max(above, below), zero());
+        sum = sum + gap * gap;
+      }
+      wanted |= std::uint64_t{bits(sum < limit_sq)} << (8 * row + i);
+    }
+  }
+  return wanted;
+}
+
+/// Rows for columns in a matrix of 8 by 8 bits.
+LIMBER_KERNEL std::uint64_t transposed(std::uint64_t m) {
+  std::uint64_t t = (m ^ (m >> 7)) & 0x00aa00aa00aa00aaU;
+  m ^= t ^ (t << 7);
+  t = (m ^ (m >> 14)) & 0x0000cccc0000ccccU;
+  m ^= t ^ (t << 14);
+  t = (m ^ (m >> 28)) & 0x00000000f0f0f0f0U;
+  return m ^ t ^ (t << 28);
+}
+LIMBER_KERNEL int rows_in_use(std::uint64_t m) {
+  m |= m >> 4;
+  m |= m >> 2;
+  m |= m >> 1;
+  return std::popcount(m & 0x0101010101010101U);
+}
+
+/// The corners of a leaf about its centre, or where the other one sees them.
+LIMBER_KERNEL void unpack(const LeafTriangles& leaf, float step, Corners& c) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::from_int16(leaf.corner[k] + i) * Packet::set(step)).store(c.v[k] + i);
+  }
+}
+LIMBER_KERNEL void unpack(const LeafTriangles& leaf, float step, const View& view, const float* offset, Corners& c) {
+  const Packet3 x = broadcast(view.rotation[0]), y = broadcast(view.rotation[1]), z = broadcast(view.rotation[2]);
+  const Packet3 shift = broadcast(offset);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; k += 3) {
+      const Packet px = Packet::from_int16(leaf.corner[k] + i) * Packet::set(step);
+      const Packet py = Packet::from_int16(leaf.corner[k + 1] + i) * Packet::set(step);
+      const Packet pz = Packet::from_int16(leaf.corner[k + 2] + i) * Packet::set(step);
+      (x.x * px + y.x * py + z.x * pz + shift.x).store(c.v[k] + i);
+      (x.y * px + y.y * py + z.y * pz + shift.y).store(c.v[k + 1] + i);
+      (x.z * px + y.z * py + z.z * pz + shift.z).store(c.v[k + 2] + i);
+    }
+  }
+}
+
+LIMBER_KERNEL void leaf_candidates(const Seen& a, const Seen& b, const View& view, Candidates& candidates) {
+  const LeafPair pair = place_leaves(a, b, view);
+  candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
+  std::uint64_t wanted = view.has_toward ? near_along(*a.corners, *b.corners, pair, view) : ~std::uint64_t{0};
+  if (wanted == 0) return;
+  Corners ca, cb;
+  unpack(*a.corners, pair.step_a, ca);
+  unpack(*b.corners, pair.step_b, view, pair.offset, cb);
+
   const float reach = pair.cut + pair.error;
   const Packet limit_sq = Packet::set(reach * reach * squares_up);
-  alignas(64) float bounds[width][width];
-  unsigned kept[width] = {};
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    Packet3 placed[3];
-    for (int k = 0; k < 3; ++k) {
-      const Packet3 p = cb.at(k, i);
-      placed[k] = {dot(broadcast(r), p) + Packet::set(pair.offset[0]),
-                   dot(broadcast(r + 3), p) + Packet::set(pair.offset[1]),
-                   dot(broadcast(r + 6), p) + Packet::set(pair.offset[2])};
-    }
-    for (std::uint32_t row = 0; row < width; ++row) {
-      const unsigned these = wanted[row] >> i & ((1U << Packet::lanes) - 1);
-      if (these == 0) continue;
-      const Packet3 rows[3] = {ca.spread(0, row), ca.spread(1, row), ca.spread(2, row)};
+  // Boxes say something only where triangles that matter are closer than they are large.
+  if (reach < (pair.step_a + pair.step_b) * quantum) wanted &= near_by_box(ca, cb, limit_sq);
+
+  // One triangle of `rows` at a time is compared with all of `lanes`: the fewer rows the better.
+  const std::uint64_t turned = transposed(wanted);
+  const bool turn = rows_in_use(turned) < rows_in_use(wanted);
+  if (turn) wanted = turned;
+  const Corners &rows = turn ? cb : ca, &lanes = turn ? ca : cb;
+  while (wanted != 0) {
+    const auto row = static_cast<std::uint32_t>(std::countr_zero(wanted)) / 8;
+    const auto these = static_cast<unsigned>(wanted >> (8 * row) & 0xff);
+    wanted &= ~(std::uint64_t{0xff} << (8 * row));
+    const Packet3 corners[3] = {rows.spread(0, row), rows.spread(1, row), rows.spread(2, row)};
+    alignas(64) float bounds[width];
+    unsigned kept = 0;
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 others[3] = {lanes.at(0, i), lanes.at(1, i), lanes.at(2, i)};
       Packet bound_sq = zero();
-      kept[row] |= compare_row(rows, placed, limit_sq, these, bound_sq) << i;
-      bound_sq.store(bounds[row] + i);
+      kept |= compare_row(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq) << i;
+      bound_sq.store(bounds + i);
+    }
+    for (; kept != 0; kept &= kept - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(kept));
+      const auto lane_a = static_cast<std::uint8_t>(turn ? lane : row);
+      const auto lane_b = static_cast<std::uint8_t>(turn ? row : lane);
+      candidates.pairs[candidates.count++] = {bounds[lane], lane_a, lane_b};
     }
   }
-  std::uint32_t count = 0;
-  for (std::uint32_t row = 0; row < width; ++row) {
-    for (unsigned rest = kept[row]; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-      candidates[count++] = {bounds[row][lane], static_cast<std::uint8_t>(row), static_cast<std::uint8_t>(lane)};
-    }
-  }
-  return count;
 }

@@ -5,9 +5,13 @@
 // Differs   Whole kernels are dispatched, through one table, so the traversal exists once.
 #include "simd/kernels.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <vector>
+
+#include "core/rounding.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/kernels.cpp"
@@ -67,7 +71,7 @@ HWY_INLINE unsigned bits(Mask m) {
 #undef LIMBER_KERNEL
 
 const Kernels* table() {
-  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_support, leaf_candidates};
+  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates};
   return &set;
 }
 

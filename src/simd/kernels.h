@@ -13,26 +13,28 @@
 /// instruction sets give the same bits.
 namespace limber::simd {
 
-/// Lower bounds of the distance between the first `count` lanes and a facing node.
+/// One node, or leaf, of the tree that is seen, by its block and lane there, as seen from the other tree.
+struct Seen {
+  const Block* block;
+  std::uint32_t lane;
+  const LeafTriangles* corners;  ///< nullptr unless it is a leaf
+};
+
+/// Lower bounds of the distance between the lanes of a block and one node of the other tree, which the block's tree
+/// sees through `view`.
 ///
-/// Returns the lanes, as bits, whose squared bound is below `limit_sq` and that `toward`, if given, does not rule out.
+/// Returns the lanes whose squared bound is below `limit_sq` and that view.toward, if there is one, does not rule out.
 /// Writes to order[lane] the squared bound where that is above 0, otherwise how deep the balls overlap, as a fraction
 /// of the sum of the radii, negative; to all lanes, those without a node included.
-using BoundLanes = unsigned (*)(const NodeBounds& lanes, std::uint32_t count, const Facing& facing,
-                                const Toward* toward, float limit_sq, float* order);
+using BoundLanes = KeptLanes (*)(const Block& lanes, const Seen& seen, const View& view, float limit_sq, float* order);
 
-/// The largest n . q over the corners of a leaf, in steps.
-using LeafSupport = float (*)(const LeafTriangles& leaf, const float* normal);
-
-/// Pairs of triangles of two leaves that cannot be ruled out; at most width * width, in lane order. Returns how many.
-using LeafCandidates = std::uint32_t (*)(const LeafTriangles& a, const LeafTriangles& b, const LeafPair& pair,
-                                         Candidate* candidates);
+/// Pairs of triangles of two leaves that cannot be ruled out, in lane order; `a` sees `b` through `view`.
+using LeafCandidates = void (*)(const Seen& a, const Seen& b, const View& view, Candidates& candidates);
 
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
   BoundLanes bound_lanes;
-  LeafSupport leaf_support;
   LeafCandidates leaf_candidates;
 };
 

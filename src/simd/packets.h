@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "limber/math.h"
+
 /// Data as the kernels read it: structures of arrays, float32, `width` lanes wide. Lengths are in the unit of the tree
 /// they belong to, a power of two, and positions are relative to a local origin, so float32 resolves what matters.
 namespace limber::simd {
@@ -30,42 +32,52 @@ struct alignas(16) LeafTriangles {
 static_assert(sizeof(LeafTriangles) == 18 * width);
 inline constexpr float quantum = 32767;
 
-/// One node of the other tree, expressed in frame, unit and origin of the lanes it is compared with. Everything that
-/// bounds it is enlarged by the rounding errors of that expression and of the comparison itself.
-struct Facing {
-  float center[3];
-  float radius;
-  float half[3];  ///< along the axes of the lanes' frame
-  float normal[3];
-  float low, high;
+/// Up to `width` sibling nodes.
+struct alignas(64) Block {
+  NodeBounds bounds;          // 384 bytes   in units, relative to origin
+  Vec3 origin;                //  24         model frame
+  float reach;                //   4         in units
+  std::uint32_t first_child;  //   4         block, or leaf on the lowest level, of lane 0; lane k has the k-th after it
+  std::uint32_t count;        //   4         lanes in use, the first ones
+};
+static_assert(sizeof(Block) == 448);
+
+/// How the other model looks from this one. Matrices go by columns and are padded, so that four numbers are worked on
+/// at once.
+struct View {
+  alignas(32) double from_other[4][4];  ///< this model's frame from the other's, the shift last
+  alignas(16) float rotation[3][4];     ///< its rotation
+  float rotation_abs[3][4];
+  double unit, per_unit, other_unit;
+  float ratio;        ///< other_unit / unit
+  float error_units;  ///< what rounding of placed points can change a length by
+  double error;       ///< the same, not in units
+
+  double cut;             ///< what is at least this far apart cannot improve the answer
+  bool has_toward;        ///< whether the three fields below mean anything
+  double toward[3];       ///< the way to the other model along which they were last closest: unit length, this frame
+  float normal[3];        ///< the same, rounded
+  float other_normal[3];  ///< the opposite way in the other's frame
 };
 
-/// A direction in which lanes may be told apart from a facing node: the way to the other model, unit length. A lane
-/// whose reach along it is at most `gap`, measured from the lanes' origin, cannot improve the answer.
-struct Toward {
-  float normal[3];
-  float gap;
-  float cut;  ///< how far apart lanes and node must be for that
+/// Lanes, as bits.
+struct KeptLanes {
+  unsigned all;      ///< those that matter
+  unsigned meeting;  ///< of these, those whose bound is 0
 };
 
-/// Two leaves, expressed in the frame of a, origin at the centre of a, scaled so that all numbers are about 1 or less.
-struct LeafPair {
-  float step_a, step_b;  ///< length of one quantum
-  float a_from_b[9];     ///< rotation by rows
-  float offset[3];       ///< from the centre of a to that of b
-  float error;           ///< exceeds what rounding and quantisation can change any gap by
-  float cut;             ///< pairs of triangles at least this far apart cannot improve the answer
-  bool has_toward;       ///< whether the three fields below mean anything
-  float toward_a[3];     ///< the best witness's direction, from a to b, in the frame of a
-  float toward_b[3];     ///< the same direction in the frame of b
-  float gap;             ///< reach of a triangle of a minus that of one of b that cannot improve the answer
-};
-
-/// Two triangles that may matter, by lane; their squared distance is at least `bound_sq` in the leaf pair's scale, less
-/// what `error` stands for.
+/// Two triangles that may matter, by lane.
 struct Candidate {
-  float bound_sq;
+  float bound_sq;  ///< their squared distance is at least that, less what Candidates::error stands for
   std::uint8_t lane_a, lane_b;
+};
+
+/// What two leaves are left with.
+struct Candidates {
+  std::uint32_t count;
+  float error;   ///< exceeds what rounding and quantisation can change any gap by
+  double scale;  ///< from lengths to those of bounds and error, a power of two
+  Candidate pairs[width * width];
 };
 
 }  // namespace limber::simd

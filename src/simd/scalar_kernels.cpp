@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The kernels one lane at a time: what every instruction set is compared with, bit by bit.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
+#include "core/rounding.h"
 #include "simd/kernels.h"
 
 namespace limber::simd {
@@ -52,6 +54,6 @@ inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 }  // namespace
 }  // namespace scalar
 
-const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_support, scalar::leaf_candidates};
+const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates};
 
 }  // namespace limber::simd

@@ -24,15 +24,7 @@ namespace limber::tree {
 
 using simd::width;
 
-/// Up to `width` sibling nodes.
-struct alignas(64) Block {
-  simd::NodeBounds bounds;    // 384 bytes   in units, relative to origin
-  Vec3 origin;                //  24         model frame
-  float reach;                //   4         in units
-  std::uint32_t first_child;  //   4         block, or leaf on the lowest level, of lane 0; lane k has the k-th after it
-  std::uint32_t count;        //   4         lanes in use, the first ones
-};
-static_assert(sizeof(Block) == 448);
+using simd::Block;
 
 /// Up to `width` triangles.
 struct Leaf {

@@ -18,7 +18,6 @@
 namespace limber::testing {
 namespace {
 
-using query::Heading;
 using query::PlacedPair;
 using query::Side;
 using tree::Block;
@@ -72,9 +71,6 @@ struct Case {
         pose_b(random_pose(rng, rng.below(3) == 0 ? 100 : 3)),
         world_a(placed_triangles(a.mesh(), pose_a)),
         world_b(placed_triangles(b.mesh(), pose_b)) {}
-
-  /// The nodes of leaves: lanes of block 1, which holds them all.
-  static tree::NodeId leaf_node(std::uint32_t lane) { return simd::width + lane; }
 };
 
 TEST(Kernels, ScalarIsAmongThemAndLast) {
@@ -84,6 +80,11 @@ TEST(Kernels, ScalarIsAmongThemAndLast) {
   EXPECT_STREQ(simd::kernels().name, sets.front().name);
 }
 
+/// Lane `lane` of the leaves' block, as a node or as a leaf.
+simd::Seen seen(const Model& model, std::uint32_t lane, bool as_leaf) {
+  return {&model.tree().blocks[1], lane, as_leaf ? &model.tree().leaves[lane].corners : nullptr};
+}
+
 TEST(Kernels, BoundsNeverExceedDistances) {
   Rng rng(200);
   int told_apart = 0;
@@ -91,14 +92,13 @@ TEST(Kernels, BoundsNeverExceedDistances) {
     const Case c(rng);
     PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.a.tree().blocks[1];
-    const auto facing_leaf = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    const simd::Facing facing = placed.facing(Side::a, lanes, Case::leaf_node(facing_leaf));
-    float order[simd::width];
-    const unsigned kept = simd::kernels().bound_lanes(lanes.bounds, lanes.count, facing, nullptr, all, order);
+    const auto facing = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
+    alignas(32) float order[simd::width];
+    const unsigned kept =
+        simd::kernels().bound_lanes(lanes, seen(c.b, facing, false), placed.view(Side::a), all, order).all;
     ASSERT_EQ(kept, (1U << lanes.count) - 1);
     for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
-      const double true_distance =
-          closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing_leaf], c.world_b);
+      const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
       const double bound = order[lane] > 0 ? std::sqrt(static_cast<double>(order[lane])) * c.a.tree().unit : 0;
       ASSERT_LE(bound, true_distance) << "case " << i;
       told_apart += bound > 0.5 * true_distance ? 1 : 0;
@@ -107,33 +107,28 @@ TEST(Kernels, BoundsNeverExceedDistances) {
   EXPECT_GT(told_apart, 3000);
 }
 
-TEST(Kernels, HeadingsNeverRuleOutWhatMatters) {
+TEST(Kernels, DirectionsNeverRuleOutWhatMatters) {
   Rng rng(201);
   int ruled_out = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
     PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.a.tree().blocks[1];
-    const auto facing_leaf = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    const tree::NodeId node = Case::leaf_node(facing_leaf);
+    const auto facing = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
     // From the middle of one to that of the other, more or less.
     const Vec3 way = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    const Heading heading = placed.heading(way * (1 / length(way)));
-    const simd::Facing facing = placed.facing(Side::a, lanes, node);
-    const double reach = rng.below(2) == 0 ? placed.reach(Side::b, node, heading)
-                                           : placed.leaf_reach(Side::b, node, facing_leaf, heading, simd::kernels());
+    placed.aim(way * (1 / length(way)));
+    const simd::Seen other = seen(c.b, facing, rng.below(2) == 0);
+    const auto kept = [&](double cut) {
+      alignas(32) float order[simd::width];
+      placed.set_cut(cut);
+      return simd::kernels().bound_lanes(lanes, other, placed.view(Side::a), all, order).all;
+    };
     for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
-      const double true_distance =
-          closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing_leaf], c.world_b);
+      const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
       const double cut = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the lane matters
-      float order[simd::width];
-      const simd::Toward toward = placed.toward(Side::a, lanes, node, reach, heading, cut);
-      const unsigned kept = simd::kernels().bound_lanes(lanes.bounds, lanes.count, facing, &toward, all, order);
-      ASSERT_TRUE((kept >> lane & 1) != 0) << "case " << i;
-      const simd::Toward nearer = placed.toward(Side::a, lanes, node, reach, heading, 0.8 * true_distance + 1e-12);
-      if ((simd::kernels().bound_lanes(lanes.bounds, lanes.count, facing, &nearer, all, order) >> lane & 1) == 0) {
-        ++ruled_out;
-      }
+      ASSERT_TRUE((kept(cut) >> lane & 1) != 0) << "case " << i;
+      if ((kept(0.8 * true_distance + 1e-12) >> lane & 1) == 0) ++ruled_out;
     }
   }
   EXPECT_GT(ruled_out, 3000);
@@ -148,28 +143,26 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     const auto ka = static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count));
     const auto kb = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
     const tree::Leaf &la = c.a.tree().leaves[ka], &lb = c.b.tree().leaves[kb];
-    Heading heading;
     if (rng.below(2) == 0) {
       const Vec3 way = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-      heading = placed.heading(way * (1 / length(way)));
+      placed.aim(way * (1 / length(way)));
     }
     const double cut = closest(la, c.world_a, lb, c.world_b) * rng.uniform(1, 1.2) + 1e-12;
-    double scale = 1;
-    const simd::LeafPair pair = placed.leaf_pair(Case::leaf_node(ka), Case::leaf_node(kb), heading, cut, scale);
-    simd::Candidate found[simd::width * simd::width];
-    const std::uint32_t count = simd::kernels().leaf_candidates(la.corners, lb.corners, pair, found);
+    placed.set_cut(cut);
+    simd::Candidates found;
+    simd::kernels().leaf_candidates(seen(c.a, ka, true), seen(c.b, kb, true), placed.view(Side::a), found);
     for (std::uint8_t s = 0; s < simd::width; ++s) {
       for (std::uint8_t t = 0; t < simd::width; ++t) {
         const double true_distance = closest_points(c.world_a[la.triangle[s]], c.world_b[lb.triangle[t]]).distance;
-        const simd::Candidate *const begin = found, *const end = found + count;
+        const simd::Candidate *const begin = found.pairs, *const end = found.pairs + found.count;
         const auto* const it =
             std::find_if(begin, end, [&](const simd::Candidate& f) { return f.lane_a == s && f.lane_b == t; });
         if (it == end) {
           ASSERT_GE(true_distance, cut * (1 - 1e-15)) << "case " << i;
           ++left_out;
         } else {
-          const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(pair.error);
-          ASSERT_LE(least, true_distance * scale * (1 + 1e-6)) << "case " << i;
+          const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(found.error);
+          ASSERT_LE(least, true_distance * found.scale * (1 + 1e-6)) << "case " << i;
         }
       }
     }
@@ -184,33 +177,36 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const Case c(rng);
     PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.b.tree().blocks[1];
-    const tree::NodeId node = Case::leaf_node(static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count)));
-    const Vec3 way = uniform_point(rng);
-    const Heading heading = placed.heading(way * (1 / length(way)));
+    const auto facing = static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count));
     const double cut = rng.uniform(0, 4);
-    const simd::Facing facing = placed.facing(Side::b, lanes, node);
-    const simd::Toward toward = placed.toward(Side::b, lanes, node, placed.reach(Side::a, node, heading), heading, cut);
+    placed.set_cut(cut);
+    if (rng.below(4) != 0) {
+      const Vec3 way = uniform_point(rng);
+      placed.aim(way * (1 / length(way)));
+    }
     const auto limit_sq = static_cast<float>(cut * cut);
-    double scale = 1;
-    const simd::LeafPair pair = placed.leaf_pair(node, Case::leaf_node(0), heading, cut, scale);
-    const tree::Leaf &la = c.a.tree().leaves[tree::lane_of(node)], &lb = c.b.tree().leaves[0];
+    const simd::Seen node = seen(c.a, facing, rng.below(2) == 0);
+    const simd::Seen leaf_a = seen(c.a, facing, true), leaf_b = seen(c.b, 0, true);
 
-    float order0[simd::width], order[simd::width];
-    simd::Candidate found0[simd::width * simd::width], found[simd::width * simd::width];
+    alignas(32) float order0[simd::width], order[simd::width];
+    simd::Candidates found0, found;
     const simd::Kernels& first = simd::scalar_kernels;
-    const unsigned kept0 = first.bound_lanes(lanes.bounds, lanes.count, facing, &toward, limit_sq, order0);
-    const std::uint32_t count0 = first.leaf_candidates(la.corners, lb.corners, pair, found0);
+    const simd::KeptLanes kept0 = first.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order0);
+    first.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found0);
     for (const simd::Kernels& set : sets) {
-      ASSERT_EQ(set.bound_lanes(lanes.bounds, lanes.count, facing, &toward, limit_sq, order), kept0) << set.name;
+      const simd::KeptLanes kept = set.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order);
+      ASSERT_EQ(kept.all, kept0.all) << set.name;
+      ASSERT_EQ(kept.meeting, kept0.meeting) << set.name;
       ASSERT_EQ(std::memcmp(order, order0, lanes.count * sizeof(float)), 0) << set.name;
-      ASSERT_EQ(set.leaf_candidates(la.corners, lb.corners, pair, found), count0) << set.name;
-      for (std::uint32_t k = 0; k < count0; ++k) {
-        ASSERT_EQ(std::memcmp(&found[k].bound_sq, &found0[k].bound_sq, sizeof(float)), 0) << set.name;
-        ASSERT_EQ(found[k].lane_a, found0[k].lane_a) << set.name;
-        ASSERT_EQ(found[k].lane_b, found0[k].lane_b) << set.name;
+      set.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found);
+      ASSERT_EQ(found.count, found0.count) << set.name;
+      ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
+      ASSERT_EQ(std::memcmp(&found.scale, &found0.scale, sizeof(double)), 0) << set.name;
+      for (std::uint32_t k = 0; k < found0.count; ++k) {
+        ASSERT_EQ(std::memcmp(&found.pairs[k].bound_sq, &found0.pairs[k].bound_sq, sizeof(float)), 0) << set.name;
+        ASSERT_EQ(found.pairs[k].lane_a, found0.pairs[k].lane_a) << set.name;
+        ASSERT_EQ(found.pairs[k].lane_b, found0.pairs[k].lane_b) << set.name;
       }
-      const float support = set.leaf_support(la.corners, heading.out_of(Side::a));
-      ASSERT_EQ(support, first.leaf_support(la.corners, heading.out_of(Side::a))) << set.name;
     }
   }
 }

@@ -229,6 +229,27 @@ TYPED_TEST(Query, ComparesModelsOfVeryDifferentSize) {
   }
 }
 
+TYPED_TEST(Query, ComparesModelsWorldsApart) {
+  // Sizes and distance are powers of two that have nothing to do with each other.
+  Rng rng(75);
+  const auto any_scale = [&] { return std::ldexp(1.0, static_cast<int>(rng.below(241)) - 120); };
+  const Mesh shape = scenes::ball(8, 5);
+  const auto scaled = [&](double scale) {
+    std::vector<Vec3> positions = shape.positions();
+    for (Vec3& p : positions) p *= scale;
+    return Mesh::create(std::move(positions), shape.triangles()).value();
+  };
+  for (int i = 0; i < 100; ++i) {
+    const double size_a = any_scale(), size_b = any_scale(), apart = any_scale();
+    const Mesh mesh_a = scaled(size_a), mesh_b = scaled(size_b);
+    const Transform pose{scenes::random_rotation(rng), apart * uniform_point(rng)};
+    const double truth = reference::distance({mesh_a}, {mesh_b, pose}).upper;
+    const typename TestFixture::Model a(mesh_a), b(mesh_b);
+    ASSERT_NEAR(this->distance(a, b, pose).upper, truth, 1e-14 * (size_a + size_b + apart)) << i;
+    ASSERT_EQ(this->collide(a, b, pose).collision, truth == 0) << i;
+  }
+}
+
 TYPED_TEST(Query, SharesModelsBetweenThreads) {
   const typename TestFixture::Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
   const auto separation = [](std::size_t i) { return 0.25 + 0.5 * static_cast<double>(i % 4); };
