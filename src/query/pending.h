@@ -16,6 +16,8 @@ namespace limber::query {
 struct NodePair {
   float bound_sq;  ///< squared lower bound of their distance, in squared units of a's tree; 0 when nothing is proven
   tree::NodeId node[2];
+  std::uint16_t record;  ///< Front::Record of the opening it is from
+  std::uint16_t lane;    ///< of that opening
 };
 
 /// The pairs a traversal still has to look at, in a fixed amount of memory.
@@ -28,6 +30,9 @@ struct NodePair {
 class Pending {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
+
+  /// Whether pairs should be taken before more are added that are not their children.
+  bool is_crowded() const { return stack_size_ > width || capacity - used_ < width; }
 
   /// Adds a pair that is taken before all others.
   void push_first(const NodePair& pair) {
@@ -87,6 +92,7 @@ class Pending {
     }
   }
 
+  /// To be called before pairs are added.
   void clear() {
     stack_size_ = used_ = 0;
     forget_steps();
@@ -114,8 +120,9 @@ class Pending {
   }
 
   // Every pair taken from the stack adds less than `width` more and goes one level down one of two trees, each of at
-  // most 11 levels: 2^32 triangles.
-  static constexpr std::uint32_t stack_capacity = 192, capacity = 2048, step_count = 64;
+  // most 11 levels: 2^32 triangles. Twice `width` may have been there before.
+  static constexpr std::uint32_t stack_capacity = 208, capacity = 2048, step_count = 64;
+  static constexpr std::uint32_t width = tree::width;
   static constexpr std::uint16_t none = 0xffff;
 
   NodePair stack_[stack_capacity], pairs_[capacity];

@@ -109,6 +109,25 @@ double PlacedPair::root_bound() const {
   return std::max(0.0, best - slack);
 }
 
+Transform PlacedPair::a_from_b() {
+  const auto& columns = view(Side::a).from_other;
+  const auto column = [&](std::size_t c) { return Vec3{columns[c][0], columns[c][1], columns[c][2]}; };
+  return {transpose(Mat3{column(0), column(1), column(2)}), column(3)};
+}
+
+double PlacedPair::most_moved(const Transform& before, const Transform& after) const {
+  const tree::Tree &a = tree(Side::a), &b = tree(Side::b);
+  const Vec3 center = tree::model_center(b, tree::root);
+  const Mat3 &from = before.rotation, &to = after.rotation;
+  // A difference of two rotations stretches by its Frobenius norm over the root of 2; 1e-8 of all lengths covers
+  // rotations that are orthonormal to 1e-9 only, in either model's pose, and the rounding of all of this.
+  const double turned = std::sqrt(
+      0.5 * (length_sq(to.row0 - from.row0) + length_sq(to.row1 - from.row1) + length_sq(to.row2 - from.row2)));
+  const Vec3 placed = after(center);
+  const double size = length(placed - tree::model_center(a, tree::root)) + root_radius(a) + root_radius(b);
+  return length(placed - before(center)) + turned * root_radius(b) + 1e-8 * size + 2 * error_;
+}
+
 void PlacedPair::aim(const Vec3& from_a_to_b) {
   LIMBER_ASSERT(std::abs(length_sq(from_a_to_b) - 1) < 0x1p-40);
   const Vec3 out_of_a = transpose(at(Side::a).pose.rotation) * from_a_to_b;

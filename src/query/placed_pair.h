@@ -38,6 +38,12 @@ class PlacedPair {
     return side.view;
   }
 
+  /// Where b stands, seen from a.
+  Transform a_from_b();
+
+  /// At least what moving b, seen from a, can change the distance of any two points by.
+  double most_moved(const Transform& before, const Transform& after) const;
+
   /// From now on views go by this world direction, the way from a to b. Pre: it has length 1.
   void aim(const Vec3& from_a_to_b);
   bool is_aimed() const { return sides_[0].view.has_toward; }

@@ -9,11 +9,17 @@
 
 namespace limber {
 
-/// Where a query starts: the triangles the last one ended with.
+Pair::Pair() = default;
+Pair::Pair(Pair&&) noexcept = default;
+Pair& Pair::operator=(Pair&&) noexcept = default;
+Pair::~Pair() = default;
+
+/// Where a query starts: what the last one left in a Pair, if there is one.
 class Start {
  public:
   explicit Start(Pair* pair) : pair_(pair) {}
 
+  /// Whether there are triangles to start with.
   bool known(const Placed& a, const Placed& b) const {
     return pair_ != nullptr && pair_->triangle_a_ < a.model.mesh().triangles().size() &&
            pair_->triangle_b_ < b.model.mesh().triangles().size();
@@ -22,6 +28,12 @@ class Start {
   TriangleId triangle_b() const { return pair_->triangle_b_; }
   void remember(const Witness& witness) const {
     if (pair_ != nullptr) pair_->triangle_a_ = witness.triangle_a, pair_->triangle_b_ = witness.triangle_b;
+  }
+
+  query::Front* front() const {
+    if (pair_ == nullptr) return nullptr;
+    if (pair_->front_ == nullptr) pair_->front_ = std::make_unique<query::Front>();
+    return pair_->front_.get();
   }
 
  private:
@@ -113,19 +125,30 @@ class Closest {
   double cut_ = infinity;
 };
 
-/// Compares what the start knows, then everything else. Returns whether something was left out.
+/// Compares everything that matters. Returns whether something was left out.
+template <bool records, typename Goal>
+bool traverse(PlacedPair& placed, query::Front* front, Goal& goal, QueryStats& stats) {
+  ++stats.node_tests;
+  const double root_bound = placed.root_bound();
+  if (root_bound >= goal.cut()) return true;
+  query::Traversal<Goal, records> traversal(placed, goal, stats);
+  traversal.start(root_bound, front);
+  while (traversal.step()) {
+  }
+  traversal.finish();
+  return traversal.dropped();
+}
+
+/// The same, after what the start knows.
 template <typename Goal>
 bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& start, Goal& goal, QueryStats& stats) {
-  query::Traversal<Goal> traversal(placed, goal, stats);
   if (start.known(a, b)) {
     ++stats.triangle_tests;
     goal.compare(start.triangle_a(), start.triangle_b());
     if (goal.finished()) return true;
   }
-  traversal.start(placed.root_bound());
-  while (traversal.step()) {
-  }
-  return traversal.dropped();
+  query::Front* const front = start.front();
+  return front != nullptr ? traverse<true>(placed, front, goal, stats) : traverse<false>(placed, nullptr, goal, stats);
 }
 
 CollideResult collide_from(const Placed& a, const Placed& b, const Start& start) {

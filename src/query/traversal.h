@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "query/front.h"
 #include "query/pending.h"
 #include "query/placed_pair.h"
 
@@ -24,7 +25,9 @@ namespace limber::query {
 ///          bool apart(TriangleId a, TriangleId b) const   a quick no, before compare()
 ///          void compare(TriangleId a, TriangleId b)
 ///          static constexpr bool any       whether any pair will do; otherwise the nearest is sought
-template <typename Goal>
+///
+/// With `records` a front is kept, or gone on from.
+template <typename Goal, bool records>
 class Traversal {
  public:
   Traversal(PlacedPair& placed, Goal& goal, QueryStats& stats)
@@ -33,33 +36,43 @@ class Traversal {
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, 0x1p126));
   }
 
-  /// Starts over with the two roots.
-  void start(double root_bound) {
+  /// Begins with the two roots, or where the front ends if it is about them. `front` is null unless it is kept.
+  void start(double root_bound, Front* front) {
     pending_.clear();
-    dropped_ = false;
-    ++stats_.node_tests;
-    if (root_bound >= goal_.cut()) return drop();
+    if constexpr (records) {
+      front_ = front;
+      is_recording_ = true;
+      if (front_->is_about(placed_)) {
+        front_->move(placed_);
+        records_left_ = front_->records().size();
+        return drop();
+      }
+      front_->start(placed_);
+    }
     const double units = root_bound / placed_.tree(Side::a).unit;
-    const auto bound_sq = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
-    least_sq_ = bound_sq;
-    focus_sq_ = Pending::no_bound;
-    pending_.push_first({bound_sq, {tree::root, tree::root}});
+    least_sq_ = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
+    pending_.push_first({least_sq_, {tree::root, tree::root}, Front::none, 0});
   }
 
   /// Looks at one more pair. False when none that matters is left.
   bool step() {
-    if (goal_.finished() || pending_.empty()) return false;
+    if (goal_.finished()) return false;
     update_limits();
-    const NodePair pair = pending_.pop();
-    if (pair.bound_sq >= limit_sq_[0]) {
-      drop();
-      if (pending_.all_beyond(limit_sq_[0])) pending_.clear();
-    } else if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
-      compare_leaves(pair);
+    Opening o;
+    if (records && records_left_ > 0 && !pending_.is_crowded()) {
+      if (!reopen(static_cast<std::uint16_t>(--records_left_), o)) return true;
     } else {
-      open(pair);
+      if (pending_.empty()) return false;
+      o.pair = pending_.pop();
+      if (!open(o)) return true;
     }
+    compare_lanes(o);
     return true;
+  }
+
+  /// Ends the traversal, wherever it is.
+  void finish() {
+    if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.finished());
   }
 
   /// Whether something at least cut() away was left out.
@@ -71,7 +84,9 @@ class Traversal {
     Side side;  // of the one that is opened
     NodePair pair;
     std::uint32_t block;
-    simd::KeptLanes kept;  // its lanes that matter
+    std::uint16_t record;
+    unsigned lanes;        // what is compared
+    simd::KeptLanes kept;  // what matters
     alignas(32) float order[simd::width];
   };
 
@@ -107,6 +122,18 @@ class Traversal {
 
   void drop() { dropped_ = true; }
 
+  /// A lower bound as a length.
+  double length_of(Side s, float bound_sq) const {
+    return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * (1 - 0x1p-20);
+  }
+  /// Nothing in this pair is nearer than `apart`, or it has been compared.
+  void close(const NodePair& pair, double apart) {
+    drop();
+    if (records && is_recording_ && pair.record != Front::none) {
+      front_->rule_out(pair.record, 1U << pair.lane, std::max(apart, goal_.cut()));
+    }
+  }
+
   void update_limits() {
     if (goal_.cut() == limits_for_) return;
     limits_for_ = goal_.cut();
@@ -123,19 +150,64 @@ class Traversal {
     pending_.focus(least_sq_, focus_sq_);
   }
 
-  /// Compares the children of one node of the pair with the other as it is.
-  void open(const NodePair& pair) {
-    Opening o;
+  /// Opens one node of a pair. False if there is nothing to be opened.
+  bool open(Opening& o) {
+    const NodePair& pair = o.pair;
+    if (pair.bound_sq >= limit_sq_[0]) {
+      close(pair, length_of(Side::a, pair.bound_sq));
+      if (!records && pending_.all_beyond(limit_sq_[0])) pending_.clear();
+      return false;
+    }
+    if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
+      compare_leaves(pair);
+      close(pair, goal_.cut());
+      return false;
+    }
     o.side = opens_a(pair) ? Side::a : Side::b;
-    o.pair = pair;
     o.block = child_of(o.side, pair.node[index(o.side)]);
+    o.lanes = (1U << placed_.tree(o.side).blocks[o.block].count) - 1;
+    o.record = Front::none;
+    if (records && is_recording_) {
+      o.record = front_->add(pair.node, o.side);
+      is_recording_ = o.record != Front::none;
+    }
+    return true;
+  }
+
+  /// The same for what a record has ruled out. False if that still holds.
+  bool reopen(std::uint16_t record, Opening& o) {
+    const Front::Record& r = front_->records()[record];
+    if (r.lasts >= (front_->moved() + goal_.cut()) * (1 + 0x1p-50)) return false;
+    o.side = r.opens_a ? Side::a : Side::b;
+    o.pair = {0, {r.node[0], r.node[1]}, Front::none, 0};
+    o.block = child_of(o.side, r.node[index(o.side)]);
+    o.record = record;
+    o.lanes = front_->reopen(record);
+    return true;
+  }
+
+  /// Compares the children of the node that is opened with the other as it is.
+  void compare_lanes(Opening& o) {
+    const Side closed = other(o.side);
+    const simd::Seen seen = is_leaf(closed, o.pair) ? seen_leaf(closed, o.pair) : seen_node(closed, o.pair);
     const tree::Block& block = placed_.tree(o.side).blocks[o.block];
     stats_.node_tests += block.count;
-    const Side closed = other(o.side);
-    const simd::Seen seen = is_leaf(closed, pair) ? seen_leaf(closed, pair) : seen_node(closed, pair);
-    o.kept = kernels_.bound_lanes(block, seen, placed_.view(o.side), limit_sq_[index(o.side)], o.order);
-    if (o.kept.all != (1U << block.count) - 1) drop();
+    alignas(32) float bound_sq[simd::width];
+    o.kept = kernels_.bound_lanes(block, seen, placed_.view(o.side), limit_sq_[index(o.side)], o.order,
+                                  records ? bound_sq : nullptr);
+    o.kept.all &= o.lanes, o.kept.meeting &= o.lanes;
+    const unsigned ruled_out = o.lanes & ~o.kept.all;
+    if (ruled_out != 0) {
+      drop();
+      if (records && is_recording_) rule_out(o, ruled_out, bound_sq);
+    }
     if (o.kept.all != 0) keep(o);
+  }
+
+  void rule_out(const Opening& o, unsigned lanes, const float* bound_sq) {
+    float least = Pending::no_bound;
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) least = std::min(least, bound_sq[std::countr_zero(rest)]);
+    front_->rule_out(o.record, lanes, std::max(length_of(o.side, least), goal_.cut()));
   }
 
   /// Puts the lanes that matter where they will be taken in the right order.
@@ -176,11 +248,14 @@ class Traversal {
   }
 
   NodePair child_pair(const Opening& o, std::uint32_t lane) const {
-    NodePair pair = o.pair;
     // Below any limit that stands for none, even where the units of the trees are worlds apart.
-    pair.bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
-    pair.node[index(o.side)] = o.block * simd::width + lane;
-    return pair;
+    const float bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
+    const tree::NodeId child = o.block * simd::width + lane;
+    const bool of_a = o.side == Side::a;
+    return {bound_sq,
+            {of_a ? child : o.pair.node[0], of_a ? o.pair.node[1] : child},
+            o.record,
+            static_cast<std::uint16_t>(lane)};
   }
 
   void compare_leaves(const NodePair& pair) {
@@ -221,10 +296,13 @@ class Traversal {
   QueryStats& stats_;
   const simd::Kernels& kernels_;
   double limits_for_ = -1;
-  float limit_sq_[2] = {0, 0};         // of what matters, in squared units of either tree
-  float to_a_sq_[2] = {1, 1};          // squared units of either tree in those of a
-  float least_sq_ = 0, focus_sq_ = 0;  // what pending_ was told to focus on
+  float limit_sq_[2] = {0, 0};                         // of what matters, in squared units of either tree
+  float to_a_sq_[2] = {1, 1};                          // squared units of either tree in those of a
+  float least_sq_ = 0, focus_sq_ = Pending::no_bound;  // what pending_ was told to focus on
   bool dropped_ = false;
+  Front* front_ = nullptr;
+  bool is_recording_ = false;     // whether front_ will account for everything
+  std::size_t records_left_ = 0;  // of front_, still to be looked at
   Pending pending_;
 };
 

@@ -90,8 +90,8 @@ LIMBER_KERNEL Pairing pair_up(const NodeBounds& lanes, std::uint32_t i, const Fa
   return p;
 }
 
-/// The lanes that are not far enough away along the direction `toward`.
-LIMBER_KERNEL Mask near_along(const Pairing& p, const Toward& toward) {
+/// The lanes that are not far enough away along the direction `toward`. Leaves in `bound_sq` what it says of all.
+LIMBER_KERNEL Mask near_along(const Pairing& p, const Toward& toward, Packet& bound_sq) {
   const Packet3 n = broadcast(toward.normal);
   const Packet cosine = dot(p.normal, n);
   const Packet3 crossed = cross(p.normal, n);
@@ -105,6 +105,7 @@ LIMBER_KERNEL Mask near_along(const Pairing& p, const Toward& toward) {
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(squares_down) - p.reaches, zero());
   const Packet cut = Packet::set(toward.cut), missing = min(lack, cut);
   const Packet needed = missing * (cut + (cut - missing));
+  bound_sq = gap_sq(cut * Packet::set(squares_down) - lack, across);
   return (lack > zero()) & (needed >= across * across * Packet::set(squares_down));
 }
 
@@ -150,27 +151,31 @@ LIMBER_KERNEL Packet slab_sq(const Pairing& p, const Facing& facing) {
 }
 
 LIMBER_KERNEL KeptLanes bound_packet(const NodeBounds& lanes, std::uint32_t i, const Facing& facing,
-                                     const Toward* toward, float limit_sq, float* order) {
+                                     const Toward* toward, float limit_sq, float* order, float* bound_sq) {
   const Pairing p = pair_up(lanes, i, facing);
   const Packet limit = Packet::set(limit_sq), down = Packet::set(squares_down);
   const Packet best = max(ball_and_box_sq(p, broadcast(facing.half)), slab_sq(p, facing)) * down;
   const Packet overlap = p.between / max(p.reaches, Packet::set(0x1p-100F));
   select(best > zero(), best, min(overlap, zero())).store(order + i);
   unsigned kept = bits(best < limit);
-  if (toward != nullptr) kept &= bits(near_along(p, *toward));
+  Packet along_sq = zero();
+  if (toward != nullptr) kept &= bits(near_along(p, *toward, along_sq));
+  if (bound_sq != nullptr) max(best, along_sq * down).store(bound_sq + i);
   return {kept, kept & bits(best <= zero())};
 }
 
 LIMBER_KERNEL KeptLanes bound_lanes(const Block& lanes, const Seen& seen, const View& view, float limit_sq,
-                                    float* order) {
+                                    float* order, float* bound_sq) {
   alignas(32) double between[4];
   place(*seen.block, seen.lane, view, lanes.origin, between);
   const Facing facing = face(lanes, seen, view, between);
   Toward toward;
-  if (view.has_toward) toward = look(lanes, seen, view, between);
+  const bool has_toward = view.has_toward && view.cut * view.per_unit < furthest / 2;
+  if (has_toward) toward = look(lanes, seen, view, between);
   KeptLanes kept{0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const KeptLanes these = bound_packet(lanes.bounds, i, facing, view.has_toward ? &toward : nullptr, limit_sq, order);
+    const KeptLanes these =
+        bound_packet(lanes.bounds, i, facing, has_toward ? &toward : nullptr, limit_sq, order, bound_sq);
     kept.all |= these.all << i, kept.meeting |= these.meeting << i;
   }
   const unsigned used = (1U << lanes.count) - 1;

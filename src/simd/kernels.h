@@ -25,8 +25,10 @@ struct Seen {
 ///
 /// Returns the lanes whose squared bound is below `limit_sq` and that view.toward, if there is one, does not rule out.
 /// Writes to order[lane] the squared bound where that is above 0, otherwise how deep the balls overlap, as a fraction
-/// of the sum of the radii, negative; to all lanes, those without a node included.
-using BoundLanes = KeptLanes (*)(const Block& lanes, const Seen& seen, const View& view, float limit_sq, float* order);
+/// of the sum of the radii, negative. Writes to bound_sq[lane], unless that is nullptr, the best squared bound there
+/// is, the one along view.toward included. Both for all lanes, those without a node included.
+using BoundLanes = KeptLanes (*)(const Block& lanes, const Seen& seen, const View& view, float limit_sq, float* order,
+                                 float* bound_sq);
 
 /// Pairs of triangles of two leaves that cannot be ruled out, in lane order; `a` sees `b` through `view`.
 using LeafCandidates = void (*)(const Seen& a, const Seen& b, const View& view, Candidates& candidates);

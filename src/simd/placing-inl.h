@@ -83,7 +83,7 @@ LIMBER_KERNEL Facing face(const Block& lanes, const Seen& seen, const View& view
   turn(view.rotation_abs, n.half_x[k], n.half_y[k], n.half_z[k], f.half);
   const float magnitude = std::abs(f.center[0]) + std::abs(f.center[1]) + std::abs(f.center[2]);
   const float error = (magnitude + lanes.reach + radius) * doubt + view.error_units;
-  for (int j = 0; j < 4; ++j) f.half[j] = std::min(f.half[j] * view.ratio, radius) + error;
+  for (float& half : f.half) half = std::min(half * view.ratio, radius) + error;
   f.radius = radius + error;
   f.low = n.low[k] * view.ratio - error;
   f.high = n.high[k] * view.ratio + error;

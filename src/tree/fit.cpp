@@ -5,6 +5,7 @@
 // Differs   A box shares the centre. The two lowest levels are fitted to corners, the levels above to the bounds below.
 //           Everything is computed in float64 about a local origin and rounded outward once, on storing.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -186,6 +187,8 @@ Bound fit_lowest(Tree& tree, Block& block, MeshView mesh) {
 }  // namespace
 
 void fit(Tree& tree, MeshView mesh) {
+  static std::atomic<std::uint64_t> last_id{0};
+  tree.id = ++last_id;
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
   const std::size_t lowest = tree.level_begin.size() - 2;
   std::vector<Bound> bounds(tree.blocks.size());

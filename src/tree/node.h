@@ -38,6 +38,7 @@ struct Tree {
   std::vector<Leaf> leaves;
   std::vector<std::uint32_t> level_begin;  // first block of each level, and one past the last
   double unit = 1;                         // length of 1 in the blocks, a power of two
+  std::uint64_t id = 0;                    // of what is stored here: another one after every change
 
   /// Blocks from here on have leaves as children.
   std::uint32_t lowest_level() const { return level_begin[level_begin.size() - 2]; }

@@ -83,6 +83,52 @@ RC_GTEST_PROP(FastEngine, IsRightOnAnySceneAtAnySetting, (std::uint64_t seed)) {
   RC_ASSERT(std::abs(swapped.upper - truth) <= s.tolerance);
 }
 
+/// A step of a motion: usually small, sometimes none or a jump.
+Transform step_from(Rng& rng, const Transform& pose, double size) {
+  if (rng.below(8) == 0) return pose;
+  const double most = rng.below(8) == 0 ? 1 : std::pow(10.0, rng.uniform(-6, -1));
+  const Vec3 axis = uniform_point(rng);
+  const Transform turn = transform_from_quaternion({}, 1, most * axis.x, most * axis.y, most * axis.z).value();
+  return {turn.rotation * pose.rotation, pose.translation + (most * size) * uniform_point(rng)};
+}
+
+RC_GTEST_PROP(FastEngine, PairsAreRightAlongAnyMotion, (std::uint64_t seed)) {
+  Rng rng(seed);
+  Scene s = arbitrary_scene(rng);
+  const Model model_a(s.mesh_a), model_b(s.mesh_b);
+  Pair pair;
+  for (int frame = 0; frame < 20; ++frame) {
+    (rng.below(4) == 0 ? s.pose_a : s.pose_b) = step_from(rng, rng.below(4) == 0 ? s.pose_a : s.pose_b, s.size);
+    const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+    const double truth = distance(a, b).upper, slack = s.tolerance;
+    if (rng.below(20) == 0) distance(b, a, {}, pair);  // the other way round is another pair
+    switch (rng.below(5)) {
+      case 0:
+        RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+        break;
+      case 1: {
+        const double limit = truth * rng.uniform(0, 2);
+        if (std::abs(limit - truth) > slack) RC_ASSERT(within(a, b, limit, pair).within == (truth <= limit));
+        break;
+      }
+      case 2: {
+        const double error = rng.uniform(0, 1);
+        const DistanceResult rough = distance(a, b, {.relative_error = error}, pair);
+        RC_ASSERT((rough.upper == 0) == (truth == 0));
+        RC_ASSERT(rough.lower <= truth + slack && rough.upper >= truth - slack);
+        RC_ASSERT(rough.upper <= truth * (1 + error) + slack);
+        break;
+      }
+      default: {
+        const DistanceResult exact = distance(a, b, {}, pair);
+        RC_ASSERT(std::abs(exact.upper - truth) <= slack);
+        RC_ASSERT((exact.upper == 0) == (truth == 0));
+        require_witness(s, exact.witness, exact.upper);
+      }
+    }
+  }
+}
+
 RC_GTEST_PROP(FastEngine, AnswersToTheBitAlikeOnEveryInstructionSet, (std::uint64_t seed)) {
   Rng rng(seed);
   const Scene s = arbitrary_scene(rng);

@@ -93,14 +93,15 @@ TEST(Kernels, BoundsNeverExceedDistances) {
     PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     const Block& lanes = c.a.tree().blocks[1];
     const auto facing = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    alignas(32) float order[simd::width];
+    alignas(32) float order[simd::width], bound_sq[simd::width];
     const unsigned kept =
-        simd::kernels().bound_lanes(lanes, seen(c.b, facing, false), placed.view(Side::a), all, order).all;
+        simd::kernels().bound_lanes(lanes, seen(c.b, facing, false), placed.view(Side::a), all, order, bound_sq).all;
     ASSERT_EQ(kept, (1U << lanes.count) - 1);
     for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
       const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
       const double bound = order[lane] > 0 ? std::sqrt(static_cast<double>(order[lane])) * c.a.tree().unit : 0;
       ASSERT_LE(bound, true_distance) << "case " << i;
+      ASSERT_EQ(bound_sq[lane], std::max(order[lane], 0.0F));
       told_apart += bound > 0.5 * true_distance ? 1 : 0;
     }
   }
@@ -109,7 +110,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
 
 TEST(Kernels, DirectionsNeverRuleOutWhatMatters) {
   Rng rng(201);
-  int ruled_out = 0;
+  int ruled_out = 0, sharper = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
     PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
@@ -119,19 +120,27 @@ TEST(Kernels, DirectionsNeverRuleOutWhatMatters) {
     const Vec3 way = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
     placed.aim(way * (1 / length(way)));
     const simd::Seen other = seen(c.b, facing, rng.below(2) == 0);
+    alignas(32) float order[simd::width] = {}, bound_sq[simd::width] = {};
     const auto kept = [&](double cut) {
-      alignas(32) float order[simd::width];
       placed.set_cut(cut);
-      return simd::kernels().bound_lanes(lanes, other, placed.view(Side::a), all, order).all;
+      return simd::kernels().bound_lanes(lanes, other, placed.view(Side::a), all, order, bound_sq).all;
     };
     for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
       const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
       const double cut = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the lane matters
-      ASSERT_TRUE((kept(cut) >> lane & 1) != 0) << "case " << i;
-      if ((kept(0.8 * true_distance + 1e-12) >> lane & 1) == 0) ++ruled_out;
+      for (const double any_cut : {cut, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
+        const bool is_kept = (kept(any_cut) >> lane & 1) != 0;
+        ASSERT_TRUE(is_kept || any_cut != cut) << "case " << i;
+        ruled_out += is_kept ? 0 : 1;
+        const double bound = std::sqrt(static_cast<double>(bound_sq[lane])) * c.a.tree().unit;
+        ASSERT_LE(bound, true_distance) << "case " << i;
+        ASSERT_GE(bound_sq[lane], std::max(order[lane], 0.0F));
+        sharper += bound_sq[lane] > std::max(order[lane], 0.0F) ? 1 : 0;
+      }
     }
   }
-  EXPECT_GT(ruled_out, 3000);
+  EXPECT_GT(ruled_out, 10000);
+  EXPECT_GT(sharper, 3000);
 }
 
 TEST(Kernels, CandidatesContainEveryPairThatMatters) {
@@ -188,16 +197,17 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const simd::Seen node = seen(c.a, facing, rng.below(2) == 0);
     const simd::Seen leaf_a = seen(c.a, facing, true), leaf_b = seen(c.b, 0, true);
 
-    alignas(32) float order0[simd::width], order[simd::width];
+    alignas(32) float order0[simd::width], order[simd::width], bound_sq0[simd::width], bound_sq[simd::width];
     simd::Candidates found0, found;
     const simd::Kernels& first = simd::scalar_kernels;
-    const simd::KeptLanes kept0 = first.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order0);
+    const simd::KeptLanes kept0 = first.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order0, bound_sq0);
     first.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found0);
     for (const simd::Kernels& set : sets) {
-      const simd::KeptLanes kept = set.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order);
+      const simd::KeptLanes kept = set.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order, bound_sq);
       ASSERT_EQ(kept.all, kept0.all) << set.name;
       ASSERT_EQ(kept.meeting, kept0.meeting) << set.name;
       ASSERT_EQ(std::memcmp(order, order0, lanes.count * sizeof(float)), 0) << set.name;
+      ASSERT_EQ(std::memcmp(bound_sq, bound_sq0, lanes.count * sizeof(float)), 0) << set.name;
       set.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
