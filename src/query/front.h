@@ -46,6 +46,7 @@ class Front {
 
   /// Adds the way from where the models were to where they are. Pre: is_about(placed).
   void move(PlacedPair& placed) {
+    LIMBER_ASSERT(is_about(placed));
     const Transform pose = placed.a_from_b();
     moved_ += placed.most_moved(pose_, pose);
     pose_ = pose;
@@ -76,7 +77,7 @@ class Front {
 
   /// Lanes of a record that are at least `apart` from the node they were compared with.
   void rule_out(std::uint16_t record, unsigned lanes, double apart) {
-    LIMBER_ASSERT(record < count_);
+    LIMBER_ASSERT(record < count_ && apart > 0);
     Record& r = records_[record];
     r.lanes = static_cast<std::uint8_t>(r.lanes | lanes);
     r.lasts = std::min(r.lasts, apart + moved_);
@@ -84,6 +85,7 @@ class Front {
 
   /// Takes what a record has ruled out, to be looked at again.
   unsigned reopen(std::uint16_t record) {
+    LIMBER_ASSERT(record < count_);
     ++openings_;
     Record& r = records_[record];
     const unsigned lanes = r.lanes;

@@ -143,6 +143,7 @@ void PlacedPair::aim(const Vec3& from_a_to_b) {
 }
 
 double PlacedPair::gap_along(TriangleId a, TriangleId b) const {
+  LIMBER_ASSERT(is_aimed());
   const auto reach = [](const PlacedTree& side, TriangleId id) {
     const Triangle t = side.mesh.triangle(id);
     const Vec3 out{side.view.toward[0], side.view.toward[1], side.view.toward[2]};

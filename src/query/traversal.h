@@ -128,6 +128,7 @@ class Traversal {
   }
   /// Nothing in this pair is nearer than `apart`, or it has been compared.
   void close(const NodePair& pair, double apart) {
+    LIMBER_ASSERT(apart >= 0);
     drop();
     if (records && is_recording_ && pair.record != Front::none) {
       front_->rule_out(pair.record, 1U << pair.lane, std::max(apart, goal_.cut()));
@@ -188,6 +189,7 @@ class Traversal {
 
   /// Compares the children of the node that is opened with the other as it is.
   void compare_lanes(Opening& o) {
+    LIMBER_ASSERT(o.lanes != 0);
     const Side closed = other(o.side);
     const simd::Seen seen = is_leaf(closed, o.pair) ? seen_leaf(closed, o.pair) : seen_node(closed, o.pair);
     const tree::Block& block = placed_.tree(o.side).blocks[o.block];
