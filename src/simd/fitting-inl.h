@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Bounds of leaves from the corners of their triangles; part of kernels-inl.h, and included once per instruction set
+// like it. The lanes are the leaves of a block, so nothing has to be summed up across lanes.
+//
+// Corners are float32 relative to one of their own leaf, so however small a leaf is, its numbers are as exact as it
+// needs; every bound is enlarged by the rounding on the way.
+
+/// Rounding of a corner, and of what a few operations make of it, as a part of the leaf's extent.
+inline constexpr float corner_doubt = 0x1p-21F;
+
+/// The corners of the leaves of a block, by number, axis and leaf, in units.
+struct alignas(64) BlockCorners {
+  float v[3 * width][3][width];
+
+  LIMBER_KERNEL Packet3 at(std::uint32_t corner, std::uint32_t lane) const {
+    return {Packet::load(v[corner][0] + lane), Packet::load(v[corner][1] + lane), Packet::load(v[corner][2] + lane)};
+  }
+};
+
+/// The leaves of a block: lanes beyond them repeat the last.
+struct LeavesOfBlock {
+  BlockCorners corners;  // relative to origin[leaf]
+  Vec3 origin[width];    // a corner of each leaf, model frame
+};
+
+LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint32_t count, double per_unit,
+                          LeavesOfBlock& gathered) {
+  for (std::uint32_t k = 0; k < width; ++k) {
+    const Leaf& leaf = leaves[std::min(k, count - 1)];
+    const Vec3 origin = mesh.positions[mesh.triangles[leaf.triangle[0]][0]];
+    gathered.origin[k] = origin;
+    const double from[4] = {origin.x, origin.y, origin.z, 0};
+    for (std::uint32_t j = 0; j < width; ++j) {
+      const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        // Four numbers at once, the fourth of no interest; behind the last position there is none.
+        double p[4] = {0, 0, 0, 0};
+        const Vec3* const position = mesh.positions + ids[c];
+        std::memcpy(p, position, ids[c] != mesh.last_position ? sizeof(p) : sizeof(Vec3));
+        float placed[4];
+        for (int i = 0; i < 4; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * per_unit);
+        for (int i = 0; i < 3; ++i) gathered.corners.v[3 * j + c][i][k] = placed[i];
+      }
+    }
+  }
+}
+
+LIMBER_KERNEL Packet3 min3(const Packet3& a, const Packet3& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
+LIMBER_KERNEL Packet3 max3(const Packet3& a, const Packet3& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+LIMBER_KERNEL Packet3 operator+(const Packet3& a, const Packet3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+LIMBER_KERNEL Packet3 operator*(const Packet3& a, Packet s) { return {a.x * s, a.y * s, a.z * s}; }
+LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
+  return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
+}
+LIMBER_KERNEL Packet largest_abs(const Packet3& a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
+LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
+  return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
+}
+LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
+  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
+}
+
+/// Boxes, and mean normals with each triangle's vector turned to one side of the others'.
+struct BoxesAndAreas {
+  alignas(64) float low[3][width], high[3][width], area[3][width];
+};
+
+LIMBER_KERNEL void find_boxes_and_areas(const BlockCorners& corners, BoxesAndAreas& found) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    Packet3 low = corners.at(0, i), high = low;
+    for (std::uint32_t c = 1; c < 3 * width; ++c) {
+      const Packet3 p = corners.at(c, i);
+      low = min3(low, p), high = max3(high, p);
+    }
+    // Relative to the leaf's extent, so that products of tiny edges do not vanish.
+    const Packet extent = max(largest_abs(low), largest_abs(high));
+    const Packet scale = Packet::set(1) / max(extent, Packet::set(0x1p-100F));
+    Packet3 sum{zero(), zero(), zero()};
+    for (std::uint32_t j = 0; j < width; ++j) {
+      const Packet3 p = corners.at(3 * j, i);
+      const Packet3 area = cross((corners.at(3 * j + 1, i) - p) * scale, (corners.at(3 * j + 2, i) - p) * scale);
+      const Packet3 turned{zero() - area.x, zero() - area.y, zero() - area.z};
+      sum = sum + select(dot(sum, area) < zero(), turned, area);
+    }
+    store3(low, found.low, i), store3(high, found.high, i);
+    store3(sum * (extent * extent), found.area, i);
+  }
+}
+
+/// A unit vector along `area`, or the direction in which the box is thinnest where there is none.
+LIMBER_KERNEL Packet3 slab_normal(const Packet3& area, const Packet3& half) {
+  const Packet zeros = zero(), ones = Packet::set(1);
+  const Packet size = largest_abs(area);
+  const Packet3 scaled = area * (ones / max(size, Packet::set(0x1p-126F)));
+  const Packet3 normal = scaled * (ones / max(sqrt(dot(scaled, scaled)), Packet::set(0.5F)));
+  const Mask x_is_thinner = half.x <= half.y;
+  const Mask z_is_thinnest = half.z < min(half.x, half.y);
+  Packet3 thinnest{select(x_is_thinner, ones, zeros), select(x_is_thinner, zeros, ones), zeros};
+  thinnest = select(z_is_thinnest, Packet3{zeros, zeros, ones}, thinnest);
+  return select(size > Packet::set(0x1p-120F), normal, thinnest);
+}
+
+/// How far the corners are from a centre, and how high over it along a direction.
+struct Spread {
+  Packet radius, low, high;
+};
+
+/// `shift` takes corners to where they are measured from; `off` covers what it and they are off by.
+LIMBER_KERNEL Spread find_spread(const BlockCorners& corners, std::uint32_t i, const Packet3& shift,
+                                 const Packet3& normal, Packet off) {
+  Packet furthest_sq = zero(), low = Packet::set(0x1p100F), high = Packet::set(-0x1p100F);
+  for (std::uint32_t c = 0; c < 3 * width; ++c) {
+    const Packet3 d = corners.at(c, i) - shift;
+    const Packet height = dot(normal, d);
+    furthest_sq = max(furthest_sq, dot(d, d));
+    low = min(low, height), high = max(high, height);
+  }
+  const Packet twice = off + off;
+  const Packet radius = sqrt(furthest_sq) * Packet::set(squares_up) + twice;
+  const Packet tilt = twice + radius * Packet::set(corner_doubt);
+  return {radius, low - tilt, high + tilt};
+}
+
+/// Stores the corners as fractions of their leaf's ball.
+LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bounds, const float (&shift)[3][width],
+                            std::uint32_t count, Leaf* leaves) {
+  for (std::uint32_t c = 0; c < 3 * width; ++c) {
+    alignas(64) std::int32_t q[3][width];
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet scale = Packet::set(quantum) / Packet::load(bounds.radius + i);
+      const Packet3 d = (corners.at(c, i) - load3(shift, i)) * scale;
+      d.x.round_to(q[0] + i), d.y.round_to(q[1] + i), d.z.round_to(q[2] + i);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) {
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        leaves[k].corners.corner[3 * (c % 3) + axis][c / 3] = static_cast<std::int16_t>(q[axis][k]);
+      }
+    }
+  }
+}
+
+/// The bound of all leaves together, which lie where `in_block` says, relative to the origin of the block.
+LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesAndAreas& found,
+                                     const float (&in_block)[3][width]) {
+  WholeBound whole;
+  float low[3], high[3], half[3], center[3], area[3] = {0, 0, 0}, extent = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = found.low[axis][0] + in_block[axis][0], high[axis] = found.high[axis][0] + in_block[axis][0];
+    for (std::uint32_t k = 1; k < width; ++k) {
+      low[axis] = std::min(low[axis], found.low[axis][k] + in_block[axis][k]);
+      high[axis] = std::max(high[axis], found.high[axis][k] + in_block[axis][k]);
+    }
+    extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
+  }
+  const float off = extent * corner_doubt + 0x1p-100F;
+  for (std::uint32_t k = 0; k < width; ++k) {
+    const float side = area[0] * found.area[0][k] + area[1] * found.area[1][k] + area[2] * found.area[2][k];
+    for (int axis = 0; axis < 3; ++axis) area[axis] += side < 0 ? -found.area[axis][k] : found.area[axis][k];
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    center[axis] = 0.5F * low[axis] + 0.5F * high[axis];
+    half[axis] = std::max(high[axis] - center[axis], center[axis] - low[axis]) + off;
+  }
+  const Packet3 normal = slab_normal(broadcast(area), broadcast(half));
+  Spread all{zero(), Packet::set(0x1p100F), Packet::set(-0x1p100F)};
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Spread some =
+        find_spread(gathered.corners, i, broadcast(center) - load3(in_block, i), normal, Packet::set(off));
+    all = {max(all.radius, some.radius), min(all.low, some.low), max(all.high, some.high)};
+  }
+  alignas(64) float n[3][width];
+  store3(normal, n, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    whole.center[axis] = center[axis], whole.half[axis] = half[axis], whole.normal[axis] = n[axis][0];
+  }
+  whole.radius = largest(all.radius), whole.high = largest(all.high), whole.low = -largest(zero() - all.low);
+  return whole;
+}
+
+LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves) {
+  const double per_unit = 1 / unit;
+  LeavesOfBlock gathered;
+  gather(mesh, leaves, block.count, per_unit, gathered);
+  BoxesAndAreas found;
+  find_boxes_and_areas(gathered.corners, found);
+
+  // Where leaves are in the block; and centres, which are stored relative to the block, relative to the leaf.
+  block.origin = gathered.origin[0];
+  alignas(64) float in_block[3][width], shift[3][width], stored[3][width];
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    for (std::uint32_t k = 0; k < width; ++k) {
+      const double offset = (gathered.origin[k][axis] - block.origin[axis]) * per_unit;
+      const double middle = 0.5 * (static_cast<double>(found.low[axis][k]) + static_cast<double>(found.high[axis][k]));
+      in_block[axis][k] = static_cast<float>(offset);
+      stored[axis][k] = static_cast<float>(offset + middle);
+      shift[axis][k] = static_cast<float>(static_cast<double>(stored[axis][k]) - offset);
+    }
+  }
+  NodeBounds& n = block.bounds;
+  alignas(64) float reach[width];
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 low = load3(found.low, i), high = load3(found.high, i), center = load3(shift, i);
+    const Packet extent = max(max(largest_abs(low), largest_abs(high)), largest_abs(center));
+    const Packet3 place = load3(stored, i);
+    const Packet off =
+        extent * Packet::set(corner_doubt) + largest_abs(place) * Packet::set(0x1p-50F) + Packet::set(0x1p-100F);
+    const Packet3 half = max3(high - center, center - low) + Packet3{off, off, off};
+    const Packet3 normal = slab_normal(load3(found.area, i), half);
+    const Spread spread = find_spread(gathered.corners, i, center, normal, off);
+    place.x.store(n.center_x + i), place.y.store(n.center_y + i), place.z.store(n.center_z + i);
+    half.x.store(n.half_x + i), half.y.store(n.half_y + i), half.z.store(n.half_z + i);
+    normal.x.store(n.normal_x + i), normal.y.store(n.normal_y + i), normal.z.store(n.normal_z + i);
+    spread.radius.store(n.radius + i), spread.low.store(n.low + i), spread.high.store(n.high + i);
+    (sqrt(dot(place, place)) * Packet::set(squares_up) + spread.radius).store(reach + i);
+  }
+  block.reach = *std::max_element(reach, reach + block.count) * squares_up;
+  quantise(gathered.corners, n, shift, block.count, leaves);
+  return bound_whole(gathered, found, in_block);
+}
