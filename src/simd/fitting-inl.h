@@ -21,28 +21,41 @@ struct alignas(64) BlockCorners {
 
 /// The leaves of a block: lanes beyond them repeat the last.
 struct LeavesOfBlock {
-  BlockCorners corners;  // relative to origin[leaf]
-  Vec3 origin[width];    // a corner of each leaf, model frame
+  BlockCorners corners;                 // relative to origin[leaf]
+  alignas(64) double origin[3][width];  // a corner of each leaf, model frame
 };
+
+LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
+  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
+}
 
 LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint32_t count, double per_unit,
                           LeavesOfBlock& gathered) {
+  // Four numbers are read at once, the fourth of no interest; behind the last position there is none.
+  const Vec3& last = mesh.positions[mesh.last_position];
+  const double padded[4] = {last.x, last.y, last.z, 0};
+  const auto position = [&](VertexId id) { return id != mesh.last_position ? &mesh.positions[id].x : padded; };
+  alignas(64) float placed[3 * width][width][4];
   for (std::uint32_t k = 0; k < width; ++k) {
     const Leaf& leaf = leaves[std::min(k, count - 1)];
-    const Vec3 origin = mesh.positions[mesh.triangles[leaf.triangle[0]][0]];
-    gathered.origin[k] = origin;
-    const double from[4] = {origin.x, origin.y, origin.z, 0};
+    const double* const origin = position(mesh.triangles[leaf.triangle[0]][0]);
+    for (int axis = 0; axis < 3; ++axis) gathered.origin[axis][k] = origin[axis];
+    const Leaf* const soon = leaves + count + k;
+    const Leaf* const later = soon + count;
+    for (std::uint32_t j = 0; later < mesh.leaves_end && j < width; j += 2) {
+      __builtin_prefetch(&mesh.triangles[later->triangle[j]]);
+      __builtin_prefetch(&mesh.positions[mesh.triangles[soon->triangle[j]][0]]);
+    }
     for (std::uint32_t j = 0; j < width; ++j) {
       const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
-      for (std::uint32_t c = 0; c < 3; ++c) {
-        // Four numbers at once, the fourth of no interest; behind the last position there is none.
-        double p[4] = {0, 0, 0, 0};
-        const Vec3* const position = mesh.positions + ids[c];
-        std::memcpy(p, position, ids[c] != mesh.last_position ? sizeof(p) : sizeof(Vec3));
-        float placed[4];
-        for (int i = 0; i < 4; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * per_unit);
-        for (int i = 0; i < 3; ++i) gathered.corners.v[3 * j + c][i][k] = placed[i];
-      }
+      for (std::uint32_t c = 0; c < 3; ++c) place_four(position(ids[c]), origin, per_unit, placed[3 * j + c][k]);
+    }
+  }
+  for (std::uint32_t c = 0; c < 3 * width; ++c) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      Packet3 p;
+      load_points(placed[c][i], p.x, p.y, p.z);
+      store3(p, gathered.corners.v[c], i);
     }
   }
 }
@@ -57,9 +70,6 @@ LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
 LIMBER_KERNEL Packet largest_abs(const Packet3& a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
 LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
-}
-LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
-  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }
 
 /// Boxes, and mean normals with each triangle's vector turned to one side of the others'.
@@ -126,18 +136,24 @@ LIMBER_KERNEL Spread find_spread(const BlockCorners& corners, std::uint32_t i, c
 /// Stores the corners as fractions of their leaf's ball.
 LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bounds, const float (&shift)[3][width],
                             std::uint32_t count, Leaf* leaves) {
-  for (std::uint32_t c = 0; c < 3 * width; ++c) {
-    alignas(64) std::int32_t q[3][width];
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet scale = Packet::set(quantum) / Packet::load(bounds.radius + i);
-      const Packet3 d = (corners.at(c, i) - load3(shift, i)) * scale;
-      d.x.round_to(q[0] + i), d.y.round_to(q[1] + i), d.z.round_to(q[2] + i);
+  alignas(64) std::int32_t q[9][width][width];  // of the numbers of a triangle: triangle by leaf
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet scale = Packet::set(quantum) / Packet::load(bounds.radius + i);
+    const Packet3 center = load3(shift, i);
+    for (std::uint32_t c = 0; c < 3 * width; ++c) {
+      const Packet3 d = (corners.at(c, i) - center) * scale;
+      d.x.round_to(q[3 * (c % 3)][c / 3] + i);
+      d.y.round_to(q[3 * (c % 3) + 1][c / 3] + i);
+      d.z.round_to(q[3 * (c % 3) + 2][c / 3] + i);
     }
-    for (std::uint32_t k = 0; k < count; ++k) {
-      for (std::uint32_t axis = 0; axis < 3; ++axis) {
-        leaves[k].corners.corner[3 * (c % 3) + axis][c / 3] = static_cast<std::int16_t>(q[axis][k]);
-      }
-    }
+  }
+  alignas(16) std::int16_t columns[width][width];
+  LeafTriangles beyond;  // where the lanes that are not used go
+  LeafTriangles* to[width];
+  for (std::uint32_t k = 0; k < width; ++k) to[k] = k < count ? &leaves[k].corners : &beyond;
+  for (std::uint32_t number = 0; number < 9; ++number) {
+    narrow_columns(q[number], columns);
+    for (std::uint32_t k = 0; k < width; ++k) std::memcpy(to[k]->corner[number], columns[k], sizeof(columns[k]));
   }
 }
 
@@ -147,11 +163,13 @@ LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesA
   WholeBound whole;
   float low[3], high[3], half[3], center[3], area[3] = {0, 0, 0}, extent = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = found.low[axis][0] + in_block[axis][0], high[axis] = found.high[axis][0] + in_block[axis][0];
-    for (std::uint32_t k = 1; k < width; ++k) {
-      low[axis] = std::min(low[axis], found.low[axis][k] + in_block[axis][k]);
-      high[axis] = std::max(high[axis], found.high[axis][k] + in_block[axis][k]);
+    Packet least = Packet::set(0x1p100F), most = Packet::set(-0x1p100F);
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet place = Packet::load(in_block[axis] + i);
+      least = min(least, Packet::load(found.low[axis] + i) + place);
+      most = max(most, Packet::load(found.high[axis] + i) + place);
     }
+    low[axis] = -largest(zero() - least), high[axis] = largest(most);
     extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
   }
   const float off = extent * corner_doubt + 0x1p-100F;
@@ -187,15 +205,17 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
   find_boxes_and_areas(gathered.corners, found);
 
   // Where leaves are in the block; and centres, which are stored relative to the block, relative to the leaf.
-  block.origin = gathered.origin[0];
+  block.origin = {gathered.origin[0][0], gathered.origin[1][0], gathered.origin[2][0]};
   alignas(64) float in_block[3][width], shift[3][width], stored[3][width];
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    const double from = gathered.origin[axis][0];
     for (std::uint32_t k = 0; k < width; ++k) {
-      const double offset = (gathered.origin[k][axis] - block.origin[axis]) * per_unit;
+      const double offset = (gathered.origin[axis][k] - from) * per_unit;
       const double middle = 0.5 * (static_cast<double>(found.low[axis][k]) + static_cast<double>(found.high[axis][k]));
       in_block[axis][k] = static_cast<float>(offset);
-      stored[axis][k] = static_cast<float>(offset + middle);
-      shift[axis][k] = static_cast<float>(static_cast<double>(stored[axis][k]) - offset);
+      const double center = core::to_24_bits(offset + middle);
+      stored[axis][k] = static_cast<float>(center);
+      shift[axis][k] = static_cast<float>(center - offset);
     }
   }
   NodeBounds& n = block.bounds;

@@ -373,3 +373,5 @@ LIMBER_KERNEL void leaf_candidates(const Seen& a, const Seen& b, const View& vie
     }
   }
 }
+
+#include "simd/fitting-inl.h"

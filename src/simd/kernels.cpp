@@ -9,6 +9,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "core/rounding.h"
@@ -43,6 +44,10 @@ struct Packet {
     return {hn::ConvertTo(Lanes(), hn::PromoteTo(wide, hn::Load(narrow, p)))};
   }
   HWY_INLINE void store(float* p) const { hn::StoreU(v, Lanes(), p); }
+  HWY_INLINE void round_to(std::int32_t* p) const {
+    const hn::RebindToSigned<Lanes> whole;
+    hn::StoreU(hn::NearestInt(v), whole, p);
+  }
 };
 
 HWY_INLINE Packet operator+(Packet a, Packet b) { return {hn::Add(a.v, b.v)}; }
@@ -59,6 +64,45 @@ HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+/// (p - from) * scale for four numbers.
+HWY_INLINE void place_four(const double* p, const double* from, double scale, float* placed) {
+  const hn::CappedTag<double, 4> four;
+  const hn::Rebind<float, decltype(four)> narrow;
+  for (std::size_t i = 0; i < 4; i += hn::MaxLanes(four)) {
+    const auto scaled = hn::Mul(hn::Sub(hn::LoadU(four, p + i), hn::LoadU(four, from + i)), hn::Set(four, scale));
+    hn::Store(hn::DemoteTo(narrow, scaled), narrow, placed + i);
+  }
+}
+/// The first three of each four numbers.
+HWY_INLINE void load_points(const float* p, Packet& x, Packet& y, Packet& z) {
+  hn::Vec<Lanes> rest;
+  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+}
+/// Columns for rows, of numbers that fit.
+HWY_INLINE void narrow_columns(const std::int32_t (&rows)[width][width], std::int16_t (&columns)[width][width]) {
+#if HWY_TARGET == HWY_SCALAR
+  for (std::uint32_t i = 0; i < width * width; ++i) {
+    columns[i % width][i / width] = static_cast<std::int16_t>(rows[i / width][i % width]);
+  }
+#else
+  const hn::Full128<std::int16_t> narrow;
+  const hn::Full128<std::int32_t> wide;
+  hn::Vec<decltype(narrow)> v[width], w[width];
+  for (std::uint32_t i = 0; i < width; ++i) {
+    // In vectors of 16 bytes there is nothing to be reordered.
+    v[i] = hn::ReorderDemote2To(narrow, hn::Load(wide, rows[i]), hn::Load(wide, rows[i] + 4));
+  }
+  // Interleaving the first half with the second three times brings every number to its mirror image's place.
+  for (int round = 0; round < 3; ++round) {
+    for (std::uint32_t i = 0; i < width; i += 2) {
+      w[i] = hn::InterleaveLower(narrow, v[i / 2], v[i / 2 + 4]);
+      w[i + 1] = hn::InterleaveUpper(narrow, v[i / 2], v[i / 2 + 4]);
+    }
+    for (std::uint32_t i = 0; i < width; ++i) v[i] = w[i];
+  }
+  for (std::uint32_t i = 0; i < width; ++i) hn::Store(v[i], narrow, columns[i]);
+#endif
+}
 HWY_INLINE float largest(Packet a) { return hn::GetLane(hn::MaxOfLanes(Lanes(), a.v)); }
 HWY_INLINE unsigned bits(Mask m) {
   std::uint8_t byte = 0;
@@ -71,7 +115,7 @@ HWY_INLINE unsigned bits(Mask m) {
 #undef LIMBER_KERNEL
 
 const Kernels* table() {
-  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates};
+  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates, fit_leaves};
   return &set;
 }
 

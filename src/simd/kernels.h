@@ -7,7 +7,7 @@
 
 #include "simd/packets.h"
 
-/// The SIMD kernels. They only ever say "this cannot matter"; numbers that reach the user come from float64 routines.
+/// The SIMD kernels: bounds, and what they rule out. Numbers that reach the user come from float64 routines.
 ///
 /// Every operation is an IEEE one, none is fused, and lanes do not mix except in minima and maxima of numbers, so all
 /// instruction sets give the same bits.
@@ -33,11 +33,16 @@ using BoundLanes = KeptLanes (*)(const Block& lanes, const Seen& seen, const Vie
 /// Pairs of triangles of two leaves that cannot be ruled out, in lane order; `a` sees `b` through `view`.
 using LeafCandidates = void (*)(const Seen& a, const Seen& b, const View& view, Candidates& candidates);
 
+/// Fits a block to the triangles of its leaves, of which there are block.count: origin, reach and all bounds of the
+/// block, the corners in the leaves. `unit` is that of the tree. Returns a bound of all the triangles.
+using FitLeaves = WholeBound (*)(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves);
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
   BoundLanes bound_lanes;
   LeafCandidates leaf_candidates;
+  FitLeaves fit_leaves;
 };
 
 /// The best set this processor runs.

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 
+#include "limber/base.h"
 #include "limber/math.h"
 
 /// Data as the kernels read it: structures of arrays, float32, `width` lanes wide. Lengths are in the unit of the tree
@@ -41,6 +43,27 @@ struct alignas(64) Block {
   std::uint32_t count;        //   4         lanes in use, the first ones
 };
 static_assert(sizeof(Block) == 448);
+
+/// Up to `width` triangles.
+struct Leaf {
+  LeafTriangles corners;       // 144 bytes   about the centre of the leaf's lane
+  TriangleId triangle[width];  //  32         lanes beyond the triangles repeat the last one
+};
+static_assert(sizeof(Leaf) == 176);
+
+/// Where the triangles of leaves are found.
+struct SourceMesh {
+  const Vec3* positions;
+  const std::array<VertexId, 3>* triangles;
+  VertexId last_position;
+  const Leaf* leaves_end;  ///< behind the last leaf
+};
+
+/// A ball, a box and a slab about one centre, as NodeBounds, in units; rounded outward.
+struct WholeBound {
+  float center[3];  // relative to the origin of the block it bounds
+  float radius, half[3], normal[3], low, high;
+};
 
 /// How the other model looks from this one. Matrices go by columns and are padded, so that four numbers are worked on
 /// at once.

@@ -98,7 +98,7 @@ LIMBER_KERNEL float reach_back(const Seen& seen, const float* out) {
   const float radius = n.radius[k];
   if (seen.corners != nullptr) {
     const float step = radius * (1 / quantum);
-    return leaf_support(*seen.corners, out) * step + 0.87F * step + radius * doubt;
+    return leaf_support(*seen.corners, out) * step + 0.91F * step + radius * doubt;
   }
   const float x = n.normal_x[k], y = n.normal_y[k], z = n.normal_z[k];
   const float cosine = out[0] * x + out[1] * y + out[2] * z, cosine_abs = std::abs(cosine);
@@ -140,7 +140,7 @@ LIMBER_KERNEL LeafPair place_leaves(const Seen& a, const Seen& b, const View& vi
   const double step_b = radius_b * scale / static_cast<double>(quantum);
   p.step_a = static_cast<float>(step_a), p.step_b = static_cast<float>(step_b);
   for (int j = 0; j < 4; ++j) p.offset[j] = static_cast<float>(offset[j] * scale);
-  const double steps = 0.87 * (step_a + step_b);  // sqrt(3) / 2 of a step, each
+  const double steps = 0.91 * (step_a + step_b);  // sqrt(3) * 0.52 of a step, each
   p.error = core::float_up(steps + view.error * scale) + 0x1p-17F;
   p.cut = core::float_up(std::min(view.cut * scale, furthest));
   p.gap = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "core/rounding.h"
 #include "simd/kernels.h"
@@ -28,6 +29,7 @@ struct Packet {
   static Packet load(const float* p) { return {*p}; }
   static Packet from_int16(const std::int16_t* p) { return {static_cast<float>(*p)}; }
   void store(float* p) const { *p = v; }
+  void round_to(std::int32_t* p) const { *p = static_cast<std::int32_t>(std::lrint(v)); }
 };
 
 inline Packet operator+(Packet a, Packet b) { return {a.v + b.v}; }
@@ -44,6 +46,15 @@ inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
 inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
+inline void place_four(const double* p, const double* from, double scale, float* placed) {
+  for (int i = 0; i < 4; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * scale);
+}
+inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
+inline void narrow_columns(const std::int32_t (&rows)[width][width], std::int16_t (&columns)[width][width]) {
+  for (std::uint32_t i = 0; i < width * width; ++i) {
+    columns[i % width][i / width] = static_cast<std::int16_t>(rows[i / width][i % width]);
+  }
+}
 inline float largest(Packet a) { return a.v; }
 inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 
@@ -54,6 +65,6 @@ inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 }  // namespace
 }  // namespace scalar
 
-const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates};
+const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates, scalar::fit_leaves};
 
 }  // namespace limber::simd

@@ -18,20 +18,14 @@
 ///       of the last leaf beyond the triangles repeat its last one.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
 ///   I4  A lane's ball, box and slab contain every corner of every triangle below it.
-///   I5  A quantised corner is within half a step, each coordinate, of the corner it stands for.
+///   I5  A quantised corner is within 0.52 steps, each coordinate, of the corner it stands for.
 ///   I6  `reach` of a block is at least the distance from its origin of every point of its lanes' balls.
 namespace limber::tree {
 
 using simd::width;
 
 using simd::Block;
-
-/// Up to `width` triangles.
-struct Leaf {
-  simd::LeafTriangles corners;  // 144 bytes   about the centre of the leaf's lane
-  TriangleId triangle[width];   //  32
-};
-static_assert(sizeof(Leaf) == 176);
+using simd::Leaf;
 
 struct Tree {
   std::vector<Block> blocks;

@@ -221,5 +221,35 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   }
 }
 
+TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
+  Rng rng(204);
+  for (int i = 0; i < 500; ++i) {
+    const Mesh mesh = some_soup(rng, 1 + rng.below(64));
+    const tree::Tree tree = tree::build(mesh);
+    // The lanes beyond the last leaf hold copies of it.
+    const auto fitted = [&](const simd::Kernels& set, tree::Tree& copy, simd::WholeBound& whole) {
+      copy = tree;
+      Block& block = copy.blocks.back();
+      std::memset(&block.bounds, 0, sizeof(block.bounds));
+      const simd::SourceMesh source{mesh.positions().data(), mesh.triangles().data(),
+                                    static_cast<VertexId>(mesh.positions().size() - 1),
+                                    copy.leaves.data() + copy.leaves.size()};
+      whole = set.fit_leaves(source, copy.unit, block, copy.leaves.data());
+    };
+    tree::Tree first, other;
+    simd::WholeBound first_whole, other_whole;
+    fitted(simd::scalar_kernels, first, first_whole);
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      fitted(set, other, other_whole);
+      const Block &a = first.blocks.back(), &b = other.blocks.back();
+      ASSERT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(a.bounds)), 0) << set.name << " " << i;
+      ASSERT_EQ(a.origin, b.origin) << set.name;
+      ASSERT_EQ(a.reach, b.reach) << set.name;
+      ASSERT_EQ(std::memcmp(&first_whole, &other_whole, sizeof(first_whole)), 0) << set.name << " " << i;
+      ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(tree::Leaf)), 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber::testing

@@ -83,6 +83,47 @@ void visit_leaves(const Tree& tree, std::uint32_t b, std::uint32_t lane,
   for (std::uint32_t k = 0; k < tree.blocks[child].count; ++k) visit_leaves(tree, child, k, visit);
 }
 
+/// Every triangle by another power of two, so that specks lie next to large ones.
+Mesh shrunk(Rng& rng, const Mesh& mesh) {
+  std::vector<Triangle> triangles;
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    const Triangle m = mesh.triangle(t);
+    const double scale = std::ldexp(1.0, -static_cast<int>(rng.below(60)));
+    triangles.push_back({m.v0, m.v0 + scale * (m.v1 - m.v0), m.v0 + scale * (m.v2 - m.v0)});
+  }
+  return soup(triangles);
+}
+
+/// Crowds of small triangles, each around another place.
+Mesh crowds(Rng& rng, int count, int each) {
+  std::vector<Triangle> triangles;
+  for (int crowd = 0; crowd < count; ++crowd) {
+    const Vec3 at = uniform_point(rng);
+    const double size = std::ldexp(1.0, -5 - static_cast<int>(rng.below(45)));
+    for (int i = 0; i < each; ++i) {
+      const Vec3 p = at + size * uniform_point(rng);
+      triangles.push_back({p, p + 0.1 * size * uniform_point(rng), p + 0.1 * size * uniform_point(rng)});
+    }
+  }
+  return soup(triangles);
+}
+
+void require_exact_bounds(const Mesh& mesh, int which) {
+  const Tree tree = tree::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(tree::validate(tree, mesh))) << tree::validate(tree, mesh).error().text;
+  for (std::uint32_t b = 0; b < tree.blocks.size(); ++b) {
+    for (std::uint32_t lane = 0; lane < tree.blocks[b].count; ++lane) {
+      visit_leaves(tree, b, lane, [&](const tree::Leaf& leaf) {
+        for (const TriangleId t : leaf.triangle) {
+          for (std::size_t k = 0; k < 3; ++k) {
+            ASSERT_TRUE(holds_exactly(tree, b, lane, mesh.triangle(t)[k])) << "case " << which << " block " << b;
+          }
+        }
+      });
+    }
+  }
+}
+
 TEST(Tree, BoundsHoldInExactArithmetic) {
   Rng rng(211);
   for (int i = 0; i < 60; ++i) {
@@ -92,19 +133,11 @@ TEST(Tree, BoundsHoldInExactArithmetic) {
     const double scale = i % 5 == 0 ? 0x1p-90 : i % 5 == 1 ? 0x1p150 : 1;
     for (Vec3& p : positions) p = (p + offset) * scale;
     mesh = Mesh::create(std::move(positions), mesh.triangles()).value();
-    const Tree tree = tree::build(mesh);
-    for (std::uint32_t b = 0; b < tree.blocks.size(); ++b) {
-      for (std::uint32_t lane = 0; lane < tree.blocks[b].count; ++lane) {
-        visit_leaves(tree, b, lane, [&](const tree::Leaf& leaf) {
-          for (const TriangleId t : leaf.triangle) {
-            for (std::size_t k = 0; k < 3; ++k) {
-              ASSERT_TRUE(holds_exactly(tree, b, lane, mesh.triangle(t)[k])) << "case " << i << " block " << b;
-            }
-          }
-        });
-      }
-    }
+    require_exact_bounds(i % 7 == 0 ? shrunk(rng, mesh) : mesh, i);
   }
+  for (int i = 0; i < 10; ++i) require_exact_bounds(crowds(rng, 4, 70), 100 + i);
+  for (int i = 0; i < 20; ++i) require_exact_bounds(crowds(rng, 24, 8), 110 + i);
+  require_exact_bounds(scenes::ball(40, 21), 200);
 }
 
 TEST(Tree, ValidateNamesWhatIsBroken) {
