@@ -42,14 +42,16 @@ class Front {
     forget();
     for (const Side s : {Side::a, Side::b}) id_[index(s)] = placed.tree(s).id;
     pose_ = placed.a_from_b();
+    error_ = placed.error();
   }
 
   /// Adds the way from where the models were to where they are. Pre: is_about(placed).
   void move(PlacedPair& placed) {
     LIMBER_ASSERT(is_about(placed));
     const Transform pose = placed.a_from_b();
-    moved_ += placed.most_moved(pose_, pose);
+    moved_ += placed.most_moved(pose_, error_, pose);
     pose_ = pose;
+    error_ = placed.error();
     openings_ = 0;
   }
   double moved() const { return moved_; }
@@ -101,6 +103,7 @@ class Front {
 
   std::uint64_t id_[2] = {0, 0};
   Transform pose_;
+  double error_ = 0;  // of placed points there
   double moved_ = 0;
   std::uint32_t count_ = 0, openings_ = 0, first_openings_ = 0;
   Record records_[capacity];

@@ -51,6 +51,7 @@ double reach_of_model(const Placed& placed) {
 }  // namespace
 
 PlacedPair::PlacedPair(const Placed& a, const Placed& b) {
+  LIMBER_ASSERT(a.model.is_committed() && b.model.is_committed());
   LIMBER_ASSERT(is_rigid(a.pose));
   LIMBER_ASSERT(is_rigid(b.pose));
   // Placing rounds each coordinate of a vertex or centre by some units of the magnitudes added (see
@@ -115,17 +116,19 @@ Transform PlacedPair::a_from_b() {
   return {transpose(Mat3{column(0), column(1), column(2)}), column(3)};
 }
 
-double PlacedPair::most_moved(const Transform& before, const Transform& after) const {
+double PlacedPair::most_moved(const Transform& before, double error_before, const Transform& after) const {
   const tree::Tree &a = tree(Side::a), &b = tree(Side::b);
-  const Vec3 center = tree::model_center(b, tree::root);
+  const Vec3 center = tree::model_center(b, tree::root), center_a = tree::model_center(a, tree::root);
   const Mat3 &from = before.rotation, &to = after.rotation;
-  // A difference of two rotations stretches by its Frobenius norm over the root of 2; 1e-8 of all lengths covers
-  // rotations that are orthonormal to 1e-9 only, in either model's pose, and the rounding of all of this.
+  const Vec3 was = before(center), is = after(center);
+  // A difference of two rotations stretches by its Frobenius norm over the root of 2.
   const double turned = std::sqrt(
       0.5 * (length_sq(to.row0 - from.row0) + length_sq(to.row1 - from.row1) + length_sq(to.row2 - from.row2)));
-  const Vec3 placed = after(center);
-  const double size = length(placed - tree::model_center(a, tree::root)) + root_radius(a) + root_radius(b);
-  return length(placed - before(center)) + turned * root_radius(b) + 1e-8 * size + 2 * error_;
+  // 1e-8 of all lengths covers rotations that are orthonormal to 1e-9 only, in either model's pose, and the rounding of
+  // all of this.
+  const double size =
+      length(was - center_a) + length(is - center_a) + sum_of_sides(center) + root_radius(a) + root_radius(b);
+  return length(is - was) + turned * root_radius(b) + 1e-8 * size + 2 * (error_before + error_);
 }
 
 void PlacedPair::aim(const Vec3& from_a_to_b) {

@@ -41,8 +41,9 @@ class PlacedPair {
   /// Where b stands, seen from a.
   Transform a_from_b();
 
-  /// At least what moving b, seen from a, can change the distance of any two points by.
-  double most_moved(const Transform& before, const Transform& after) const;
+  /// At least what moving b, seen from a, can change the distance of any two points by. `error_before` is what error()
+  /// was there.
+  double most_moved(const Transform& before, double error_before, const Transform& after) const;
 
   /// From now on views go by this world direction, the way from a to b. Pre: it has length 1.
   void aim(const Vec3& from_a_to_b);

@@ -29,7 +29,7 @@ TEST(Front, BoundsWhatAnyMotionChanges) {
     const Transform turn = transform_from_quaternion({}, 1, axis.x, axis.y, axis.z).value();
     const Transform after{turn.rotation * before.rotation, before.translation + step * uniform_point(rng)};
     PlacedPair first({a, pose_a}, {b, before}), second({a, pose_a}, {b, after});
-    const double bound = second.most_moved(first.a_from_b(), second.a_from_b());
+    const double bound = second.most_moved(first.a_from_b(), first.error(), second.a_from_b());
     for (int k = 0; k < 20; ++k) {
       const Vec3& on_a = a.mesh().positions()[rng.below(a.mesh().positions().size())];
       const Vec3& on_b = b.mesh().positions()[rng.below(b.mesh().positions().size())];
@@ -39,6 +39,24 @@ TEST(Front, BoundsWhatAnyMotionChanges) {
     }
   }
   EXPECT_GT(tightest, 0.5);
+}
+
+TEST(Front, SurvivesJumpsFromFarAwayToNextToEachOther) {
+  // The way is so long that its rounding is larger than what is left.
+  Rng rng(301);
+  for (int i = 0; i < 300; ++i) {
+    const double scale = std::ldexp(1.0, -20 - static_cast<int>(rng.below(60)));
+    std::vector<Vec3> positions = scenes::ball(8, 5).positions();
+    for (Vec3& p : positions) p *= scale;
+    const Model a(Mesh::create(positions, scenes::ball(8, 5).triangles()).value());
+    const Model b(Mesh::create(positions, scenes::ball(8, 5).triangles()).value());
+    Pair pair;
+    const Transform far = random_pose(rng, 1), offset = random_pose(rng, 1e6);
+    distance({a}, {b, far}, {}, pair);
+    distance({a, offset}, {b, offset * far}, {}, pair);
+    const Transform near{random_pose(rng, 1).rotation, 4 * scale * uniform_point(rng)};
+    ASSERT_NEAR(distance({a}, {b, near}, {}, pair).upper, distance({a}, {b, near}).upper, 1e-13 * scale) << i;
+  }
 }
 
 TEST(Front, RulesOutUntilTheMotionIsUsedUp) {
