@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "limber/mesh.h"
 #include "limber/query.h"
@@ -14,7 +15,8 @@ namespace limber {
 
 namespace tree {
 struct Tree;
-}
+class Changes;
+}  // namespace tree
 namespace query {
 class Front;
 }
@@ -26,9 +28,15 @@ struct TreeStats {
   std::size_t bytes = 0;   ///< without positions and triangles
 };
 
-/// A mesh and its bounding volume hierarchy.
+/// Work done on the tree since the model was built.
+struct MaintenanceStats {
+  std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
+  std::uint64_t refits = 0;          ///< blocks of up to eight nodes recomputed
+};
+
+/// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
 ///
-/// Threads  Const functions, queries included, may run concurrently on one model.
+/// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
 /// Source   docs/algorithms/bounds.md.
 class Model {
  public:
@@ -37,6 +45,28 @@ class Model {
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;
   ~Model();
+
+  /// Moves vertex `ids[i]` to `positions[i]`; later entries win where an id is repeated. The tree is repaired by
+  /// commit().
+  ///
+  /// Frame    The model's own frame.
+  /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
+  ///          then exactly as before.
+  /// Cost     O(entries); the first time also O(n), to find out which triangles are where.
+  Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
+
+  /// Moves every vertex. Errors as move_vertices().
+  Result<void> move_all(std::span<const Vec3> positions);
+
+  /// Repairs the tree; afterwards the model may be queried. Does nothing when nothing has moved. Which triangles lie
+  /// together in the tree stays as it was built.
+  ///
+  /// Cost     O(what has moved and what lies above it), at most that of one pass over everything, on the threads of the
+  ///          calling oneTBB arena.
+  void commit();
+  bool is_committed() const;
+
+  MaintenanceStats maintenance_stats() const { return maintenance_; }
 
   const Mesh& mesh() const { return mesh_; }
   TreeStats tree_stats() const;
@@ -51,8 +81,12 @@ class Model {
   const tree::Tree& tree() const { return *tree_; }
 
  private:
+  tree::Changes& changes();
+
   Mesh mesh_;
   std::unique_ptr<tree::Tree> tree_;
+  std::unique_ptr<tree::Changes> changes_;  // once a vertex has moved
+  MaintenanceStats maintenance_;
 };
 
 /// A model and where it stands. Keeps a reference: the model must outlive it.
@@ -85,7 +119,7 @@ class Pair {
 
 /// Whether two placed models meet; stops at the first intersecting pair found.
 ///
-/// Pre      Both poses are rigid.
+/// Pre      Both models are committed; both poses are rigid.
 /// Errors   None.
 /// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
 /// Threads  Reentrant; any number of calls may share models.
@@ -99,17 +133,16 @@ CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
 ///          the asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
-/// Pre      Both poses are rigid; the errors are finite and >= 0; max_distance >= 0, infinity allowed.
-/// Errors   None.
-/// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
-/// Threads  Reentrant; any number of calls may share models.
-/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
+/// Pre      Both models are committed; both poses are rigid; the errors are finite and >= 0; max_distance >= 0,
+/// infinity allowed. Errors   None. Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate. Threads
+/// Reentrant; any number of calls may share models. Source   [Quinlan1994] for the error-bounded descent;
+/// docs/algorithms/traversal.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, Pair& pair);
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
-/// Pre      Both poses are rigid; max_distance is finite and >= 0.
+/// Pre      Both models are committed; both poses are rigid; max_distance is finite and >= 0.
 /// Cost     As collide(), which is within() of 0.
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 WithinResult within(const Placed& a, const Placed& b, double max_distance, Pair& pair);

@@ -6,11 +6,11 @@
 // node is put
 //           in once, however many children ask for it. A loose sphere is also recomputed when it has become much larger
 //           than needed, because otherwise a shrinking model would keep its largest spheres for ever.
-#include <string>
 #include <utility>
 
 #include "classic/tree.h"
 #include "core/check.h"
+#include "model/mesh.h"
 
 namespace limber::classic {
 namespace {
@@ -71,26 +71,6 @@ void move_vertex(Tree& tree, VertexId v, const Vec3& position) {
   }
 }
 
-Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
-  return {code, "entry " + std::to_string(entry) + " of the update " + what, entry};
-}
-
-Result<void> check_new_positions(std::span<const Vec3> positions) {
-  if (auto sound = check_positions(positions); !sound) {
-    const Error& error = sound.error();
-    return at_entry(
-        error.code, error.where.value_or(0),
-        error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
-  }
-  return {};
-}
-
-Error size_mismatch(const std::string& given, std::size_t given_count, const std::string& wanted, std::size_t count) {
-  return {ErrorCode::size_mismatch,
-          std::to_string(given_count) + " " + given + " for " + std::to_string(count) + " " + wanted,
-          {}};
-}
-
 }  // namespace
 
 Model::Model(Mesh mesh, const ModelOptions& options) : tree_(std::make_unique<Tree>(std::move(mesh), options)) {
@@ -101,23 +81,14 @@ Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  if (ids.size() != positions.size()) return size_mismatch("positions", positions.size(), "ids", ids.size());
-  const std::size_t vertex_count = tree_->mesh.positions().size();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] < vertex_count) continue;
-    return at_entry(ErrorCode::index_out_of_range, i,
-                    "names vertex " + std::to_string(ids[i]) + ", but there are only " + std::to_string(vertex_count));
-  }
-  if (auto sound = check_new_positions(positions); !sound) return sound;
+  if (auto sound = check_update(tree_->mesh, ids, positions); !sound) return sound;
   for (std::size_t i = 0; i < ids.size(); ++i) move_vertex(*tree_, ids[i], positions[i]);
   return {};
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
-  const std::size_t vertex_count = tree_->mesh.positions().size();
-  if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
-  if (auto sound = check_new_positions(positions); !sound) return sound;
-  for (VertexId v = 0; v < vertex_count; ++v) move_vertex(*tree_, v, positions[v]);
+  if (auto sound = check_update_of_all(tree_->mesh, positions); !sound) return sound;
+  for (VertexId v = 0; v < positions.size(); ++v) move_vertex(*tree_, v, positions[v]);
   return {};
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/mesh.h"
+#include "model/mesh.h"
 
 #include <limits>
 #include <string>
@@ -16,6 +16,26 @@ constexpr std::size_t max_elements = std::size_t{1} << 31;
 
 Error at_vertex(ErrorCode code, std::size_t vertex, const char* what) {
   return {code, "vertex " + std::to_string(vertex) + " " + what, vertex};
+}
+
+Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
+  return {code, "entry " + std::to_string(entry) + " of the update " + what, entry};
+}
+
+Error size_mismatch(const std::string& given, std::size_t given_count, const std::string& wanted, std::size_t count) {
+  return {ErrorCode::size_mismatch,
+          std::to_string(given_count) + " " + given + " for " + std::to_string(count) + " " + wanted,
+          {}};
+}
+
+Result<void> check_new_positions(std::span<const Vec3> positions) {
+  if (auto sound = check_positions(positions); !sound) {
+    const Error& error = sound.error();
+    return at_entry(
+        error.code, error.where.value_or(0),
+        error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
+  }
+  return {};
 }
 
 }  // namespace
@@ -60,6 +80,23 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
   LIMBER_ASSERT(id < positions_.size());
   LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
   positions_[id] = position;
+}
+
+Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  if (ids.size() != positions.size()) return size_mismatch("positions", positions.size(), "ids", ids.size());
+  const std::size_t vertex_count = mesh.positions().size();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] < vertex_count) continue;
+    return at_entry(ErrorCode::index_out_of_range, i,
+                    "names vertex " + std::to_string(ids[i]) + ", but there are only " + std::to_string(vertex_count));
+  }
+  return check_new_positions(positions);
+}
+
+Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positions) {
+  const std::size_t vertex_count = mesh.positions().size();
+  if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
+  return check_new_positions(positions);
 }
 
 }  // namespace limber

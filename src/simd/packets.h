@@ -41,6 +41,7 @@ struct alignas(64) Block {
   float reach;                //   4         in units
   std::uint32_t first_child;  //   4         block, or leaf on the lowest level, of lane 0; lane k has the k-th after it
   std::uint32_t count;        //   4         lanes in use, the first ones
+  std::uint32_t parent;       //   4         block * width + lane of the node whose children these are; 0 for block 0
 };
 static_assert(sizeof(Block) == 448);
 

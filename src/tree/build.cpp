@@ -56,11 +56,13 @@ void lay_out(Tree& tree, std::uint32_t leaves) {
     for (const std::uint32_t below : level) {
       const auto block = static_cast<std::uint32_t>(tree.blocks.size());
       if (lane == 0) tree.blocks[parent].first_child = block;
+      const NodeId parent_node = parent * width + lane;
       if (++lane == tree.blocks[parent].count) lane = 0, ++parent;
       parts.clear();
       share(below, child_count(below), parts);
       tree.blocks.push_back({});
       tree.blocks.back().count = static_cast<std::uint32_t>(parts.size());
+      tree.blocks.back().parent = parent_node;
       next.insert(next.end(), parts.begin(), parts.end());
     }
     tree.level_begin.push_back(static_cast<std::uint32_t>(tree.blocks.size()));
@@ -131,10 +133,8 @@ Tree build(MeshView mesh) {
     high = max(high, max(max(corners.v0, corners.v1), corners.v2));
   }
   const Vec3 middle = low * 0.5 + high * 0.5;
-  // A power of two near the size; for a mesh that is a point, near what float64 resolves there.
-  const double size = std::max({length(high - low), 0x1p-50 * max_abs(low), 0x1p-300});
-  tree.unit = std::exp2(std::ceil(std::log2(size)));
-  LIMBER_ASSERT(tree.unit >= size);
+  tree.unit = unit_for(length(high - low), max_abs(low));
+  LIMBER_ASSERT(tree.unit >= length(high - low));
 
   std::vector<Item> items = items_of(tree, mesh, middle);
   sort_into_leaves(items.data(), items.data() + items.size());

@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/rounding.h"
 #include "simd/kernels.h"
+#include "tree/changes.h"
 #include "tree/node.h"
 
 namespace limber::tree {
@@ -25,6 +26,8 @@ struct Bound {
   double radius;
   Vec3 normal;  // entries are float32 numbers
   double low, high;
+
+  bool operator==(const Bound&) const = default;
 };
 
 /// Covers the float64 rounding of everything below.
@@ -146,11 +149,6 @@ class Fitting {
                 tree.leaves.data() + tree.leaves.size()},
         kernels_(simd::kernels()) {}
 
-  /// Fits a block of the lowest level and its leaves.
-  Bound fit_lowest(Block& block) const {
-    return from(kernels_.fit_leaves(source_, tree_.unit, block, tree_.leaves.data() + block.first_child));
-  }
-
   /// Fits a block whose children are blocks, fitted already unless they are on the lowest level.
   void fit_upper(Block& block, bool children_are_lowest) const {
     for (std::uint32_t k = 0; k < block.count; ++k) {
@@ -162,27 +160,100 @@ class Fitting {
     find_reach(block);
   }
 
+  /// Everything, bottom up.
+  void fit_all() const {
+    const std::size_t lowest = tree_.level_begin.size() - 2;
+    if (lowest == 0) fit_lowest(tree_.blocks[0]);
+    for (std::size_t level = lowest; level-- > 0;) {
+      const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
+      core::parallel_for(end - begin, 16,
+                         [&](std::size_t i) { fit_upper(tree_.blocks[begin + i], level + 1 == lowest); });
+    }
+  }
+
+  /// A block whose corners or lanes have changed, and the lane it hangs from. Returns whether that has changed.
+  bool refit(std::uint32_t b, bool is_lowest) const {
+    Block& block = tree_.blocks[b];
+    if (!is_lowest) find_reach(block);
+    const Bound bound = is_lowest ? fit_lowest(block) : enclose(block);
+    if (b == 0) return false;
+    Block& parent = tree_.blocks[block_of(block.parent)];
+    const std::uint32_t lane = lane_of(block.parent);
+    if (lane == 0 && has_left(block, parent)) {
+      fit_upper(parent, is_lowest);
+      return true;
+    }
+    const Bound before = lane_of_block(parent, lane);
+    store(parent, lane, block.origin, bound, 1 / tree_.unit);
+    return before != lane_of_block(parent, lane);
+  }
+
+  /// Whether the model has outgrown the unit of the tree, or shrunk far below it; then the unit is another.
+  bool adapts_unit() const {
+    const Bound root = lane_of_block(tree_.blocks[0], 0);
+    const double unit = unit_for(2 * tree_.unit * length(root.half), max_abs(tree_.blocks[0].origin));
+    if (unit <= 1024 * tree_.unit && tree_.unit <= 1024 * unit) return false;
+    tree_.unit = unit;
+    return true;
+  }
+
  private:
+  /// Fits a block of the lowest level and its leaves.
+  Bound fit_lowest(Block& block) const {
+    return from(kernels_.fit_leaves(source_, tree_.unit, block, tree_.leaves.data() + block.first_child));
+  }
+
+  /// Whether the first child is so far from the origin of its parent, which was its own, that places get blurred.
+  bool has_left(const Block& child, const Block& parent) const {
+    const simd::NodeBounds& n = parent.bounds;
+    const float largest = *std::max_element(n.radius, n.radius + parent.count);
+    return max_abs(child.origin - parent.origin) > 64 * tree_.unit * static_cast<double>(largest);
+  }
+
   Tree& tree_;
   simd::SourceMesh source_;
   const simd::Kernels& kernels_;
 };
 
+std::uint64_t new_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
+double unit_for(double size, double magnitude) {
+  return std::exp2(std::ceil(std::log2(std::max({size, 0x1p-50 * magnitude, 0x1p-300}))));
+}
+
 void fit(Tree& tree, MeshView mesh) {
-  static std::atomic<std::uint64_t> last_id{0};
-  tree.id = ++last_id;
+  tree.id = new_id();
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
+  const Fitting fitting(tree, mesh);
+  fitting.fit_all();
+  if (fitting.adapts_unit()) fitting.fit_all();
+  LIMBER_ASSERT(std::isfinite(tree.blocks[0].bounds.radius[0]));
+}
+
+std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
+  if (changes.is_most_of(tree)) {
+    changes.clear();
+    fit(tree, mesh);
+    return tree.blocks.size();
+  }
+  tree.id = new_id();
   const std::size_t lowest = tree.level_begin.size() - 2;
   const Fitting fitting(tree, mesh);
-  if (lowest == 0) fitting.fit_lowest(tree.blocks[0]);
-  for (std::size_t level = lowest; level-- > 0;) {
-    const std::uint32_t begin = tree.level_begin[level], end = tree.level_begin[level + 1];
-    core::parallel_for(end - begin, 16,
-                       [&](std::size_t i) { fitting.fit_upper(tree.blocks[begin + i], level + 1 == lowest); });
+  std::uint64_t refitted = 0;
+  for (std::size_t level = lowest + 1; level-- > 0;) {
+    for (const std::uint32_t block : changes.blocks(level)) {
+      ++refitted;
+      if (fitting.refit(block, level == lowest)) changes.add_block(level - 1, block_of(tree.blocks[block].parent));
+    }
   }
-  LIMBER_ASSERT(std::isfinite(tree.blocks[0].bounds.radius[0]));
+  changes.clear();
+  if (fitting.adapts_unit()) fit(tree, mesh);
+  return refitted;
 }
 
 }  // namespace limber::tree

@@ -59,6 +59,10 @@ inline Vec3 model_center(const Tree& tree, NodeId node) {
 /// Cost     O(n log n), on the threads of the caller's oneTBB arena; the same tree on any number of them.
 Tree build(MeshView mesh);
 
+/// Length of 1 for a mesh of that size, with coordinates of that magnitude: a power of two near the size; for a mesh
+/// that is a point, near what float64 resolves there.
+double unit_for(double size, double magnitude);
+
 /// Recomputes all bounds from the positions; the shape of the tree and who is in which leaf stay.
 ///
 /// Cost     O(n), parallel as build().

@@ -27,6 +27,11 @@ Result<void> check_shape(const Tree& tree, std::size_t triangles) {
       const Block& block = tree.blocks[b];
       if (block.count == 0 || block.count > width) return broken(1, "number of lanes of block", b);
       if (block.first_child != child) return broken(lowest ? 2 : 1, "first child of block", b);
+      for (std::uint32_t k = 0; k < block.count && !lowest; ++k) {
+        if (child + k < tree.blocks.size() && tree.blocks[child + k].parent != b * width + k) {
+          return broken(1, "parent of block", child + k);
+        }
+      }
       child += block.count;
     }
     if (child != (lowest ? tree.leaves.size() : tree.level_begin[level + 2]))

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "limber/mesh.h"
+
+namespace limber {
+
+/// Whether vertices may be moved that way.
+///
+/// Errors   `size_mismatch`, or `index_out_of_range`, `non_finite`, `too_large` with the first bad entry.
+Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
+
+/// Whether all vertices may be moved that way. Errors as above.
+Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positions);
+
+}  // namespace limber

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tree/changes.h"
+
+#include <algorithm>
+
+#include "core/check.h"
+
+namespace limber::tree {
+namespace {
+
+/// Calls visit(vertex, block) for every corner of every triangle, block by block.
+template <typename Visit>
+void for_each_corner(const Tree& tree, MeshView mesh, const Visit& visit) {
+  for (std::uint32_t b = tree.lowest_level(); b < tree.blocks.size(); ++b) {
+    const Block& block = tree.blocks[b];
+    for (std::uint32_t leaf = block.first_child; leaf < block.first_child + block.count; ++leaf) {
+      for (const TriangleId t : tree.leaves[leaf].triangle) {
+        for (const VertexId v : mesh.triangles[t]) visit(v, b);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Changes::Changes(const Tree& tree, MeshView mesh)
+    : first_(mesh.positions.size() + 1), is_changed_(tree.blocks.size()), changed_(tree.level_begin.size() - 1) {
+  // Blocks come in order, so a vertex that names a block again has just named it.
+  std::vector<std::uint32_t> last(mesh.positions.size(), no_id);
+  for_each_corner(tree, mesh, [&](VertexId v, std::uint32_t block) {
+    first_[v + 1] += last[v] != block ? 1 : 0;
+    last[v] = block;
+  });
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) first_[v + 1] += first_[v];
+  at_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  std::fill(last.begin(), last.end(), no_id);
+  for_each_corner(tree, mesh, [&](VertexId v, std::uint32_t block) {
+    if (last[v] != block) at_[next[v]++] = block;
+    last[v] = block;
+  });
+}
+
+bool Changes::is_most_of(const Tree& tree) const {
+  // A block costs about a third more on its own than in a pass over all.
+  const std::size_t lowest = tree.blocks.size() - tree.lowest_level();
+  return all_ || 4 * changed_.back().size() > 3 * lowest;
+}
+
+void Changes::clear() {
+  for (std::vector<std::uint32_t>& level : changed_) {
+    for (const std::uint32_t block : level) is_changed_[block] = 0;
+    level.clear();
+  }
+  all_ = false;
+  LIMBER_ASSERT(empty());
+}
+
+}  // namespace limber::tree

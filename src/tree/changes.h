@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "limber/mesh.h"
+#include "tree/node.h"
+
+namespace limber::tree {
+
+/// Which blocks of a tree no longer fit their triangles.
+///
+/// A vertex names the blocks of the lowest level that have a triangle at it; they are listed once each. Blocks above
+/// them are listed while they are repaired, level by level.
+class Changes {
+ public:
+  /// Cost     O(n), and about 10 bytes a vertex.
+  Changes(const Tree& tree, MeshView mesh);
+
+  bool empty() const { return !all_ && changed_.back().empty(); }
+
+  /// Every vertex has moved.
+  void add_all() { all_ = true; }
+  void add(VertexId vertex) {
+    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) add_block(changed_.size() - 1, at_[i]);
+  }
+
+  /// Whether so much has changed that it is cheaper to fit everything.
+  bool is_most_of(const Tree& tree) const;
+
+  /// Blocks listed on a level, each once.
+  const std::vector<std::uint32_t>& blocks(std::size_t level) const { return changed_[level]; }
+  void add_block(std::size_t level, std::uint32_t block) {
+    if (is_changed_[block] != 0) return;
+    is_changed_[block] = 1;
+    changed_[level].push_back(block);
+  }
+
+  /// Nothing is listed any more. Cost: O(what was listed).
+  void clear();
+
+ private:
+  std::vector<std::uint32_t> first_, at_;  // blocks at vertex v: at_[first_[v]] up to first_[v + 1]
+  std::vector<std::uint8_t> is_changed_;
+  std::vector<std::vector<std::uint32_t>> changed_;  // by level
+  bool all_ = false;
+};
+
+/// Recomputes the bounds of what has changed, and of what lies above it until nothing changes any more; every block
+/// once, or everything where that is cheaper. Clears `changes`. Returns how many blocks were refitted.
+///
+/// Cost     O(blocks refitted); fit() at most.
+std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes);
+
+}  // namespace limber::tree

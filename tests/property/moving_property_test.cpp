@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Random sequences of updates and queries on the fast engine.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+/// One random update: a few vertices, some twice, some a little and some far; all of them; or one that is refused.
+void update(Rng& rng, Model& model, double size) {
+  const std::vector<Vec3> before = model.mesh().positions();
+  const bool was_committed = model.is_committed();
+  const auto moved = [&](const Vec3& p) {
+    const double step = rng.below(10) == 0 ? size : size * std::pow(10.0, rng.uniform(-8, -1));
+    return p + step * uniform_point(rng);
+  };
+  const std::uint64_t kind = rng.below(10);
+  if (kind == 0) {
+    std::vector<Vec3> positions = before;
+    for (Vec3& p : positions) p = moved(p);
+    RC_ASSERT(static_cast<bool>(model.move_all(positions)));
+    return;
+  }
+  std::vector<VertexId> ids;
+  std::vector<Vec3> positions;
+  for (std::uint64_t i = 0, count = 1 + rng.below(6); i < count; ++i) {
+    ids.push_back(static_cast<VertexId>(rng.below(before.size())));
+    positions.push_back(moved(before[ids.back()]));
+  }
+  if (kind == 1) positions.back().y = std::numeric_limits<double>::quiet_NaN();
+  if (kind == 2) ids.back() = static_cast<VertexId>(before.size());
+  const auto result = model.move_vertices(ids, positions);
+  RC_ASSERT(static_cast<bool>(result) == (kind > 2));
+  if (kind > 2) return;
+  RC_ASSERT(result.error().where == ids.size() - 1);
+  RC_ASSERT(model.mesh().positions() == before);
+  RC_ASSERT(model.is_committed() == was_committed);
+}
+
+RC_GTEST_PROP(FastEngine, StaysSoundAndRightThroughAnySequenceOfUpdates, (std::uint64_t seed)) {
+  Rng rng(seed);
+  const Scene s = arbitrary_scene(rng);
+  Model model_a(s.mesh_a), model_b(s.mesh_b);
+  Pair pair;
+  for (int step = 0; step < 6; ++step) {
+    for (Model* model : {&model_a, &model_b}) {
+      for (std::uint64_t i = 0, count = rng.below(4); i < count; ++i) update(rng, *model, s.size / 4);
+      model->commit();
+      RC_ASSERT(model->is_committed());
+      RC_ASSERT(static_cast<bool>(model->validate()));
+    }
+    const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+    const double slack = 100 * s.tolerance;
+    const double truth = reference::distance({model_a.mesh(), s.pose_a}, {model_b.mesh(), s.pose_b}).upper;
+    const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, pair);
+    RC_ASSERT(std::abs(cold.upper - truth) <= slack);
+    RC_ASSERT(std::abs(warm.upper - truth) <= slack);
+    RC_ASSERT((cold.upper == 0) == (truth == 0) && (warm.upper == 0) == (truth == 0));
+    RC_ASSERT(collide(a, b).collision == (truth == 0));
+    RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
