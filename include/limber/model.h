@@ -133,10 +133,12 @@ CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
 ///          the asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
-/// Pre      Both models are committed; both poses are rigid; the errors are finite and >= 0; max_distance >= 0,
-/// infinity allowed. Errors   None. Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate. Threads
-/// Reentrant; any number of calls may share models. Source   [Quinlan1994] for the error-bounded descent;
-/// docs/algorithms/traversal.md.
+/// Pre      Both models are committed; both poses are rigid; the errors are finite and >= 0; max_distance is >= 0, or
+///          infinite.
+/// Errors   None.
+/// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
+/// Threads  Reentrant; any number of calls may share models.
+/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, Pair& pair);
 

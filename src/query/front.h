@@ -15,8 +15,7 @@ namespace limber::query {
 /// What a traversal has ruled out, and how far the models may move before that has to be looked at again.
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
-/// Differs   The front is not looked at as a whole. All motion is summed up, as an upper bound of what any two points
-/// can
+/// Differs   The front is not looked at as a whole. All motion is summed up, as an upper bound of what two points can
 ///           have come closer by; what was found to be far apart is left alone until that sum has used up its distance.
 ///
 /// A record is one opening: a block, the node it was compared with, the lanes that were ruled out, and a lower bound of

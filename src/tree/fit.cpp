@@ -112,6 +112,21 @@ Bound enclose(const Block& block) {
   return b;
 }
 
+/// The root's ball around what is two levels below the root, `block` being its children; in units, as enclose(). A ball
+/// around balls around balls grows by a quarter on a model that is a ball, and many queries end at the roots.
+double root_radius(const Tree& tree, const Block& block, const Bound& root) {
+  double radius = 0;
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const Block& child = tree.blocks[block.first_child + k];
+    const Vec3 shift = (child.origin - block.origin) * (1 / tree.unit) - root.center;
+    for (std::uint32_t j = 0; j < child.count; ++j) {
+      const Bound lane = lane_of_block(child, j);
+      radius = std::max(radius, furthest(lane, lane.center + shift));
+    }
+  }
+  return std::min(root.radius, radius * outward + 0x1p-40 * (max_abs(root.center) + max_abs(root.half)));
+}
+
 /// Stores a bound that is relative to `origin` in a lane, rounded outward.
 void store(Block& block, std::uint32_t lane, const Vec3& origin, const Bound& b, double per_unit) {
   const Vec3 offset = (origin - block.origin) * per_unit;
@@ -153,7 +168,7 @@ class Fitting {
   void fit_upper(Block& block, bool children_are_lowest) const {
     for (std::uint32_t k = 0; k < block.count; ++k) {
       Block& child = tree_.blocks[block.first_child + k];
-      const Bound bound = children_are_lowest ? fit_lowest(child) : enclose(child);
+      const Bound bound = children_are_lowest ? fit_lowest(child) : fit_higher(child);
       if (k == 0) block.origin = child.origin;
       store(block, k, child.origin, bound, 1 / tree_.unit);
     }
@@ -175,7 +190,7 @@ class Fitting {
   bool refit(std::uint32_t b, bool is_lowest) const {
     Block& block = tree_.blocks[b];
     if (!is_lowest) find_reach(block);
-    const Bound bound = is_lowest ? fit_lowest(block) : enclose(block);
+    const Bound bound = is_lowest ? fit_lowest(block) : fit_higher(block);
     if (b == 0) return false;
     Block& parent = tree_.blocks[block_of(block.parent)];
     const std::uint32_t lane = lane_of(block.parent);
@@ -185,7 +200,8 @@ class Fitting {
     }
     const Bound before = lane_of_block(parent, lane);
     store(parent, lane, block.origin, bound, 1 / tree_.unit);
-    return before != lane_of_block(parent, lane);
+    // The root also goes by the lanes two levels below it.
+    return before != lane_of_block(parent, lane) || &parent == below_root();
   }
 
   /// Whether the model has outgrown the unit of the tree, or shrunk far below it; then the unit is another.
@@ -202,6 +218,16 @@ class Fitting {
   Bound fit_lowest(Block& block) const {
     return from(kernels_.fit_leaves(source_, tree_.unit, block, tree_.leaves.data() + block.first_child));
   }
+
+  /// The same for a block whose children are blocks.
+  Bound fit_higher(const Block& block) const {
+    Bound bound = enclose(block);
+    if (&block == below_root()) bound.radius = root_radius(tree_, block, bound);
+    return bound;
+  }
+
+  /// The block of the root's children.
+  const Block* below_root() const { return &tree_.blocks[1]; }
 
   /// Whether the first child is so far from the origin of its parent, which was its own, that places get blurred.
   bool has_left(const Block& child, const Block& parent) const {

@@ -43,6 +43,12 @@ TEST(Tree, StaysWithinItsMemory) {
   EXPECT_LE(bytes / static_cast<double>(sheet.mesh().triangles().size()), 40);
 }
 
+TEST(Tree, RootIsHardlyLargerThanABall) {
+  // A ball of radius 1: queries far enough from it should not have to go below the root.
+  const Tree tree = tree::build(scenes::ball(160, 80));
+  EXPECT_LT(tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]), 1.2);
+}
+
 TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
   const Mesh mesh = scenes::thesis_sheet();  // 20 000 triangles: enough to be built on several threads
   const auto built_on = [&](std::size_t threads) {
