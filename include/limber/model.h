@@ -15,11 +15,20 @@ namespace limber {
 
 namespace tree {
 struct Tree;
-class Changes;
 }  // namespace tree
 namespace query {
 class Front;
 }
+class Following;
+
+struct ModelOptions {
+  static constexpr double automatic = -1;
+
+  /// How far vertices may go before the tree follows them, a length in the model's frame. Finite and >= 0, or
+  /// `automatic`: the model tries what costs least, repairs and what queries pay for the slack together. With 0, every
+  /// commit() repairs all. Answers do not depend on it.
+  double slack = 0;
+};
 
 struct TreeStats {
   std::uint32_t levels = 0;  ///< of nodes, the root's included; 1 + ceil(log8(leaves))
@@ -32,6 +41,9 @@ struct TreeStats {
 struct MaintenanceStats {
   std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
   std::uint64_t refits = 0;          ///< blocks of up to eight nodes recomputed
+  std::uint64_t absorbed = 0;        ///< moves that the slack made it unnecessary to repair for
+  double extra_steps = 0;            ///< steps of queries that were due to the slack
+  double slack = 0;                  ///< how far vertices may go now
 };
 
 /// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
@@ -41,7 +53,8 @@ struct MaintenanceStats {
 class Model {
  public:
   /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
-  explicit Model(Mesh mesh);
+  /// Pre      Options as their comments say.
+  explicit Model(Mesh mesh, const ModelOptions& options = {});
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;
   ~Model();
@@ -66,7 +79,16 @@ class Model {
   void commit();
   bool is_committed() const;
 
-  MaintenanceStats maintenance_stats() const { return maintenance_; }
+  /// Replaces ModelOptions::slack, from the next move or commit on.
+  void set_slack(double slack);
+
+  /// Starts over with another mesh, whatever its triangles, as a new model with the same options.
+  ///
+  /// Cost     As the constructor.
+  void rebuild(Mesh mesh);
+
+  const ModelOptions& options() const { return options_; }
+  MaintenanceStats maintenance_stats() const;
 
   const Mesh& mesh() const { return mesh_; }
   TreeStats tree_stats() const;
@@ -81,11 +103,12 @@ class Model {
   const tree::Tree& tree() const { return *tree_; }
 
  private:
-  tree::Changes& changes();
+  Following& following();
 
   Mesh mesh_;
+  ModelOptions options_;
   std::unique_ptr<tree::Tree> tree_;
-  std::unique_ptr<tree::Changes> changes_;  // once a vertex has moved
+  std::unique_ptr<Following> following_;  // once a vertex has moved
   MaintenanceStats maintenance_;
 };
 

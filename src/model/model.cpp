@@ -2,34 +2,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "limber/model.h"
 
+#include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "core/check.h"
+#include "model/following.h"
 #include "model/mesh.h"
-#include "tree/changes.h"
 #include "tree/node.h"
 
 namespace limber {
+namespace {
 
-Model::Model(Mesh mesh) : mesh_(std::move(mesh)), tree_(std::make_unique<tree::Tree>(tree::build(mesh_))) {
+bool is_slack(double slack) { return slack == ModelOptions::automatic || (std::isfinite(slack) && slack >= 0); }
+
+}  // namespace
+
+Model::Model(Mesh mesh, const ModelOptions& options)
+    : mesh_(std::move(mesh)), options_(options), tree_(std::make_unique<tree::Tree>(tree::build(mesh_))) {
+  LIMBER_ASSERT(is_slack(options.slack));
   LIMBER_VALIDATE(validate());
 }
 Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
-tree::Changes& Model::changes() {
-  if (changes_ == nullptr) changes_ = std::make_unique<tree::Changes>(*tree_, mesh_);
-  return *changes_;
+Following& Model::following() {
+  if (following_ == nullptr) following_ = std::make_unique<Following>(*tree_, mesh_, options_.slack);
+  return *following_;
 }
+
+void Model::set_slack(double slack) {
+  LIMBER_ASSERT(is_slack(slack));
+  options_.slack = slack;
+  if (following_ != nullptr) following_->set_slack(mesh_, slack);
+}
+
+void Model::rebuild(Mesh mesh) { *this = Model(std::move(mesh), options_); }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   if (auto sound = check_update(mesh_, ids, positions); !sound) return sound;
   if (ids.empty()) return {};
-  tree::Changes& changed = changes();
+  Following& tree = following();
   for (std::size_t i = 0; i < ids.size(); ++i) {
+    const Vec3 from = mesh_.positions()[ids[i]];
     mesh_.set_position(ids[i], positions[i]);
-    changed.add(ids[i]);
+    tree.move(mesh_, ids[i], from);
   }
   maintenance_.moved_vertices += ids.size();
   return {};
@@ -37,19 +56,30 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
   if (auto sound = check_update_of_all(mesh_, positions); !sound) return sound;
-  for (VertexId v = 0; v < positions.size(); ++v) mesh_.set_position(v, positions[v]);
-  changes().add_all();
+  Following& tree = following();
+  double furthest_sq = 0;
+  for (VertexId v = 0; v < positions.size(); ++v) {
+    furthest_sq = std::max(furthest_sq, length_sq(positions[v] - mesh_.positions()[v]));
+    mesh_.set_position(v, positions[v]);
+  }
+  tree.move_all(mesh_, std::sqrt(furthest_sq));
   maintenance_.moved_vertices += positions.size();
   return {};
 }
 
 void Model::commit() {
-  if (is_committed()) return;
-  maintenance_.refits += tree::refit(*tree_, mesh_, *changes_);
+  if (following_ == nullptr) return;
+  following_->commit(mesh_, maintenance_);
   LIMBER_VALIDATE(validate());
 }
 
-bool Model::is_committed() const { return changes_ == nullptr || changes_->empty(); }
+bool Model::is_committed() const { return following_ == nullptr || following_->is_up_to_date(); }
+
+MaintenanceStats Model::maintenance_stats() const {
+  MaintenanceStats stats = maintenance_;
+  stats.slack = following_ != nullptr ? following_->slack() : std::max(0.0, options_.slack);
+  return stats;
+}
 
 TreeStats Model::tree_stats() const {
   TreeStats stats;
@@ -61,6 +91,14 @@ TreeStats Model::tree_stats() const {
   return stats;
 }
 
-Result<void> Model::validate() const { return tree::validate(*tree_, mesh_); }
+Result<void> Model::validate() const {
+  if (following_ == nullptr) return tree::validate(*tree_, mesh_);
+  const MeshView anchored = following_->anchored(mesh_);
+  for (VertexId v = 0; v < anchored.positions.size(); ++v) {
+    if (length(mesh_.positions()[v] - anchored.positions[v]) <= tree_->slack) continue;
+    return Error{ErrorCode::broken_invariant, "I4: beyond the slack is vertex " + std::to_string(v), v};
+  }
+  return tree::validate(*tree_, anchored);
+}
 
 }  // namespace limber

@@ -40,6 +40,7 @@ class Front {
   void start(PlacedPair& placed) {
     forget();
     for (const Side s : {Side::a, Side::b}) id_[index(s)] = placed.tree(s).id;
+    bent_ = bent(placed);
     pose_ = placed.a_from_b();
     error_ = placed.error();
   }
@@ -48,7 +49,8 @@ class Front {
   void move(PlacedPair& placed) {
     LIMBER_ASSERT(is_about(placed));
     const Transform pose = placed.a_from_b();
-    moved_ += placed.most_moved(pose_, error_, pose);
+    moved_ += placed.most_moved(pose_, error_, pose) + (bent(placed) - bent_) + bent_ * 0x1p-50;
+    bent_ = bent(placed);
     pose_ = pose;
     error_ = placed.error();
     openings_ = 0;
@@ -98,11 +100,15 @@ class Front {
   std::span<const Record> records() const { return {records_, count_}; }
 
  private:
+  /// At least the ways that any vertex of either model has gone within its model, together.
+  static double bent(const PlacedPair& placed) { return placed.tree(Side::a).motion + placed.tree(Side::b).motion; }
+
   static constexpr std::uint32_t capacity = 1024;
 
   std::uint64_t id_[2] = {0, 0};
   Transform pose_;
   double error_ = 0;  // of placed points there
+  double bent_ = 0;
   double moved_ = 0;
   std::uint32_t count_ = 0, openings_ = 0, first_openings_ = 0;
   Record records_[capacity];

@@ -32,7 +32,7 @@ class Pending {
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
 
   /// Whether pairs should be taken before more are added that are not their children.
-  bool is_crowded() const { return stack_size_ > width || capacity - used_ < width; }
+  bool is_crowded() const { return stack_size_ > width || (capacity - used_ < width && !empty()); }
 
   /// Adds a pair that is taken before all others.
   void push_first(const NodePair& pair) {

@@ -29,16 +29,20 @@ Transform relative(const Transform& own, const Transform& other) {
 
 double sum_of_sides(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
-double root_radius(const tree::Tree& tree) { return tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]); }
+/// Of a ball around the model.
+double root_radius(const tree::Tree& tree) {
+  return tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]) + tree.slack;
+}
 
-/// Distance of a point from the box or the slab of a root, given its place relative to the root's centre, in its frame.
+/// Distance of a point from a model, by the box or the slab of its root, given its place relative to the root's centre,
+/// in its frame.
 double root_gap(const tree::Tree& tree, const Vec3& point) {
   const simd::NodeBounds& n = tree.blocks[0].bounds;
   const Vec3 out = max(abs(point) - tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]}, Vec3{});
   const double height = dot(Vec3{n.normal_x[0], n.normal_y[0], n.normal_z[0]}, point);
   const double above = height - tree.unit * static_cast<double>(n.high[0]);
   const double below = tree.unit * static_cast<double>(n.low[0]) - height;
-  return std::max({length(out), above, below});
+  return std::max({length(out), above, below}) - tree.slack;
 }
 
 /// At least how far the placed model is from the world's origin.
@@ -86,8 +90,8 @@ void PlacedPair::prepare(Side s) {
   view.per_unit = 1 / side.tree->unit;
   view.other_unit = opposite.tree->unit;
   view.ratio = static_cast<float>(std::min(view.other_unit * view.per_unit, furthest));
-  view.error_units = core::float_up(std::min(error_ * view.per_unit, furthest)) + 0x1p-100F;
-  view.error = error_;
+  view.error = error_ + slack();
+  view.error_units = core::float_up(std::min(view.error * view.per_unit, furthest)) + 0x1p-100F;
 }
 
 Triangle PlacedPair::triangle(Side s, TriangleId t) const {
@@ -108,6 +112,15 @@ double PlacedPair::root_bound() const {
   // Float32 normals, nearly orthonormal rotations, float64 rounding.
   const double slack = (sum_of_sides(between) + radius_a + radius_b) * 0x1p-20 + error_;
   return std::max(0.0, best - slack);
+}
+
+void PlacedPair::pay(double steps) const {
+  for (const Side s : {Side::a, Side::b}) {
+    const tree::Tree& t = tree(s);
+    if (t.paid == nullptr || t.slack == 0) continue;
+    const double share = steps * (t.slack / slack());
+    t.paid->fetch_add(static_cast<std::uint64_t>(share / tree::part_of_step), std::memory_order_relaxed);
+  }
 }
 
 Transform PlacedPair::a_from_b() {

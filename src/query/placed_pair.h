@@ -31,6 +31,12 @@ class PlacedPair {
   /// What float64 rounding can change a length between placed points by.
   double error() const { return error_; }
 
+  /// How much further out than the bounds say corners may be, of both models together.
+  double slack() const { return tree(Side::a).slack + tree(Side::b).slack; }
+
+  /// Notes that so many steps were due to the slack.
+  void pay(double steps) const;
+
   /// What the other model looks like from side `s`.
   const simd::View& view(Side s) {
     PlacedTree& side = sides_[index(s)];

@@ -136,6 +136,7 @@ bool traverse(PlacedPair& placed, query::Front* front, Goal& goal, QueryStats& s
   while (traversal.step()) {
   }
   traversal.finish();
+  if (placed.slack() > 0) placed.pay(traversal.due_to_slack());
   return traversal.dropped();
 }
 

@@ -75,6 +75,9 @@ class Traversal {
     if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.finished());
   }
 
+  /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
+  double due_to_slack() const { return due_to_slack_; }
+
   /// Whether something at least cut() away was left out.
   bool dropped() const { return dropped_; }
 
@@ -120,6 +123,14 @@ class Traversal {
     return (static_cast<int>(looser) | static_cast<int>(closed_b)) > static_cast<int>(closed_a);
   }
 
+  /// How likely a pair that no tight bound is known to keep would have been dropped by one: where everything closer
+  /// than the slack is kept, that depends on how large it is next to the bounds.
+  double chance_of_slack(const NodePair& pair) const {
+    if (tight_sq_ > 0) return 1;
+    const double loose = looseness(Side::a, pair.node[0]) + looseness(Side::b, pair.node[1]);
+    return placed_.slack() / (placed_.slack() + loose);
+  }
+
   void drop() { dropped_ = true; }
 
   /// A lower bound as a length.
@@ -139,6 +150,8 @@ class Traversal {
     if (goal_.cut() == limits_for_) return;
     limits_for_ = goal_.cut();
     placed_.set_cut(limits_for_);
+    const double tight = std::max(0.0, limits_for_ - placed_.slack()) / placed_.tree(Side::a).unit;
+    tight_sq_ = static_cast<float>(std::min(tight * tight, double{Pending::no_bound}));
     for (const Side s : {Side::a, Side::b}) {
       const double units = limits_for_ / placed_.tree(s).unit;
       const double limit =
@@ -159,6 +172,7 @@ class Traversal {
       if (!records && pending_.all_beyond(limit_sq_[0])) pending_.clear();
       return false;
     }
+    if (placed_.slack() > 0 && pair.bound_sq >= tight_sq_) due_to_slack_ += chance_of_slack(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       compare_leaves(pair);
       close(pair, goal_.cut());
@@ -301,6 +315,8 @@ class Traversal {
   float limit_sq_[2] = {0, 0};                         // of what matters, in squared units of either tree
   float to_a_sq_[2] = {1, 1};                          // squared units of either tree in those of a
   float least_sq_ = 0, focus_sq_ = Pending::no_bound;  // what pending_ was told to focus on
+  float tight_sq_ = 0;  // what is nearer would be looked at without slack too, in squared units of a
+  double due_to_slack_ = 0;
   bool dropped_ = false;
   Front* front_ = nullptr;
   bool is_recording_ = false;     // whether front_ will account for everything

@@ -7,6 +7,7 @@
 //           full nearly everywhere and all leaves are on one level.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -121,11 +122,17 @@ std::vector<Item> items_of(const Tree& tree, MeshView mesh, const Vec3& origin) 
   return items;
 }
 
+std::uint64_t new_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
 Tree build(MeshView mesh) {
   LIMBER_ASSERT(!mesh.triangles.empty());
   Tree tree;
+  tree.id = new_id();
   Vec3 low = mesh.triangle(0).v0, high = low;
   for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle corners = mesh.triangle(t);

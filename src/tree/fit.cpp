@@ -6,7 +6,6 @@
 //           The origin of a block is a corner below it, so that differences of origins and corners are as exact as they
 //           are small, wherever the mesh is.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -241,11 +240,6 @@ class Fitting {
   const simd::Kernels& kernels_;
 };
 
-std::uint64_t new_id() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 }  // namespace
 
 double unit_for(double size, double magnitude) {
@@ -253,7 +247,6 @@ double unit_for(double size, double magnitude) {
 }
 
 void fit(Tree& tree, MeshView mesh) {
-  tree.id = new_id();
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
   const Fitting fitting(tree, mesh);
   fitting.fit_all();
@@ -267,7 +260,6 @@ std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
     fit(tree, mesh);
     return tree.blocks.size();
   }
-  tree.id = new_id();
   const std::size_t lowest = tree.level_begin.size() - 2;
   const Fitting fitting(tree, mesh);
   std::uint64_t refitted = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,8 @@
 ///   I2  Every leaf is the child of exactly one lane of the lowest level; every triangle is in exactly one leaf. Lanes
 ///       of the last leaf beyond the triangles repeat its last one.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
-///   I4  A lane's ball, box and slab contain every corner of every triangle below it.
+///   I4  A lane's ball, box and slab contain every corner of every triangle below it, up to `slack`: they hold the
+///       anchors of its vertices.
 ///   I5  A quantised corner is within 0.52 steps, each coordinate, of the corner it stands for.
 ///   I6  `reach` of a block is at least the distance from its origin of every point of its lanes' balls.
 namespace limber::tree {
@@ -30,13 +32,19 @@ using simd::Leaf;
 struct Tree {
   std::vector<Block> blocks;
   std::vector<Leaf> leaves;
-  std::vector<std::uint32_t> level_begin;  // first block of each level, and one past the last
-  double unit = 1;                         // length of 1 in the blocks, a power of two
-  std::uint64_t id = 0;                    // of what is stored here: another one after every change
+  std::vector<std::uint32_t> level_begin;      // first block of each level, and one past the last
+  double unit = 1;                             // length of 1 in the blocks, a power of two
+  std::uint64_t id = 0;                        // of who is where: another one once that has changed
+  double motion = 0;                           // at least the way any vertex has gone since the tree got its id
+  double slack = 0;                            // corners are at most this far from where the bounds hold them
+  std::atomic<std::uint64_t>* paid = nullptr;  // where queries add what the slack has cost them, in part_of_step
 
   /// Blocks from here on have leaves as children.
   std::uint32_t lowest_level() const { return level_begin[level_begin.size() - 2]; }
 };
+
+/// Unit of Tree::paid: queries count steps of a traversal that a tight tree would have been spared.
+inline constexpr double part_of_step = 1.0 / 64;
 
 /// A lane of a block: block * width + lane.
 using NodeId = std::uint32_t;

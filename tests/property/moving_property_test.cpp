@@ -16,6 +16,18 @@
 namespace limber::testing {
 namespace {
 
+/// Another slack, or another mesh.
+void change_settings(Rng& rng, Model& model, double size) {
+  const std::uint64_t kind = rng.below(8);
+  if (kind == 0) {
+    Mesh mesh = model.mesh();
+    return model.rebuild(std::move(mesh));
+  }
+  if (kind <= 2) return model.set_slack(0);
+  if (kind <= 4) return model.set_slack(ModelOptions::automatic);
+  model.set_slack(size * std::pow(10.0, rng.uniform(-9, 0)));
+}
+
 /// One random update: a few vertices, some twice, some a little and some far; all of them; or one that is refused.
 void update(Rng& rng, Model& model, double size) {
   const std::vector<Vec3> before = model.mesh().positions();
@@ -24,7 +36,8 @@ void update(Rng& rng, Model& model, double size) {
     const double step = rng.below(10) == 0 ? size : size * std::pow(10.0, rng.uniform(-8, -1));
     return p + step * uniform_point(rng);
   };
-  const std::uint64_t kind = rng.below(10);
+  const std::uint64_t kind = rng.below(12);
+  if (kind >= 10) return change_settings(rng, model, size);
   if (kind == 0) {
     std::vector<Vec3> positions = before;
     for (Vec3& p : positions) p = moved(p);
@@ -68,6 +81,35 @@ RC_GTEST_PROP(FastEngine, StaysSoundAndRightThroughAnySequenceOfUpdates, (std::u
     RC_ASSERT((cold.upper == 0) == (truth == 0) && (warm.upper == 0) == (truth == 0));
     RC_ASSERT(collide(a, b).collision == (truth == 0));
     RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+  }
+}
+
+RC_GTEST_PROP(FastEngine, FindsWhatHasLeftItsBounds, (std::uint64_t seed)) {
+  // All vertices go where they like within the slack, so bounds say little of where the closest triangles are.
+  Rng rng(seed);
+  const Scene s = arbitrary_scene(rng);
+  const double slack = s.size * std::pow(10.0, rng.uniform(-3, 0));
+  Model model_a(s.mesh_a, {.slack = rng.below(2) == 0 ? slack : 0}), model_b(s.mesh_b, {.slack = slack});
+  Pair pair;
+  for (int step = 0; step < 4; ++step) {
+    for (Model* model : {&model_a, &model_b}) {
+      const std::vector<Vec3>& start = (model == &model_a ? s.mesh_a : s.mesh_b).positions();
+      std::vector<Vec3> positions = start;
+      for (Vec3& p : positions) p += (0.5 * slack) * uniform_point(rng);
+      RC_ASSERT(static_cast<bool>(model->move_all(positions)));
+      model->commit();
+      RC_ASSERT(static_cast<bool>(model->validate()));
+    }
+    RC_ASSERT(model_b.maintenance_stats().refits == 0);
+    const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+    const double truth = reference::distance({model_a.mesh(), s.pose_a}, {model_b.mesh(), s.pose_b}).upper;
+    for (const DistanceResult& found : {distance(a, b), distance(a, b, {}, pair)}) {
+      RC_ASSERT(std::abs(found.upper - truth) <= 100 * s.tolerance);
+      RC_ASSERT((found.upper == 0) == (truth == 0));
+    }
+    RC_ASSERT(collide(a, b).collision == (truth == 0));
+    RC_ASSERT(within(a, b, 2 * truth).within);
+    RC_ASSERT(!within(a, b, 0.5 * truth).within || truth <= 200 * s.tolerance);
   }
 }
 

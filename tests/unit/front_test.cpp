@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "scenes/scenes.h"
+#include "scenes/motions.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
@@ -39,6 +39,23 @@ TEST(Front, BoundsWhatAnyMotionChanges) {
     }
   }
   EXPECT_GT(tightest, 0.5);
+}
+
+TEST(Front, IsGoneThroughToItsEndHoweverManyPairsWait) {
+  // Slack larger than the triangles keeps so many pairs that the queue has once been full.
+  const scenes::Motion waves = scenes::waving_sheet(158, 158);
+  Model sheet(waves.mesh, {.slack = 0.07});
+  std::vector<Vec3> positions = scenes::thesis_ball().positions();
+  for (Vec3& p : positions) p *= 0.25;
+  const Model ball(Mesh::create(positions, scenes::thesis_ball().triangles()).value());
+  Pair pair;
+  for (int frame = 1; frame <= 30; ++frame) {
+    ASSERT_TRUE(static_cast<bool>(sheet.move_all(waves.positions(frame))));
+    sheet.commit();
+    const double angle = 0.01 * frame;
+    const Placed placed{ball, {{}, {2 + 1.2 * scenes::cosine(angle), 2 + 1.2 * scenes::sine(angle), 0.5}}};
+    ASSERT_EQ(distance({sheet}, placed, {}, pair).upper, distance({sheet}, placed).upper) << frame;
+  }
 }
 
 TEST(Front, SurvivesJumpsFromFarAwayToNextToEachOther) {

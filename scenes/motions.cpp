@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scenes/motions.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace limber::scenes {
+namespace {
+
+constexpr std::uint64_t soup_seed = 0x5EED0010, way_seed = 0x5EED0011, jitter_seed = 0x5EED0012;
+constexpr double half_way = 250;  // frames
+
+Vec3 drawn(Rng& rng, double low, double high) {
+  const double x = rng.uniform(low, high), y = rng.uniform(low, high), z = rng.uniform(low, high);
+  return {x, y, z};
+}
+
+/// 0 in frame 0, 1 in frame half_way, 0 again in frame 2 * half_way, and so on.
+double there_and_back(double frame, double half = half_way) {
+  const double phase = frame - 2 * half * std::floor(frame / (2 * half));
+  return (phase <= half ? phase : 2 * half - phase) / half;
+}
+
+/// Positions of frame f are each(vertex, its first position, f).
+template <typename Each>
+Motion motion(std::string name, Mesh mesh, Each each) {
+  const auto start = std::make_shared<const std::vector<Vec3>>(mesh.positions());
+  return {std::move(name), std::move(mesh), [start, each](double frame) {
+            std::vector<Vec3> positions = *start;
+            for (std::size_t v = 0; v < positions.size(); ++v) positions[v] = each(v, positions[v], frame);
+            return positions;
+          }};
+}
+
+Vec3 turned_about_z(const Vec3& p, double angle) {
+  const double c = cosine(angle), s = sine(angle);
+  return {c * p.x - s * p.y, s * p.x + c * p.y, p.z};
+}
+
+/// Triangle soups move by triangles.
+Motion moving_soup(std::string name, std::uint32_t triangles, std::vector<Vec3> ways) {
+  Rng rng(soup_seed);
+  auto shared = std::make_shared<const std::vector<Vec3>>(std::move(ways));
+  return motion(std::move(name), random_soup(rng, triangles, 0.05),
+                [shared](std::size_t v, const Vec3& p, double frame) {
+                  return p + (frame / (2.0 * half_way)) * (*shared)[v / 3];
+                });
+}
+
+/// Middles of the triangles of a soup.
+std::vector<Vec3> middles(std::uint32_t triangles) {
+  Rng rng(soup_seed);
+  const Mesh soup = random_soup(rng, triangles, 0.05);
+  std::vector<Vec3> found;
+  for (TriangleId t = 0; t < triangles; ++t) {
+    const Triangle corners = soup.triangle(t);
+    found.push_back((corners.v0 + corners.v1 + corners.v2) * (1.0 / 3));
+  }
+  return found;
+}
+
+}  // namespace
+
+Motion waving_sheet(std::uint32_t nx, std::uint32_t ny) {
+  return motion("waving sheet", wave_sheet(nx, ny, 0), [](std::size_t, const Vec3& p, double frame) {
+    const double phase = 0.37 * frame;
+    return Vec3{p.x, p.y, 0.1 * sine(4 * p.x + phase) * cosine(5 * p.y - 0.7 * phase)};
+  });
+}
+
+Motion twisting_bar(std::uint32_t per_side) {
+  // A sheet rolled up along x, closed by coincident vertices.
+  const Mesh sheet = grid(4 * per_side, 8 * per_side, 0, 0, 1.0 / per_side, 1.0 / per_side);
+  std::vector<Vec3> positions = sheet.positions();
+  for (Vec3& p : positions) {
+    const double along = p.x - std::floor(p.x);
+    const double z = p.y - 4;
+    switch (static_cast<int>(p.x) % 4) {
+      case 0:
+        p = {along - 0.5, -0.5, z};
+        break;
+      case 1:
+        p = {0.5, along - 0.5, z};
+        break;
+      case 2:
+        p = {0.5 - along, 0.5, z};
+        break;
+      default:
+        p = {-0.5, 0.5 - along, z};
+        break;
+    }
+  }
+  return motion("twisting bar", Mesh::create(std::move(positions), sheet.triangles()).value(),
+                [](std::size_t, const Vec3& p, double frame) {
+                  constexpr double two_turns = 12.566370614359172;
+                  return turned_about_z(p, two_turns * there_and_back(frame) * (1 - std::abs(p.z) / 4));
+                });
+}
+
+Motion crumpling_cloth(std::uint32_t n) {
+  return motion("crumpling cloth", grid(n, n, -1, -1, 2.0 / n, 2.0 / n), [](std::size_t, const Vec3& p, double frame) {
+    const double t = there_and_back(frame), shrunk = 1 - 0.67 * t;
+    Vec3 place{shrunk * p.x, shrunk * p.y, 0};
+    // Folds in seven directions, each finer and lower than the last.
+    double fineness = 3, height = 0.25;
+    for (int k = 0; k < 7; ++k) {
+      const double angle = 2.4 * k, across = fineness * (cosine(angle) * p.x + sine(angle) * p.y);
+      const double wave = height * t * sine(across + 0.7 * k + 3 * t);
+      place += Vec3{0.6 * wave * cosine(1.3 * k), 0.6 * wave * sine(1.3 * k), wave};
+      fineness *= 1.45, height *= 0.75;
+    }
+    return place;
+  });
+}
+
+Motion exploding_soup(std::uint32_t triangles) {
+  Rng rng(way_seed);
+  std::vector<Vec3> ways = middles(triangles);
+  for (Vec3& way : ways) way = 7 * way + drawn(rng, -1, 1);
+  return moving_soup("exploding soup", triangles, std::move(ways));
+}
+
+Motion shuffled_soup(std::uint32_t triangles) {
+  Rng rng(way_seed);
+  const std::vector<Vec3> places = middles(triangles);
+  std::vector<std::uint32_t> goal(triangles);
+  for (std::uint32_t t = 0; t < triangles; ++t) goal[t] = t;
+  for (std::uint32_t t = triangles; t > 1; --t) std::swap(goal[t - 1], goal[rng.below(t)]);
+  std::vector<Vec3> ways;
+  for (std::uint32_t t = 0; t < triangles; ++t) ways.push_back(places[goal[t]] - places[t]);
+  return moving_soup("shuffled soup", triangles, std::move(ways));
+}
+
+Motion jittering_sheet(std::uint32_t nx, std::uint32_t ny, double reach) {
+  return motion("jittering sheet", wave_sheet(nx, ny, 0), [reach](std::size_t v, const Vec3& p, double frame) {
+    // The last frame, before or at this one, in which it was this vertex's turn.
+    Rng order(jitter_seed + v);
+    const auto now = static_cast<std::uint64_t>(frame), turn = 1 + order.below(20);
+    if (now < turn) return p;
+    Rng rng(jitter_seed + (std::uint64_t{v} << 20) + (now - turn) / 20);
+    return p + drawn(rng, -reach / 2, reach / 2);
+  });
+}
+
+Motion morph(const std::string& name, const Mesh& from, const Mesh& to, std::uint32_t frames) {
+  const auto goal = std::make_shared<const std::vector<Vec3>>(to.positions());
+  return motion(name, from, [goal, frames](std::size_t v, const Vec3& p, double frame) {
+    return p + there_and_back(frame, frames) * ((*goal)[v] - p);
+  });
+}
+
+}  // namespace limber::scenes

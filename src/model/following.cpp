@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/following.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+
+namespace limber {
+namespace {
+
+// Covers the rounding of lengths and of sums of them.
+constexpr double outward = 1 + 0x1p-40;
+
+// What things cost, in ns: only the ratios matter, and those are much the same on all machines.
+constexpr double ns_of_refit = 600, ns_of_refit_in_pass = 450, ns_of_step = 110;
+
+}  // namespace
+
+Following::Following(tree::Tree& tree, const Mesh& mesh, double slack)
+    : tree_(tree), changes_(tree, mesh), moved_in_(mesh.positions().size()), chosen_slack_(slack) {
+  if (slack == 0) return;
+  anchors_ = mesh.positions();
+  tree_.paid = &paid_;
+}
+
+double Following::slack() const { return is_tuned() ? tuner_.slack() : chosen_slack_; }
+
+void Following::set_slack(const Mesh& mesh, double slack) {
+  LIMBER_ASSERT(slack >= 0 || slack == ModelOptions::automatic);
+  if (anchors_.empty() && slack != 0) anchors_ = mesh.positions();
+  tree_.paid = anchors_.empty() ? nullptr : &paid_;
+  if (slack == ModelOptions::automatic && !is_tuned()) tuner_ = {};
+  chosen_slack_ = slack;
+  tightens_ = !anchors_.empty();
+}
+
+MeshView Following::anchored(const Mesh& mesh) const {
+  return anchors_.empty() ? mesh.view() : MeshView{anchors_, mesh.triangles()};
+}
+
+void Following::anchor(const Mesh& mesh, VertexId vertex) {
+  anchors_[vertex] = mesh.positions()[vertex];
+  changes_.add(vertex);
+  ++anchored_;
+}
+
+void Following::move(const Mesh& mesh, VertexId vertex, const Vec3& from) {
+  const Vec3& to = mesh.positions()[vertex];
+  has_moved_ = true;
+  const double step = length(to - from);
+  if (moved_in_[vertex] == commit_) {
+    more_steps_ += step;
+  } else {
+    first_step_ = std::max(first_step_, step);
+    moved_in_[vertex] = commit_;
+  }
+  if (anchors_.empty()) return changes_.add(vertex);
+  ++since_found_;
+  const double away_sq = length_sq(to - anchors_[vertex]), most = slack();
+  if (away_sq > most * most) return anchor(mesh, vertex);
+  furthest_sq_ = std::max(furthest_sq_, away_sq);
+  ++absorbed_;
+}
+
+void Following::move_all(const Mesh& mesh, double step) {
+  has_moved_ = true;
+  more_steps_ += step;
+  if (anchors_.empty()) return changes_.add_all();
+  const std::size_t count = mesh.positions().size();
+  absorbed_ += count - anchor_far(mesh);
+}
+
+std::size_t Following::anchor_far(const Mesh& mesh) {
+  const std::vector<Vec3>& positions = mesh.positions();
+  const double most_sq = slack() * slack();
+  far_.clear();
+  furthest_sq_ = 0;
+  since_found_ = 0;
+  for (VertexId v = 0; v < positions.size(); ++v) {
+    const double away_sq = length_sq(positions[v] - anchors_[v]);
+    if (away_sq > most_sq) {
+      far_.push_back(v);
+    } else {
+      furthest_sq_ = std::max(furthest_sq_, away_sq);
+    }
+  }
+  // Where everything is fitted in one pass, the others come along for nothing.
+  if (4 * far_.size() > positions.size()) {
+    anchors_ = positions;
+    changes_.add_all();
+    furthest_sq_ = 0;
+    anchored_ += positions.size();
+  } else {
+    for (const VertexId v : far_) anchor(mesh, v);
+  }
+  return far_.size();
+}
+
+void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
+  if (!has_moved_ && !tightens_) return;
+  if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
+  tightens_ = false;
+  const bool in_pass = changes_.is_most_of(tree_);
+  const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
+  const double step = (first_step_ + more_steps_) * outward;
+  tree_.motion += step;
+  stats.refits += refits;
+  stats.absorbed += absorbed_;
+  if (!anchors_.empty()) {
+    tree_.slack = std::sqrt(furthest_sq_) * outward;
+    const double paid = static_cast<double>(paid_.exchange(0, std::memory_order_relaxed)) * tree::part_of_step;
+    stats.extra_steps += paid;
+    if (is_tuned()) {
+      const double before = tuner_.slack();
+      tuner_.add(static_cast<double>(refits) * (in_pass ? ns_of_refit_in_pass : ns_of_refit), paid * ns_of_step, step,
+                 anchored_ == 0);
+      tightens_ = tuner_.slack() < before;
+    } else if (chosen_slack_ == 0) {
+      anchors_ = {};
+      tree_.paid = nullptr;
+    }
+  }
+  LIMBER_ASSERT(!anchors_.empty() || tree_.slack == 0);
+  has_moved_ = false;
+  first_step_ = more_steps_ = 0;
+  absorbed_ = anchored_ = 0;
+  if (++commit_ == 0) {
+    std::fill(moved_in_.begin(), moved_in_.end(), 0);
+    commit_ = 1;
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "limber/model.h"
+#include "model/slack_tuner.h"
+#include "tree/changes.h"
+
+namespace limber {
+
+/// How a tree follows the vertices of its model.
+///
+/// Based on  Loose bounding [Quinlan1994] in the form the thesis proposes: small motions are absorbed.
+/// Differs   Bounds are not made larger. They are fitted to anchors, one for each vertex; a vertex may leave its anchor
+/// by
+///           a given slack, and queries allow for what the furthest has in fact gone.
+class Following {
+ public:
+  Following(tree::Tree& tree, const Mesh& mesh, double slack);
+  Following(const Following&) = delete;
+  Following& operator=(const Following&) = delete;
+
+  /// From the next move or commit on.
+  void set_slack(const Mesh& mesh, double slack);
+
+  /// The mesh has moved one vertex.
+  void move(const Mesh& mesh, VertexId vertex, const Vec3& from);
+  /// The mesh has moved all of them, each by at most `step`.
+  void move_all(const Mesh& mesh, double step);
+
+  bool is_up_to_date() const { return !has_moved_; }
+  void commit(const Mesh& mesh, MaintenanceStats& stats);
+
+  /// Where the bounds hold the vertices.
+  MeshView anchored(const Mesh& mesh) const;
+  /// What vertices may be away from there.
+  double slack() const;
+
+ private:
+  bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
+  void anchor(const Mesh& mesh, VertexId vertex);
+  /// Moves the anchors of vertices that have gone too far, and finds the furthest of the others. Returns how many had.
+  std::size_t anchor_far(const Mesh& mesh);
+
+  tree::Tree& tree_;
+  tree::Changes changes_;
+  bool has_moved_ = false;
+  bool tightens_ = false;  // whether the slack has become less since vertices were last compared with it
+
+  // Of vertices since the last commit: the longest first step, and all others together.
+  double first_step_ = 0, more_steps_ = 0;
+  std::uint32_t commit_ = 1;
+  std::vector<std::uint32_t> moved_in_;  // commit that a vertex has last been moved for
+
+  double chosen_slack_;
+  std::vector<Vec3> anchors_;                  // empty while there is no slack
+  std::vector<VertexId> far_;                  // scratch
+  double furthest_sq_ = 0;                     // from its anchor
+  std::size_t since_found_ = 0;                // vertices moved since that was exact
+  std::uint64_t absorbed_ = 0, anchored_ = 0;  // since the last commit
+  SlackTuner tuner_;
+  std::atomic<std::uint64_t> paid_{0};
+};
+
+}  // namespace limber
