@@ -58,6 +58,8 @@ class Mesh {
 
   /// Replaces one position. Pre: `id` exists; `position` is finite and not above `max_coordinate`.
   void set_position(VertexId id, const Vec3& position);
+  /// Replaces all of them. Pre: as many as there are, each as above.
+  void set_positions(std::span<const Vec3> positions);
 
  private:
   Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles);

@@ -14,14 +14,19 @@ namespace {
 constexpr double outward = 1 + 0x1p-40;
 
 // What things cost, in ns: only the ratios matter, and those are much the same on all machines.
-constexpr double ns_of_refit = 600, ns_of_refit_in_pass = 450, ns_of_step = 110;
+constexpr double ns_of_refit = 400, ns_of_refit_in_pass = 270, ns_of_step = 110;
 
 }  // namespace
 
 Following::Following(tree::Tree& tree, const Mesh& mesh, double slack)
     : tree_(tree), changes_(tree, mesh), moved_in_(mesh.positions().size()), chosen_slack_(slack) {
-  if (slack == 0) return;
+  if (this->slack() > 0) start_anchors(mesh);
+}
+
+void Following::start_anchors(const Mesh& mesh) {
   anchors_ = mesh.positions();
+  furthest_sq_ = 0;
+  since_found_ = 0;
   tree_.paid = &paid_;
 }
 
@@ -29,10 +34,9 @@ double Following::slack() const { return is_tuned() ? tuner_.slack() : chosen_sl
 
 void Following::set_slack(const Mesh& mesh, double slack) {
   LIMBER_ASSERT(slack >= 0 || slack == ModelOptions::automatic);
-  if (anchors_.empty() && slack != 0) anchors_ = mesh.positions();
-  tree_.paid = anchors_.empty() ? nullptr : &paid_;
   if (slack == ModelOptions::automatic && !is_tuned()) tuner_ = {};
   chosen_slack_ = slack;
+  if (anchors_.empty() && this->slack() > 0) start_anchors(mesh);
   tightens_ = !anchors_.empty();
 }
 
@@ -62,6 +66,7 @@ void Following::move(const Mesh& mesh, VertexId vertex, const Vec3& from) {
   if (away_sq > most * most) return anchor(mesh, vertex);
   furthest_sq_ = std::max(furthest_sq_, away_sq);
   ++absorbed_;
+  if (is_tuned()) changes_.spare(vertex);
 }
 
 void Following::move_all(const Mesh& mesh, double step) {
@@ -70,6 +75,7 @@ void Following::move_all(const Mesh& mesh, double step) {
   if (anchors_.empty()) return changes_.add_all();
   const std::size_t count = mesh.positions().size();
   absorbed_ += count - anchor_far(mesh);
+  spares_all_ = true;
 }
 
 std::size_t Following::anchor_far(const Mesh& mesh) {
@@ -86,14 +92,15 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
       furthest_sq_ = std::max(furthest_sq_, away_sq);
     }
   }
-  // Where everything is fitted in one pass, the others come along for nothing.
-  if (4 * far_.size() > positions.size()) {
-    anchors_ = positions;
-    changes_.add_all();
-    furthest_sq_ = 0;
-    anchored_ += positions.size();
-  } else {
-    for (const VertexId v : far_) anchor(mesh, v);
+  for (const VertexId v : far_) {
+    anchor(mesh, v);
+    if (changes_.is_most_of(tree_)) {
+      // Everything is fitted in one pass; all others come along for nothing.
+      anchors_ = positions;
+      changes_.add_all();
+      furthest_sq_ = 0;
+      break;
+    }
   }
   return far_.size();
 }
@@ -103,27 +110,34 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
   tightens_ = false;
   const bool in_pass = changes_.is_most_of(tree_);
+  const std::size_t spared = changes_.spared_count();
   const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
   const double step = (first_step_ + more_steps_) * outward;
   tree_.motion += step;
   stats.refits += refits;
   stats.absorbed += absorbed_;
+  double paid = 0;
   if (!anchors_.empty()) {
     tree_.slack = std::sqrt(furthest_sq_) * outward;
-    const double paid = static_cast<double>(paid_.exchange(0, std::memory_order_relaxed)) * tree::part_of_step;
+    paid = static_cast<double>(paid_.exchange(0, std::memory_order_relaxed)) * tree::part_of_step;
     stats.extra_steps += paid;
-    if (is_tuned()) {
-      const double before = tuner_.slack();
-      tuner_.add(static_cast<double>(refits) * (in_pass ? ns_of_refit_in_pass : ns_of_refit), paid * ns_of_step, step,
-                 anchored_ == 0);
-      tightens_ = tuner_.slack() < before;
-    } else if (chosen_slack_ == 0) {
-      anchors_ = {};
-      tree_.paid = nullptr;
-    }
+  }
+  if (slack() == 0 && !anchors_.empty()) {
+    // All have been caught up with.
+    anchors_.clear();
+    tree_.paid = nullptr;
+  }
+  if (is_tuned()) {
+    const double before = tuner_.slack();
+    const double pass = ns_of_refit_in_pass * static_cast<double>(tree_.blocks.size());
+    const double repairs = in_pass ? pass : ns_of_refit * static_cast<double>(refits);
+    const double tight = spares_all_ ? pass : std::min(pass, repairs + ns_of_refit * static_cast<double>(spared));
+    tuner_.add({repairs, tight, paid * ns_of_step, step, !anchors_.empty() && anchored_ == 0});
+    tightens_ = tuner_.slack() < before;
+    if (anchors_.empty() && tuner_.slack() > 0) start_anchors(mesh);
   }
   LIMBER_ASSERT(!anchors_.empty() || tree_.slack == 0);
-  has_moved_ = false;
+  has_moved_ = spares_all_ = false;
   first_step_ = more_steps_ = 0;
   absorbed_ = anchored_ = 0;
   if (++commit_ == 0) {

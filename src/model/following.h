@@ -44,6 +44,7 @@ class Following {
 
  private:
   bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
+  void start_anchors(const Mesh& mesh);
   void anchor(const Mesh& mesh, VertexId vertex);
   /// Moves the anchors of vertices that have gone too far, and finds the furthest of the others. Returns how many had.
   std::size_t anchor_far(const Mesh& mesh);
@@ -51,7 +52,8 @@ class Following {
   tree::Tree& tree_;
   tree::Changes changes_;
   bool has_moved_ = false;
-  bool tightens_ = false;  // whether the slack has become less since vertices were last compared with it
+  bool spares_all_ = false;  // whether all have moved, but not all were repaired for
+  bool tightens_ = false;    // whether the slack has become less since vertices were last compared with it
 
   // Of vertices since the last commit: the longest first step, and all others together.
   double first_step_ = 0, more_steps_ = 0;

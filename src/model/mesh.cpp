@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/mesh.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -41,6 +43,14 @@ Result<void> check_new_positions(std::span<const Vec3> positions) {
 }  // namespace
 
 Result<void> check_positions(std::span<const Vec3> positions) {
+  // All at once, since nearly always all are sound; NaN is below nothing.
+  bool sound = true;
+  for (const Vec3& p : positions) {
+    sound &= static_cast<bool>(static_cast<int>(std::abs(p.x) <= max_coordinate) &
+                               static_cast<int>(std::abs(p.y) <= max_coordinate) &
+                               static_cast<int>(std::abs(p.z) <= max_coordinate));
+  }
+  if (sound) return {};
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (!is_finite(positions[v])) return at_vertex(ErrorCode::non_finite, v, "is not finite");
     if (max_abs(positions[v]) > max_coordinate) {
@@ -80,6 +90,12 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
   LIMBER_ASSERT(id < positions_.size());
   LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
   positions_[id] = position;
+}
+
+void Mesh::set_positions(std::span<const Vec3> positions) {
+  LIMBER_ASSERT(positions.size() == positions_.size());
+  LIMBER_ASSERT(static_cast<bool>(check_positions(positions)));
+  std::copy(positions.begin(), positions.end(), positions_.begin());
 }
 
 Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {

@@ -60,8 +60,8 @@ Result<void> Model::move_all(std::span<const Vec3> positions) {
   double furthest_sq = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
     furthest_sq = std::max(furthest_sq, length_sq(positions[v] - mesh_.positions()[v]));
-    mesh_.set_position(v, positions[v]);
   }
+  mesh_.set_positions(positions);
   tree.move_all(mesh_, std::sqrt(furthest_sq));
   maintenance_.moved_vertices += positions.size();
   return {};

@@ -4,69 +4,89 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace limber {
+namespace {
 
-double SlackTuner::slack_of(int choice) const { return choice == 0 ? 0 : std::ldexp(step_, choice - 1); }
+double mixed(double old, double now, double share) { return old + share * (now - old); }
+
+}  // namespace
+
+double SlackTuner::slack() const {
+  if (step_ == 0) return std::numeric_limits<double>::infinity();
+  return choice_ == 0 ? 0 : std::ldexp(step_, choice_ - 1);
+}
 
 void SlackTuner::start_over() {
   trials_ = {};
   step_ = recent_step_;
-  choice_ = best_ = 0;
-  trial_ = 0;
-  cost_ = 0;
+  choice_ = 1, best_ = 0;
+  trial_count_ = 0;
+  cost_ = repair_cost_ = 0;
   commits_ = repairs_ = 0;
   all_absorbed_ = true;
 }
 
-void SlackTuner::add(double repairs, double queries, double step, bool all_absorbed) {
-  if (step > 0) recent_step_ = recent_step_ == 0 ? step : 0.75 * recent_step_ + 0.25 * step;
-  // The motion has become another one.
-  if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_) return start_over();
-  cost_ += repairs + queries;
+void SlackTuner::add(const Costs& costs) {
+  if (costs.step > 0) recent_step_ = recent_step_ == 0 ? costs.step : mixed(recent_step_, costs.step, 0.25);
+  // The first step, or another kind of motion.
+  if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_) start_over();
+  trial(0).cost = trial(0).cost < 0 ? costs.tight_repairs : mixed(trial(0).cost, costs.tight_repairs, 0.1);
+  cost_ += costs.repairs + costs.queries;
+  repair_cost_ += costs.repairs;
   ++commits_;
-  repairs_ += repairs > 0 ? 1 : 0;
-  all_absorbed_ = all_absorbed_ && all_absorbed;
-  const double best = trials_[static_cast<std::size_t>(best_)].cost;
-  const bool is_hopeless = choice_ != best_ && best >= 0 && cost_ > 2 * best * shortest_trial;
-  // Costs come in waves from one repair to the next; a trial needs whole ones.
-  const bool is_whole = commits_ >= shortest_trial && (repairs_ >= 3 || all_absorbed_);
-  if (is_hopeless || is_whole || commits_ >= longest_trial) finish_trial(cost_ / commits_, all_absorbed_);
+  repairs_ += costs.repairs > 0 ? 1 : 0;
+  all_absorbed_ = all_absorbed_ && costs.all_absorbed;
+  if (is_over()) finish_trial();
 }
 
-void SlackTuner::finish_trial(double cost, bool all_absorbed) {
-  Trial& tried = trials_[static_cast<std::size_t>(choice_)];
-  Trial& best = trials_[static_cast<std::size_t>(best_)];
-  // What has changed by itself makes all that is known of the others old.
-  if (choice_ == best_ && best.cost >= 0 && (cost > 2 * best.cost || 2 * cost < best.cost)) {
-    for (Trial& trial : trials_) trial = {};
-  }
-  tried.cost = choice_ == best_ && tried.cost >= 0 ? 0.5 * (tried.cost + cost) : cost;
-  ++trial_;
-  if (choice_ != best_) {
-    if (cost < best.cost) {
+bool SlackTuner::is_over() {
+  const bool is_hopeless = choice_ != best_ && cost_ > trial(best_).cost * (commits_ + 1);
+  // Costs come in waves from one repair to the next; a trial needs whole ones, and slack takes time to be used up.
+  const bool is_used_up = commits_ * recent_step_ >= 2 * slack();
+  const bool is_whole = commits_ >= shortest_trial && is_used_up && (repairs_ >= 3 || all_absorbed_);
+  return is_hopeless || is_whole || commits_ >= longest_trial;
+}
+
+void SlackTuner::finish_trial() {
+  const double cost = cost_ / commits_;
+  Trial& tried = trial(choice_);
+  ++trial_count_;
+  if (choice_ == best_) {
+    // When the best has become another, all that is known of the others is old.
+    if (tried.cost >= 0 && (cost > 2 * tried.cost || 2 * cost < tried.cost)) {
+      for (int k = 1; k < choices; ++k) trial(k) = {};
+    }
+    if (choice_ != 0) tried.cost = tried.cost < 0 ? cost : mixed(tried.cost, cost, 0.5);
+  } else {
+    tried.cost = cost;
+    if (cost < trial(best_).cost) {
       best_ = choice_;
-      for (Trial& trial : trials_) trial.wait = first_wait, trial.due = trial_;
+      for (Trial& t : trials_) t.wait = first_wait, t.due = trial_count_;
     } else {
-      tried.wait = std::min(2 * tried.wait, longest_wait);
-      tried.due = trial_ + tried.wait;
+      tried.wait = std::min((cost > 2 * trial(best_).cost ? 8 : 2) * tried.wait, longest_wait);
+      tried.due = trial_count_ + tried.wait;
     }
   }
-  choice_ = next_choice(all_absorbed);
-  cost_ = 0;
+  if (trial(0).cost < trial(best_).cost) best_ = 0;
+  choice_ = next_choice();
+  cost_ = repair_cost_ = 0;
   commits_ = repairs_ = 0;
   all_absorbed_ = true;
 }
 
-int SlackTuner::next_choice(bool all_absorbed) {
+int SlackTuner::next_choice() {
   if (choice_ != best_) return best_;
-  // More slack gains nothing where all is absorbed.
-  const int up = best_ + 1, down = best_ - 1;
-  if (!all_absorbed && up < choices && trials_[static_cast<std::size_t>(up)].due <= trial_) return up;
-  if (down >= 0 && trials_[static_cast<std::size_t>(down)].due <= trial_) return down;
-  // A plateau hides what lies behind it: one slack that absorbs nothing costs as much as another.
-  const int beyond = best_ + 2;
-  if (!all_absorbed && beyond < choices && trials_[static_cast<std::size_t>(beyond)].due <= trial_) return beyond;
+  // More slack saves repairs at best, less what queries pay.
+  const bool may_gain = best_ == 0 || 3 * repair_cost_ > cost_;
+  if (may_gain) {
+    // A plateau hides what lies behind it: one slack that absorbs little costs as much as another.
+    int up = best_ + 1;
+    while (up < choices && !is_due(up) && trial(up).cost < 1.1 * trial(best_).cost) ++up;
+    if (is_due(up)) return up;
+  }
+  if (3 * repair_cost_ < 2 * cost_ && is_due(best_ - 1)) return best_ - 1;
   return best_;
 }
 

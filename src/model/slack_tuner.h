@@ -9,41 +9,50 @@ namespace limber {
 
 /// Finds the slack at which repairs and what queries pay for the slack cost least together.
 ///
-/// The costs of a few commits at one slack are compared with those at twice and at half of it, and the best is kept;
-/// ever more rarely the others are tried again. The smallest slack but none is the largest step of a vertex in one
-/// commit: below that, slack absorbs nothing. Counts decide, not clocks, so the same calls give the same slack on every
-/// machine.
+/// The costs of some commits at one slack are compared with those at twice and at half of it, and with what repairs
+/// would have cost without any; the best is kept, and the others are tried ever more rarely. The least slack that is
+/// tried is the longest step of a vertex in one commit: less would absorb little. Counts decide, not clocks, so the
+/// same calls give the same slack on every machine.
 class SlackTuner {
  public:
-  /// What vertices may be away from their anchors.
-  double slack() const { return slack_of(choice_); }
+  /// What vertices may be away from their anchors: anything, before the first commit.
+  double slack() const;
 
-  /// Tells what the time from one commit to the next has cost, in any one unit: for repairs, and for what queries did
-  /// because of the slack. `step` is the longest way of a vertex, `all_absorbed` whether there was nothing to repair.
-  void add(double repairs, double queries, double step, bool all_absorbed);
+  /// What the time from one commit to the next has cost, in any one unit.
+  struct Costs {
+    double repairs;
+    double tight_repairs;  ///< what they would have been without slack
+    double queries;        ///< what queries did because of the slack
+    double step;           ///< the longest way of a vertex, a length
+    bool all_absorbed;     ///< whether slack made all repairs unnecessary
+  };
+  void add(const Costs& costs);
 
  private:
   // Choice 0 is no slack; choice k is 2^(k - 1) steps.
   static constexpr int choices = 14;
-  static constexpr int shortest_trial = 6, longest_trial = 48;      // commits
-  static constexpr std::int64_t first_wait = 1, longest_wait = 16;  // trials of the best between others
+  static constexpr int shortest_trial = 6, longest_trial = 128;     // commits
+  static constexpr std::int64_t first_wait = 1, longest_wait = 64;  // trials of the best between others
 
   struct Trial {
     double cost = -1;                         // a commit; negative when not known
     std::int64_t wait = first_wait, due = 0;  // number of the trial at which it may be tried again
   };
 
-  double slack_of(int choice) const;
-  void finish_trial(double cost, bool all_absorbed);
-  int next_choice(bool all_absorbed);
+  Trial& trial(int choice) { return trials_[static_cast<std::size_t>(choice)]; }
+  bool is_due(int choice) { return choice >= 1 && choice < choices && trial(choice).due <= trial_count_; }
+  bool is_over();
+  void finish_trial();
+  int next_choice();
   void start_over();
 
   std::array<Trial, choices> trials_{};
   double step_ = 0;  // length that the choices are multiples of
   double recent_step_ = 0;
-  int choice_ = 0, best_ = 0;
-  std::int64_t trial_ = 0;
-  double cost_ = 0;
+  int choice_ = 1, best_ = 0;
+  std::int64_t trial_count_ = 0;
+  // Of the trial that is under way.
+  double cost_ = 0, repair_cost_ = 0;
   int commits_ = 0, repairs_ = 0;
   bool all_absorbed_ = true;
 };

@@ -290,11 +290,14 @@ class Traversal {
     const tree::Leaf& b = placed_.tree(Side::b).leaves[child_of(Side::b, pair.node[1])];
     for (std::uint32_t i = 0; i < found.count && !goal_.finished(); ++i) {
       const double reach = goal_.cut() * found.scale + static_cast<double>(found.error);
-      if (static_cast<double>(found.pairs[i].bound_sq) >= reach * reach * (1 + 0x1p-20)) {
+      const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
+      if (bound_sq >= reach * reach * (1 + 0x1p-20)) {
         drop();
-      } else {
-        compare_triangles(a.triangle[found.pairs[i].lane_a], b.triangle[found.pairs[i].lane_b]);
+        continue;
       }
+      const double tight = reach - placed_.slack() * found.scale;
+      if (placed_.slack() > 0 && bound_sq >= tight * tight) due_to_slack_ += 1;
+      compare_triangles(a.triangle[found.pairs[i].lane_a], b.triangle[found.pairs[i].lane_b]);
     }
   }
 

@@ -53,6 +53,8 @@ void Changes::clear() {
     for (const std::uint32_t block : level) is_changed_[block] = 0;
     level.clear();
   }
+  for (const std::uint32_t block : spared_) is_changed_[block] = 0;
+  spared_.clear();
   all_ = false;
   LIMBER_ASSERT(empty());
 }

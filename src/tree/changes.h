@@ -27,13 +27,25 @@ class Changes {
     for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) add_block(changed_.size() - 1, at_[i]);
   }
 
+  /// Remembers the blocks of a vertex that is not repaired for.
+  void spare(VertexId vertex) {
+    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
+      const std::uint32_t block = at_[i];
+      if (is_changed_[block] != 0) continue;
+      is_changed_[block] = 2;
+      spared_.push_back(block);
+    }
+  }
+  /// How many blocks of the lowest level that were, some of which may have been listed since.
+  std::size_t spared_count() const { return spared_.size(); }
+
   /// Whether so much has changed that it is cheaper to fit everything.
   bool is_most_of(const Tree& tree) const;
 
   /// Blocks listed on a level, each once.
   const std::vector<std::uint32_t>& blocks(std::size_t level) const { return changed_[level]; }
   void add_block(std::size_t level, std::uint32_t block) {
-    if (is_changed_[block] != 0) return;
+    if (is_changed_[block] == 1) return;
     is_changed_[block] = 1;
     changed_[level].push_back(block);
   }
@@ -42,9 +54,10 @@ class Changes {
   void clear();
 
  private:
-  std::vector<std::uint32_t> first_, at_;  // blocks at vertex v: at_[first_[v]] up to first_[v + 1]
-  std::vector<std::uint8_t> is_changed_;
+  std::vector<std::uint32_t> first_, at_;            // blocks at vertex v: at_[first_[v]] up to first_[v + 1]
+  std::vector<std::uint8_t> is_changed_;             // by block: 1 listed, 2 spared only
   std::vector<std::vector<std::uint32_t>> changed_;  // by level
+  std::vector<std::uint32_t> spared_;
   bool all_ = false;
 };
 
