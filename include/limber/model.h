@@ -21,6 +21,13 @@ class Front;
 }
 class Following;
 
+/// What becomes of a tree whose triangles have come to lie in another order.
+enum class Restructuring {
+  off,         ///< who is where stays as it was built
+  in_commits,  ///< commits put the worst parts right, a little each
+  on_worker,   ///< a thread of its own does, and a commit takes over the result; when is up to the scheduler
+};
+
 struct ModelOptions {
   static constexpr double automatic = -1;
 
@@ -28,6 +35,11 @@ struct ModelOptions {
   /// `automatic`: the model tries what costs least, repairs and what queries pay for the slack together. With 0, every
   /// commit() repairs all. Answers do not depend on it.
   double slack = 0;
+
+  Restructuring restructuring = Restructuring::in_commits;
+  /// Microseconds that one commit may spend on restructuring, as estimated from counts. Finite and >= 0, or
+  /// `automatic`: in proportion to what else the commit has to do.
+  double restructuring_us = automatic;
 };
 
 struct TreeStats {
@@ -44,6 +56,7 @@ struct MaintenanceStats {
   std::uint64_t absorbed = 0;        ///< moves that the slack made it unnecessary to repair for
   double extra_steps = 0;            ///< steps of queries that were due to the slack
   double slack = 0;                  ///< how far vertices may go now
+  std::uint64_t restructured = 0;    ///< triangles put into leaves anew, to the next multiple of 8
 };
 
 /// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
@@ -71,13 +84,17 @@ class Model {
   /// Moves every vertex. Errors as move_vertices().
   Result<void> move_all(std::span<const Vec3> positions);
 
-  /// Repairs the tree; afterwards the model may be queried. Does nothing when nothing has moved. Which triangles lie
-  /// together in the tree stays as it was built.
+  /// Repairs the tree; afterwards the model may be queried. Does nothing when nothing has moved.
   ///
   /// Cost     O(what has moved and what lies above it), at most that of one pass over everything, on the threads of the
-  ///          calling oneTBB arena.
+  ///          calling oneTBB arena. Restructuring, where motion has made it worthwhile, takes what its options say.
   void commit();
   bool is_committed() const;
+
+  /// A commit() after which the tree is as if just built, whatever the options say.
+  ///
+  /// Cost     O(n log n), on the threads of the calling oneTBB arena.
+  void restructure();
 
   /// Replaces ModelOptions::slack, from the next move or commit on.
   void set_slack(double slack);

@@ -3,7 +3,9 @@
 #include "model/following.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/check.h"
 
@@ -14,12 +16,29 @@ namespace {
 constexpr double outward = 1 + 0x1p-40;
 
 // What things cost, in ns: only the ratios matter, and those are much the same on all machines.
-constexpr double ns_of_refit = 400, ns_of_refit_in_pass = 270, ns_of_step = 110;
+constexpr double ns_of_refit = 400, ns_of_refit_in_pass = 270, ns_of_step = 110, ns_of_sorting = 10;
+
+// How much worse than expected a tree may become. More is tolerated where restructuring has gained little.
+constexpr double least_tolerated = 1.2, most_tolerated = 16, worthwhile_gain = 1.1;
+
+// Passes over the tree after which it is restructured whatever it looks like; then as many as leave so much to gain.
+constexpr double first_interval = 32, least_interval = 8, most_interval = 256, wanted_gain = 1.1;
+
+// What restructuring may cost when nothing else is said, as a multiple of the repairs of the same commit.
+constexpr double restructuring_share = 5;
 
 }  // namespace
 
-Following::Following(tree::Tree& tree, const Mesh& mesh, double slack)
-    : tree_(tree), changes_(tree, mesh), moved_in_(mesh.positions().size()), chosen_slack_(slack) {
+Following::Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options)
+    : tree_(tree),
+      changes_(tree),
+      moved_in_(mesh.positions().size()),
+      chosen_slack_(options.slack),
+      restructuring_(options.restructuring),
+      restructuring_us_(options.restructuring_us),
+      quality_(tree),
+      tolerated_(least_tolerated),
+      interval_(first_interval) {
   if (this->slack() > 0) start_anchors(mesh);
 }
 
@@ -52,6 +71,7 @@ void Following::anchor(const Mesh& mesh, VertexId vertex) {
 
 void Following::move(const Mesh& mesh, VertexId vertex, const Vec3& from) {
   const Vec3& to = mesh.positions()[vertex];
+  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
   has_moved_ = true;
   const double step = length(to - from);
   if (moved_in_[vertex] == commit_) {
@@ -92,6 +112,7 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
       furthest_sq_ = std::max(furthest_sq_, away_sq);
     }
   }
+  if (!far_.empty() && !changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
   for (const VertexId v : far_) {
     anchor(mesh, v);
     if (changes_.is_most_of(tree_)) {
@@ -105,13 +126,82 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
   return far_.size();
 }
 
+double Following::repairs_ahead_ns() const {
+  const std::size_t all = tree_.blocks.size();
+  if (changes_.is_most_of(tree_)) return ns_of_refit_in_pass * static_cast<double>(all);
+  return ns_of_refit * static_cast<double>(changes_.blocks(tree_.level_begin.size() - 2).size());
+}
+
+void Following::restructure_all(const Mesh& mesh) {
+  if (sorted_.valid()) sorted_.get();
+  sorting_.emplace(tree_, mesh, tree::subtree_of(tree_, tree::root));
+  sorting_->work(std::numeric_limits<double>::infinity());
+  has_moved_ = true;
+}
+
+bool Following::restructure(const Mesh& mesh) {
+  if (!sorting_) return false;
+  if (sorted_.valid()) {
+    if (sorted_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    sorted_.get();
+  } else {
+    const double ns = restructuring_us_ == ModelOptions::automatic ? restructuring_share * repairs_ahead_ns()
+                                                                   : 1000 * restructuring_us_;
+    if (!sorting_->work(ns / ns_of_sorting)) return false;
+  }
+  const tree::Subtree& subtree = sorting_->subtree();
+  before_ = tree::Quality::sum(tree_, subtree);
+  sorting_->apply(tree_);
+  changes_.forget_vertices();
+  if (subtree.node == tree::root) {
+    changes_.add_all();
+    if (!anchors_.empty()) anchors_ = mesh.positions(), furthest_sq_ = 0;
+  } else {
+    changes_.add_leaves(tree_, subtree.first_leaf, subtree.end_leaf);
+  }
+  return true;
+}
+
+void Following::judge_restructuring(MaintenanceStats& stats) {
+  const tree::Subtree subtree = sorting_->subtree();
+  stats.restructured += std::uint64_t{subtree.end_leaf - subtree.first_leaf} * tree::width;
+  quality_.set(tree_, subtree);
+  const double gain = before_ / tree::Quality::sum(tree_, subtree);
+  tolerated_ = gain > worthwhile_gain ? least_tolerated : std::min(1 + 2 * (tolerated_ - 1), most_tolerated);
+  if (subtree.node == tree::root) {
+    const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, 0.01), 0.4, 1.6);
+    interval_ = std::clamp(change * passes_, least_interval, most_interval);
+    passes_ = 0;
+  }
+  sorting_.reset();
+}
+
+void Following::look_at_quality(const Mesh& mesh, std::uint64_t refits) {
+  const double passes = static_cast<double>(refits) / static_cast<double>(tree_.blocks.size());
+  passes_ += passes;
+  passes_to_look_ -= passes;
+  if (restructuring_ == Restructuring::off || sorting_ || passes_to_look_ > 0) return;
+  passes_to_look_ = 1;
+  const std::optional<tree::Subtree> worst =
+      passes_ >= interval_ ? tree::subtree_of(tree_, tree::root) : quality_.worst(tree_, tolerated_);
+  if (!worst) return;
+  sorting_.emplace(tree_, mesh, *worst);
+  if (restructuring_ == Restructuring::on_worker) {
+    sorted_ =
+        std::async(std::launch::async, [this] { return sorting_->work(std::numeric_limits<double>::infinity()); });
+  }
+}
+
 void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (!has_moved_ && !tightens_) return;
   if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
   tightens_ = false;
+  const bool has_restructured = restructure(mesh);
   const bool in_pass = changes_.is_most_of(tree_);
   const std::size_t spared = changes_.spared_count();
   const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
+  if (has_restructured) judge_restructuring(stats);
+  look_at_quality(mesh, refits);
   const double step = (first_step_ + more_steps_) * outward;
   tree_.motion += step;
   stats.refits += refits;

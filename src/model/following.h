@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <future>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "limber/model.h"
 #include "model/slack_tuner.h"
 #include "tree/changes.h"
+#include "tree/restructuring.h"
 
 namespace limber {
 
@@ -22,7 +24,7 @@ namespace limber {
 ///           a given slack, and queries allow for what the furthest has in fact gone.
 class Following {
  public:
-  Following(tree::Tree& tree, const Mesh& mesh, double slack);
+  Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options);
   Following(const Following&) = delete;
   Following& operator=(const Following&) = delete;
 
@@ -33,6 +35,9 @@ class Following {
   void move(const Mesh& mesh, VertexId vertex, const Vec3& from);
   /// The mesh has moved all of them, each by at most `step`.
   void move_all(const Mesh& mesh, double step);
+
+  /// All of the tree, by the next commit.
+  void restructure_all(const Mesh& mesh);
 
   bool is_up_to_date() const { return !has_moved_; }
   void commit(const Mesh& mesh, MaintenanceStats& stats);
@@ -48,6 +53,14 @@ class Following {
   void anchor(const Mesh& mesh, VertexId vertex);
   /// Moves the anchors of vertices that have gone too far, and finds the furthest of the others. Returns how many had.
   std::size_t anchor_far(const Mesh& mesh);
+
+  /// Goes on with what is being restructured. Returns whether that has ended, and the leaves are others.
+  bool restructure(const Mesh& mesh);
+  /// Whether that was worth it, once all is fitted.
+  void judge_restructuring(MaintenanceStats& stats);
+  /// Starts to restructure what has become bad.
+  void look_at_quality(const Mesh& mesh, std::uint64_t refits);
+  double repairs_ahead_ns() const;
 
   tree::Tree& tree_;
   tree::Changes changes_;
@@ -67,6 +80,16 @@ class Following {
   std::size_t since_found_ = 0;                // vertices moved since that was exact
   std::uint64_t absorbed_ = 0, anchored_ = 0;  // since the last commit
   SlackTuner tuner_;
+
+  Restructuring restructuring_;
+  double restructuring_us_;
+  tree::Quality quality_;
+  double passes_ = 0, passes_to_look_ = 0;  // over the tree: since it was restructured, until it is looked at again
+  double tolerated_;                        // how much worse than expected the tree may be
+  double interval_;                         // passes after which it is restructured all the same
+  double before_ = 0;                       // measure of what is restructured, before that
+  std::optional<tree::Restructuring> sorting_;
+  std::future<bool> sorted_;  // by the worker
   std::atomic<std::uint64_t> paid_{0};
 };
 

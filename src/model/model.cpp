@@ -15,13 +15,14 @@
 namespace limber {
 namespace {
 
-bool is_slack(double slack) { return slack == ModelOptions::automatic || (std::isfinite(slack) && slack >= 0); }
+bool is_automatic_or_length(double x) { return x == ModelOptions::automatic || (std::isfinite(x) && x >= 0); }
 
 }  // namespace
 
 Model::Model(Mesh mesh, const ModelOptions& options)
     : mesh_(std::move(mesh)), options_(options), tree_(std::make_unique<tree::Tree>(tree::build(mesh_))) {
-  LIMBER_ASSERT(is_slack(options.slack));
+  LIMBER_ASSERT(is_automatic_or_length(options.slack));
+  LIMBER_ASSERT(is_automatic_or_length(options.restructuring_us));
   LIMBER_VALIDATE(validate());
 }
 Model::Model(Model&&) noexcept = default;
@@ -29,12 +30,17 @@ Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
 Following& Model::following() {
-  if (following_ == nullptr) following_ = std::make_unique<Following>(*tree_, mesh_, options_.slack);
+  if (following_ == nullptr) following_ = std::make_unique<Following>(*tree_, mesh_, options_);
   return *following_;
 }
 
+void Model::restructure() {
+  following().restructure_all(mesh_);
+  commit();
+}
+
 void Model::set_slack(double slack) {
-  LIMBER_ASSERT(is_slack(slack));
+  LIMBER_ASSERT(is_automatic_or_length(slack));
   options_.slack = slack;
   if (following_ != nullptr) following_->set_slack(mesh_, slack);
 }

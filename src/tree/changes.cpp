@@ -24,8 +24,8 @@ void for_each_corner(const Tree& tree, MeshView mesh, const Visit& visit) {
 
 }  // namespace
 
-Changes::Changes(const Tree& tree, MeshView mesh)
-    : first_(mesh.positions.size() + 1), is_changed_(tree.blocks.size()), changed_(tree.level_begin.size() - 1) {
+void Changes::find_vertices(const Tree& tree, MeshView mesh) {
+  first_.assign(mesh.positions.size() + 1, 0);
   // Blocks come in order, so a vertex that names a block again has just named it.
   std::vector<std::uint32_t> last(mesh.positions.size(), no_id);
   for_each_corner(tree, mesh, [&](VertexId v, std::uint32_t block) {
@@ -46,6 +46,13 @@ bool Changes::is_most_of(const Tree& tree) const {
   // A block costs about a third more on its own than in a pass over all.
   const std::size_t lowest = tree.blocks.size() - tree.lowest_level();
   return all_ || 4 * changed_.back().size() > 3 * lowest;
+}
+
+void Changes::add_leaves(const Tree& tree, std::uint32_t first, std::uint32_t end) {
+  for (std::uint32_t b = tree.lowest_level(); b < tree.blocks.size(); ++b) {
+    const Block& block = tree.blocks[b];
+    if (block.first_child < end && block.first_child + block.count > first) add_block(changed_.size() - 1, b);
+  }
 }
 
 void Changes::clear() {

@@ -16,8 +16,16 @@ namespace limber::tree {
 /// them are listed while they are repaired, level by level.
 class Changes {
  public:
+  /// Cost     O(blocks).
+  explicit Changes(const Tree& tree) : is_changed_(tree.blocks.size()), changed_(tree.level_begin.size() - 1) {}
+
+  /// Finds out where the triangles at each vertex are, which add() and spare() need.
+  ///
   /// Cost     O(n), and about 10 bytes a vertex.
-  Changes(const Tree& tree, MeshView mesh);
+  void find_vertices(const Tree& tree, MeshView mesh);
+  bool knows_vertices() const { return !first_.empty(); }
+  /// Once triangles lie elsewhere.
+  void forget_vertices() { first_.clear(); }
 
   bool empty() const { return !all_ && changed_.back().empty(); }
 
@@ -49,6 +57,9 @@ class Changes {
     is_changed_[block] = 1;
     changed_[level].push_back(block);
   }
+
+  /// All blocks of the lowest level that have some of these leaves.
+  void add_leaves(const Tree& tree, std::uint32_t first, std::uint32_t end);
 
   /// Nothing is listed any more. Cost: O(what was listed).
   void clear();

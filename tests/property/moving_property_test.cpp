@@ -23,7 +23,8 @@ void change_settings(Rng& rng, Model& model, double size) {
     Mesh mesh = model.mesh();
     return model.rebuild(std::move(mesh));
   }
-  if (kind <= 2) return model.set_slack(0);
+  if (kind == 1) return model.restructure();
+  if (kind == 2) return model.set_slack(0);
   if (kind <= 4) return model.set_slack(ModelOptions::automatic);
   model.set_slack(size * std::pow(10.0, rng.uniform(-9, 0)));
 }

@@ -6,14 +6,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
 #include "limber/reference.h"
-#include "scenes/scenes.h"
+#include "scenes/motions.h"
 #include "support/random_geometry.h"
 #include "tree/node.h"
+#include "tree/restructuring.h"
 
 namespace limber::testing {
 namespace {
@@ -69,6 +71,95 @@ TEST(Model, StopsWhereNothingChanges) {
   EXPECT_LE(model.maintenance_stats().refits, 4U);
   model.commit();  // nothing is left
   EXPECT_LE(model.maintenance_stats().refits, 4U);
+}
+
+TEST(Model, IsAfterRestructuringAsIfJustBuilt) {
+  const scenes::Motion soup = scenes::shuffled_soup(3000);
+  for (const double slack : {0.0, 10.0}) {
+    Model moved(soup.mesh, {.slack = slack, .restructuring = Restructuring::off});
+    ASSERT_TRUE(static_cast<bool>(moved.move_all(soup.positions(400))));
+    moved.commit();
+    moved.restructure();
+    const Model built(Mesh::create(soup.positions(400), soup.mesh.triangles()).value());
+    ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
+    ASSERT_EQ(moved.tree().slack, 0);
+    // The middles the triangles are sorted by are rounded relative to another place, so only nearly all lie the same
+    // way.
+    EXPECT_NEAR(tree::Quality::sum(moved.tree(), tree::subtree_of(moved.tree(), tree::root)),
+                tree::Quality::sum(built.tree(), tree::subtree_of(built.tree(), tree::root)), 0.02);
+  }
+}
+
+/// Plays a motion in which triangles change places, and looks at every frame; returns visits compared with new trees.
+double play(const scenes::Motion& motion, Model& model, int frames) {
+  std::vector<Vec3> small = scenes::ball(8, 5).positions();
+  for (Vec3& p : small) p *= 0.05;
+  const Model probe(Mesh::create(small, scenes::ball(8, 5).triangles()).value());
+  Rng rng(312);
+  double visits = 0, fresh_visits = 0;
+  for (int frame = 1; frame <= frames; ++frame) {
+    const std::vector<Vec3> positions = motion.positions(frame);
+    EXPECT_TRUE(static_cast<bool>(model.move_all(positions)));
+    model.commit();
+    EXPECT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text << " in frame " << frame;
+    const Model fresh(Mesh::create(positions, motion.mesh.triangles()).value());
+    for (int i = 0; i < 4; ++i) {
+      const Placed placed{probe, random_pose(rng, 1)};
+      const DistanceResult found = distance({model}, placed), wanted = distance({fresh}, placed);
+      EXPECT_NEAR(found.upper, wanted.upper, 1e-14) << frame;
+      if (2 * frame < frames) continue;
+      visits += static_cast<double>(found.stats.node_tests),
+          fresh_visits += static_cast<double>(wanted.stats.node_tests);
+    }
+  }
+  return visits / fresh_visits;
+}
+
+TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
+  const scenes::Motion soup = scenes::shuffled_soup(4000);
+  Model left_alone(soup.mesh, {.restructuring = Restructuring::off});
+  EXPECT_GT(play(soup, left_alone, 150), 2);
+  EXPECT_EQ(left_alone.maintenance_stats().restructured, 0U);
+  Model in_commits(soup.mesh), slowly(soup.mesh, {.restructuring_us = 100});
+  Model on_worker(soup.mesh, {.restructuring = Restructuring::on_worker});
+  for (Model* model : {&in_commits, &slowly, &on_worker}) {
+    EXPECT_LT(play(soup, *model, 150), 1.3);
+    EXPECT_GT(model->maintenance_stats().restructured, 4000U);
+  }
+}
+
+TEST(Model, RestructuresOnlyWhatHasBecomeBad) {
+  // Eight soups in a row, of which one is shuffled.
+  constexpr std::uint32_t count = 1024, soups = 8;
+  const scenes::Motion soup = scenes::shuffled_soup(count);
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  for (std::uint32_t k = 0; k < soups; ++k) {
+    const auto first = static_cast<VertexId>(positions.size());
+    for (const Vec3& p : soup.mesh.positions()) positions.push_back(p + Vec3{10.0 * k, 0, 0});
+    for (const Corners& c : soup.mesh.triangles()) triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
+  }
+  Model model(Mesh::create(positions, triangles).value());
+  for (int frame = 1; model.maintenance_stats().restructured == 0; ++frame) {
+    ASSERT_LT(frame, 32);
+    const std::vector<Vec3> shuffled = soup.positions(4 * frame);
+    std::copy(shuffled.begin(), shuffled.end(), positions.begin());
+    ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+    model.commit();
+    ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
+  }
+  EXPECT_LE(model.maintenance_stats().restructured, count);
+}
+
+TEST(Model, StartsOverWithAnotherMesh) {
+  Model model(scenes::thesis_ball(), {.slack = 0.25});
+  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 2, 3}})));
+  model.rebuild(scenes::thesis_square());
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.options().slack, 0.25);
+  EXPECT_EQ(model.mesh().triangles().size(), 8192U);
+  EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
 }
 
 TEST(Model, IsAfterMovingAllAsIfJustFitted) {
