@@ -40,6 +40,13 @@ class BulletModel {
     shape_->updateBound();
     object.setCollisionShape(shape_.get());
   }
+  void bend(const std::vector<Vec3>& positions) {
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+      for (std::size_t k = 0; k < 3; ++k) vertices_[3 * v + k] = static_cast<btScalar>(positions[v][k]);
+    }
+    shape_->postUpdate();
+    shape_->updateBound();
+  }
   btCollisionObject object;
 
  private:
@@ -55,6 +62,10 @@ class BulletPeer : public Peer {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
   }
   bool answers(Question question) const override { return question == Question::collide; }
+  bool bend(const std::vector<Vec3>& positions) override {
+    a_.bend(positions);
+    return true;
+  }
   double ask(Question, const Transform& pose) override {
     const Mat3& r = pose.rotation;
     const btMatrix3x3 basis(vector(r.row0).x(), vector(r.row0).y(), vector(r.row0).z(), vector(r.row1).x(),

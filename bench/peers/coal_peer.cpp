@@ -8,20 +8,20 @@
 #include <coal/distance.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include "bench/peers/peer.h"
 
 namespace limber::bench {
 namespace {
 
-using Model = coal::BVHModel<coal::OBBRSS>;
-
-std::shared_ptr<Model> built(const Mesh& mesh) {
+template <typename Volume>
+std::shared_ptr<coal::BVHModel<Volume>> built(const Mesh& mesh) {
   std::vector<coal::Vec3s> points;
   for (const Vec3& p : mesh.positions()) points.emplace_back(p.x, p.y, p.z);
   std::vector<coal::Triangle> triangles;
   for (const Corners& c : mesh.triangles()) triangles.emplace_back(c[0], c[1], c[2]);
-  auto model = std::make_shared<Model>();
+  auto model = std::make_shared<coal::BVHModel<Volume>>();
   model->beginModel();
   model->addSubModel(points, triangles);
   model->endModel();
@@ -37,10 +37,20 @@ coal::Transform3s transform(const Transform& pose) {
   return {r, coal::Vec3s(pose.translation.x, pose.translation.y, pose.translation.z)};
 }
 
+template <typename Volume>
 class CoalPeer : public Peer {
  public:
-  CoalPeer(const Mesh& a, const Mesh& b) : a_(built(a)), b_(built(b)) {}
-  bool answers(Question) const override { return true; }
+  CoalPeer(const Mesh& a, const Mesh& b) : a_(built<Volume>(a)), b_(built<Volume>(b)) {}
+  bool answers(Question question) const override {
+    return question != Question::collide || std::is_same_v<Volume, coal::OBBRSS>;
+  }
+  bool bend(const std::vector<Vec3>& positions) override {
+    std::vector<coal::Vec3s> points;
+    points.reserve(positions.size());
+    for (const Vec3& p : positions) points.emplace_back(p.x, p.y, p.z);
+    return a_->beginReplaceModel() == coal::BVH_OK && a_->replaceSubModel(points) == coal::BVH_OK &&
+           a_->endReplaceModel(true, true) == coal::BVH_OK;
+  }
   double ask(Question question, const Transform& pose_b) override {
     const coal::Transform3s origin = coal::Transform3s::Identity(), pose = transform(pose_b);
     if (question == Question::collide) {
@@ -56,11 +66,14 @@ class CoalPeer : public Peer {
   }
 
  private:
-  std::shared_ptr<Model> a_, b_;
+  std::shared_ptr<coal::BVHModel<Volume>> a_, b_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer>(a, b); }
+std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer<coal::OBBRSS>>(a, b); }
+std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b) {
+  return std::make_unique<CoalPeer<coal::RSS>>(a, b);
+}
 
 }  // namespace limber::bench

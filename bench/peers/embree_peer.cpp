@@ -72,6 +72,10 @@ class EmbreeScene {
     rtcReleaseGeometry(geometry_);
     rtcReleaseScene(scene);
   }
+  void bend(const std::vector<Vec3>& positions) {
+    standing.mesh.set_positions(positions);
+    place({});
+  }
   void place(const Transform& pose) {
     standing.place(pose);
     rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
@@ -100,6 +104,10 @@ class EmbreePeer : public Peer {
   EmbreePeer(const Mesh& a, const Mesh& b) : a_(device_.device, a), b_(device_.device, b) {}
   bool answers(Question question) const override { return question == Question::collide; }
   void move(const Transform& pose) override { b_.place(pose); }
+  bool bend(const std::vector<Vec3>& positions) override {
+    a_.bend(positions);
+    return true;
+  }
   double ask(Question, const Transform&) override {
     Candidates candidates{&a_.standing, &b_.standing};
     rtcCollide(a_.scene, b_.scene, check, &candidates);
@@ -111,8 +119,63 @@ class EmbreePeer : public Peer {
   EmbreeScene a_, b_;
 };
 
+/// Its own triangles, float32 and for rays: only to be bent.
+class EmbreeTrianglesPeer : public Peer {
+ public:
+  explicit EmbreeTrianglesPeer(const Mesh& a)
+      : scene_(rtcNewScene(device_.device)),
+        geometry_(rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_TRIANGLE)),
+        vertex_count_(a.positions().size()) {
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
+    auto* const corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+        geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), a.triangles().size()));
+    for (std::size_t t = 0; t < a.triangles().size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) corners[3 * t + k] = a.triangles()[t][k];
+    }
+    vertices_ = static_cast<float*>(rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                            3 * sizeof(float), vertex_count_));
+    write(a.positions());
+    rtcCommitGeometry(geometry_);
+    rtcAttachGeometry(scene_, geometry_);
+    rtcCommitScene(scene_);
+    rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
+  }
+  EmbreeTrianglesPeer(const EmbreeTrianglesPeer&) = delete;
+  EmbreeTrianglesPeer& operator=(const EmbreeTrianglesPeer&) = delete;
+  ~EmbreeTrianglesPeer() override {
+    rtcReleaseGeometry(geometry_);
+    rtcReleaseScene(scene_);
+  }
+  bool answers(Question) const override { return false; }
+  double ask(Question, const Transform&) override { return 0; }
+  bool bend(const std::vector<Vec3>& positions) override {
+    write(positions);
+    rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry_);
+    rtcCommitScene(scene_);
+    return true;
+  }
+
+ private:
+  void write(const std::vector<Vec3>& positions) {
+    for (std::size_t v = 0; v < vertex_count_; ++v) {
+      for (std::size_t k = 0; k < 3; ++k) vertices_[3 * v + k] = static_cast<float>(positions[v][k]);
+    }
+  }
+
+  EmbreeDevice device_;
+  RTCScene scene_;
+  RTCGeometry geometry_;
+  std::size_t vertex_count_;
+  float* vertices_ = nullptr;
+};
+
 }  // namespace
 
+std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh&) {
+  return std::make_unique<EmbreeTrianglesPeer>(a);
+}
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b) { return std::make_unique<EmbreePeer>(a, b); }
 
 }  // namespace limber::bench

@@ -16,16 +16,27 @@ namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
-std::shared_ptr<Model> built(const Mesh& mesh) {
+template <typename Volume = fcl::OBBRSSd>
+std::shared_ptr<fcl::BVHModel<Volume>> built(const Mesh& mesh) {
   std::vector<fcl::Vector3d> points;
   for (const Vec3& p : mesh.positions()) points.emplace_back(p.x, p.y, p.z);
   std::vector<fcl::Triangle> triangles;
   for (const Corners& c : mesh.triangles()) triangles.emplace_back(c[0], c[1], c[2]);
-  auto model = std::make_shared<Model>();
+  auto model = std::make_shared<fcl::BVHModel<Volume>>();
   model->beginModel();
   model->addSubModel(points, triangles);
   model->endModel();
   return model;
+}
+
+/// Replaces all vertices and refits from the leaves up: the quickest way there is.
+template <typename Volume>
+bool replaced(fcl::BVHModel<Volume>& model, const std::vector<Vec3>& positions) {
+  std::vector<fcl::Vector3d> points;
+  points.reserve(positions.size());
+  for (const Vec3& p : positions) points.emplace_back(p.x, p.y, p.z);
+  return model.beginReplaceModel() == fcl::BVH_OK && model.replaceSubModel(points) == fcl::BVH_OK &&
+         model.endReplaceModel(true, true) == fcl::BVH_OK;
 }
 
 fcl::Transform3d transform(const Transform& pose) {
@@ -40,9 +51,11 @@ fcl::Transform3d transform(const Transform& pose) {
 
 class FclPeer : public Peer {
  public:
-  FclPeer(const Mesh& a, const Mesh& b, bool forced) : a_(built(a)), b_(built(b)), forced_(forced) {}
+  FclPeer(const Mesh& a, const Mesh& b, bool forced) : a_(built<>(a)), b_(built<>(b)), forced_(forced) {}
 
   bool answers(Question question) const override { return forced_ == (question == Question::rough) || !forced_; }
+
+  bool bend(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
 
   double ask(Question question, const Transform& pose_b) override {
     const fcl::Transform3d pose = transform(pose_b);
@@ -71,14 +84,27 @@ class FclPeer : public Peer {
   bool forced_;
 };
 
+/// Boxes along the axes: only to be bent, since its queries copy one of the models.
+class FclBoxesPeer : public Peer {
+ public:
+  explicit FclBoxesPeer(const Mesh& a) : a_(built<fcl::AABBd>(a)) {}
+  bool answers(Question) const override { return false; }
+  double ask(Question, const Transform&) override { return 0; }
+  bool bend(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
+
+ private:
+  std::shared_ptr<fcl::BVHModel<fcl::AABBd>> a_;
+};
+
 }  // namespace
 
+std::unique_ptr<Peer> make_fcl_aabb(const Mesh& a, const Mesh&) { return std::make_unique<FclBoxesPeer>(a); }
 std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b) { return std::make_unique<FclPeer>(a, b, false); }
 std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b) { return std::make_unique<FclPeer>(a, b, true); }
 
 double fcl_build_ns(const Mesh& mesh) {
   const Stopwatch watch;
-  built(mesh);
+  built<>(mesh);
   return watch.us() * 1e3 / static_cast<double>(mesh.triangles().size());
 }
 

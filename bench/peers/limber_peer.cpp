@@ -10,6 +10,11 @@ class LimberPeer : public Peer {
  public:
   LimberPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
   bool answers(Question) const override { return true; }
+  bool bend(const std::vector<Vec3>& positions) override {
+    const bool done = static_cast<bool>(a_.move_all(positions));
+    a_.commit();
+    return done;
+  }
   double ask(Question question, const Transform& pose_b) override {
     switch (question) {
       case Question::exact:
@@ -47,6 +52,27 @@ std::vector<std::pair<std::string, PeerFactory>> all_peers() {
 #endif
 #ifdef LIMBER_PEER_EMBREE
       {"embree", make_embree},
+#endif
+  };
+}
+
+std::vector<std::pair<std::string, PeerFactory>> bending_peers() {
+  return {
+      {"limber", make_limber},
+#ifdef LIMBER_PEER_EMBREE
+      {"embree, triangles", make_embree_triangles},
+      {"embree, boxes", make_embree},
+#endif
+#ifdef LIMBER_PEER_BULLET
+      {"bullet, GImpact", make_bullet},
+#endif
+#ifdef LIMBER_PEER_FCL
+      {"fcl, AABB", make_fcl_aabb},
+      {"fcl, OBBRSS", make_fcl},
+#endif
+#ifdef LIMBER_PEER_COAL
+      {"coal, RSS", make_coal_rss},
+      {"coal, OBBRSS", make_coal},
 #endif
   };
 }

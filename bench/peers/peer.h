@@ -29,12 +29,17 @@ class Peer {
   virtual double ask(Question question, const Transform& pose_b) = 0;
   /// Work that a new pose of b costs before it can be asked, where that is not part of ask().
   virtual void move(const Transform&) {}
+  /// Moves all vertices of a and makes it ready again, in the way the library is quickest at. False if it has none.
+  virtual bool bend(const std::vector<Vec3>&) { return false; }
 };
 
 using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
 
 /// The library itself first, then those that were found.
 std::vector<std::pair<std::string, PeerFactory>> all_peers();
+
+/// Those that can bend; more than one way for some libraries.
+std::vector<std::pair<std::string, PeerFactory>> bending_peers();
 
 /// Nanoseconds per triangle that the reference peer of the tables takes to build `mesh`; nothing if it is not there.
 std::optional<double> reference_build_ns(const Mesh& mesh);
@@ -43,6 +48,9 @@ std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_fcl_aabb(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
