@@ -12,6 +12,7 @@
 #include <string>
 
 #include "bad_input.h"
+#include "bending_model.h"
 #include "demo_page.h"
 #include "demo_run.h"
 #include "demo_table.h"
@@ -64,9 +65,8 @@ Json as_json(const DemoRun& run, const std::string& page) {
       {"dents_per_frame", run.options.dents_per_frame},
       {"seed", run.options.seed},
       {"relative_error", run.options.query.relative_error},
-      {"mode", to_text(run.options.model.maintenance)},
-      {"slack", run.options.model.looseness.slack},
-      {"stale_ratio", run.options.model.looseness.stale_ratio},
+      {"engine", to_text(run.options.model.engine)},
+      {"upkeep", words_of(run.options.model)},
       {"moved_vertices", summary.updates.moved_vertices},
       {"refits", summary.updates.refits},
       {"absorbed", summary.updates.absorbed},
@@ -122,13 +122,13 @@ Verb add_demo(CLI::App& app) {
             "dents in each frame; one moves about 116 of the 10 201 vertices");
   add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "which dents");
   add_relative_error(command, demo.query.relative_error);
-  add_maintenance(command, demo.model);
+  add_bending(command, demo.model);
   command.add_option("--out", arguments->page, "where the page is written")->type_name("FILE")->capture_default_str();
   command.add_flag("--no-check", arguments->is_unchecked, "do not compare the last frame with brute force");
   add_json(command, arguments->json, "answer with one JSON object instead of tables");
   command.footer(
       "The sheet has 20 000 triangles and 100 units a side, the ball 1024 triangles and a diameter of 2 units. Every\n"
-      "frame dents the sheet, repairs its sphere tree, and asks for the distance: at --relative-error and, to "
+      "frame dents the sheet, repairs its tree, and asks for the distance: at --relative-error and, to "
       "compare,\n"
       "at 0.1. Times in the answer are per frame, in microseconds in JSON.");
   return {&command, [arguments] { run(*arguments); }};

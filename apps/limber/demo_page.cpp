@@ -130,7 +130,7 @@ Chart update_chart(const DemoRun& run) {
   Chart chart;
   chart.unit = "microseconds";
   chart.curves.push_back(
-      {"update of the sphere tree", "first", values_of(run, [](const DemoFrame& f) { return f.update_us; })});
+      {"update of the tree", "first", values_of(run, [](const DemoFrame& f) { return f.update_us; })});
   chart.top = top_for(chart.curves.front().values);
   return chart;
 }
@@ -159,7 +159,7 @@ std::string introduction(const DemoRun& run) {
       "<h1>A ball over a sheet that bends</h1>\n"
       "<p>A sheet of {} triangles, {} units a side, is dented {} in each of {} frames, while a ball of {} triangles "
       "and a "
-      "diameter of 2 units flies over it on a closed curve. After every dent the sphere tree over the sheet is "
+      "diameter of 2 units flies over it on a closed curve. After every dent the tree over the sheet is "
       "repaired "
       "where it changed and nowhere else; then the shortest distance between the two surfaces is asked for, with the "
       "pair "

@@ -31,13 +31,9 @@ Transform ball_pose_at(double time, double rough) {
   return transform_from_quaternion(center, scenes::cosine(half_angle), 0.6 * s, 0.8 * s, 0).value();
 }
 
-classic::MaintenanceStats difference(const classic::MaintenanceStats& after, const classic::MaintenanceStats& before) {
-  return {after.moved_vertices - before.moved_vertices, after.refits - before.refits, after.absorbed - before.absorbed};
-}
-
 /// Dents the sheet, timing only what the model does.
-void dent(classic::Model& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
-  const classic::MaintenanceStats before = sheet.maintenance_stats();
+void dent(BendingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
+  const BendingWork before = sheet.work();
   for (std::uint64_t d = 0; d < dents; ++d) {
     const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), sheet.mesh().positions());
     const Stopwatch moving;
@@ -47,7 +43,7 @@ void dent(classic::Model& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFram
   const Stopwatch committing;
   sheet.commit();
   frame.update_us += committing.microseconds();
-  frame.update = difference(sheet.maintenance_stats(), before);
+  frame.update = sheet.work() - before;
 }
 
 /// Whether the exact distance lies where an answer says it does, up to the rounding of either.
@@ -68,8 +64,8 @@ Spread spread_over(const std::vector<DemoFrame>& frames, Value value) {
 }  // namespace
 
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
-  classic::Model sheet(scenes::thesis_sheet(), options.model);
-  const classic::Model ball(scenes::thesis_ball());
+  BendingModel sheet(scenes::thesis_sheet(), options.model);
+  const BendingModel ball(scenes::thesis_ball(), options.model);
   scenes::Rng rng(options.seed);
   std::vector<DemoFrame> frames;
   frames.reserve(options.frames);
@@ -82,10 +78,10 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
     frame.ball_center = pose.translation;
     dent(sheet, rng, options.dents_per_frame, frame);
     const Stopwatch asking;
-    frame.answer = classic::distance({sheet}, {ball, pose}, options.query);
+    frame.answer = BendingModel::distance(sheet, {}, ball, pose, options.query);
     frame.answer_us = asking.microseconds();
     const Stopwatch asking_roughly;
-    frame.rough = classic::distance({sheet}, {ball, pose}, {.relative_error = rough_error});
+    frame.rough = BendingModel::distance(sheet, {}, ball, pose, {.relative_error = rough_error});
     frame.rough_us = asking_roughly.microseconds();
     frames.push_back(frame);
     watcher(frames);
@@ -114,9 +110,7 @@ DemoSummary summary_of(const std::vector<DemoFrame>& frames) {
   summary.min_distance = frames.front().answer.upper;
   double update_us = 0;
   for (const DemoFrame& frame : frames) {
-    summary.updates.moved_vertices += frame.update.moved_vertices;
-    summary.updates.refits += frame.update.refits;
-    summary.updates.absorbed += frame.update.absorbed;
+    summary.updates += frame.update;
     summary.min_distance = std::min(summary.min_distance, frame.answer.upper);
     if (frame.answer.status == Status::collision) ++summary.contact_frames;
     update_us += frame.update_us;

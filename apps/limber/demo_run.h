@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "limber/classic.h"
+#include "bending_model.h"
 
 /// The demonstration without its looks: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {
@@ -17,7 +17,7 @@ struct DemoOptions {
   std::uint64_t dents_per_frame = 2;
   std::uint64_t seed = 1;
   DistanceOptions query;
-  classic::ModelOptions model;
+  BendingOptions model;
 };
 
 /// A second query in each frame is asked at this error, to show what an approximate answer costs and gives.
@@ -25,9 +25,9 @@ inline constexpr double rough_error = 0.1;
 
 struct DemoFrame {
   Vec3 ball_center;
-  classic::MaintenanceStats update;  ///< of this frame alone
-  double update_us = 0;              ///< moving the vertices and repairing the tree
-  DistanceResult answer;             ///< at the error asked for
+  BendingWork update;     ///< of this frame alone
+  double update_us = 0;   ///< moving the vertices and repairing the tree
+  DistanceResult answer;  ///< at the error asked for
   double answer_us = 0;
   DistanceResult rough;  ///< at `rough_error`
   double rough_us = 0;
@@ -62,7 +62,7 @@ Spread spread_of(std::vector<double> values);
 
 /// What a run comes to.
 struct DemoSummary {
-  classic::MaintenanceStats updates;
+  BendingWork updates;
   Spread update_us, answer_us, rough_us;
   double min_distance = 0;  ///< the smallest upper bound
   std::uint64_t contact_frames = 0;

@@ -86,9 +86,9 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run
       {"dents", fmt::format("{} a frame, seed {}", options.dents_per_frame, options.seed)},
       {"vertices moved", fmt::format("{}, {} each", grouped(summary.updates.moved_vertices),
                                      duration_text(summary.update_us_per_vertex))},
-      {"spheres", fmt::format("{} refitted, {} absorbed ({}, slack {:g})", grouped(summary.updates.refits),
-                              grouped(summary.updates.absorbed), to_text(options.model.maintenance),
-                              options.model.looseness.slack)},
+      {"tree", fmt::format("{} {} refitted, {} absorbed ({})", grouped(summary.updates.refits),
+                           options.model.engine == BendingEngine::fast ? "blocks" : "spheres",
+                           grouped(summary.updates.absorbed), words_of(options.model))},
       {"update", spread_text(summary.update_us)},
       {options.query.relative_error == 0 ? std::string("exact distance")
                                          : fmt::format("distance within {:g} %", 100 * options.query.relative_error),

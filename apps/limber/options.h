@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "limber/classic.h"
-
 /// Options with one way to say what is wrong with a value. Targets hold the defaults and outlive the parsing.
 namespace limber::program {
 
@@ -51,9 +49,5 @@ CLI::Option* add_json(CLI::App& command, bool& target, const std::string& descri
 
 /// `--relative-error`.
 CLI::Option* add_relative_error(CLI::App& command, double& target);
-
-/// `--mode`, `--slack`, `--stale-ratio`: how the trees follow moving vertices.
-void add_maintenance(CLI::App& command, classic::ModelOptions& target);
-const char* to_text(classic::Maintenance maintenance);
 
 }  // namespace limber::program

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bad_input.h"
-#include "limber/classic.h"
+#include "bending_model.h"
 #include "number_text.h"
 #include "options.h"
 #include "output.h"
@@ -34,7 +34,7 @@ struct ModelArguments {
 struct Arguments {
   ModelArguments a, b;
   DistanceOptions query;
-  classic::ModelOptions model;
+  BendingOptions model;
   std::uint64_t loops = 1;
   bool json = false;
 };
@@ -42,13 +42,11 @@ struct Arguments {
 /// Work done on trees between two frames.
 struct Update {
   double elapsed_us = 0;
-  classic::MaintenanceStats done;
+  BendingWork done;
 
   Update& operator+=(const Update& other) {
     elapsed_us += other.elapsed_us;
-    done.moved_vertices += other.done.moved_vertices;
-    done.refits += other.done.refits;
-    done.absorbed += other.done.absorbed;
+    done += other.done;
     return *this;
   }
 };
@@ -56,7 +54,7 @@ struct Update {
 /// One of the two models, going from frame to frame.
 class TrackedModel {
  public:
-  TrackedModel(const ModelArguments& arguments, const classic::ModelOptions& options, bool is_repeated)
+  TrackedModel(const ModelArguments& arguments, const BendingOptions& options, bool is_repeated)
       : frames_(arguments.frames),
         poses_(arguments.poses.empty() ? std::vector<Transform>(1) : read_poses(arguments.poses)),
         model_(frames_.first().mesh, options),
@@ -64,19 +62,17 @@ class TrackedModel {
 
   std::size_t mesh_count() const { return frames_.count(); }
   std::size_t pose_count() const { return poses_.size(); }
-  classic::Placed placed() const { return {model_, poses_[pose_]}; }
+  const BendingModel& model() const { return model_; }
+  const Transform& pose() const { return poses_[pose_]; }
   std::uint32_t face_of(TriangleId triangle) const { return frames_.first().face_of_triangle[triangle]; }
 
   /// Goes to a frame of the lists. Only vertices whose position differs are moved; reading is not timed.
   Update go_to(std::size_t frame) {
     if (poses_.size() > 1) pose_ = frame;
     if (frames_.count() == 1) return {};
-    const classic::MaintenanceStats before = model_.maintenance_stats();
+    const BendingWork before = model_.work();
     const double elapsed_us = move_to(positions(frame));
-    const classic::MaintenanceStats after = model_.maintenance_stats();
-    return {
-        elapsed_us,
-        {after.moved_vertices - before.moved_vertices, after.refits - before.refits, after.absorbed - before.absorbed}};
+    return {elapsed_us, model_.work() - before};
   }
 
  private:
@@ -106,7 +102,7 @@ class TrackedModel {
   MeshFrames frames_;
   std::vector<Transform> poses_;  // world_from_model
   std::size_t pose_ = 0;
-  classic::Model model_;
+  BendingModel model_;
   std::vector<std::optional<std::vector<Vec3>>> kept_;  // by frame; empty when no frame comes twice
 };
 
@@ -160,7 +156,7 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   row.update += a.go_to(frame);
   row.update += b.go_to(frame);
   const Stopwatch asking;
-  row.result = distance(a.placed(), b.placed(), options);
+  row.result = BendingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
   row.query_us = asking.microseconds();
   row.face_a = a.face_of(row.result.witness.triangle_a);
   row.face_b = b.face_of(row.result.witness.triangle_b);
@@ -199,7 +195,7 @@ Verb add_track(CLI::App& app) {
   command.add_option("--poses-b", arguments->b.poses, "where B stands in each frame; default: the origin")
       ->type_name("CSV");
   add_relative_error(command, arguments->query.relative_error);
-  add_maintenance(command, arguments->model);
+  add_bending(command, arguments->model);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
   command.footer(

@@ -32,7 +32,6 @@ constexpr double restructuring_share = 5;
 Following::Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options)
     : tree_(tree),
       changes_(tree),
-      moved_in_(mesh.positions().size()),
       chosen_slack_(options.slack),
       restructuring_(options.restructuring),
       restructuring_us_(options.restructuring_us),
@@ -69,32 +68,54 @@ void Following::anchor(const Mesh& mesh, VertexId vertex) {
   ++anchored_;
 }
 
-void Following::move(const Mesh& mesh, VertexId vertex, const Vec3& from) {
-  const Vec3& to = mesh.positions()[vertex];
-  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+void Following::note_step(double length_sq) {
+  const double step = std::sqrt(length_sq);
+  longest_step_ = std::max(longest_step_, step);
+  all_steps_ += step;
   has_moved_ = true;
-  const double step = length(to - from);
-  if (moved_in_[vertex] == commit_) {
-    more_steps_ += step;
-  } else {
-    first_step_ = std::max(first_step_, step);
-    moved_in_[vertex] = commit_;
+}
+
+void Following::list(const Mesh& mesh, std::span<const VertexId> ids) {
+  // Where a good part of all vertices moves, finding out which blocks they are in costs more than fitting all.
+  if (4 * ids.size() >= mesh.positions().size()) return changes_.add_all();
+  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+  for (const VertexId id : ids) {
+    if (changes_.is_most_of(tree_)) return changes_.add_all();
+    changes_.add(id);
   }
-  if (anchors_.empty()) return changes_.add(vertex);
-  ++since_found_;
-  const double away_sq = length_sq(to - anchors_[vertex]), most = slack();
+}
+
+void Following::absorb_or_anchor(const Mesh& mesh, VertexId vertex) {
+  const double away_sq = length_sq(mesh.positions()[vertex] - anchors_[vertex]), most = slack();
   if (away_sq > most * most) return anchor(mesh, vertex);
   furthest_sq_ = std::max(furthest_sq_, away_sq);
   ++absorbed_;
   if (is_tuned()) changes_.spare(vertex);
 }
 
-void Following::move_all(const Mesh& mesh, double step) {
-  has_moved_ = true;
-  more_steps_ += step;
+void Following::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  // From where they were before the batch, however often an id is in it.
+  double furthest_sq = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    furthest_sq = std::max(furthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
+  }
+  mesh.set_positions(ids, positions);
+  note_step(furthest_sq);
+  if (anchors_.empty()) return list(mesh, ids);
+  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+  for (const VertexId id : ids) absorb_or_anchor(mesh, id);
+  since_found_ += ids.size();
+}
+
+void Following::move_all(Mesh& mesh, std::span<const Vec3> positions) {
+  double furthest_sq = 0;
+  for (VertexId v = 0; v < positions.size(); ++v) {
+    furthest_sq = std::max(furthest_sq, length_sq(positions[v] - mesh.positions()[v]));
+  }
+  mesh.set_positions(positions);
+  note_step(furthest_sq);
   if (anchors_.empty()) return changes_.add_all();
-  const std::size_t count = mesh.positions().size();
-  absorbed_ += count - anchor_far(mesh);
+  absorbed_ += positions.size() - anchor_far(mesh);
   spares_all_ = true;
 }
 
@@ -202,8 +223,7 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
   if (has_restructured) judge_restructuring(stats);
   look_at_quality(mesh, refits);
-  const double step = (first_step_ + more_steps_) * outward;
-  tree_.motion += step;
+  tree_.motion += all_steps_ * outward;
   stats.refits += refits;
   stats.absorbed += absorbed_;
   double paid = 0;
@@ -222,18 +242,14 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
     const double pass = ns_of_refit_in_pass * static_cast<double>(tree_.blocks.size());
     const double repairs = in_pass ? pass : ns_of_refit * static_cast<double>(refits);
     const double tight = spares_all_ ? pass : std::min(pass, repairs + ns_of_refit * static_cast<double>(spared));
-    tuner_.add({repairs, tight, paid * ns_of_step, step, !anchors_.empty() && anchored_ == 0});
+    tuner_.add({repairs, tight, paid * ns_of_step, longest_step_, !anchors_.empty() && anchored_ == 0});
     tightens_ = tuner_.slack() < before;
     if (anchors_.empty() && tuner_.slack() > 0) start_anchors(mesh);
   }
   LIMBER_ASSERT(!anchors_.empty() || tree_.slack == 0);
   has_moved_ = spares_all_ = false;
-  first_step_ = more_steps_ = 0;
+  longest_step_ = all_steps_ = 0;
   absorbed_ = anchored_ = 0;
-  if (++commit_ == 0) {
-    std::fill(moved_in_.begin(), moved_in_.end(), 0);
-    commit_ = 1;
-  }
 }
 
 }  // namespace limber

@@ -31,10 +31,9 @@ class Following {
   /// From the next move or commit on.
   void set_slack(const Mesh& mesh, double slack);
 
-  /// The mesh has moved one vertex.
-  void move(const Mesh& mesh, VertexId vertex, const Vec3& from);
-  /// The mesh has moved all of them, each by at most `step`.
-  void move_all(const Mesh& mesh, double step);
+  /// Moves some vertices of the mesh, or all.
+  void move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
+  void move_all(Mesh& mesh, std::span<const Vec3> positions);
 
   /// All of the tree, by the next commit.
   void restructure_all(const Mesh& mesh);
@@ -49,6 +48,9 @@ class Following {
 
  private:
   bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
+  void note_step(double length_sq);
+  void list(const Mesh& mesh, std::span<const VertexId> ids);
+  void absorb_or_anchor(const Mesh& mesh, VertexId vertex);
   void start_anchors(const Mesh& mesh);
   void anchor(const Mesh& mesh, VertexId vertex);
   /// Moves the anchors of vertices that have gone too far, and finds the furthest of the others. Returns how many had.
@@ -68,10 +70,8 @@ class Following {
   bool spares_all_ = false;  // whether all have moved, but not all were repaired for
   bool tightens_ = false;    // whether the slack has become less since vertices were last compared with it
 
-  // Of vertices since the last commit: the longest first step, and all others together.
-  double first_step_ = 0, more_steps_ = 0;
-  std::uint32_t commit_ = 1;
-  std::vector<std::uint32_t> moved_in_;  // commit that a vertex has last been moved for
+  // Since the last commit: the longest way of a vertex in one batch, and those of all batches together.
+  double longest_step_ = 0, all_steps_ = 0;
 
   double chosen_slack_;
   std::vector<Vec3> anchors_;                  // empty while there is no slack

@@ -92,6 +92,11 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
   positions_[id] = position;
 }
 
+void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
+  for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
+}
+
 void Mesh::set_positions(std::span<const Vec3> positions) {
   LIMBER_ASSERT(positions.size() == positions_.size());
   LIMBER_ASSERT(static_cast<bool>(check_positions(positions)));

@@ -50,25 +50,14 @@ void Model::rebuild(Mesh mesh) { *this = Model(std::move(mesh), options_); }
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   if (auto sound = check_update(mesh_, ids, positions); !sound) return sound;
   if (ids.empty()) return {};
-  Following& tree = following();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const Vec3 from = mesh_.positions()[ids[i]];
-    mesh_.set_position(ids[i], positions[i]);
-    tree.move(mesh_, ids[i], from);
-  }
+  following().move(mesh_, ids, positions);
   maintenance_.moved_vertices += ids.size();
   return {};
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
   if (auto sound = check_update_of_all(mesh_, positions); !sound) return sound;
-  Following& tree = following();
-  double furthest_sq = 0;
-  for (VertexId v = 0; v < positions.size(); ++v) {
-    furthest_sq = std::max(furthest_sq, length_sq(positions[v] - mesh_.positions()[v]));
-  }
-  mesh_.set_positions(positions);
-  tree.move_all(mesh_, std::sqrt(furthest_sq));
+  following().move_all(mesh_, positions);
   maintenance_.moved_vertices += positions.size();
   return {};
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -52,6 +53,8 @@ class Changes {
 
   /// Blocks listed on a level, each once.
   const std::vector<std::uint32_t>& blocks(std::size_t level) const { return changed_[level]; }
+  /// In the order of memory, which refit() goes by.
+  void sort_lowest() { std::sort(changed_.back().begin(), changed_.back().end()); }
   void add_block(std::size_t level, std::uint32_t block) {
     if (is_changed_[block] == 1) return;
     is_changed_[block] = 1;

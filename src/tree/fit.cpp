@@ -203,6 +203,23 @@ class Fitting {
     return before != lane_of_block(parent, lane) || &parent == below_root();
   }
 
+  /// Fetches what the blocks after the i-th will need: leaves, then triangles, then positions.
+  void prefetch(const std::vector<std::uint32_t>& blocks, std::size_t i) const {
+    constexpr std::size_t leaves_ahead = 6, triangles_ahead = 4, positions_ahead = 2;
+    if (i + leaves_ahead < blocks.size()) {
+      const Block& block = tree_.blocks[blocks[i + leaves_ahead]];
+      for (std::uint32_t k = 0; k < block.count; ++k) __builtin_prefetch(tree_.leaves[block.first_child + k].triangle);
+    }
+    if (i + triangles_ahead < blocks.size()) {
+      for_every_other_triangle(blocks[i + triangles_ahead],
+                               [&](TriangleId t) { __builtin_prefetch(&source_.triangles[t]); });
+    }
+    if (i + positions_ahead < blocks.size()) {
+      for_every_other_triangle(blocks[i + positions_ahead],
+                               [&](TriangleId t) { __builtin_prefetch(&source_.positions[source_.triangles[t][0]]); });
+    }
+  }
+
   /// Whether the model has outgrown the unit of the tree, or shrunk far below it; then the unit is another.
   bool adapts_unit() const {
     const Bound root = lane_of_block(tree_.blocks[0], 0);
@@ -227,6 +244,15 @@ class Fitting {
 
   /// The block of the root's children.
   const Block* below_root() const { return &tree_.blocks[1]; }
+
+  template <typename Visit>
+  void for_every_other_triangle(std::uint32_t b, const Visit& visit) const {
+    const Block& block = tree_.blocks[b];
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Leaf& leaf = tree_.leaves[block.first_child + k];
+      for (std::uint32_t j = 0; j < width; j += 2) visit(leaf.triangle[j]);
+    }
+  }
 
   /// Whether the first child is so far from the origin of its parent, which was its own, that places get blurred.
   bool has_left(const Block& child, const Block& parent) const {
@@ -263,8 +289,12 @@ std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
   const std::size_t lowest = tree.level_begin.size() - 2;
   const Fitting fitting(tree, mesh);
   std::uint64_t refitted = 0;
+  changes.sort_lowest();
   for (std::size_t level = lowest + 1; level-- > 0;) {
-    for (const std::uint32_t block : changes.blocks(level)) {
+    const std::vector<std::uint32_t>& blocks = changes.blocks(level);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (level == lowest) fitting.prefetch(blocks, i);
+      const std::uint32_t block = blocks[i];
       ++refitted;
       if (fitting.refit(block, level == lowest)) changes.add_block(level - 1, block_of(tree.blocks[block].parent));
     }

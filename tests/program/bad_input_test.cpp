@@ -54,8 +54,18 @@ TEST(ProgramBadInput, Numbers) {
     return Words{"track", "--a", "scene:ball", "--b", "scene:ball", option, value};
   };
   expect_refused(track_with("--mode", "depth"), "--mode: must be one of immediate|batched|by-depth");
-  expect_refused(track_with("--slack", "-0.1"), "--slack: must be a number from 0");
-  expect_refused(track_with("--slack", "1e9"), "--slack: must be a number from 0");
+  const auto classic_with = [](const std::string& option, const std::string& value) {
+    return Words{"track", "--a", "scene:ball", "--b", "scene:ball", "--engine", "classic", option, value};
+  };
+  for (const std::string value : {"-0.1", "nan", "inf", "automatic", ""}) {
+    expect_refused(track_with("--slack", value), "--slack: must be a finite number >= 0, or auto");
+  }
+  expect_refused(classic_with("--slack", "1e9"), "--slack: must be a number from 0");
+  expect_refused(classic_with("--slack", "auto"), "--slack: must be a number from 0");
+  expect_refused(track_with("--mode", "batched"), "--mode: belongs to --engine classic");
+  expect_refused(track_with("--stale-ratio", "2"), "--stale-ratio: belongs to --engine classic");
+  expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--engine", "reference"},
+                 "--engine: must be one of fast|classic");
   expect_refused(track_with("--stale-ratio", "0.9"), "--stale-ratio: must be a number from 1");
   expect_refused(track_with("--stale-ratio", "nan"), "--stale-ratio: must be a number from 1");
   expect_refused(track_with("--loop", "0"), "--loop: must be a whole number from 1");

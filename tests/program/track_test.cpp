@@ -67,6 +67,7 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   const Words waves = stored_waves(folder, 3, false);
   const std::string poses = folder.store("pose.csv", ball_above);
   const Outcome outcome = run(track(waves, {"scene:ball"}, {"--poses-b", poses}));
+  const auto classic_rows = table_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--engine", "classic"})));
   EXPECT_EQ(outcome.err, "");  // no progress bar outside a terminal
   EXPECT_EQ(lines_of(outcome.out).front(),
             "frame,update_us,query_us,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
@@ -79,7 +80,9 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   }
   EXPECT_EQ(rows[0].at("moved_vertices"), "0");
   EXPECT_EQ(rows[1].at("moved_vertices"), "81");
-  EXPECT_EQ(rows[1].at("refits"), "255");
+  EXPECT_EQ(rows[1].at("refits"), "4");  // blocks: two of leaves, and what lies above them
+  EXPECT_EQ(classic_rows[1].at("refits"), "255");
+  EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
 }
 
 TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
@@ -89,8 +92,8 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   const auto rows = json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
-    const nlohmann::json still = json_of(
-        run({"distance", waves[f], "scene:ball", "--pose-b", "2,2,1.5,1,0,0,0", "--json", "--engine", "classic"}));
+    const nlohmann::json still =
+        json_of(run({"distance", waves[f], "scene:ball", "--pose-b", "2,2,1.5,1,0,0,0", "--json"}));
     EXPECT_EQ(rows[f]["upper"], still["upper"]) << f;
     EXPECT_EQ(rows[f]["lower"], rows[f]["upper"]);
     EXPECT_EQ(rows[f]["point_a"], still["point_a"]);
@@ -104,11 +107,13 @@ TEST(ProgramTrack, MaintenanceModesDoDifferentWorkForTheSameDistances) {
   const std::string poses = folder.store("pose.csv", ball_above);
   std::map<std::string, std::vector<nlohmann::json>> rows;
   for (const std::string mode : {"immediate", "batched", "by-depth"}) {
-    rows[mode] = json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--mode", mode})));
+    rows[mode] = json_lines_of(
+        run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--engine", "classic", "--mode", mode})));
     ASSERT_EQ(rows[mode].size(), 4U);
   }
   const auto loose = json_lines_of(
-      run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--slack", "0.3", "--stale-ratio", "3"})));
+      run(track(waves, {"scene:ball"},
+                {"--poses-b", poses, "--json", "--engine", "classic", "--slack", "0.3", "--stale-ratio", "3"})));
   std::uint64_t absorbed = 0;
   for (std::size_t f = 0; f < 4; ++f) {
     for (const std::string mode : {"immediate", "batched"}) {
@@ -124,6 +129,23 @@ TEST(ProgramTrack, MaintenanceModesDoDifferentWorkForTheSameDistances) {
     EXPECT_LT(rows["by-depth"][f]["moved_vertices"], 81);
   }
   EXPECT_GT(absorbed, 0U);
+}
+
+TEST(ProgramTrack, SlackOfTheFastEngineAbsorbsAndChangesNoDistance) {
+  const Folder folder;
+  const Words waves = stored_waves(folder, 4, true);
+  const std::string poses = folder.store("pose.csv", ball_above);
+  const auto tight = json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
+  for (const std::string slack : {"0.5", "auto"}) {
+    const auto loose =
+        json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--slack", slack})));
+    std::uint64_t absorbed = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      EXPECT_NEAR(loose[f]["upper"].get<double>(), tight[f]["upper"].get<double>(), 1e-14);
+      absorbed += loose[f]["absorbed"].get<std::uint64_t>();
+    }
+    EXPECT_GT(absorbed, 0U) << slack;
+  }
 }
 
 TEST(ProgramTrack, PosesMoveRigidModels) {
