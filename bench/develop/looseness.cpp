@@ -98,6 +98,8 @@ int run(const Options& options) {
   const int steps = options.quick ? 40 : 500;
   Checker checker;
   CsvFile csv(options, "develop_looseness.csv", "scene,slack,update_us,query_us,total_us,refits,absorbed,extra_steps");
+  Markdown table(options, "develop_looseness.md");
+  table.line("# Slack, as printed by `limber_bench_looseness`: the best of a sweep, and what a model finds itself");
   for (const Scene& scene : all_scenes()) {
     const std::vector<Vec3> next = scene.motion.positions(scene.frames_per_step * 30);
     const std::vector<Vec3> last = scene.motion.positions(scene.frames_per_step * 29);
@@ -110,9 +112,9 @@ int run(const Options& options) {
     variants.push_back({"tuned", ModelOptions::automatic, 0, 0, {}, {}});
     for (const bool keeps_pair : {false, true}) {
       double best = infinity;
-      fmt::print(
+      table.line(
           "\n### {}, {} triangles, step {:.2g}{}\n\n| slack | move, commit us | query us | frame us | of the best | "
-          "refits | absorbed | slack now | extra steps a frame |\n|:--|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+          "refits | absorbed | slack now | extra steps a frame |\n|:--|--:|--:|--:|--:|--:|--:|--:|--:|",
           scene.name, scene.motion.mesh.triangles().size(), longest, keeps_pair ? ", pair kept" : "");
       for (Variant& v : variants) {
         const bool may_give_up = v.slack > 0;
@@ -125,7 +127,7 @@ int run(const Options& options) {
       }
       for (const Variant& v : variants) {
         const double total = v.update_us + v.query_us;
-        fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {} | {} | {:.2g} | {:.0f} |\n", v.name, v.update_us,
+        table.line("| {} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {} | {} | {:.2g} | {:.0f} |", v.name, v.update_us,
                    v.query_us, total, total / best, v.stats.refits, v.stats.absorbed, v.stats.slack,
                    v.stats.extra_steps / static_cast<double>(v.distances.size()));
         csv.row("{}{},{},{:.2f},{:.2f},{:.2f},{},{},{:.0f}", scene.name, keeps_pair ? " kept" : "", v.slack,

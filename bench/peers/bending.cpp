@@ -19,11 +19,11 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bench/peers/more.h"
 #include "bench/peers/peer.h"
 #include "bench/peers/scenes_of_peers.h"
 #include "bench/support/report.h"
@@ -181,12 +181,14 @@ int run(const Options& options, const std::filesystem::path& meshes) {
   CsvFile csv(options, "bending.csv", "what,triangles,who,first,second,ratio");
   Markdown table(options, "bending.md");
   const int rounds = options.quick ? 4 : 41;
+  std::optional<oneapi::tbb::global_control> one_thread;
   table.line("# Keeping trees of meshes that bend, as printed by `limber_bench_bending`");
   table.line("\n### On more threads: commit of all vertices, ns a triangle\n");
   table.line("| triangles | one thread | two | ratio |\n|--:|--:|--:|--:|");
   two_threads(100, 100, rounds, csv, table);
   two_threads(400, 250, rounds, csv, table);
   if (!options.quick) two_threads(1000, 1000, rounds, csv, table);
+  one_thread.emplace(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   table.line("\n### All vertices: ns a triangle, moving them included\n");
   table.line("| triangles | library | least | median | times ours |\n|--:|:--|--:|--:|--:|");
   full_refits(100, 100, rounds, checker, csv, table);

@@ -59,6 +59,24 @@ class CsvFile {
   std::ofstream file_;
 };
 
+/// Lines of Markdown to the console and, if there is a folder for results, into a file.
+class Markdown {
+ public:
+  Markdown(const Options& options, const std::string& name) {
+    if (!options.out.empty()) file_.open(options.out / name);
+  }
+  template <typename... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    const std::string text = fmt::format(format, std::forward<Args>(args)...);
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+    if (file_.is_open()) file_ << text << '\n';
+  }
+
+ private:
+  std::ofstream file_;
+};
+
 /// Processor, compiler and flags into `machine.txt`; warns on the console when the build checks itself while timed.
 void report_machine(const Options& options);
 
