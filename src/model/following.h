@@ -18,7 +18,7 @@ namespace limber {
 
 /// How a tree follows the vertices of its model.
 ///
-/// Based on  Loose bounding [Quinlan1994] in the form the thesis proposes: small motions are absorbed.
+/// Based on  the thesis this engine follows: loose bounds absorb small motions.
 /// Differs   Bounds are not made larger. They are fitted to anchors, one for each vertex; a vertex may leave its anchor
 /// by
 ///           a given slack, and queries allow for what the furthest has in fact gone.

@@ -21,7 +21,7 @@ Subtree subtree_of(const Tree& tree, NodeId node);
 /// How loose the leaves are, compared with what they were once.
 ///
 /// The measure of a leaf is its squared radius; motion that scales the whole model changes nothing.
-/// Based on  [LauterbachYoonManocha2006]: bounds that have grown more than their model tell of triangles that have come
+/// Based on  [Lauterbach2006]: bounds that have grown more than their model tell of triangles that have come
 /// apart.
 class Quality {
  public:
@@ -45,7 +45,7 @@ class Quality {
 /// Puts the triangles of a subtree into its leaves anew, as if the tree had just been built, step by step: the shape of
 /// the tree stays, only who is where becomes another.
 ///
-/// Based on  [YoonCurtisManocha2007]: only what has become bad is restructured.
+/// Based on  [Yoon2007]: only what has become bad is restructured.
 /// Differs   Nothing is changed until all is sorted, so the old tree serves queries in the meantime.
 class Restructuring {
  public:
