@@ -31,10 +31,7 @@ LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t 
 
 LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint32_t count, double per_unit,
                           LeavesOfBlock& gathered) {
-  // Four numbers are read at once, the fourth of no interest; behind the last position there is none.
-  const Vec3& last = mesh.positions[mesh.last_position];
-  const double padded[4] = {last.x, last.y, last.z, 0};
-  const auto position = [&](VertexId id) { return id != mesh.last_position ? &mesh.positions[id].x : padded; };
+  const auto position = [&](VertexId id) { return &mesh.positions[id].x; };
   alignas(64) float placed[3 * width][width][4];
   for (std::uint32_t k = 0; k < width; ++k) {
     const Leaf& leaf = leaves[std::min(k, count - 1)];
@@ -48,7 +45,7 @@ LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint3
     }
     for (std::uint32_t j = 0; j < width; ++j) {
       const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
-      for (std::uint32_t c = 0; c < 3; ++c) place_four(position(ids[c]), origin, per_unit, placed[3 * j + c][k]);
+      for (std::uint32_t c = 0; c < 3; ++c) place_three(position(ids[c]), origin, per_unit, placed[3 * j + c][k]);
     }
   }
   for (std::uint32_t c = 0; c < 3 * width; ++c) {
@@ -197,6 +194,12 @@ LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesA
   return whole;
 }
 
+/// core::to_24_bits().
+LIMBER_KERNEL Doubles to_24_bits(Doubles x) {
+  const Doubles high = x * Doubles::set(0x1p29 + 1);
+  return or_zero(high - (high - x), x, 0x1p-100);
+}
+
 LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves) {
   const double per_unit = 1 / unit;
   LeavesOfBlock gathered;
@@ -208,14 +211,15 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
   block.origin = {gathered.origin[0][0], gathered.origin[1][0], gathered.origin[2][0]};
   alignas(64) float in_block[3][width], shift[3][width], stored[3][width];
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
-    const double from = gathered.origin[axis][0];
-    for (std::uint32_t k = 0; k < width; ++k) {
-      const double offset = (gathered.origin[axis][k] - from) * per_unit;
-      const double middle = 0.5 * (static_cast<double>(found.low[axis][k]) + static_cast<double>(found.high[axis][k]));
-      in_block[axis][k] = static_cast<float>(offset);
-      const double center = core::to_24_bits(offset + middle);
-      stored[axis][k] = static_cast<float>(center);
-      shift[axis][k] = static_cast<float>(center - offset);
+    const Doubles from = Doubles::set(gathered.origin[axis][0]);
+    for (std::uint32_t k = 0; k < width; k += Doubles::lanes) {
+      const Doubles offset = (Doubles::load(gathered.origin[axis] + k) - from) * Doubles::set(per_unit);
+      const Doubles middle =
+          Doubles::set(0.5) * (Doubles::from_floats(found.low[axis] + k) + Doubles::from_floats(found.high[axis] + k));
+      const Doubles center = to_24_bits(offset + middle);
+      offset.store_rounded(in_block[axis] + k);
+      center.store_rounded(stored[axis] + k);
+      (center - offset).store_rounded(shift[axis] + k);
     }
   }
   NodeBounds& n = block.bounds;

@@ -64,14 +64,45 @@ HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
-/// (p - from) * scale for four numbers.
-HWY_INLINE void place_four(const double* p, const double* from, double scale, float* placed) {
-  const hn::CappedTag<double, 4> four;
-  const hn::Rebind<float, decltype(four)> narrow;
-  for (std::size_t i = 0; i < 4; i += hn::MaxLanes(four)) {
-    const auto scaled = hn::Mul(hn::Sub(hn::LoadU(four, p + i), hn::LoadU(four, from + i)), hn::Set(four, scale));
-    hn::Store(hn::DemoteTo(narrow, scaled), narrow, placed + i);
-  }
+
+/// A vector of at most `width` numbers in float64.
+struct Doubles {
+  using Tag = hn::CappedTag<double, width>;
+  using Narrow = hn::Rebind<float, Tag>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  hn::Vec<Tag> v;
+
+  static HWY_INLINE Doubles set(double x) { return {hn::Set(Tag(), x)}; }
+  static HWY_INLINE Doubles load(const double* p) { return {hn::Load(Tag(), p)}; }
+  static HWY_INLINE Doubles from_floats(const float* p) { return {hn::PromoteTo(Tag(), hn::Load(Narrow(), p))}; }
+  HWY_INLINE void store_rounded(float* p) const { hn::Store(hn::DemoteTo(Narrow(), v), Narrow(), p); }
+};
+
+HWY_INLINE Doubles operator+(Doubles a, Doubles b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE Doubles operator-(Doubles a, Doubles b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE Doubles operator*(Doubles a, Doubles b) { return {hn::Mul(a.v, b.v)}; }
+/// x where it is at least `least` in size, 0 elsewhere.
+HWY_INLINE Doubles or_zero(Doubles x, Doubles size_of, double least) {
+  return {hn::IfThenElseZero(hn::Ge(hn::Abs(size_of.v), hn::Set(Doubles::Tag(), least)), x.v)};
+}
+
+/// (p - from) * scale for three numbers; four are written.
+HWY_INLINE void place_three(const double* p, const double* from, double scale, float* placed) {
+  const hn::CappedTag<double, 4> some;
+  const hn::Rebind<float, decltype(some)> narrow;
+  const auto place = [&](auto at, auto origin, float* to) {
+    hn::Store(hn::DemoteTo(narrow, hn::Mul(hn::Sub(at, origin), hn::Set(some, scale))), narrow, to);
+  };
+#if HWY_TARGET == HWY_SCALAR
+  for (std::size_t i = 0; i < 3; ++i) place(hn::Set(some, p[i]), hn::Set(some, from[i]), placed + i);
+#elif HWY_MAX_BYTES == 16
+  place(hn::LoadU(some, p), hn::LoadU(some, from), placed);
+  place(hn::Set(some, p[2]), hn::Set(some, from[2]), placed + 2);
+#else
+  const hn::Half<decltype(some)> two;
+  const auto whole = [&](const double* v) { return hn::Combine(some, hn::Set(two, v[2]), hn::LoadU(two, v)); };
+  place(whole(p), whole(from), placed);
+#endif
 }
 /// The first three of each four numbers.
 HWY_INLINE void load_points(const float* p, Packet& x, Packet& y, Packet& z) {

@@ -56,7 +56,6 @@ static_assert(sizeof(Leaf) == 176);
 struct SourceMesh {
   const Vec3* positions;
   const std::array<VertexId, 3>* triangles;
-  VertexId last_position;
   const Leaf* leaves_end;  ///< behind the last leaf
 };
 

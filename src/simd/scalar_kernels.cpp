@@ -46,8 +46,25 @@ inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
 inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
-inline void place_four(const double* p, const double* from, double scale, float* placed) {
-  for (int i = 0; i < 4; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * scale);
+
+/// A number in float64.
+struct Doubles {
+  static constexpr std::uint32_t lanes = 1;
+  double v;
+
+  static Doubles set(double x) { return {x}; }
+  static Doubles load(const double* p) { return {*p}; }
+  static Doubles from_floats(const float* p) { return {static_cast<double>(*p)}; }
+  void store_rounded(float* p) const { *p = static_cast<float>(v); }
+};
+
+inline Doubles operator+(Doubles a, Doubles b) { return {a.v + b.v}; }
+inline Doubles operator-(Doubles a, Doubles b) { return {a.v - b.v}; }
+inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
+inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }
+
+inline void place_three(const double* p, const double* from, double scale, float* placed) {
+  for (int i = 0; i < 3; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * scale);
 }
 inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline void narrow_columns(const std::int32_t (&rows)[width][width], std::int16_t (&columns)[width][width]) {

@@ -159,8 +159,7 @@ class Fitting {
  public:
   Fitting(Tree& tree, MeshView mesh)
       : tree_(tree),
-        source_{mesh.positions.data(), mesh.triangles.data(), static_cast<VertexId>(mesh.positions.size() - 1),
-                tree.leaves.data() + tree.leaves.size()},
+        source_{mesh.positions.data(), mesh.triangles.data(), tree.leaves.data() + tree.leaves.size()},
         kernels_(simd::kernels()) {}
 
   /// Fits a block whose children are blocks, fitted already unless they are on the lowest level.
