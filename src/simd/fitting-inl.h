@@ -154,11 +154,20 @@ LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bound
   }
 }
 
+/// The sum of vectors, each turned to one side of those before it.
+LIMBER_KERNEL void sum_turned(const float (&v)[3][width], float (&sum)[3]) {
+  sum[0] = sum[1] = sum[2] = 0;
+  for (std::uint32_t k = 0; k < width; ++k) {
+    const float side = sum[0] * v[0][k] + sum[1] * v[1][k] + sum[2] * v[2][k];
+    for (int axis = 0; axis < 3; ++axis) sum[axis] += side < 0 ? -v[axis][k] : v[axis][k];
+  }
+}
+
 /// The bound of all leaves together, which lie where `in_block` says, relative to the origin of the block.
 LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesAndAreas& found,
                                      const float (&in_block)[3][width]) {
   WholeBound whole;
-  float low[3], high[3], half[3], center[3], area[3] = {0, 0, 0}, extent = 0;
+  float low[3], high[3], half[3], center[3], area[3], extent = 0;
   for (int axis = 0; axis < 3; ++axis) {
     Packet least = Packet::set(0x1p100F), most = Packet::set(-0x1p100F);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
@@ -170,10 +179,7 @@ LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesA
     extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
   }
   const float off = extent * corner_doubt + 0x1p-100F;
-  for (std::uint32_t k = 0; k < width; ++k) {
-    const float side = area[0] * found.area[0][k] + area[1] * found.area[1][k] + area[2] * found.area[2][k];
-    for (int axis = 0; axis < 3; ++axis) area[axis] += side < 0 ? -found.area[axis][k] : found.area[axis][k];
-  }
+  sum_turned(found.area, area);
   for (int axis = 0; axis < 3; ++axis) {
     center[axis] = 0.5F * low[axis] + 0.5F * high[axis];
     half[axis] = std::max(high[axis] - center[axis], center[axis] - low[axis]) + off;
@@ -242,4 +248,96 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
   block.reach = *std::max_element(reach, reach + block.count) * squares_up;
   quantise(gathered.corners, n, shift, block.count, leaves);
   return bound_whole(gathered, found, in_block);
+}
+
+/// The least and the largest of all lanes, once all of them have been put in.
+struct Range {
+  Packet least, most;
+
+  LIMBER_KERNEL void put(Packet low, Packet high) { least = min(least, low), most = max(most, high); }
+  LIMBER_KERNEL float low() const { return -largest(zero() - least); }
+  LIMBER_KERNEL float high() const { return largest(most); }
+};
+
+LIMBER_KERNEL Range no_range() { return {Packet::set(0x1p100F), Packet::set(-0x1p100F)}; }
+
+/// How far lanes whose centres are at `d` reach from there: as balls, or by their slabs and the balls across them.
+LIMBER_KERNEL Packet furthest_of(const Pairing& p, const Packet3& d, Packet low, Packet high) {
+  const Packet distance_sq = dot(d, d), height = dot(p.normal, d);
+  const Packet along = max(abs(height + low), abs(height + high));
+  const Packet rounding = distance_sq * Packet::set(0x1p-20F);
+  const Packet across = sqrt(max(distance_sq - height * height, zero()) + rounding) + p.radius;
+  return min(sqrt(distance_sq) + p.radius, sqrt(along * along + across * across)) * Packet::set(squares_up);
+}
+
+/// The bound around the lanes of a block, all of which are in use.
+LIMBER_KERNEL WholeBound enclose_all(const NodeBounds& n) {
+  WholeBound whole;
+  Range box[3] = {no_range(), no_range(), no_range()};
+  alignas(64) float area[3][width];
+  Packet largest_radius = zero();
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    largest_radius = max(largest_radius, Packet::load(n.radius + i));
+  }
+  // Relative to the largest, so that squares do not vanish.
+  const Packet per_radius = Packet::set(1 / std::max(largest(largest_radius), 0x1p-100F));
+  const float* const centers[3] = {n.center_x, n.center_y, n.center_z};
+  const float* const halves[3] = {n.half_x, n.half_y, n.half_z};
+  const float* const normals[3] = {n.normal_x, n.normal_y, n.normal_z};
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet radius = Packet::load(n.radius + i) * per_radius, weight = radius * radius;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Packet center = Packet::load(centers[axis] + i), half = Packet::load(halves[axis] + i);
+      box[axis].put(center - half, center + half);
+      (Packet::load(normals[axis] + i) * weight).store(area[axis] + i);
+    }
+  }
+  float extent = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    extent = std::max({extent, std::abs(box[axis].low()), std::abs(box[axis].high())});
+  }
+  const float off = extent * corner_doubt + 0x1p-100F;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = box[axis].low(), high = box[axis].high();
+    whole.center[axis] = 0.5F * low + 0.5F * high;
+    whole.half[axis] = std::max(high - whole.center[axis], whole.center[axis] - low) + off;
+  }
+  float sum[3];
+  sum_turned(area, sum);
+  const Packet3 normal = slab_normal(broadcast(sum), broadcast(whole.half));
+  Range slab = no_range(), ball = no_range();
+  const Packet offs = Packet::set(4 * off), up = Packet::set(squares_up);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Facing at{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, 0, 0, 0, 0, 0};
+    const Pairing p = pair_up(n, i, at);
+    const Packet3 d{zero() - p.d.x, zero() - p.d.y, zero() - p.d.z};
+    const Packet cosine = dot(p.normal, normal), height = dot(normal, d);
+    const Packet3 crossed = cross(p.normal, normal);
+    const Packet sine = sqrt(dot(crossed, crossed)), cosine_abs = abs(cosine);
+    const Packet box_reach = abs(normal.x) * p.half.x + abs(normal.y) * p.half.y + abs(normal.z) * p.half.z;
+    const Mask same_side = cosine > zero();
+    const Packet above = reach(p.radius, select(same_side, p.upper, p.lower), cosine_abs, sine);
+    const Packet below = reach(p.radius, select(same_side, p.lower, p.upper), cosine_abs, sine);
+    slab.put(height - min(below, box_reach) * up - offs, height + min(above, box_reach) * up + offs);
+    const Packet far = furthest_of(p, d, Packet::load(n.low + i), Packet::load(n.high + i)) + offs;
+    ball.put(far, far);
+  }
+  alignas(64) float stored[3][width];
+  store3(normal, stored, 0);
+  for (int axis = 0; axis < 3; ++axis) whole.normal[axis] = stored[axis][0];
+  whole.low = slab.low(), whole.high = slab.high();
+  const float* const half = whole.half;
+  const float diagonal = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]) * squares_up;
+  whole.radius = std::min(ball.high(), diagonal);
+  return whole;
+}
+
+LIMBER_KERNEL WholeBound enclose(const Block& block) {
+  if (block.count == width) return enclose_all(block.bounds);
+  NodeBounds repeated = block.bounds;  // the last lane in those that are not used
+  float* const rows = repeated.center_x;
+  for (std::uint32_t row = 0; row < sizeof(NodeBounds) / sizeof(float); row += width) {
+    for (std::uint32_t k = block.count; k < width; ++k) rows[row + k] = rows[row + block.count - 1];
+  }
+  return enclose_all(repeated);
 }

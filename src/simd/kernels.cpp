@@ -146,7 +146,7 @@ HWY_INLINE unsigned bits(Mask m) {
 #undef LIMBER_KERNEL
 
 const Kernels* table() {
-  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates, fit_leaves};
+  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates, fit_leaves, enclose};
   return &set;
 }
 

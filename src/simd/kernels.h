@@ -37,12 +37,16 @@ using LeafCandidates = void (*)(const Seen& a, const Seen& b, const View& view, 
 /// block, the corners in the leaves. `unit` is that of the tree. Returns a bound of all the triangles.
 using FitLeaves = WholeBound (*)(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves);
 
+/// A bound around the lanes of a block, relative to its origin, in units.
+using Enclose = WholeBound (*)(const Block& block);
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
   BoundLanes bound_lanes;
   LeafCandidates leaf_candidates;
   FitLeaves fit_leaves;
+  Enclose enclose;
 };
 
 /// The best set this processor runs.

@@ -82,6 +82,7 @@ inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 }  // namespace
 }  // namespace scalar
 
-const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates, scalar::fit_leaves};
+const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates, scalar::fit_leaves,
+                             scalar::enclose};
 
 }  // namespace limber::simd

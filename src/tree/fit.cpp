@@ -7,7 +7,6 @@
 //           are small, wherever the mesh is.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/check.h"
 #include "core/parallel.h"
@@ -32,8 +31,6 @@ struct Bound {
 /// Covers the float64 rounding of everything below.
 constexpr double outward = 1 + 0x1p-40;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 Vec3 to_24_bits(const Vec3& v) { return {core::to_24_bits(v.x), core::to_24_bits(v.y), core::to_24_bits(v.z)}; }
 
 Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
@@ -52,63 +49,12 @@ Bound lane_of_block(const Block& block, std::uint32_t k) {
           n.high[k]};
 }
 
-/// The mean of the lanes' normals, each turned to one side of the others'; larger lanes count more.
-Vec3 mean_normal(const Bound* lanes, std::uint32_t count, const Vec3& half) {
-  Vec3 sum;
-  for (const Bound* b = lanes; b != lanes + count; ++b) {
-    const Vec3 weighted = b->normal * (b->radius * b->radius);
-    sum += dot(sum, weighted) < 0 ? -weighted : weighted;
-  }
-  const double size = length(sum);
-  if (size > 0x1p-300) return to_24_bits(sum * (1 / size));
-  if (half.x <= half.y && half.x <= half.z) return {1, 0, 0};
-  return half.y <= half.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-}
-
-/// How far a bound reaches from its centre in direction `u`, of length about 1.
-double reach(const Bound& b, const Vec3& u) {
-  const double cosine = dot(b.normal, u);
-  const double height = cosine >= 0 ? b.high : -b.low, c = std::abs(cosine);
-  double ball = b.radius;
-  if (b.radius * c > height) {
-    const double sine = length(cross(b.normal, u)), rim_sq = b.radius * b.radius - height * height;
-    ball = height * c + sine * std::sqrt(std::max(0.0, rim_sq));
-  }
-  // Normals stored as float32 are off by 2^-22 of their length.
-  return std::min(ball * (1 + 0x1p-20), dot(abs(u), b.half) * outward);
-}
-
 /// How far a bound whose centre is at `d` reaches from the origin: as a ball, or by its slab and the ball across it.
 double furthest(const Bound& b, const Vec3& d) {
   const double height = dot(b.normal, d), distance_sq = length_sq(d);
   const double along = std::max(std::abs(height + b.low), std::abs(height + b.high));
   const double across = std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * 0x1p-20) + b.radius;
   return std::min(std::sqrt(distance_sq) + b.radius, std::sqrt(along * along + across * across) * (1 + 0x1p-20));
-}
-
-/// The bound around the lanes of a block.
-Bound enclose(const Block& block) {
-  Bound lanes[width];
-  for (std::uint32_t k = 0; k < block.count; ++k) lanes[k] = lane_of_block(block, k);
-  Vec3 low = lanes[0].center - lanes[0].half, high = lanes[0].center + lanes[0].half;
-  for (std::uint32_t k = 1; k < block.count; ++k) {
-    low = min(low, lanes[k].center - lanes[k].half), high = max(high, lanes[k].center + lanes[k].half);
-  }
-  Bound b{};
-  b.center = low * 0.5 + high * 0.5;
-  const double doubt = 0x1p-40 * (max_abs(low) + max_abs(high));
-  b.half = max(high - b.center, b.center - low) + Vec3{doubt, doubt, doubt};
-  b.normal = mean_normal(lanes, block.count, b.half);
-  b.low = infinity, b.high = -infinity;
-  for (std::uint32_t k = 0; k < block.count; ++k) {
-    const Vec3 d = lanes[k].center - b.center;
-    const double h = dot(b.normal, d);
-    b.radius = std::max(b.radius, furthest(lanes[k], d));
-    b.low = std::min(b.low, h - reach(lanes[k], -b.normal) - doubt);
-    b.high = std::max(b.high, h + reach(lanes[k], b.normal) + doubt);
-  }
-  b.radius = std::min(b.radius + doubt, length(b.half)) * outward;
-  return b;
 }
 
 /// The root's ball around what is two levels below the root, `block` being its children; in units, as enclose(). A ball
@@ -236,7 +182,7 @@ class Fitting {
 
   /// The same for a block whose children are blocks.
   Bound fit_higher(const Block& block) const {
-    Bound bound = enclose(block);
+    Bound bound = from(kernels_.enclose(block));
     if (&block == below_root()) bound.radius = root_radius(tree_, block, bound);
     return bound;
   }

@@ -232,7 +232,6 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       Block& block = copy.blocks.back();
       std::memset(&block.bounds, 0, sizeof(block.bounds));
       const simd::SourceMesh source{mesh.positions().data(), mesh.triangles().data(),
-                                    static_cast<VertexId>(mesh.positions().size() - 1),
                                     copy.leaves.data() + copy.leaves.size()};
       whole = set.fit_leaves(source, copy.unit, block, copy.leaves.data());
     };
@@ -247,6 +246,8 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       ASSERT_EQ(a.reach, b.reach) << set.name;
       ASSERT_EQ(std::memcmp(&first_whole, &other_whole, sizeof(first_whole)), 0) << set.name << " " << i;
       ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(tree::Leaf)), 0);
+      const simd::WholeBound around = simd::scalar_kernels.enclose(a), other_around = set.enclose(b);
+      ASSERT_EQ(std::memcmp(&around, &other_around, sizeof(around)), 0) << set.name << " " << i;
     }
   }
 }
