@@ -10,14 +10,23 @@
 /// Rounding of a corner, and of what a few operations make of it, as a part of the leaf's extent.
 inline constexpr float corner_doubt = 0x1p-21F;
 
-/// The corners of the leaves of a block, by number, axis and leaf, in units.
-struct alignas(64) BlockCorners {
-  float v[3 * width][3][width];
+/// How many corners a WidePacket holds.
+inline constexpr std::uint32_t corners_at_once = WidePacket::lanes / Packet::lanes;
 
-  LIMBER_KERNEL Packet3 at(std::uint32_t corner, std::uint32_t lane) const {
-    return {Packet::load(v[corner][0] + lane), Packet::load(v[corner][1] + lane), Packet::load(v[corner][2] + lane)};
+/// Corner k of triangle j of a leaf.
+LIMBER_KERNEL std::uint32_t corner_of(std::uint32_t k, std::uint32_t j) { return width * k + j; }
+
+/// The corners of the leaves of a block, by axis, corner and leaf, in units.
+struct alignas(64) BlockCorners {
+  float v[3][3 * width][width];
+
+  template <typename P = Packet>
+  LIMBER_KERNEL Triple<P> at(std::uint32_t corner, std::uint32_t lane) const {
+    return {P::load(v[0][corner] + lane), P::load(v[1][corner] + lane), P::load(v[2][corner] + lane)};
   }
 };
+
+LIMBER_KERNEL Triple<WidePacket> twice(const Packet3& p) { return {twice(p.x), twice(p.y), twice(p.z)}; }
 
 /// The leaves of a block: lanes beyond them repeat the last.
 struct LeavesOfBlock {
@@ -45,20 +54,28 @@ LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint3
     }
     for (std::uint32_t j = 0; j < width; ++j) {
       const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
-      for (std::uint32_t c = 0; c < 3; ++c) place_three(position(ids[c]), origin, per_unit, placed[3 * j + c][k]);
+      for (std::uint32_t c = 0; c < 3; ++c) place_three(position(ids[c]), origin, per_unit, placed[corner_of(c, j)][k]);
     }
   }
   for (std::uint32_t c = 0; c < 3 * width; ++c) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       Packet3 p;
       load_points(placed[c][i], p.x, p.y, p.z);
-      store3(p, gathered.corners.v[c], i);
+      p.x.store(gathered.corners.v[0][c] + i);
+      p.y.store(gathered.corners.v[1][c] + i);
+      p.z.store(gathered.corners.v[2][c] + i);
     }
   }
 }
 
-LIMBER_KERNEL Packet3 min3(const Packet3& a, const Packet3& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
-LIMBER_KERNEL Packet3 max3(const Packet3& a, const Packet3& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+template <typename P>
+LIMBER_KERNEL Triple<P> min3(const Triple<P>& a, const Triple<P>& b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> max3(const Triple<P>& a, const Triple<P>& b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
 LIMBER_KERNEL Packet3 operator+(const Packet3& a, const Packet3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 LIMBER_KERNEL Packet3 operator*(const Packet3& a, Packet s) { return {a.x * s, a.y * s, a.z * s}; }
 LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
@@ -76,18 +93,21 @@ struct BoxesAndAreas {
 
 LIMBER_KERNEL void find_boxes_and_areas(const BlockCorners& corners, BoxesAndAreas& found) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    Packet3 low = corners.at(0, i), high = low;
-    for (std::uint32_t c = 1; c < 3 * width; ++c) {
-      const Packet3 p = corners.at(c, i);
-      low = min3(low, p), high = max3(high, p);
+    Triple<WidePacket> lows = corners.at<WidePacket>(0, i), highs = lows;
+    for (std::uint32_t c = corners_at_once; c < 3 * width; c += corners_at_once) {
+      const Triple<WidePacket> p = corners.at<WidePacket>(c, i);
+      lows = min3(lows, p), highs = max3(highs, p);
     }
+    const Packet3 low{smaller_half(lows.x), smaller_half(lows.y), smaller_half(lows.z)};
+    const Packet3 high{larger_half(highs.x), larger_half(highs.y), larger_half(highs.z)};
     // Relative to the leaf's extent, so that products of tiny edges do not vanish.
     const Packet extent = max(largest_abs(low), largest_abs(high));
     const Packet scale = Packet::set(1) / max(extent, Packet::set(0x1p-100F));
     Packet3 sum{zero(), zero(), zero()};
     for (std::uint32_t j = 0; j < width; ++j) {
-      const Packet3 p = corners.at(3 * j, i);
-      const Packet3 area = cross((corners.at(3 * j + 1, i) - p) * scale, (corners.at(3 * j + 2, i) - p) * scale);
+      const Packet3 p = corners.at(corner_of(0, j), i);
+      const Packet3 area =
+          cross((corners.at(corner_of(1, j), i) - p) * scale, (corners.at(corner_of(2, j), i) - p) * scale);
       const Packet3 turned{zero() - area.x, zero() - area.y, zero() - area.z};
       sum = sum + select(dot(sum, area) < zero(), turned, area);
     }
@@ -117,16 +137,17 @@ struct Spread {
 /// `shift` takes corners to where they are measured from; `off` covers what it and they are off by.
 LIMBER_KERNEL Spread find_spread(const BlockCorners& corners, std::uint32_t i, const Packet3& shift,
                                  const Packet3& normal, Packet off) {
-  Packet furthest_sq = zero(), low = Packet::set(0x1p100F), high = Packet::set(-0x1p100F);
-  for (std::uint32_t c = 0; c < 3 * width; ++c) {
-    const Packet3 d = corners.at(c, i) - shift;
-    const Packet height = dot(normal, d);
-    furthest_sq = max(furthest_sq, dot(d, d));
-    low = min(low, height), high = max(high, height);
+  const Triple<WidePacket> shifts = twice(shift), normals = twice(normal);
+  WidePacket furthest_sqs = twice(zero()), lows = twice(Packet::set(0x1p100F)), highs = twice(Packet::set(-0x1p100F));
+  for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
+    const Triple<WidePacket> d = corners.at<WidePacket>(c, i) - shifts;
+    const WidePacket height = dot(normals, d);
+    furthest_sqs = max(furthest_sqs, dot(d, d));
+    lows = min(lows, height), highs = max(highs, height);
   }
-  const Packet twice = off + off;
-  const Packet radius = sqrt(furthest_sq) * Packet::set(squares_up) + twice;
-  const Packet tilt = twice + radius * Packet::set(corner_doubt);
+  const Packet low = smaller_half(lows), high = larger_half(highs);
+  const Packet radius = sqrt(larger_half(furthest_sqs)) * Packet::set(squares_up) + (off + off);
+  const Packet tilt = (off + off) + radius * Packet::set(corner_doubt);
   return {radius, low - tilt, high + tilt};
 }
 
@@ -135,13 +156,14 @@ LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bound
                             std::uint32_t count, Leaf* leaves) {
   alignas(64) std::int32_t q[9][width][width];  // of the numbers of a triangle: triangle by leaf
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet scale = Packet::set(quantum) / Packet::load(bounds.radius + i);
-    const Packet3 center = load3(shift, i);
-    for (std::uint32_t c = 0; c < 3 * width; ++c) {
-      const Packet3 d = (corners.at(c, i) - center) * scale;
-      d.x.round_to(q[3 * (c % 3)][c / 3] + i);
-      d.y.round_to(q[3 * (c % 3) + 1][c / 3] + i);
-      d.z.round_to(q[3 * (c % 3) + 2][c / 3] + i);
+    const WidePacket scale = twice(Packet::set(quantum) / Packet::load(bounds.radius + i));
+    const Triple<WidePacket> center = twice(load3(shift, i));
+    for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
+      const Triple<WidePacket> d = corners.at<WidePacket>(c, i) - center;
+      const std::uint32_t number = 3 * (c / width), triangle = c % width;
+      (d.x * scale).round_to(q[number][triangle] + i);
+      (d.y * scale).round_to(q[number + 1][triangle] + i);
+      (d.z * scale).round_to(q[number + 2][triangle] + i);
     }
   }
   alignas(16) std::int16_t columns[width][width];

@@ -7,13 +7,21 @@
 // Largest error of a squared quantity formed from at most ten float32 operations, as a fraction of it.
 inline constexpr float squares_up = 1 + 0x1p-20F, squares_down = 1 - 0x1p-20F;
 
-struct Packet3 {
-  Packet x, y, z;
+template <typename P>
+struct Triple {
+  P x, y, z;
 };
+using Packet3 = Triple<Packet>;
 
-LIMBER_KERNEL Packet3 operator-(const Packet3& a, const Packet3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+template <typename P>
+LIMBER_KERNEL Triple<P> operator-(const Triple<P>& a, const Triple<P>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 LIMBER_KERNEL Packet3 broadcast(const float* v) { return {Packet::set(v[0]), Packet::set(v[1]), Packet::set(v[2])}; }
-LIMBER_KERNEL Packet dot(const Packet3& a, const Packet3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <typename P>
+LIMBER_KERNEL P dot(const Triple<P>& a, const Triple<P>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 LIMBER_KERNEL Packet3 cross(const Packet3& a, const Packet3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

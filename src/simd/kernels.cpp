@@ -65,6 +65,39 @@ HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
+/// Two packets at once where there is room, otherwise one.
+#if HWY_MAX_BYTES == 64
+struct WidePacket {
+  using Tag = hn::CappedTag<float, 2 * width>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  hn::Vec<Tag> v;
+
+  static HWY_INLINE WidePacket load(const float* p) { return {hn::Load(Tag(), p)}; }
+  HWY_INLINE void round_to(std::int32_t* p) const {
+    const hn::RebindToSigned<Tag> whole;
+    hn::StoreU(hn::NearestInt(v), whole, p);
+  }
+};
+
+HWY_INLINE WidePacket operator+(WidePacket a, WidePacket b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE WidePacket operator-(WidePacket a, WidePacket b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE WidePacket operator*(WidePacket a, WidePacket b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE WidePacket max(WidePacket a, WidePacket b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE WidePacket min(WidePacket a, WidePacket b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE WidePacket twice(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
+HWY_INLINE Packet larger_half(WidePacket a) {
+  return {hn::Max(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
+}
+HWY_INLINE Packet smaller_half(WidePacket a) {
+  return {hn::Min(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
+}
+#else
+using WidePacket = Packet;
+HWY_INLINE Packet twice(Packet a) { return a; }
+HWY_INLINE Packet larger_half(Packet a) { return a; }
+HWY_INLINE Packet smaller_half(Packet a) { return a; }
+#endif
+
 /// A vector of at most `width` numbers in float64.
 struct Doubles {
   using Tag = hn::CappedTag<double, width>;

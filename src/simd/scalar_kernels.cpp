@@ -47,6 +47,11 @@ inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
 
+using WidePacket = Packet;
+inline Packet twice(Packet a) { return a; }
+inline Packet larger_half(Packet a) { return a; }
+inline Packet smaller_half(Packet a) { return a; }
+
 /// A number in float64.
 struct Doubles {
   static constexpr std::uint32_t lanes = 1;
