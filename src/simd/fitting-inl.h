@@ -10,9 +10,6 @@
 /// Rounding of a corner, and of what a few operations make of it, as a part of the leaf's extent.
 inline constexpr float corner_doubt = 0x1p-21F;
 
-/// How many corners a WidePacket holds.
-inline constexpr std::uint32_t corners_at_once = WidePacket::lanes / Packet::lanes;
-
 /// Corner k of triangle j of a leaf.
 LIMBER_KERNEL std::uint32_t corner_of(std::uint32_t k, std::uint32_t j) { return width * k + j; }
 
@@ -315,9 +312,7 @@ LIMBER_KERNEL WholeBound enclose_all(const NodeBounds& n) {
     }
   }
   float extent = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    extent = std::max({extent, std::abs(box[axis].low()), std::abs(box[axis].high())});
-  }
+  for (const Range& side : box) extent = std::max({extent, std::abs(side.low()), std::abs(side.high())});
   const float off = extent * corner_doubt + 0x1p-100F;
   for (int axis = 0; axis < 3; ++axis) {
     const float low = box[axis].low(), high = box[axis].high();

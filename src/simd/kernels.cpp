@@ -69,7 +69,6 @@ HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.
 #if HWY_MAX_BYTES == 64
 struct WidePacket {
   using Tag = hn::CappedTag<float, 2 * width>;
-  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
   hn::Vec<Tag> v;
 
   static HWY_INLINE WidePacket load(const float* p) { return {hn::Load(Tag(), p)}; }
@@ -91,8 +90,10 @@ HWY_INLINE Packet larger_half(WidePacket a) {
 HWY_INLINE Packet smaller_half(WidePacket a) {
   return {hn::Min(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
 }
+inline constexpr std::uint32_t corners_at_once = 2;  // in a WidePacket
 #else
 using WidePacket = Packet;
+inline constexpr std::uint32_t corners_at_once = 1;
 HWY_INLINE Packet twice(Packet a) { return a; }
 HWY_INLINE Packet larger_half(Packet a) { return a; }
 HWY_INLINE Packet smaller_half(Packet a) { return a; }

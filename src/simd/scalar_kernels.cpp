@@ -48,6 +48,7 @@ inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
 
 using WidePacket = Packet;
+inline constexpr std::uint32_t corners_at_once = 1;
 inline Packet twice(Packet a) { return a; }
 inline Packet larger_half(Packet a) { return a; }
 inline Packet smaller_half(Packet a) { return a; }
