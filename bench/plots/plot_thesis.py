@@ -181,7 +181,7 @@ def plot_updates(results: Results, target: Path) -> None:
         times.axhline(source, color=MODE_COLORS[mode], linewidth=0.8, linestyle=(0, (5, 3)))
     times.text(1000, 150, "source, 400 MHz", fontsize=8, color=GREY, ha="right", va="bottom")
     log_axis(times, "µs", 0.005, 500)
-    log_axis(refits, "refits", 0.02, 300)
+    log_axis(refits, "refits", 0.002, 300)
     caption(times, "Tight spheres, 1000 dents of slope 0.1, a dent moves about 108 vertices.\n"
                    "Source: 0.13 ms immediate, 0.09 ms batched, 0.06 ms by depth, hardly\n"
                    "dependent on the batch.")
