@@ -18,6 +18,9 @@ constexpr double outward = 1 + 0x1p-40;
 // What things cost, in ns: only the ratios matter, and those are much the same on all machines.
 constexpr double ns_of_refit = 400, ns_of_refit_in_pass = 270, ns_of_step = 110, ns_of_sorting = 10;
 
+// Vertices that have gone that many units may be where float32 does not reach in the unit of the tree.
+constexpr double outgrown = 0x1p40;
+
 // How much worse than expected a tree may become. More is tolerated where restructuring has gained little.
 constexpr double least_tolerated = 1.2, most_tolerated = 16, worthwhile_gain = 1.1;
 
@@ -141,10 +144,16 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
       anchors_ = positions;
       changes_.add_all();
       furthest_sq_ = 0;
-      break;
+      return positions.size();
     }
   }
   return far_.size();
+}
+
+void Following::measure_again(const Mesh& mesh) {
+  tree_.unit = tree::extent_of(mesh).unit();
+  changes_.add_all();
+  if (!anchors_.empty()) anchors_ = mesh.positions(), furthest_sq_ = 0;
 }
 
 double Following::repairs_ahead_ns() const {
@@ -156,7 +165,7 @@ double Following::repairs_ahead_ns() const {
 void Following::restructure_all(const Mesh& mesh) {
   if (sorted_.valid()) sorted_.get();
   sorting_.emplace(tree_, mesh, tree::subtree_of(tree_, tree::root));
-  sorting_->work(std::numeric_limits<double>::infinity());
+  sorting_->finish();
   has_moved_ = true;
 }
 
@@ -189,11 +198,11 @@ void Following::judge_restructuring(MaintenanceStats& stats) {
   quality_.set(tree_, subtree);
   const double gain = before_ / tree::Quality::sum(tree_, subtree);
   tolerated_ = gain > worthwhile_gain ? least_tolerated : std::min(1 + 2 * (tolerated_ - 1), most_tolerated);
-  if (subtree.node == tree::root) {
+  if (subtree.node == tree::root && passes_ >= least_interval) {
     const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, 0.01), 0.4, 1.6);
     interval_ = std::clamp(change * passes_, least_interval, most_interval);
-    passes_ = 0;
   }
+  if (subtree.node == tree::root) passes_ = 0;
   sorting_.reset();
 }
 
@@ -217,13 +226,14 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (!has_moved_ && !tightens_) return;
   if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
   tightens_ = false;
+  if (all_steps_ > outgrown * tree_.unit) measure_again(mesh);
   const bool has_restructured = restructure(mesh);
   const bool in_pass = changes_.is_most_of(tree_);
   const std::size_t spared = changes_.spared_count();
   const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
   if (has_restructured) judge_restructuring(stats);
   look_at_quality(mesh, refits);
-  tree_.motion += all_steps_ * outward;
+  tree_.motion = (tree_.motion + all_steps_) * outward;
   stats.refits += refits;
   stats.absorbed += absorbed_;
   double paid = 0;

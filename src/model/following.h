@@ -63,6 +63,8 @@ class Following {
   /// Starts to restructure what has become bad.
   void look_at_quality(const Mesh& mesh, std::uint64_t refits);
   double repairs_ahead_ns() const;
+  /// Gives the tree the unit that suits the mesh, and has everything fitted.
+  void measure_again(const Mesh& mesh);
 
   tree::Tree& tree_;
   tree::Changes changes_;

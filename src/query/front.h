@@ -50,6 +50,7 @@ class Front {
     LIMBER_ASSERT(is_about(placed));
     const Transform pose = placed.a_from_b();
     moved_ += placed.most_moved(pose_, error_, pose) + (bent(placed) - bent_) + bent_ * 0x1p-50;
+    moved_ *= 1 + 0x1p-50;  // sums of many steps are rounded many times
     bent_ = bent(placed);
     pose_ = pose;
     error_ = placed.error();

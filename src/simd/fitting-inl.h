@@ -9,6 +9,8 @@
 
 /// Rounding of a corner, and of what a few operations make of it, as a part of the leaf's extent.
 inline constexpr float corner_doubt = 0x1p-21F;
+/// And in units: what is smaller than this has no square in float32.
+inline constexpr float least_doubt = 0x1p-60F;
 
 /// Corner k of triangle j of a leaf.
 LIMBER_KERNEL std::uint32_t corner_of(std::uint32_t k, std::uint32_t j) { return width * k + j; }
@@ -43,11 +45,10 @@ LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint3
     const Leaf& leaf = leaves[std::min(k, count - 1)];
     const double* const origin = position(mesh.triangles[leaf.triangle[0]][0]);
     for (int axis = 0; axis < 3; ++axis) gathered.origin[axis][k] = origin[axis];
-    const Leaf* const soon = leaves + count + k;
-    const Leaf* const later = soon + count;
-    for (std::uint32_t j = 0; later < mesh.leaves_end && j < width; j += 2) {
-      __builtin_prefetch(&mesh.triangles[later->triangle[j]]);
-      __builtin_prefetch(&mesh.positions[mesh.triangles[soon->triangle[j]][0]]);
+    const std::uint32_t soon = count + k, later = soon + count;
+    for (std::uint32_t j = 0; static_cast<std::ptrdiff_t>(later) < mesh.leaves_end - leaves && j < width; j += 2) {
+      __builtin_prefetch(&mesh.triangles[leaves[later].triangle[j]]);
+      __builtin_prefetch(&mesh.positions[mesh.triangles[leaves[soon].triangle[j]][0]]);
     }
     for (std::uint32_t j = 0; j < width; ++j) {
       const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
@@ -197,7 +198,7 @@ LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesA
     low[axis] = -largest(zero() - least), high[axis] = largest(most);
     extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
   }
-  const float off = extent * corner_doubt + 0x1p-100F;
+  const float off = extent * corner_doubt + least_doubt;
   sum_turned(found.area, area);
   for (int axis = 0; axis < 3; ++axis) {
     center[axis] = 0.5F * low[axis] + 0.5F * high[axis];
@@ -254,7 +255,7 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
     const Packet extent = max(max(largest_abs(low), largest_abs(high)), largest_abs(center));
     const Packet3 place = load3(stored, i);
     const Packet off =
-        extent * Packet::set(corner_doubt) + largest_abs(place) * Packet::set(0x1p-50F) + Packet::set(0x1p-100F);
+        extent * Packet::set(corner_doubt) + largest_abs(place) * Packet::set(0x1p-50F) + Packet::set(least_doubt);
     const Packet3 half = max3(high - center, center - low) + Packet3{off, off, off};
     const Packet3 normal = slab_normal(load3(found.area, i), half);
     const Spread spread = find_spread(gathered.corners, i, center, normal, off);
@@ -313,7 +314,7 @@ LIMBER_KERNEL WholeBound enclose_all(const NodeBounds& n) {
   }
   float extent = 0;
   for (const Range& side : box) extent = std::max({extent, std::abs(side.low()), std::abs(side.high())});
-  const float off = extent * corner_doubt + 0x1p-100F;
+  const float off = extent * corner_doubt + least_doubt;
   for (int axis = 0; axis < 3; ++axis) {
     const float low = box[axis].low(), high = box[axis].high();
     whole.center[axis] = 0.5F * low + 0.5F * high;
@@ -351,10 +352,12 @@ LIMBER_KERNEL WholeBound enclose_all(const NodeBounds& n) {
 
 LIMBER_KERNEL WholeBound enclose(const Block& block) {
   if (block.count == width) return enclose_all(block.bounds);
-  NodeBounds repeated = block.bounds;  // the last lane in those that are not used
-  float* const rows = repeated.center_x;
-  for (std::uint32_t row = 0; row < sizeof(NodeBounds) / sizeof(float); row += width) {
-    for (std::uint32_t k = block.count; k < width; ++k) rows[row + k] = rows[row + block.count - 1];
+  float rows[sizeof(NodeBounds) / sizeof(float) / width][width];
+  std::memcpy(rows, &block.bounds, sizeof(rows));
+  for (float(&row)[width] : rows) {
+    for (std::uint32_t k = block.count; k < width; ++k) row[k] = row[block.count - 1];  // the last lane again
   }
+  NodeBounds repeated;
+  std::memcpy(&repeated, rows, sizeof(rows));
   return enclose_all(repeated);
 }

@@ -57,19 +57,13 @@ Tree build(MeshView mesh) {
   LIMBER_ASSERT(!mesh.triangles.empty());
   Tree tree;
   tree.id = new_id();
-  Vec3 low = mesh.triangle(0).v0, high = low;
-  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle corners = mesh.triangle(t);
-    low = min(low, min(min(corners.v0, corners.v1), corners.v2));
-    high = max(high, max(max(corners.v0, corners.v1), corners.v2));
-  }
-  const Vec3 middle = low * 0.5 + high * 0.5;
-  tree.unit = unit_for(length(high - low), max_abs(low));
-  LIMBER_ASSERT(tree.unit >= length(high - low));
+  const Extent extent = extent_of(mesh);
+  const Vec3 middle = extent.middle();
+  tree.unit = extent.unit();
 
   std::vector<Item> items(mesh.triangles.size());
   core::parallel_for(items.size(), 4096,
-                     [&](std::size_t t) { items[t] = item_of(tree, mesh, middle, static_cast<TriangleId>(t)); });
+                     [&](std::size_t t) { items[t] = item_of(mesh, static_cast<TriangleId>(t), middle, tree.unit); });
   sort_into_leaves(items, part_of(0, items.size()));
   const std::uint32_t leaves = leaf_count(items.size());
   lay_out(tree, leaves);

@@ -66,10 +66,16 @@ void sort_into_leaves(std::span<Item> items, const Part& part) {
       [&] { sort_into_leaves(items, halves[1]); });
 }
 
-Item item_of(const Tree& tree, MeshView mesh, const Vec3& origin, TriangleId triangle) {
+Extent extent_of(MeshView mesh) {
+  Extent extent;
+  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) extent.put(mesh.triangle(t));
+  return extent;
+}
+
+Item item_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit) {
   const Triangle corners = mesh.triangle(triangle);
   const Vec3 low = min(min(corners.v0, corners.v1), corners.v2), high = max(max(corners.v0, corners.v1), corners.v2);
-  const Vec3 middle = ((low - origin) + (high - origin)) * (0.5 / tree.unit);
+  const Vec3 middle = ((low - origin) + (high - origin)) * (0.5 / unit);
   return {{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)}, triangle};
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "tree/node.h"
@@ -50,8 +51,25 @@ Part part_of(std::size_t begin, std::size_t end);
 /// Cost     O(n log n).
 void sort_into_leaves(std::span<Item> items, const Part& part);
 
-/// A triangle; its middle is relative to `origin`, in units of the tree.
-Item item_of(const Tree& tree, MeshView mesh, const Vec3& origin, TriangleId triangle);
+/// The box around some triangles.
+class Extent {
+ public:
+  void put(const Triangle& t) {
+    low_ = min(low_, min(min(t.v0, t.v1), t.v2));
+    high_ = max(high_, max(max(t.v0, t.v1), t.v2));
+  }
+  Vec3 middle() const { return low_ * 0.5 + high_ * 0.5; }
+  /// Length of 1 that suits it.
+  double unit() const { return unit_for(length(high_ - low_), max_abs(low_)); }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low_{infinity, infinity, infinity}, high_{-infinity, -infinity, -infinity};
+};
+Extent extent_of(MeshView mesh);
+
+/// A triangle; its middle is relative to `origin`, as a multiple of `unit`.
+Item item_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
 
 /// Writes the items into leaves, from leaf `first` on; lanes beyond the last item repeat it.
 void write_leaves(Tree& tree, std::uint32_t first, std::span<const Item> items);

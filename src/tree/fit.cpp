@@ -214,7 +214,9 @@ class Fitting {
 }  // namespace
 
 double unit_for(double size, double magnitude) {
-  return std::exp2(std::ceil(std::log2(std::max({size, 0x1p-50 * magnitude, 0x1p-300}))));
+  int exponent = 0;
+  const double fraction = std::frexp(std::max({size, 0x1p-50 * magnitude, 0x1p-300}), &exponent);
+  return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);
 }
 
 void fit(Tree& tree, MeshView mesh) {

@@ -59,7 +59,7 @@ double Quality::sum(const Tree& tree, const Subtree& subtree) {
   for (std::uint32_t b = lowest_block_of(tree, subtree.first_leaf); b <= end; ++b) {
     sum += measure(tree.blocks[tree.lowest_level() + b]);
   }
-  return sum * tree.unit * tree.unit;
+  return sum / root_measure(tree);
 }
 
 namespace {
@@ -129,11 +129,14 @@ Restructuring::Restructuring(const Tree& tree, MeshView mesh, const Subtree& sub
   const std::size_t begin = std::size_t{subtree.first_leaf} * width;
   const std::size_t end = std::min(std::size_t{subtree.end_leaf} * width, mesh.triangles.size());
   LIMBER_ASSERT(begin < end);
-  const Vec3 origin = model_center(tree, root);
+  const auto triangle = [&](std::size_t i) { return tree.leaves[i / width].triangle[i % width]; };
+  // By where they are now, which the tree may not have been told yet.
+  Extent extent;
+  for (std::size_t i = begin; i < end; ++i) extent.put(mesh.triangle(triangle(i)));
+  const Vec3 middle = extent.middle();
+  const double unit = extent.unit();
   items_.reserve(end - begin);
-  for (std::size_t i = begin; i < end; ++i) {
-    items_.push_back(item_of(tree, mesh, origin, tree.leaves[i / width].triangle[i % width]));
-  }
+  for (std::size_t i = begin; i < end; ++i) items_.push_back(item_of(mesh, triangle(i), middle, unit));
   parts_.push_back(part_of(0, items_.size()));
 }
 
@@ -156,10 +159,16 @@ bool Restructuring::work(double budget) {
   return parts_.empty();
 }
 
+void Restructuring::finish() {
+  for (const Part& part : parts_) sort_into_leaves(items_, part);
+  parts_.clear();
+}
+
 void Restructuring::apply(Tree& tree) const {
   LIMBER_ASSERT(parts_.empty());
   write_leaves(tree, subtree_.first_leaf, items_);
   tree.id = new_id();
+  tree.motion = 0;
 }
 
 }  // namespace limber::tree

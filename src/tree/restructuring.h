@@ -31,7 +31,7 @@ class Quality {
   /// The same for a part of it.
   void set(const Tree& tree, const Subtree& subtree);
 
-  /// The measures of the leaves of a subtree together.
+  /// The measures of the leaves of a subtree together, as a part of the root's.
   static double sum(const Tree& tree, const Subtree& subtree);
 
   /// The smallest subtree that holds nearly all of what the tree, or a large part of it, has become worse by; none
@@ -54,8 +54,11 @@ class Restructuring {
 
   const Subtree& subtree() const { return subtree_; }
 
-  /// Sorts on, until `budget` triangles have been looked at. Returns whether all is done.
+  /// Sorts on, until `budget` triangles have been looked at; one halving, of the whole subtree at first, is the least
+  /// there is. Returns whether all is done.
   bool work(double budget);
+  /// The same to the end, on the threads of the calling oneTBB arena.
+  void finish();
 
   /// Writes the leaves. Their bounds and all above them have to be fitted afterwards. Pre: all is done.
   void apply(Tree& tree) const;

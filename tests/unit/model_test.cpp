@@ -202,6 +202,51 @@ TEST(Model, FollowsWhereverItsVerticesGo) {
   }
 }
 
+TEST(Model, GrowsFromAPointAndByAnyFactor) {
+  const Mesh ball = scenes::ball(12, 7);
+  const Model other(scenes::grid(6, 6, -3, -3, 1, 1));
+  const auto check = [&](Model& model) {
+    ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
+    const double truth = reference::distance({model.mesh()}, {other.mesh(), {{}, {0, 0, -3}}}).upper;
+    const double size = max_abs(model.mesh().positions()[5]) + 1;
+    ASSERT_NEAR(distance({model}, {other, {{}, {0, 0, -3}}}).upper, truth, 1e-14 * size);
+  };
+  const std::vector<Vec3> nowhere(ball.positions().size());
+  for (const double slack : {0.0, 0.1, ModelOptions::automatic}) {
+    // A placeholder that becomes a shape, collapses, and comes back.
+    Model model(Mesh::create(nowhere, ball.triangles()).value(), {.slack = slack});
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(static_cast<bool>(model.move_all(ball.positions())));
+      model.commit();
+      check(model);
+      for (int k = 0; k < 3; ++k) {
+        ASSERT_TRUE(static_cast<bool>(model.move_all(nowhere)));
+        model.commit();
+        check(model);
+      }
+    }
+    // One vertex far out, and back.
+    for (const double far : {1e39, 1e10, 1e59, 1.0}) {
+      const std::vector<Vec3> to{{far, 0, 0}};
+      ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{5}, to)));
+      model.commit();
+      check(model);
+    }
+  }
+}
+
+TEST(Model, RestructuresByWhereTrianglesAreNow) {
+  const scenes::Motion soup = scenes::shuffled_soup(3000);
+  Model model(soup.mesh);
+  std::vector<Vec3> positions = soup.positions(400);
+  for (Vec3& p : positions) p += Vec3{1e9, 1e9, 1e9};
+  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+  model.restructure();
+  const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
+  EXPECT_NEAR(tree::Quality::sum(model.tree(), tree::subtree_of(model.tree(), tree::root)),
+              tree::Quality::sum(built.tree(), tree::subtree_of(built.tree(), tree::root)), 0.02);
+}
+
 TEST(Model, MakesPairsForgetWhatTheyKnewOfIt) {
   Model ball(scenes::thesis_ball());
   const Model square(scenes::thesis_square());

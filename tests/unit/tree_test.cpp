@@ -43,6 +43,27 @@ TEST(Tree, StaysWithinItsMemory) {
   EXPECT_LE(bytes / static_cast<double>(sheet.mesh().triangles().size()), 40);
 }
 
+TEST(Tree, UnitIsTheNextPowerOfTwo) {
+  EXPECT_EQ(tree::unit_for(1024, 0), 1024);
+  EXPECT_EQ(tree::unit_for(std::nextafter(1024, 2000), 0), 2048);
+  EXPECT_EQ(tree::unit_for(std::nextafter(1024, 0), 0), 1024);
+  EXPECT_EQ(tree::unit_for(0, 0x1p60), 0x1p10);
+}
+
+TEST(Tree, HoldsLeavesOfAnySize) {
+  // Eight triangles so small that their squares are no float32 numbers, next to eight large ones.
+  Rng rng(213);
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < 16; ++i) {
+    const double size = i < 8 ? 1e-24 : 0.3;
+    const Vec3 at = i < 8 ? Vec3{} : Vec3{0.6, 0, 0};
+    const auto corner = [&] { return at + size * Vec3{rng.uniform(), rng.uniform(), rng.uniform()}; };
+    triangles.push_back({corner(), corner(), corner()});
+  }
+  const Model model(soup(triangles));
+  EXPECT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
+}
+
 TEST(Tree, RootIsHardlyLargerThanABall) {
   // A ball of radius 1: queries far enough from it should not have to go below the root.
   const Tree tree = tree::build(scenes::ball(160, 80));
