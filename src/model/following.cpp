@@ -72,6 +72,7 @@ void Following::anchor(const Mesh& mesh, VertexId vertex) {
 }
 
 void Following::note_step(double length_sq) {
+  LIMBER_ASSERT(std::isfinite(length_sq));
   const double step = std::sqrt(length_sq);
   longest_step_ = std::max(longest_step_, step);
   all_steps_ += step;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/check.h"
+
 namespace limber {
 namespace {
 
@@ -29,6 +31,7 @@ void SlackTuner::start_over() {
 }
 
 void SlackTuner::add(const Costs& costs) {
+  LIMBER_ASSERT(costs.step >= 0 && costs.repairs >= 0 && costs.tight_repairs >= 0 && costs.queries >= 0);
   if (costs.step > 0) recent_step_ = recent_step_ == 0 ? costs.step : mixed(recent_step_, costs.step, 0.25);
   // The first step, or another kind of motion.
   if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_) start_over();

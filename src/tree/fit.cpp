@@ -214,6 +214,7 @@ class Fitting {
 }  // namespace
 
 double unit_for(double size, double magnitude) {
+  LIMBER_ASSERT(std::isfinite(size) && std::isfinite(magnitude));
   int exponent = 0;
   const double fraction = std::frexp(std::max({size, 0x1p-50 * magnitude, 0x1p-300}), &exponent);
   return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);

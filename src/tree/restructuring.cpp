@@ -34,6 +34,7 @@ std::uint32_t lowest_block_of(const Tree& tree, std::uint32_t leaf) {
 }  // namespace
 
 Subtree subtree_of(const Tree& tree, NodeId node) {
+  LIMBER_ASSERT(lane_of(node) < tree.blocks[block_of(node)].count);
   NodeId first = node, last = node;
   while (block_of(first) < tree.lowest_level()) {
     first = (tree.blocks[block_of(first)].first_child + lane_of(first)) * width;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -85,6 +86,17 @@ RC_GTEST_PROP(FastEngine, StaysSoundAndRightThroughAnySequenceOfUpdates, (std::u
   }
 }
 
+/// How far the corners of a mesh are from one of them.
+double extent(const Mesh& mesh) {
+  const Vec3 first = mesh.triangle(0).v0;
+  double furthest = 0;
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    const Triangle corners = mesh.triangle(t);
+    furthest = std::max({furthest, length(corners.v0 - first), length(corners.v1 - first), length(corners.v2 - first)});
+  }
+  return furthest;
+}
+
 RC_GTEST_PROP(FastEngine, FindsWhatHasLeftItsBounds, (std::uint64_t seed)) {
   // All vertices go where they like within the slack, so bounds say little of where the closest triangles are.
   Rng rng(seed);
@@ -101,7 +113,8 @@ RC_GTEST_PROP(FastEngine, FindsWhatHasLeftItsBounds, (std::uint64_t seed)) {
       model->commit();
       RC_ASSERT(static_cast<bool>(model->validate()));
     }
-    RC_ASSERT(model_b.maintenance_stats().refits == 0);
+    // What was a point has grown into something else; nothing else has left its bounds.
+    RC_ASSERT(model_b.maintenance_stats().refits == 0 || 0x1p40 * extent(s.mesh_b) < slack);
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     const double truth = reference::distance({model_a.mesh(), s.pose_a}, {model_b.mesh(), s.pose_b}).upper;
     for (const DistanceResult& found : {distance(a, b), distance(a, b, {}, pair)}) {
