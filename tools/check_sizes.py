@@ -14,6 +14,7 @@ from repository import CPP_SUFFIXES, Finding, cpp_code, files, line_at, run, sho
 USUAL_LINES = 400  # at least USUAL_SHARE of the source files are not longer
 USUAL_SHARE = 0.9
 MOST_LINES = 800  # none is longer
+MOST_COLUMNS = 120  # clang-format sees to code, not to comments: it would tear labelled ones apart
 UMBRELLA_LINES = 4000  # ours, pulled in by limber.h
 CHECKS_WANTED = 10.0  # LIMBER_ASSERT and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
 CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
@@ -106,6 +107,12 @@ def check_text(root: Path) -> list[Finding]:
             findings.append(Finding(name, 1, "does not start with the two SPDX lines"))
         if not name.startswith("tools/"):  # which have to name what they look for
             note(path, text, UNFINISHED, "finish it, or name its issue as in TODO(#1)")
+        if path.suffix in CPP_SUFFIXES:
+            findings += [
+                Finding(name, i, f"{len(line)} columns, the most allowed are {MOST_COLUMNS}")
+                for i, line in enumerate(text.splitlines(), 1)
+                if len(line) > MOST_COLUMNS
+            ]
         if name.startswith("src/") and path.suffix in CPP_SUFFIXES:
             note(path, cpp_code(text), PRINTING, "the library never prints")
             note(path, cpp_code(text), ENDING, "the library never ends the process; preconditions are LIMBER_ASSERT")

@@ -147,6 +147,11 @@ class Sizes(Repository):
                 self.assert_faulty(check_sizes.check, self.sound() | {name: text}, f"{name}:3: ")
         self.assert_sound(check_sizes.check, self.sound() | {"src/core/b.h": HEAD + "// TODO(#12): that\n"})
 
+    def test_wide_comments(self) -> None:
+        name = "src/core/b.h"
+        self.assert_sound(check_sizes.check, self.sound() | {name: HEAD + "// " + 117 * "a" + "\n"})
+        self.assert_faulty(check_sizes.check, self.sound() | {name: HEAD + "// " + 118 * "a" + "\n"}, f"{name}:3: 121 ")
+
     def test_silence(self) -> None:
         for text in ("std::cout << 1;", "std::cerr << 1;", 'printf("");', "fprintf(stderr, x);", "#include <iostream>",
                      "std::abort();", "exit(1);", "assert(x);"):

@@ -3,11 +3,10 @@
 
 // Question  Which bound at the nodes of a wide tree lets an exact distance query drop most pairs?
 // Workload  Ball over square (aligned, and both turned together) and any two mesh files, at gaps of 0.0001 to 10 times
-// the
-//           size, 8 seeded poses each.
+//           the size, 8 seeded poses each.
 // Metric    Medians over the poses, and the worst: pairs of nodes compared and pairs of leaves left, counted with the
-// true distance known from the start, so that
-//           the order of the visits plays no part; triangle pairs left after projecting on the witness's direction.
+//           true distance known from the start, so that the order of the visits plays no part; triangle pairs left
+//           after projecting on the witness's direction.
 // Shape     Spheres grow with the number of triangles; a slab along the surface's normal makes the counts nearly
 //           independent of it where the surface is smooth; boxes do the same where it is aligned with the axes.
 #include <algorithm>

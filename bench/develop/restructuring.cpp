@@ -3,14 +3,12 @@
 
 // Question        Does a tree stay as good as new while its triangles change places, and what does that cost?
 // Workload        Four meshes of about 50 000 triangles in 500 frames of massive motion: a bar that is twisted and
-// untwisted, a
-//                 cloth that is crumpled and smoothed, a soup that explodes, a soup whose triangles all change places.
-//                 In every frame all vertices move, are committed, and 32 exact distances of a ball are asked that is
-//                 next to a random vertex, at gaps from a hundredth of a unit to one.
+//                 untwisted, a cloth that is crumpled and smoothed, a soup that explodes, a soup whose triangles all
+//                 change places. In every frame all vertices move, are committed, and 32 exact distances of a ball are
+//                 asked that is next to a random vertex, at gaps from a hundredth of a unit to one.
 // Metric          Visits (a test of nodes is one, of triangles eight) as a multiple of those of a tree built for the
-// frame; time of
-//                 moving and commit as a part of what building costs. Without restructuring, with it in commits, on a
-//                 worker.
+//                 frame; time of moving and commit as a part of what building costs. Without restructuring, with it in
+//                 commits, on a worker.
 // Expected shape  Without, visits grow without limit where triangles change places. With it they stay near one.
 // Checked         Distances equal those of the new tree; the tree is sound at the end.
 #include <algorithm>

@@ -2,16 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question        What does it cost to keep a tree of a mesh that bends, next to other libraries: all vertices, few,
-// one? Workload        Waving sheets of 20 000, 200 000 and 2 000 000 triangles, of which every frame moves all
-// vertices. The sheet of
-//                 200 000 with a distance to the bunny in every frame. Commits of 1 to all vertices of the sheets, next
-//                 to each other and anywhere.
+//                 one?
+// Workload        Waving sheets of 20 000, 200 000 and 2 000 000 triangles, of which every frame moves all vertices.
+//                 The sheet of 200 000 with a distance to the bunny in every frame. Commits of 1 to all vertices of the
+//                 sheets, next to each other and anywhere.
 // Metric          Nanoseconds a triangle, moving the vertices included; milliseconds a frame; medians over rounds in
-// which all
-//                 libraries take turns.
+//                 which all libraries take turns.
 // Expected shape  Ours costs a third of a ray tracer's refit and less than a hundredth of those of libraries that
-// answer distances. Checked         Distances of all libraries in every frame; those known to be wrong are told apart
-// in the table.
+//                 answer distances.
+// Checked         Distances of all libraries in every frame; those known to be wrong are told apart in the table.
 #include <oneapi/tbb/global_control.h>
 
 #include <CLI/CLI.hpp>

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  the thesis this engine follows: propagation to the root, at once, batched, or ordered by depth; loose
-// spheres. Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a
-// node is put
-//           in once, however many children ask for it. A loose sphere is also recomputed when it has become much larger
-//           than needed, because otherwise a shrinking model would keep its largest spheres for ever.
+//           spheres.
+// Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a node is
+//           put in once, however many children ask for it. A loose sphere is also recomputed when it has become much
+//           larger than needed, because otherwise a shrinking model would keep its largest spheres for ever.
 #include <utility>
 
 #include "classic/tree.h"

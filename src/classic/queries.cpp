@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  [Quinlan1994] and the thesis this engine follows: two trees descended together, the larger sphere split,
-// the
-//           nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the asked
-//           error.
+//           the nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the
+//           asked error.
 // Differs   Both spheres of a pair are placed in the world, their bounds reduced by the rounding of the placement, so a
 //           bound never overstates a gap. Dropped bounds are remembered: the smallest of them and the answer make the
 //           certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error.

@@ -3,8 +3,8 @@
 
 // Based on  [Shewchuk1997]: the error bounds of the first stage, (7 + 56 e) e for volumes and (3 + 16 e) e for areas.
 // Differs   The bounds get an absolute term for underflow, which the source excludes by assumption; inputs that
-// overflow
-//           make the comparisons false (inf, NaN) and so go to the exact stage like every other undecided input.
+//           overflow make the comparisons false (inf, NaN) and so go to the exact stage like every other undecided
+//           input.
 #include <cmath>
 
 #include "core/check.h"

@@ -7,8 +7,7 @@
 
 // Based on  the clamped closest-point iteration of [Ericson2005], section 5.1.9.
 // Differs   The first parameter comes from cross products, not from the 2 x 2 system: its denominator a e - b^2 loses
-// all
-//           digits for nearly parallel segments, the squared cross product does not
+//           all digits for nearly parallel segments, the squared cross product does not
 //           (docs/algorithms/triangle_distance.md). Each parameter is re-optimised for the other at the end, so errors
 //           in the first only matter to second order.
 namespace limber::geometry {

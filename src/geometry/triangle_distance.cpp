@@ -3,9 +3,8 @@
 
 // Based on  [Larsen1999]: the closest points of disjoint triangles lie on a pair of edges or on a corner and a face.
 // Differs   All fifteen feature pairs are compared; none is dropped by a threshold, so slivers and tiny triangles take
-// the
-//           same path. The direction between the best points must then prove the triangles apart by projection; if it
-//           cannot, the exact predicate decides, so that distance 0 and intersection are one fact. All arithmetic is
+//           the same path. The direction between the best points must then prove the triangles apart by projection; if
+//           it cannot, the exact predicate decides, so that distance 0 and intersection are one fact. All arithmetic is
 //           relative to a corner and, at extreme scales, divided by a power of two.
 #include <algorithm>
 #include <array>

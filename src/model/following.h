@@ -20,8 +20,7 @@ namespace limber {
 ///
 /// Based on  the thesis this engine follows: loose bounds absorb small motions.
 /// Differs   Bounds are not made larger. They are fitted to anchors, one for each vertex; a vertex may leave its anchor
-/// by
-///           a given slack, and queries allow for what the furthest has in fact gone.
+///           by a given slack, and queries allow for what the furthest has in fact gone.
 class Following {
  public:
   Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options);
