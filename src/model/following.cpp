@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/check.h"
+#include "simd/kernels.h"
 
 namespace limber {
 namespace {
@@ -30,12 +31,16 @@ constexpr double first_interval = 32, least_interval = 8, most_interval = 256, w
 // What restructuring may cost when nothing else is said, as a multiple of the repairs of the same commit.
 constexpr double restructuring_share = 5;
 
+// Of the leaves' mean radius.
+constexpr double worthwhile_part = 0.5;
+
 }  // namespace
 
 Following::Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options)
     : tree_(tree),
       changes_(tree),
       chosen_slack_(options.slack),
+      tuner_(most_worthwhile_slack()),
       restructuring_(options.restructuring),
       restructuring_us_(options.restructuring_us),
       quality_(tree),
@@ -51,11 +56,20 @@ void Following::start_anchors(const Mesh& mesh) {
   tree_.paid = &paid_;
 }
 
+double Following::most_worthwhile_slack() const {
+  double sum = 0;
+  for (std::size_t b = tree_.lowest_level(); b < tree_.blocks.size(); ++b) {
+    const tree::Block& block = tree_.blocks[b];
+    for (std::uint32_t k = 0; k < block.count; ++k) sum += static_cast<double>(block.bounds.radius[k]);
+  }
+  return worthwhile_part * tree_.unit * sum / static_cast<double>(tree_.leaves.size());
+}
+
 double Following::slack() const { return is_tuned() ? tuner_.slack() : chosen_slack_; }
 
 void Following::set_slack(const Mesh& mesh, double slack) {
   LIMBER_ASSERT(slack >= 0 || slack == ModelOptions::automatic);
-  if (slack == ModelOptions::automatic && !is_tuned()) tuner_ = {};
+  if (slack == ModelOptions::automatic && !is_tuned()) tuner_ = SlackTuner(most_worthwhile_slack());
   chosen_slack_ = slack;
   if (anchors_.empty() && this->slack() > 0) start_anchors(mesh);
   tightens_ = !anchors_.empty();
@@ -82,7 +96,7 @@ void Following::note_step(double length_sq) {
 void Following::list(const Mesh& mesh, std::span<const VertexId> ids) {
   // Where a good part of all vertices moves, finding out which blocks they are in costs more than fitting all.
   if (4 * ids.size() >= mesh.positions().size()) return changes_.add_all();
-  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
   for (const VertexId id : ids) {
     if (changes_.is_most_of(tree_)) return changes_.add_all();
     changes_.add(id);
@@ -100,22 +114,20 @@ void Following::absorb_or_anchor(const Mesh& mesh, VertexId vertex) {
 void Following::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
   // From where they were before the batch, however often an id is in it.
   double furthest_sq = 0;
+  constexpr std::size_t ahead = 32;  // is fetched
   for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + ahead < ids.size()) __builtin_prefetch(&mesh.positions()[ids[i + ahead]]);
     furthest_sq = std::max(furthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
   }
   mesh.set_positions(ids, positions);
   note_step(furthest_sq);
   if (anchors_.empty()) return list(mesh, ids);
-  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
   for (const VertexId id : ids) absorb_or_anchor(mesh, id);
   since_found_ += ids.size();
 }
 
-void Following::move_all(Mesh& mesh, std::span<const Vec3> positions) {
-  double furthest_sq = 0;
-  for (VertexId v = 0; v < positions.size(); ++v) {
-    furthest_sq = std::max(furthest_sq, length_sq(positions[v] - mesh.positions()[v]));
-  }
+void Following::move_all(Mesh& mesh, std::span<const Vec3> positions, double furthest_sq) {
   mesh.set_positions(positions);
   note_step(furthest_sq);
   if (anchors_.empty()) return changes_.add_all();
@@ -127,8 +139,11 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
   const std::vector<Vec3>& positions = mesh.positions();
   const double most_sq = slack() * slack();
   far_.clear();
-  furthest_sq_ = 0;
   since_found_ = 0;
+  furthest_sq_ =
+      simd::kernels().measure_motion(anchors_.data(), positions.data(), positions.size(), max_coordinate).furthest_sq;
+  if (furthest_sq_ <= most_sq) return 0;
+  furthest_sq_ = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
     const double away_sq = length_sq(positions[v] - anchors_[v]);
     if (away_sq > most_sq) {
@@ -137,7 +152,7 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
       furthest_sq_ = std::max(furthest_sq_, away_sq);
     }
   }
-  if (!far_.empty() && !changes_.knows_vertices()) changes_.find_vertices(tree_, mesh);
+  if (!far_.empty() && !changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
   for (const VertexId v : far_) {
     anchor(mesh, v);
     if (changes_.is_most_of(tree_)) {
@@ -182,7 +197,7 @@ bool Following::restructure(const Mesh& mesh) {
   }
   const tree::Subtree& subtree = sorting_->subtree();
   before_ = tree::Quality::sum(tree_, subtree);
-  sorting_->apply(tree_);
+  sorting_->apply(tree_, mesh);
   changes_.forget_vertices();
   if (subtree.node == tree::root) {
     changes_.add_all();
@@ -203,7 +218,10 @@ void Following::judge_restructuring(MaintenanceStats& stats) {
     const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, 0.01), 0.4, 1.6);
     interval_ = std::clamp(change * passes_, least_interval, most_interval);
   }
-  if (subtree.node == tree::root) passes_ = 0;
+  if (subtree.node == tree::root) {
+    passes_ = 0;
+    tuner_.set_most(most_worthwhile_slack());
+  }
   sorting_.reset();
 }
 

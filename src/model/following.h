@@ -32,7 +32,8 @@ class Following {
 
   /// Moves some vertices of the mesh, or all.
   void move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
-  void move_all(Mesh& mesh, std::span<const Vec3> positions);
+  /// `furthest_sq` is the longest way of a vertex, squared.
+  void move_all(Mesh& mesh, std::span<const Vec3> positions, double furthest_sq);
 
   /// All of the tree, by the next commit.
   void restructure_all(const Mesh& mesh);
@@ -46,6 +47,8 @@ class Following {
   double slack() const;
 
  private:
+  /// Slack that is a good part of what leaves measure makes queries dearer than repairs.
+  double most_worthwhile_slack() const;
   bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
   void note_step(double length_sq);
   void list(const Mesh& mesh, std::span<const VertexId> ids);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "simd/kernels.h"
 
 namespace limber {
 namespace {
@@ -94,7 +95,11 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
 
 void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
-  for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
+  constexpr std::size_t ahead = 32;  // is fetched
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + ahead < ids.size()) __builtin_prefetch(&positions_[ids[i + ahead]], 1);
+    positions_[ids[i]] = positions[i];
+  }
 }
 
 void Mesh::set_positions(std::span<const Vec3> positions) {
@@ -118,6 +123,17 @@ Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positio
   const std::size_t vertex_count = mesh.positions().size();
   if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
   return check_new_positions(positions);
+}
+
+Result<double> check_steps_of_all(const Mesh& mesh, std::span<const Vec3> positions) {
+  if (positions.size() == mesh.positions().size()) {
+    const simd::Motion motion =
+        simd::kernels().measure_motion(mesh.positions().data(), positions.data(), positions.size(), max_coordinate);
+    if (motion.is_bounded) return motion.furthest_sq;
+  }
+  const auto sound = check_update_of_all(mesh, positions);
+  LIMBER_ASSERT(!sound);
+  return sound.error();
 }
 
 }  // namespace limber

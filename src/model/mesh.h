@@ -16,4 +16,7 @@ Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::
 /// Whether all vertices may be moved that way. Errors as above.
 Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positions);
 
+/// The same; returns the longest way of a vertex, squared.
+Result<double> check_steps_of_all(const Mesh& mesh, std::span<const Vec3> positions);
+
 }  // namespace limber

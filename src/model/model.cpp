@@ -56,8 +56,9 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
-  if (auto sound = check_update_of_all(mesh_, positions); !sound) return sound;
-  following().move_all(mesh_, positions);
+  const Result<double> furthest_sq = check_steps_of_all(mesh_, positions);
+  if (!furthest_sq) return furthest_sq.error();
+  following().move_all(mesh_, positions, *furthest_sq);
   maintenance_.moved_vertices += positions.size();
   return {};
 }

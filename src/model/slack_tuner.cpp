@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/check.h"
 
@@ -16,15 +15,19 @@ double mixed(double old, double now, double share) { return old + share * (now -
 }  // namespace
 
 double SlackTuner::slack() const {
-  if (step_ == 0) return std::numeric_limits<double>::infinity();
+  if (step_ == 0) return most_;
   return choice_ == 0 ? 0 : std::ldexp(step_, choice_ - 1);
+}
+
+bool SlackTuner::is_due(int choice) {
+  return choice >= 1 && choice < choices && trial(choice).due <= trial_count_ && std::ldexp(step_, choice - 1) <= most_;
 }
 
 void SlackTuner::start_over() {
   trials_ = {};
   step_ = recent_step_;
-  choice_ = 1, best_ = 0;
   trial_count_ = 0;
+  choice_ = is_due(1) ? 1 : 0, best_ = 0;
   cost_ = repair_cost_ = 0;
   commits_ = repairs_ = 0;
   all_absorbed_ = true;

@@ -15,7 +15,11 @@ namespace limber {
 /// same calls give the same slack on every machine.
 class SlackTuner {
  public:
-  /// What vertices may be away from their anchors: anything, before the first commit.
+  /// More than `most` is never tried.
+  explicit SlackTuner(double most) : most_(most) {}
+  void set_most(double most) { most_ = most; }
+
+  /// What vertices may be away from their anchors; before the first commit as much as is ever tried.
   double slack() const;
 
   /// What the time from one commit to the next has cost, in any one unit.
@@ -40,13 +44,14 @@ class SlackTuner {
   };
 
   Trial& trial(int choice) { return trials_[static_cast<std::size_t>(choice)]; }
-  bool is_due(int choice) { return choice >= 1 && choice < choices && trial(choice).due <= trial_count_; }
+  bool is_due(int choice);
   bool is_over();
   void finish_trial();
   int next_choice();
   void start_over();
 
   std::array<Trial, choices> trials_{};
+  double most_;
   double step_ = 0;  // length that the choices are multiples of
   double recent_step_ = 0;
   int choice_ = 1, best_ = 0;

@@ -37,28 +37,35 @@ LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t 
   p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }
 
-LIMBER_KERNEL void gather(const SourceMesh& mesh, const Leaf* leaves, std::uint32_t count, double per_unit,
+LIMBER_KERNEL void gather(const Vec3* positions, std::span<const Leaf> leaves, std::uint32_t count, double per_unit,
                           LeavesOfBlock& gathered) {
-  const auto position = [&](VertexId id) { return &mesh.positions[id].x; };
-  alignas(64) float placed[3 * width][width][4];
+  const auto position = [&](VertexId id) { return &positions[id].x; };
+  // As load_points() wants them: by corner, triangles, leaf, triangle.
+  constexpr std::uint32_t at_once = corners_at_once;
+  alignas(64) float placed[3][width / at_once][width][4 * at_once];
   for (std::uint32_t k = 0; k < width; ++k) {
     const Leaf& leaf = leaves[std::min(k, count - 1)];
-    const double* const origin = position(mesh.triangles[leaf.triangle[0]][0]);
+    const double* const origin = position(leaf.vertices[0][0]);
     for (int axis = 0; axis < 3; ++axis) gathered.origin[axis][k] = origin[axis];
-    const std::uint32_t soon = count + k, later = soon + count;
-    for (std::uint32_t j = 0; static_cast<std::ptrdiff_t>(later) < mesh.leaves_end - leaves && j < width; j += 2) {
-      __builtin_prefetch(&mesh.triangles[leaves[later].triangle[j]]);
-      __builtin_prefetch(&mesh.positions[mesh.triangles[leaves[soon].triangle[j]][0]]);
+    const std::uint32_t soon = count + k;
+    for (std::uint32_t j = 0; soon < leaves.size() && j < width; j += 2) {
+      __builtin_prefetch(position(leaves[soon].vertices[j][2]));
     }
-    for (std::uint32_t j = 0; j < width; ++j) {
-      const std::array<VertexId, 3>& ids = mesh.triangles[leaf.triangle[j]];
-      for (std::uint32_t c = 0; c < 3; ++c) place_three(position(ids[c]), origin, per_unit, placed[corner_of(c, j)][k]);
+    const double* origins[at_once];
+    for (const double*& from : origins) from = origin;
+    const Placing placing(origins, per_unit);
+    for (std::uint32_t j = 0; j < width; j += at_once) {
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        const double* points[at_once];
+        for (std::uint32_t i = 0; i < at_once; ++i) points[i] = position(leaf.vertices[j + i][c]);
+        placing.place(points, placed[c][j / at_once][k]);
+      }
     }
   }
-  for (std::uint32_t c = 0; c < 3 * width; ++c) {
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      Packet3 p;
-      load_points(placed[c][i], p.x, p.y, p.z);
+  for (std::uint32_t c = 0; c < 3 * width; c += at_once) {
+    for (std::uint32_t i = 0; i < width * at_once; i += WidePacket::lanes) {
+      Triple<WidePacket> p;
+      load_points(placed[0][c / at_once][0] + 4 * i, p.x, p.y, p.z);
       p.x.store(gathered.corners.v[0][c] + i);
       p.y.store(gathered.corners.v[1][c] + i);
       p.z.store(gathered.corners.v[2][c] + i);
@@ -74,8 +81,20 @@ template <typename P>
 LIMBER_KERNEL Triple<P> max3(const Triple<P>& a, const Triple<P>& b) {
   return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
 }
-LIMBER_KERNEL Packet3 operator+(const Packet3& a, const Packet3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-LIMBER_KERNEL Packet3 operator*(const Packet3& a, Packet s) { return {a.x * s, a.y * s, a.z * s}; }
+template <typename P>
+LIMBER_KERNEL Triple<P> operator+(const Triple<P>& a, const Triple<P>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> operator*(const Triple<P>& a, P s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+/// A vector or its opposite, whichever is on the side of another.
+template <typename P>
+LIMBER_KERNEL Triple<P> turned(const Triple<P>& v, const Triple<P>& side) {
+  const P cosine = dot(v, side);
+  return {flipped_as(v.x, cosine), flipped_as(v.y, cosine), flipped_as(v.z, cosine)};
+}
 LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
   return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
 }
@@ -101,14 +120,21 @@ LIMBER_KERNEL void find_boxes_and_areas(const BlockCorners& corners, BoxesAndAre
     // Relative to the leaf's extent, so that products of tiny edges do not vanish.
     const Packet extent = max(largest_abs(low), largest_abs(high));
     const Packet scale = Packet::set(1) / max(extent, Packet::set(0x1p-100F));
-    Packet3 sum{zero(), zero(), zero()};
-    for (std::uint32_t j = 0; j < width; ++j) {
-      const Packet3 p = corners.at(corner_of(0, j), i);
-      const Packet3 area =
-          cross((corners.at(corner_of(1, j), i) - p) * scale, (corners.at(corner_of(2, j), i) - p) * scale);
-      const Packet3 turned{zero() - area.x, zero() - area.y, zero() - area.z};
-      sum = sum + select(dot(sum, area) < zero(), turned, area);
+    // Two sums, of every other triangle each.
+    const WidePacket none = twice(zero()), scales = twice(scale);
+    Triple<WidePacket> sums[2 / corners_at_once];
+    for (Triple<WidePacket>& sum : sums) sum = {none, none, none};
+    for (std::uint32_t j = 0; j < width; j += corners_at_once) {
+      Triple<WidePacket>& sum = sums[j % 2 / corners_at_once];
+      const Triple<WidePacket> p = corners.at<WidePacket>(corner_of(0, j), i);
+      sum = sum + turned(cross((corners.at<WidePacket>(corner_of(1, j), i) - p) * scales,
+                               (corners.at<WidePacket>(corner_of(2, j), i) - p) * scales),
+                         sum);
     }
+    const Packet3 even{first_of(sums[0].x), first_of(sums[0].y), first_of(sums[0].z)};
+    const Triple<WidePacket>& last = sums[2 / corners_at_once - 1];
+    const Packet3 odd{last_of(last.x), last_of(last.y), last_of(last.z)};
+    const Packet3 sum = even + turned(odd, even);
     store3(low, found.low, i), store3(high, found.high, i);
     store3(sum * (extent * extent), found.area, i);
   }
@@ -132,45 +158,49 @@ struct Spread {
   Packet radius, low, high;
 };
 
-/// `shift` takes corners to where they are measured from; `off` covers what it and they are off by.
-LIMBER_KERNEL Spread find_spread(const BlockCorners& corners, std::uint32_t i, const Packet3& shift,
-                                 const Packet3& normal, Packet off) {
-  const Triple<WidePacket> shifts = twice(shift), normals = twice(normal);
-  WidePacket furthest_sqs = twice(zero()), lows = twice(Packet::set(0x1p100F)), highs = twice(Packet::set(-0x1p100F));
-  for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
-    const Triple<WidePacket> d = corners.at<WidePacket>(c, i) - shifts;
-    const WidePacket height = dot(normals, d);
-    furthest_sqs = max(furthest_sqs, dot(d, d));
-    lows = min(lows, height), highs = max(highs, height);
+/// Collects that, corner by corner.
+struct Spreading {
+  Triple<WidePacket> shift, normal;  // `shift` takes corners to where they are measured from
+  WidePacket furthest_sq = twice(zero());
+  WidePacket low = twice(Packet::set(0x1p100F)), high = twice(Packet::set(-0x1p100F));
+
+  LIMBER_KERNEL void put(const Triple<WidePacket>& corner) {
+    const Triple<WidePacket> d = corner - shift;
+    const WidePacket height = dot(normal, d);
+    furthest_sq = max(furthest_sq, dot(d, d));
+    low = min(low, height), high = max(high, height);
   }
-  const Packet low = smaller_half(lows), high = larger_half(highs);
-  const Packet radius = sqrt(larger_half(furthest_sqs)) * Packet::set(squares_up) + (off + off);
-  const Packet tilt = (off + off) + radius * Packet::set(corner_doubt);
-  return {radius, low - tilt, high + tilt};
-}
+  /// `off` covers what corners and shift are off by.
+  LIMBER_KERNEL Spread spread(Packet off) const {
+    const Packet radius = sqrt(larger_half(furthest_sq)) * Packet::set(squares_up) + (off + off);
+    const Packet tilt = (off + off) + radius * Packet::set(corner_doubt);
+    return {radius, smaller_half(low) - tilt, larger_half(high) + tilt};
+  }
+};
 
 /// Stores the corners as fractions of their leaf's ball.
 LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bounds, const float (&shift)[3][width],
                             std::uint32_t count, Leaf* leaves) {
-  alignas(64) std::int32_t q[9][width][width];  // of the numbers of a triangle: triangle by leaf
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const WidePacket scale = twice(Packet::set(quantum) / Packet::load(bounds.radius + i));
-    const Triple<WidePacket> center = twice(load3(shift, i));
-    for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
-      const Triple<WidePacket> d = corners.at<WidePacket>(c, i) - center;
-      const std::uint32_t number = 3 * (c / width), triangle = c % width;
-      (d.x * scale).round_to(q[number][triangle] + i);
-      (d.y * scale).round_to(q[number + 1][triangle] + i);
-      (d.z * scale).round_to(q[number + 2][triangle] + i);
-    }
-  }
-  alignas(16) std::int16_t columns[width][width];
   LeafTriangles beyond;  // where the lanes that are not used go
   LeafTriangles* to[width];
   for (std::uint32_t k = 0; k < width; ++k) to[k] = k < count ? &leaves[k].corners : &beyond;
-  for (std::uint32_t number = 0; number < 9; ++number) {
-    narrow_columns(q[number], columns);
-    for (std::uint32_t k = 0; k < width; ++k) std::memcpy(to[k]->corner[number], columns[k], sizeof(columns[k]));
+  WidePacket scale[width / Packet::lanes];
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    scale[i / Packet::lanes] = twice(Packet::set(quantum) / Packet::load(bounds.radius + i));
+  }
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      // Row by row, a triangle of all leaves each; a packet is a part of a row, or two rows.
+      Square square;
+      for (std::uint32_t i = 0; i < width * width; i += WidePacket::lanes) {
+        const WidePacket center = twice(Packet::load(shift[axis] + i % width));
+        const WidePacket p = WidePacket::load(corners.v[axis][corner_of(k, 0)] + i);
+        square.put(i, (p - center) * scale[i % width / Packet::lanes]);
+      }
+      std::int16_t* columns[width];
+      for (std::uint32_t leaf = 0; leaf < width; ++leaf) columns[leaf] = to[leaf]->corner[3 * k + axis];
+      square.store_columns(columns);
+    }
   }
 }
 
@@ -183,11 +213,17 @@ LIMBER_KERNEL void sum_turned(const float (&v)[3][width], float (&sum)[3]) {
   }
 }
 
-/// The bound of all leaves together, which lie where `in_block` says, relative to the origin of the block.
-LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesAndAreas& found,
-                                     const float (&in_block)[3][width]) {
-  WholeBound whole;
-  float low[3], high[3], half[3], center[3], area[3], extent = 0;
+/// A bound but for how far it reaches.
+struct Frame {
+  float center[3], half[3];
+  Packet3 normal;
+  float off;  // covers what corners are off by
+};
+
+/// That of all leaves together, which lie where `in_block` says, relative to the origin of the block.
+LIMBER_KERNEL Frame frame_of_all(const BoxesAndAreas& found, const float (&in_block)[3][width]) {
+  Frame frame;
+  float low[3], high[3], area[3], extent = 0;
   for (int axis = 0; axis < 3; ++axis) {
     Packet least = Packet::set(0x1p100F), most = Packet::set(-0x1p100F);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
@@ -198,23 +234,23 @@ LIMBER_KERNEL WholeBound bound_whole(const LeavesOfBlock& gathered, const BoxesA
     low[axis] = -largest(zero() - least), high[axis] = largest(most);
     extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
   }
-  const float off = extent * corner_doubt + least_doubt;
+  frame.off = extent * corner_doubt + least_doubt;
   sum_turned(found.area, area);
   for (int axis = 0; axis < 3; ++axis) {
-    center[axis] = 0.5F * low[axis] + 0.5F * high[axis];
-    half[axis] = std::max(high[axis] - center[axis], center[axis] - low[axis]) + off;
+    const float center = 0.5F * low[axis] + 0.5F * high[axis];
+    frame.center[axis] = center;
+    frame.half[axis] = std::max(high[axis] - center, center - low[axis]) + frame.off;
   }
-  const Packet3 normal = slab_normal(broadcast(area), broadcast(half));
-  Spread all{zero(), Packet::set(0x1p100F), Packet::set(-0x1p100F)};
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Spread some =
-        find_spread(gathered.corners, i, broadcast(center) - load3(in_block, i), normal, Packet::set(off));
-    all = {max(all.radius, some.radius), min(all.low, some.low), max(all.high, some.high)};
-  }
+  frame.normal = slab_normal(broadcast(area), broadcast(frame.half));
+  return frame;
+}
+
+LIMBER_KERNEL WholeBound bound_of(const Frame& frame, const Spread& all) {
+  WholeBound whole;
   alignas(64) float n[3][width];
-  store3(normal, n, 0);
+  store3(frame.normal, n, 0);
   for (int axis = 0; axis < 3; ++axis) {
-    whole.center[axis] = center[axis], whole.half[axis] = half[axis], whole.normal[axis] = n[axis][0];
+    whole.center[axis] = frame.center[axis], whole.half[axis] = frame.half[axis], whole.normal[axis] = n[axis][0];
   }
   whole.radius = largest(all.radius), whole.high = largest(all.high), whole.low = -largest(zero() - all.low);
   return whole;
@@ -226,10 +262,10 @@ LIMBER_KERNEL Doubles to_24_bits(Doubles x) {
   return or_zero(high - (high - x), x, 0x1p-100);
 }
 
-LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves) {
+LIMBER_KERNEL WholeBound fit_leaves(const Vec3* positions, double unit, Block& block, std::span<Leaf> leaves) {
   const double per_unit = 1 / unit;
   LeavesOfBlock gathered;
-  gather(mesh, leaves, block.count, per_unit, gathered);
+  gather(positions, leaves, block.count, per_unit, gathered);
   BoxesAndAreas found;
   find_boxes_and_areas(gathered.corners, found);
 
@@ -248,8 +284,10 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
       (center - offset).store_rounded(shift[axis] + k);
     }
   }
+  const Frame frame = frame_of_all(found, in_block);
+  Spread all{zero(), Packet::set(0x1p100F), Packet::set(-0x1p100F)};
   NodeBounds& n = block.bounds;
-  alignas(64) float reach[width];
+  Packet reach = zero();
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet3 low = load3(found.low, i), high = load3(found.high, i), center = load3(shift, i);
     const Packet extent = max(max(largest_abs(low), largest_abs(high)), largest_abs(center));
@@ -258,16 +296,23 @@ LIMBER_KERNEL WholeBound fit_leaves(const SourceMesh& mesh, double unit, Block& 
         extent * Packet::set(corner_doubt) + largest_abs(place) * Packet::set(0x1p-50F) + Packet::set(least_doubt);
     const Packet3 half = max3(high - center, center - low) + Packet3{off, off, off};
     const Packet3 normal = slab_normal(load3(found.area, i), half);
-    const Spread spread = find_spread(gathered.corners, i, center, normal, off);
+    Spreading spreading{twice(center), twice(normal)};
+    Spreading spreading_all{twice(broadcast(frame.center) - load3(in_block, i)), twice(frame.normal)};
+    for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
+      const Triple<WidePacket> corner = gathered.corners.at<WidePacket>(c, i);
+      spreading.put(corner), spreading_all.put(corner);
+    }
+    const Spread spread = spreading.spread(off), some = spreading_all.spread(Packet::set(frame.off));
+    all = {max(all.radius, some.radius), min(all.low, some.low), max(all.high, some.high)};
     place.x.store(n.center_x + i), place.y.store(n.center_y + i), place.z.store(n.center_z + i);
     half.x.store(n.half_x + i), half.y.store(n.half_y + i), half.z.store(n.half_z + i);
     normal.x.store(n.normal_x + i), normal.y.store(n.normal_y + i), normal.z.store(n.normal_z + i);
     spread.radius.store(n.radius + i), spread.low.store(n.low + i), spread.high.store(n.high + i);
-    (sqrt(dot(place, place)) * Packet::set(squares_up) + spread.radius).store(reach + i);
+    reach = max(reach, sqrt(dot(place, place)) * Packet::set(squares_up) + spread.radius);
   }
-  block.reach = *std::max_element(reach, reach + block.count) * squares_up;
-  quantise(gathered.corners, n, shift, block.count, leaves);
-  return bound_whole(gathered, found, in_block);
+  block.reach = largest(reach) * squares_up;
+  quantise(gathered.corners, n, shift, block.count, leaves.data());
+  return bound_of(frame, all);
 }
 
 /// The least and the largest of all lanes, once all of them have been put in.

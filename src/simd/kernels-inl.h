@@ -22,7 +22,8 @@ template <typename P>
 LIMBER_KERNEL P dot(const Triple<P>& a, const Triple<P>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-LIMBER_KERNEL Packet3 cross(const Packet3& a, const Packet3& b) {
+template <typename P>
+LIMBER_KERNEL Triple<P> cross(const Triple<P>& a, const Triple<P>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
@@ -383,3 +384,4 @@ LIMBER_KERNEL void leaf_candidates(const Seen& a, const Seen& b, const View& vie
 }
 
 #include "simd/fitting-inl.h"
+#include "simd/motion-inl.h"

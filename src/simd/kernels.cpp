@@ -44,10 +44,6 @@ struct Packet {
     return {hn::ConvertTo(Lanes(), hn::PromoteTo(wide, hn::Load(narrow, p)))};
   }
   HWY_INLINE void store(float* p) const { hn::StoreU(v, Lanes(), p); }
-  HWY_INLINE void round_to(std::int32_t* p) const {
-    const hn::RebindToSigned<Lanes> whole;
-    hn::StoreU(hn::NearestInt(v), whole, p);
-  }
 };
 
 HWY_INLINE Packet operator+(Packet a, Packet b) { return {hn::Add(a.v, b.v)}; }
@@ -63,19 +59,19 @@ HWY_INLINE Mask operator<(Packet a, Packet b) { return {hn::Lt(a.v, b.v)}; }
 HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+/// a, or -a where `sign` is negative.
+HWY_INLINE Packet flipped_as(Packet a, Packet sign) { return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Lanes(), -0.0F)))}; }
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
 /// Two packets at once where there is room, otherwise one.
 #if HWY_MAX_BYTES == 64
 struct WidePacket {
   using Tag = hn::CappedTag<float, 2 * width>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
   hn::Vec<Tag> v;
 
   static HWY_INLINE WidePacket load(const float* p) { return {hn::Load(Tag(), p)}; }
-  HWY_INLINE void round_to(std::int32_t* p) const {
-    const hn::RebindToSigned<Tag> whole;
-    hn::StoreU(hn::NearestInt(v), whole, p);
-  }
+  HWY_INLINE void store(float* p) const { hn::StoreU(v, Tag(), p); }
 };
 
 HWY_INLINE WidePacket operator+(WidePacket a, WidePacket b) { return {hn::Add(a.v, b.v)}; }
@@ -83,7 +79,12 @@ HWY_INLINE WidePacket operator-(WidePacket a, WidePacket b) { return {hn::Sub(a.
 HWY_INLINE WidePacket operator*(WidePacket a, WidePacket b) { return {hn::Mul(a.v, b.v)}; }
 HWY_INLINE WidePacket max(WidePacket a, WidePacket b) { return {hn::Max(a.v, b.v)}; }
 HWY_INLINE WidePacket min(WidePacket a, WidePacket b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE WidePacket flipped_as(WidePacket a, WidePacket sign) {
+  return {hn::Xor(a.v, hn::And(sign.v, hn::Set(WidePacket::Tag(), -0.0F)))};
+}
 HWY_INLINE WidePacket twice(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
+HWY_INLINE Packet first_of(WidePacket a) { return {hn::LowerHalf(Lanes(), a.v)}; }
+HWY_INLINE Packet last_of(WidePacket a) { return {hn::UpperHalf(Lanes(), a.v)}; }
 HWY_INLINE Packet larger_half(WidePacket a) {
   return {hn::Max(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
 }
@@ -95,6 +96,8 @@ inline constexpr std::uint32_t corners_at_once = 2;  // in a WidePacket
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
 HWY_INLINE Packet twice(Packet a) { return a; }
+HWY_INLINE Packet first_of(Packet a) { return a; }
+HWY_INLINE Packet last_of(Packet a) { return a; }
 HWY_INLINE Packet larger_half(Packet a) { return a; }
 HWY_INLINE Packet smaller_half(Packet a) { return a; }
 #endif
@@ -115,59 +118,166 @@ struct Doubles {
 HWY_INLINE Doubles operator+(Doubles a, Doubles b) { return {hn::Add(a.v, b.v)}; }
 HWY_INLINE Doubles operator-(Doubles a, Doubles b) { return {hn::Sub(a.v, b.v)}; }
 HWY_INLINE Doubles operator*(Doubles a, Doubles b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Doubles abs(Doubles a) { return {hn::Abs(a.v)}; }
+HWY_INLINE Doubles max(Doubles a, Doubles b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE double largest(Doubles a) { return hn::GetLane(hn::MaxOfLanes(Doubles::Tag(), a.v)); }
+
+struct DoublesMask {
+  hn::Mask<Doubles::Tag> m;
+};
+HWY_INLINE DoublesMask operator<=(Doubles a, Doubles b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE DoublesMask operator&(DoublesMask a, DoublesMask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE bool all_of(DoublesMask a) { return hn::AllTrue(Doubles::Tag(), a.m); }
+
+/// As many points as there are numbers in a packet.
+HWY_INLINE void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) {
+  hn::LoadInterleaved3(Doubles::Tag(), p, x.v, y.v, z.v);
+}
 /// x where it is at least `least` in size, 0 elsewhere.
 HWY_INLINE Doubles or_zero(Doubles x, Doubles size_of, double least) {
   return {hn::IfThenElseZero(hn::Ge(hn::Abs(size_of.v), hn::Set(Doubles::Tag(), least)), x.v)};
 }
 
-/// (p - from) * scale for three numbers; four are written.
-HWY_INLINE void place_three(const double* p, const double* from, double scale, float* placed) {
-  const hn::CappedTag<double, 4> some;
-  const hn::Rebind<float, decltype(some)> narrow;
-  const auto place = [&](auto at, auto origin, float* to) {
-    hn::Store(hn::DemoteTo(narrow, hn::Mul(hn::Sub(at, origin), hn::Set(some, scale))), narrow, to);
+/// Places `corners_at_once` points relative to an origin: (p - origin) * scale. Four numbers are written for each.
+struct Placing {
+  using Tag = hn::CappedTag<double, 4 * corners_at_once>;
+  static constexpr std::size_t parts = 4 * corners_at_once / hn::MaxLanes(Tag());
+  struct Numbers {
+    hn::Vec<Tag> part[parts];
   };
+  using Points = const double* const[corners_at_once];
+  Numbers origin;
+  hn::Vec<Tag> scale;
+
+  HWY_INLINE Placing(const Points& from, double per_length) : origin(load(from)), scale(hn::Set(Tag(), per_length)) {}
+  HWY_INLINE void place(const Points& points, float* placed) const {
+    const hn::Rebind<float, Tag> narrow;
+    const Numbers p = load(points);
+    for (std::size_t i = 0; i < parts; ++i) {
+      const auto from_origin = hn::Mul(hn::Sub(p.part[i], origin.part[i]), scale);
+      hn::Store(hn::DemoteTo(narrow, from_origin), narrow, placed + i * hn::MaxLanes(Tag()));
+    }
+  }
+
+ private:
+  static HWY_INLINE Numbers load(const Points& points) {
+    const Tag all;
 #if HWY_TARGET == HWY_SCALAR
-  for (std::size_t i = 0; i < 3; ++i) place(hn::Set(some, p[i]), hn::Set(some, from[i]), placed + i);
+    const double* const p = points[0];
+    return {hn::Set(all, p[0]), hn::Set(all, p[1]), hn::Set(all, p[2]), hn::Zero(all)};
 #elif HWY_MAX_BYTES == 16
-  place(hn::LoadU(some, p), hn::LoadU(some, from), placed);
-  place(hn::Set(some, p[2]), hn::Set(some, from[2]), placed + 2);
+    return {hn::LoadU(all, points[0]), hn::Set(all, points[0][2])};
+#elif HWY_MAX_BYTES == 32
+    return {load_three(all, points[0])};
 #else
-  const hn::Half<decltype(some)> two;
-  const auto whole = [&](const double* v) { return hn::Combine(some, hn::Set(two, v[2]), hn::LoadU(two, v)); };
-  place(whole(p), whole(from), placed);
+    const hn::Half<Tag> one;
+    return {hn::Combine(all, load_three(one, points[1]), load_three(one, points[0]))};
 #endif
-}
-/// The first three of each four numbers.
-HWY_INLINE void load_points(const float* p, Packet& x, Packet& y, Packet& z) {
+  }
+#if HWY_MAX_BYTES >= 32
+  template <typename Four>
+  static HWY_INLINE hn::Vec<Four> load_three(Four four, const double* p) {
+    return hn::MaskedLoad(hn::FirstN(four, 3), four, p);
+  }
+#endif
+};
+
+/// As many points as there are numbers in a packet, each placed as above.
+HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePacket& z) {
+#if HWY_MAX_BYTES == 64
+  // Pairs of points, first those of one row, then those of the other. 4 x 4 of each 128-bit block of four vectors, then
+  // the blocks in the middle change places.
+  const WidePacket::Tag d;
+  const hn::Half<WidePacket::Tag> pair;
+  const hn::Repartition<double, WidePacket::Tag> twos;
+  const auto load = [&](const float* p) { return hn::Combine(d, hn::Load(pair, p + 32), hn::Load(pair, p)); };
+  const auto a = load(p), b = load(p + 8), c = load(p + 16), e = load(p + 24);
+  const auto xy_ab = hn::BitCast(twos, hn::InterleaveLower(d, a, b));
+  const auto xy_ce = hn::BitCast(twos, hn::InterleaveLower(d, c, e));
+  const auto z_ab = hn::BitCast(twos, hn::InterleaveUpper(d, a, b));
+  const auto z_ce = hn::BitCast(twos, hn::InterleaveUpper(d, c, e));
+  alignas(64) static constexpr std::int64_t swapped[8] = {0, 1, 4, 5, 2, 3, 6, 7};
+  const auto in_order = [&](auto v) {
+    return hn::BitCast(d, hn::TableLookupLanes(v, hn::SetTableIndices(twos, swapped)));
+  };
+  x.v = in_order(hn::InterleaveLower(twos, xy_ab, xy_ce));
+  y.v = in_order(hn::InterleaveUpper(twos, xy_ab, xy_ce));
+  z.v = in_order(hn::InterleaveLower(twos, z_ab, z_ce));
+#else
   hn::Vec<Lanes> rest;
   hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
-}
-/// Columns for rows, of numbers that fit.
-HWY_INLINE void narrow_columns(const std::int32_t (&rows)[width][width], std::int16_t (&columns)[width][width]) {
-#if HWY_TARGET == HWY_SCALAR
-  for (std::uint32_t i = 0; i < width * width; ++i) {
-    columns[i % width][i / width] = static_cast<std::int16_t>(rows[i / width][i % width]);
-  }
-#else
-  const hn::Full128<std::int16_t> narrow;
-  const hn::Full128<std::int32_t> wide;
-  hn::Vec<decltype(narrow)> v[width], w[width];
-  for (std::uint32_t i = 0; i < width; ++i) {
-    // In vectors of 16 bytes there is nothing to be reordered.
-    v[i] = hn::ReorderDemote2To(narrow, hn::Load(wide, rows[i]), hn::Load(wide, rows[i] + 4));
-  }
-  // Interleaving the first half with the second three times brings every number to its mirror image's place.
-  for (int round = 0; round < 3; ++round) {
-    for (std::uint32_t i = 0; i < width; i += 2) {
-      w[i] = hn::InterleaveLower(narrow, v[i / 2], v[i / 2 + 4]);
-      w[i + 1] = hn::InterleaveUpper(narrow, v[i / 2], v[i / 2 + 4]);
-    }
-    for (std::uint32_t i = 0; i < width; ++i) v[i] = w[i];
-  }
-  for (std::uint32_t i = 0; i < width; ++i) hn::Store(v[i], narrow, columns[i]);
 #endif
 }
+/// `width` rows of as many numbers, rounded to int16, in which they fit.
+struct Square {
+#if HWY_TARGET == HWY_SCALAR
+  std::int16_t v[width * width];
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) {
+    v[at] = static_cast<std::int16_t>(hn::GetLane(hn::NearestInt(p.v)));
+  }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    for (std::uint32_t i = 0; i < width * width; ++i) columns[i % width][i / width] = v[i];
+  }
+#elif HWY_MAX_BYTES == 64
+  using Wide = hn::Full512<std::int32_t>;
+  using Narrow = hn::Full512<std::int16_t>;
+  hn::Vec<Wide> v[width / 2];  // two rows each
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) { v[at / (2 * width)] = hn::NearestInt(p.v); }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    const Narrow d;
+    const Wide pairs;
+    // By 128-bit blocks, digits being rows: 0|4 0|4 1|5 1|5 and 2|6 2|6 3|7 3|7; then 02 02 13 13 and 46 46 57 57, of
+    // four columns each; then 0246 0246 1357 1357, of two; then one column each.
+    const auto first = hn::ReorderDemote2To(d, v[0], v[2]), second = hn::ReorderDemote2To(d, v[1], v[3]);
+    const auto upper_rows = hn::BitCast(pairs, hn::InterleaveLower(d, first, second));
+    const auto lower_rows = hn::BitCast(pairs, hn::InterleaveUpper(d, first, second));
+    const auto left = hn::BitCast(d, hn::InterleaveLower(pairs, upper_rows, lower_rows));
+    const auto right = hn::BitCast(d, hn::InterleaveUpper(pairs, upper_rows, lower_rows));
+    const auto even = hn::ConcatLowerLower(d, right, left), odd = hn::ConcatUpperUpper(d, right, left);
+    store_four(hn::InterleaveLower(d, even, odd), columns[0], columns[4], columns[2], columns[6]);
+    store_four(hn::InterleaveUpper(d, even, odd), columns[1], columns[5], columns[3], columns[7]);
+  }
+
+ private:
+  static HWY_INLINE void store_four(hn::Vec<Narrow> four, std::int16_t* a, std::int16_t* b, std::int16_t* c,
+                                    std::int16_t* e) {
+    const hn::Half<Narrow> two;
+    const hn::Half<hn::Half<Narrow> > one;
+    const auto lower = hn::LowerHalf(two, four), upper = hn::UpperHalf(two, four);
+    hn::Store(hn::LowerHalf(one, lower), one, a), hn::Store(hn::UpperHalf(one, lower), one, b);
+    hn::Store(hn::LowerHalf(one, upper), one, c), hn::Store(hn::UpperHalf(one, upper), one, e);
+  }
+#else
+  alignas(64) std::int32_t v[width * width];
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) {
+    const hn::RebindToSigned<Lanes> whole;
+    hn::Store(hn::NearestInt(p.v), whole, v + at);
+  }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    const hn::Full128<std::int16_t> narrow;
+    const hn::Full128<std::int32_t> wide;
+    hn::Vec<decltype(narrow)> rows[width], mixed[width];
+    for (std::uint32_t i = 0; i < width; ++i) {
+      // In vectors of 16 bytes there is nothing to be reordered.
+      const std::int32_t* const row = v + i * width;
+      rows[i] = hn::ReorderDemote2To(narrow, hn::Load(wide, row), hn::Load(wide, row + width / 2));
+    }
+    // Interleaving the first half with the second three times brings every number to its mirror image's place.
+    for (int round = 0; round < 3; ++round) {
+      for (std::uint32_t i = 0; i < width; i += 2) {
+        mixed[i] = hn::InterleaveLower(narrow, rows[i / 2], rows[i / 2 + 4]);
+        mixed[i + 1] = hn::InterleaveUpper(narrow, rows[i / 2], rows[i / 2 + 4]);
+      }
+      for (std::uint32_t i = 0; i < width; ++i) rows[i] = mixed[i];
+    }
+    for (std::uint32_t i = 0; i < width; ++i) hn::Store(rows[i], narrow, columns[i]);
+  }
+#endif
+};
+
 HWY_INLINE float largest(Packet a) { return hn::GetLane(hn::MaxOfLanes(Lanes(), a.v)); }
 HWY_INLINE unsigned bits(Mask m) {
   std::uint8_t byte = 0;
@@ -180,7 +290,8 @@ HWY_INLINE unsigned bits(Mask m) {
 #undef LIMBER_KERNEL
 
 const Kernels* table() {
-  static const Kernels set{hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates, fit_leaves, enclose};
+  static const Kernels set{
+      hwy::TargetName(HWY_TARGET), bound_lanes, leaf_candidates, fit_leaves, enclose, measure_motion};
   return &set;
 }
 

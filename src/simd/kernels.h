@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -33,12 +34,20 @@ using BoundLanes = KeptLanes (*)(const Block& lanes, const Seen& seen, const Vie
 /// Pairs of triangles of two leaves that cannot be ruled out, in lane order; `a` sees `b` through `view`.
 using LeafCandidates = void (*)(const Seen& a, const Seen& b, const View& view, Candidates& candidates);
 
-/// Fits a block to the triangles of its leaves, of which there are block.count: origin, reach and all bounds of the
-/// block, the corners in the leaves. `unit` is that of the tree. Returns a bound of all the triangles.
-using FitLeaves = WholeBound (*)(const SourceMesh& mesh, double unit, Block& block, Leaf* leaves);
+/// Fits a block to the triangles of its leaves, the first block.count of `leaves`: origin, reach and all bounds of the
+/// block, the corners in the leaves. `unit` is that of the tree; the leaves behind are those that will be fitted next.
+/// Returns a bound of all the triangles.
+using FitLeaves = WholeBound (*)(const Vec3* positions, double unit, Block& block, std::span<Leaf> leaves);
 
 /// A bound around the lanes of a block, relative to its origin, in units.
 using Enclose = WholeBound (*)(const Block& block);
+
+/// How far points have gone.
+struct Motion {
+  double furthest_sq;  ///< the longest way, squared; 0 unless is_bounded
+  bool is_bounded;     ///< whether all new coordinates are numbers of at most a given size
+};
+using MeasureMotion = Motion (*)(const Vec3* from, const Vec3* to, std::size_t count, double most);
 
 /// The kernels for one instruction set.
 struct Kernels {
@@ -47,6 +56,7 @@ struct Kernels {
   LeafCandidates leaf_candidates;
   FitLeaves fit_leaves;
   Enclose enclose;
+  MeasureMotion measure_motion;
 };
 
 /// The best set this processor runs.

@@ -45,19 +45,13 @@ struct alignas(64) Block {
 };
 static_assert(sizeof(Block) == 448);
 
-/// Up to `width` triangles.
+/// Up to `width` triangles; lanes beyond them repeat the last one.
 struct Leaf {
-  LeafTriangles corners;       // 144 bytes   about the centre of the leaf's lane
-  TriangleId triangle[width];  //  32         lanes beyond the triangles repeat the last one
+  LeafTriangles corners;                    // 144 bytes   about the centre of the leaf's lane
+  TriangleId triangle[width];               //  32
+  std::array<VertexId, 3> vertices[width];  //  96         of the triangles
 };
-static_assert(sizeof(Leaf) == 176);
-
-/// Where the triangles of leaves are found.
-struct SourceMesh {
-  const Vec3* positions;
-  const std::array<VertexId, 3>* triangles;
-  const Leaf* leaves_end;  ///< behind the last leaf
-};
+static_assert(sizeof(Leaf) == 272);
 
 /// A ball, a box and a slab about one centre, as NodeBounds, in units; rounded outward.
 struct WholeBound {

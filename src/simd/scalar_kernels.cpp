@@ -29,7 +29,6 @@ struct Packet {
   static Packet load(const float* p) { return {*p}; }
   static Packet from_int16(const std::int16_t* p) { return {static_cast<float>(*p)}; }
   void store(float* p) const { *p = v; }
-  void round_to(std::int32_t* p) const { *p = static_cast<std::int32_t>(std::lrint(v)); }
 };
 
 inline Packet operator+(Packet a, Packet b) { return {a.v + b.v}; }
@@ -45,11 +44,14 @@ inline Mask operator<(Packet a, Packet b) { return {a.v < b.v}; }
 inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
 inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
+inline Packet flipped_as(Packet a, Packet sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
 inline Packet twice(Packet a) { return a; }
+inline Packet first_of(Packet a) { return a; }
+inline Packet last_of(Packet a) { return a; }
 inline Packet larger_half(Packet a) { return a; }
 inline Packet smaller_half(Packet a) { return a; }
 
@@ -67,17 +69,41 @@ struct Doubles {
 inline Doubles operator+(Doubles a, Doubles b) { return {a.v + b.v}; }
 inline Doubles operator-(Doubles a, Doubles b) { return {a.v - b.v}; }
 inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
+inline Doubles abs(Doubles a) { return {std::abs(a.v)}; }
+inline Doubles max(Doubles a, Doubles b) { return {a.v > b.v ? a.v : b.v}; }
+inline double largest(Doubles a) { return a.v; }
+
+struct DoublesMask {
+  bool m;
+};
+inline DoublesMask operator<=(Doubles a, Doubles b) { return {a.v <= b.v}; }
+inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}; }
+inline bool all_of(DoublesMask a) { return a.m; }
+
+inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }
 
-inline void place_three(const double* p, const double* from, double scale, float* placed) {
-  for (int i = 0; i < 3; ++i) placed[i] = static_cast<float>((p[i] - from[i]) * scale);
-}
-inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
-inline void narrow_columns(const std::int32_t (&rows)[width][width], std::int16_t (&columns)[width][width]) {
-  for (std::uint32_t i = 0; i < width * width; ++i) {
-    columns[i % width][i / width] = static_cast<std::int16_t>(rows[i / width][i % width]);
+struct Placing {
+  const double* origin;
+  double scale;
+
+  using Points = const double* const[1];
+  Placing(const Points& from, double per_length) : origin(from[0]), scale(per_length) {}
+  void place(const Points& points, float* placed) const {
+    for (int axis = 0; axis < 3; ++axis) placed[axis] = static_cast<float>((points[0][axis] - origin[axis]) * scale);
   }
-}
+};
+
+inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
+
+struct Square {
+  std::int16_t v[width * width];
+
+  void put(std::uint32_t at, Packet p) { v[at] = static_cast<std::int16_t>(std::lrint(p.v)); }
+  void store_columns(std::int16_t* const (&columns)[width]) const {
+    for (std::uint32_t i = 0; i < width * width; ++i) columns[i % width][i / width] = v[i];
+  }
+};
 inline float largest(Packet a) { return a.v; }
 inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 
@@ -88,7 +114,7 @@ inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 }  // namespace
 }  // namespace scalar
 
-const Kernels scalar_kernels{"scalar", scalar::bound_lanes, scalar::leaf_candidates, scalar::fit_leaves,
-                             scalar::enclose};
+const Kernels scalar_kernels{"scalar",           scalar::bound_lanes, scalar::leaf_candidates,
+                             scalar::fit_leaves, scalar::enclose,     scalar::measure_motion};
 
 }  // namespace limber::simd

@@ -43,6 +43,7 @@ void lay_out(Tree& tree, std::uint32_t leaves) {
     tree.level_begin.push_back(static_cast<std::uint32_t>(tree.blocks.size()));
     level.swap(next);
   }
+  tree.blocks.shrink_to_fit();
   std::uint32_t leaf = 0;
   for (std::uint32_t b = tree.lowest_level(); b < tree.blocks.size(); ++b) {
     tree.blocks[b].first_child = leaf;
@@ -68,7 +69,7 @@ Tree build(MeshView mesh) {
   const std::uint32_t leaves = leaf_count(items.size());
   lay_out(tree, leaves);
   tree.leaves.resize(leaves);
-  write_leaves(tree, 0, items);
+  write_leaves(tree, mesh, 0, items);
   fit(tree, mesh);
   return tree;
 }

@@ -3,6 +3,7 @@
 #include "tree/changes.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/check.h"
 
@@ -11,12 +12,12 @@ namespace {
 
 /// Calls visit(vertex, block) for every corner of every triangle, block by block.
 template <typename Visit>
-void for_each_corner(const Tree& tree, MeshView mesh, const Visit& visit) {
+void for_each_corner(const Tree& tree, const Visit& visit) {
   for (std::uint32_t b = tree.lowest_level(); b < tree.blocks.size(); ++b) {
     const Block& block = tree.blocks[b];
     for (std::uint32_t leaf = block.first_child; leaf < block.first_child + block.count; ++leaf) {
-      for (const TriangleId t : tree.leaves[leaf].triangle) {
-        for (const VertexId v : mesh.triangles[t]) visit(v, b);
+      for (const std::array<VertexId, 3>& triangle : tree.leaves[leaf].vertices) {
+        for (const VertexId v : triangle) visit(v, b);
       }
     }
   }
@@ -24,19 +25,19 @@ void for_each_corner(const Tree& tree, MeshView mesh, const Visit& visit) {
 
 }  // namespace
 
-void Changes::find_vertices(const Tree& tree, MeshView mesh) {
-  first_.assign(mesh.positions.size() + 1, 0);
+void Changes::find_vertices(const Tree& tree, std::size_t vertex_count) {
+  first_.assign(vertex_count + 1, 0);
   // Blocks come in order, so a vertex that names a block again has just named it.
-  std::vector<std::uint32_t> last(mesh.positions.size(), no_id);
-  for_each_corner(tree, mesh, [&](VertexId v, std::uint32_t block) {
+  std::vector<std::uint32_t> last(vertex_count, no_id);
+  for_each_corner(tree, [&](VertexId v, std::uint32_t block) {
     first_[v + 1] += last[v] != block ? 1 : 0;
     last[v] = block;
   });
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) first_[v + 1] += first_[v];
+  for (std::size_t v = 0; v < vertex_count; ++v) first_[v + 1] += first_[v];
   at_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   std::fill(last.begin(), last.end(), no_id);
-  for_each_corner(tree, mesh, [&](VertexId v, std::uint32_t block) {
+  for_each_corner(tree, [&](VertexId v, std::uint32_t block) {
     if (last[v] != block) at_[next[v]++] = block;
     last[v] = block;
   });

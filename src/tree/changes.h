@@ -23,7 +23,7 @@ class Changes {
   /// Finds out where the triangles at each vertex are, which add() and spare() need.
   ///
   /// Cost     O(n), and about 10 bytes a vertex.
-  void find_vertices(const Tree& tree, MeshView mesh);
+  void find_vertices(const Tree& tree, std::size_t vertex_count);
   bool knows_vertices() const { return !first_.empty(); }
   /// Once triangles lie elsewhere.
   void forget_vertices() { first_.clear(); }

@@ -79,11 +79,13 @@ Item item_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit
   return {{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)}, triangle};
 }
 
-void write_leaves(Tree& tree, std::uint32_t first, std::span<const Item> items) {
+void write_leaves(Tree& tree, MeshView mesh, std::uint32_t first, std::span<const Item> items) {
   LIMBER_ASSERT(!items.empty() && first + leaf_count(items.size()) <= tree.leaves.size());
   core::parallel_for(leaf_count(items.size()), 1024, [&](std::size_t leaf) {
     for (std::size_t k = 0; k < width; ++k) {
-      tree.leaves[first + leaf].triangle[k] = items[std::min(leaf * width + k, items.size() - 1)].triangle;
+      const TriangleId triangle = items[std::min(leaf * width + k, items.size() - 1)].triangle;
+      tree.leaves[first + leaf].triangle[k] = triangle;
+      tree.leaves[first + leaf].vertices[k] = mesh.triangles[triangle];
     }
   });
 }

@@ -72,7 +72,7 @@ Extent extent_of(MeshView mesh);
 Item item_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
 
 /// Writes the items into leaves, from leaf `first` on; lanes beyond the last item repeat it.
-void write_leaves(Tree& tree, std::uint32_t first, std::span<const Item> items);
+void write_leaves(Tree& tree, MeshView mesh, std::uint32_t first, std::span<const Item> items);
 
 /// Another identity, which no tree has had.
 std::uint64_t new_id();

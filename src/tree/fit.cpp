@@ -7,6 +7,7 @@
 //           are small, wherever the mesh is.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/check.h"
 #include "core/parallel.h"
@@ -103,10 +104,7 @@ void find_reach(Block& block) {
 
 class Fitting {
  public:
-  Fitting(Tree& tree, MeshView mesh)
-      : tree_(tree),
-        source_{mesh.positions.data(), mesh.triangles.data(), tree.leaves.data() + tree.leaves.size()},
-        kernels_(simd::kernels()) {}
+  Fitting(Tree& tree, MeshView mesh) : tree_(tree), positions_(mesh.positions.data()), kernels_(simd::kernels()) {}
 
   /// Fits a block whose children are blocks, fitted already unless they are on the lowest level.
   void fit_upper(Block& block, bool children_are_lowest) const {
@@ -148,20 +146,19 @@ class Fitting {
     return before != lane_of_block(parent, lane) || &parent == below_root();
   }
 
-  /// Fetches what the blocks after the i-th will need: leaves, then triangles, then positions.
+  /// Fetches what the blocks after the i-th will need: leaves, then positions.
   void prefetch(const std::vector<std::uint32_t>& blocks, std::size_t i) const {
-    constexpr std::size_t leaves_ahead = 6, triangles_ahead = 4, positions_ahead = 2;
+    constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < blocks.size()) {
-      const Block& block = tree_.blocks[blocks[i + leaves_ahead]];
-      for (std::uint32_t k = 0; k < block.count; ++k) __builtin_prefetch(tree_.leaves[block.first_child + k].triangle);
-    }
-    if (i + triangles_ahead < blocks.size()) {
-      for_every_other_triangle(blocks[i + triangles_ahead],
-                               [&](TriangleId t) { __builtin_prefetch(&source_.triangles[t]); });
+      for_every_leaf(blocks[i + leaves_ahead], [](const Leaf& leaf) {
+        __builtin_prefetch(leaf.vertices);
+        __builtin_prefetch(leaf.vertices + width - 1);
+      });
     }
     if (i + positions_ahead < blocks.size()) {
-      for_every_other_triangle(blocks[i + positions_ahead],
-                               [&](TriangleId t) { __builtin_prefetch(&source_.positions[source_.triangles[t][0]]); });
+      for_every_leaf(blocks[i + positions_ahead], [&](const Leaf& leaf) {
+        for (std::uint32_t j = 0; j < width; j += 2) __builtin_prefetch(&positions_[leaf.vertices[j][2]]);
+      });
     }
   }
 
@@ -177,7 +174,8 @@ class Fitting {
  private:
   /// Fits a block of the lowest level and its leaves.
   Bound fit_lowest(Block& block) const {
-    return from(kernels_.fit_leaves(source_, tree_.unit, block, tree_.leaves.data() + block.first_child));
+    const std::span<Leaf> leaves(tree_.leaves);
+    return from(kernels_.fit_leaves(positions_, tree_.unit, block, leaves.subspan(block.first_child)));
   }
 
   /// The same for a block whose children are blocks.
@@ -191,12 +189,9 @@ class Fitting {
   const Block* below_root() const { return &tree_.blocks[1]; }
 
   template <typename Visit>
-  void for_every_other_triangle(std::uint32_t b, const Visit& visit) const {
+  void for_every_leaf(std::uint32_t b, const Visit& visit) const {
     const Block& block = tree_.blocks[b];
-    for (std::uint32_t k = 0; k < block.count; ++k) {
-      const Leaf& leaf = tree_.leaves[block.first_child + k];
-      for (std::uint32_t j = 0; j < width; j += 2) visit(leaf.triangle[j]);
-    }
+    for (std::uint32_t k = 0; k < block.count; ++k) visit(tree_.leaves[block.first_child + k]);
   }
 
   /// Whether the first child is so far from the origin of its parent, which was its own, that places get blurred.
@@ -207,7 +202,7 @@ class Fitting {
   }
 
   Tree& tree_;
-  simd::SourceMesh source_;
+  const Vec3* positions_;
   const simd::Kernels& kernels_;
 };
 

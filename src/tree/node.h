@@ -16,7 +16,7 @@
 /// Invariants, checked by validate():
 ///   I1  Block 0 has one lane. Every other block is the child block of exactly one lane, one level up.
 ///   I2  Every leaf is the child of exactly one lane of the lowest level; every triangle is in exactly one leaf. Lanes
-///       of the last leaf beyond the triangles repeat its last one.
+///       of the last leaf beyond the triangles repeat its last one. A leaf names the vertices of its triangles.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
 ///   I4  A lane's ball, box and slab contain every corner of every triangle below it, up to `slack`: they hold the
 ///       anchors of its vertices.

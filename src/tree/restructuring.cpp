@@ -165,9 +165,9 @@ void Restructuring::finish() {
   parts_.clear();
 }
 
-void Restructuring::apply(Tree& tree) const {
+void Restructuring::apply(Tree& tree, MeshView mesh) const {
   LIMBER_ASSERT(parts_.empty());
-  write_leaves(tree, subtree_.first_leaf, items_);
+  write_leaves(tree, mesh, subtree_.first_leaf, items_);
   tree.id = new_id();
   tree.motion = 0;
 }

@@ -61,7 +61,7 @@ class Restructuring {
   void finish();
 
   /// Writes the leaves. Their bounds and all above them have to be fitted afterwards. Pre: all is done.
-  void apply(Tree& tree) const;
+  void apply(Tree& tree, MeshView mesh) const;
 
  private:
   Subtree subtree_;

@@ -43,7 +43,8 @@ Result<void> check_shape(const Tree& tree, std::size_t triangles) {
   return {};
 }
 
-Result<void> check_leaves(const Tree& tree, std::size_t triangles) {
+Result<void> check_leaves(const Tree& tree, MeshView mesh) {
+  const std::size_t triangles = mesh.triangles.size();
   std::vector<bool> seen(triangles);
   for (std::size_t i = 0; i < tree.leaves.size() * width; ++i) {
     const TriangleId t = tree.leaves[i / width].triangle[i % width];
@@ -52,6 +53,8 @@ Result<void> check_leaves(const Tree& tree, std::size_t triangles) {
     if (padding ? t != tree.leaves.back().triangle[(triangles - 1) % width] : seen[t]) {
       return broken(2, "a triangle is in two leaves, one of them", i / width);
     }
+    if (tree.leaves[i / width].vertices[i % width] != mesh.triangles[t])
+      return broken(2, "vertices of leaf", i / width);
     seen[t] = true;
   }
   return {};
@@ -109,7 +112,7 @@ std::uint32_t first_leaf(const Tree& tree, std::uint32_t b, std::size_t level) {
 
 Result<void> validate(const Tree& tree, MeshView mesh) {
   if (auto sound = check_shape(tree, mesh.triangles.size()); !sound) return sound;
-  if (auto sound = check_leaves(tree, mesh.triangles.size()); !sound) return sound;
+  if (auto sound = check_leaves(tree, mesh); !sound) return sound;
   for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level) {
     const bool lowest = level + 2 == tree.level_begin.size();
     for (std::uint32_t b = tree.level_begin[level]; b < tree.level_begin[level + 1]; ++b) {

@@ -231,9 +231,7 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       copy = tree;
       Block& block = copy.blocks.back();
       std::memset(&block.bounds, 0, sizeof(block.bounds));
-      const simd::SourceMesh source{mesh.positions().data(), mesh.triangles().data(),
-                                    copy.leaves.data() + copy.leaves.size()};
-      whole = set.fit_leaves(source, copy.unit, block, copy.leaves.data());
+      whole = set.fit_leaves(mesh.positions().data(), copy.unit, block, copy.leaves);
     };
     tree::Tree first, other;
     simd::WholeBound first_whole, other_whole;
@@ -248,6 +246,40 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(tree::Leaf)), 0);
       const simd::WholeBound around = simd::scalar_kernels.enclose(a), other_around = set.enclose(b);
       ASSERT_EQ(std::memcmp(&around, &other_around, sizeof(around)), 0) << set.name << " " << i;
+    }
+  }
+}
+
+TEST(Kernels, MeasureMotionAlikeOnEveryInstructionSet) {
+  Rng rng(205);
+  const double most = 1000;
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<Vec3> from(count), to(count);
+    double furthest_sq = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      from[i] = 900 * uniform_point(rng), to[i] = from[i] + uniform_point(rng);
+      furthest_sq = std::max(furthest_sq, length_sq(to[i] - from[i]));
+    }
+    const auto expect = [&](double wanted_sq, bool is_bounded) {
+      for (const simd::Kernels& set : simd::all_kernels()) {
+        const simd::Motion found = set.measure_motion(from.data(), to.data(), count, most);
+        EXPECT_EQ(found.furthest_sq, wanted_sq) << set.name << " " << count;
+        EXPECT_EQ(found.is_bounded, is_bounded) << set.name << " " << count;
+      }
+    };
+    expect(furthest_sq, true);
+    // Every number counts, wherever it is.
+    for (std::size_t i = 0; i < 3 * count; ++i) {
+      double& number = (&to[i / 3].x)[i % 3];
+      const double before = number;
+      for (const double bad :
+           {std::nan(""), -std::numeric_limits<double>::infinity(), std::nextafter(most, 2 * most)}) {
+        number = bad;
+        expect(0, false);
+      }
+      number = -most;
+      expect(std::max(furthest_sq, length_sq(to[i / 3] - from[i / 3])), true);
+      number = before;
     }
   }
 }

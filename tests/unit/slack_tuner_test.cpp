@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "limber/model.h"
 #include "scenes/motions.h"
@@ -40,14 +41,14 @@ TEST(SlackTuner, FindsTheBestOfSteadyMotion) {
     for (double slack = step; slack < 64 * step; slack *= 1.1) {
       best = std::min(best, mean_cost_of_fixed(slack, step, repair, price));
     }
-    SlackTuner tuner;
+    SlackTuner tuner(1e6);
     mean_cost(tuner, 300, step, repair, price);
     EXPECT_LE(mean_cost(tuner, 1000, step, repair, price), 1.15 * best) << price;
   }
 }
 
 TEST(SlackTuner, FollowsMotionThatChanges) {
-  SlackTuner tuner;
+  SlackTuner tuner(1e6);
   mean_cost(tuner, 500, 0.01, 50, 10);
   const double slow = tuner.slack();
   mean_cost(tuner, 500, 1, 50, 10);
@@ -55,6 +56,30 @@ TEST(SlackTuner, FollowsMotionThatChanges) {
   EXPECT_LE(fast, 1.15 * std::min(50.0, mean_cost_of_fixed(2, 1, 50, 10)));
   mean_cost(tuner, 2000, 0.01, 50, 10);
   EXPECT_LT(tuner.slack(), 8 * slow + 0.1);
+}
+
+TEST(SlackTuner, NeverTriesMoreThanTheMost) {
+  SlackTuner tuner(0.5);
+  EXPECT_EQ(tuner.slack(), 0.5);
+  for (const double step : {0.01, 1.0, 0.02, 0.4}) {
+    for (int i = 0; i < 500; ++i) {
+      mean_cost(tuner, 1, step, 50, 1e-3);
+      EXPECT_LE(tuner.slack(), 0.5);
+    }
+    EXPECT_EQ(tuner.slack() > 0, step < 0.5);
+  }
+}
+
+TEST(SlackTuner, LeavesAModelTightThatMovesFast) {
+  const scenes::Motion sheet = scenes::waving_sheet(40, 40);
+  Model tuned(sheet.mesh, {.slack = ModelOptions::automatic});
+  for (int frame = 1; frame <= 20; ++frame) {
+    std::vector<Vec3> positions = sheet.mesh.positions();
+    for (Vec3& p : positions) p.x += 0.2 * frame;
+    ASSERT_TRUE(static_cast<bool>(tuned.move_all(positions)));
+    tuned.commit();
+  }
+  EXPECT_EQ(tuned.maintenance_stats().absorbed, 0);
 }
 
 TEST(SlackTuner, LeavesAModelTightWhereSlackIsDear) {
