@@ -38,7 +38,8 @@ struct ModelOptions {
 
   Restructuring restructuring = Restructuring::in_commits;
   /// Microseconds that one commit may spend on sorting triangles anew, as estimated from counts; a step, of up to 10 ns
-  /// a triangle, is always ended. Finite and >= 0, or `automatic`: in proportion to what else the commit has to do.
+  /// a triangle, is always ended. Finite and >= 0, where 0 leaves the tree as it is, or `automatic`: in proportion to
+  /// what else the commit has to do.
   double restructuring_us = automatic;
 };
 

@@ -89,7 +89,7 @@ void Following::note_step(double length_sq) {
   LIMBER_ASSERT(std::isfinite(length_sq));
   const double step = std::sqrt(length_sq);
   longest_step_ = std::max(longest_step_, step);
-  all_steps_ += step;
+  all_steps_ = (all_steps_ + step) * (1 + 0x1p-50);
   has_moved_ = true;
 }
 
@@ -218,19 +218,22 @@ void Following::judge_restructuring(MaintenanceStats& stats) {
     const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, 0.01), 0.4, 1.6);
     interval_ = std::clamp(change * passes_, least_interval, most_interval);
   }
-  if (subtree.node == tree::root) {
-    passes_ = 0;
-    tuner_.set_most(most_worthwhile_slack());
-  }
+  if (subtree.node == tree::root) passes_ = 0;
   sorting_.reset();
 }
 
-void Following::look_at_quality(const Mesh& mesh, std::uint64_t refits) {
+bool Following::ends_pass(std::uint64_t refits) {
   const double passes = static_cast<double>(refits) / static_cast<double>(tree_.blocks.size());
   passes_ += passes;
   passes_to_look_ -= passes;
-  if (restructuring_ == Restructuring::off || sorting_ || passes_to_look_ > 0) return;
+  if (passes_to_look_ > 0) return false;
   passes_to_look_ = 1;
+  return true;
+}
+
+void Following::look_at_quality(const Mesh& mesh) {
+  if (restructuring_ == Restructuring::off || sorting_) return;
+  if (restructuring_ == Restructuring::in_commits && restructuring_us_ == 0) return;
   const std::optional<tree::Subtree> worst =
       passes_ >= interval_ ? tree::subtree_of(tree_, tree::root) : quality_.worst(tree_, tolerated_);
   if (!worst) return;
@@ -251,7 +254,8 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   const std::size_t spared = changes_.spared_count();
   const std::uint64_t refits = tree::refit(tree_, anchored(mesh), changes_);
   if (has_restructured) judge_restructuring(stats);
-  look_at_quality(mesh, refits);
+  const bool ends_pass = this->ends_pass(refits);
+  if (ends_pass) look_at_quality(mesh);
   tree_.motion = (tree_.motion + all_steps_) * outward;
   stats.refits += refits;
   stats.absorbed += absorbed_;
@@ -272,6 +276,7 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
     const double repairs = in_pass ? pass : ns_of_refit * static_cast<double>(refits);
     const double tight = spares_all_ ? pass : std::min(pass, repairs + ns_of_refit * static_cast<double>(spared));
     tuner_.add({repairs, tight, paid * ns_of_step, longest_step_, !anchors_.empty() && anchored_ == 0});
+    if (ends_pass) tuner_.set_most(most_worthwhile_slack());
     tightens_ = tuner_.slack() < before;
     if (anchors_.empty() && tuner_.slack() > 0) start_anchors(mesh);
   }

@@ -62,8 +62,10 @@ class Following {
   bool restructure(const Mesh& mesh);
   /// Whether that was worth it, once all is fitted.
   void judge_restructuring(MaintenanceStats& stats);
+  /// Whether as much has been refitted since that was last so as the tree has blocks.
+  bool ends_pass(std::uint64_t refits);
   /// Starts to restructure what has become bad.
-  void look_at_quality(const Mesh& mesh, std::uint64_t refits);
+  void look_at_quality(const Mesh& mesh);
   double repairs_ahead_ns() const;
   /// Gives the tree the unit that suits the mesh, and has everything fitted.
   void measure_again(const Mesh& mesh);

@@ -33,11 +33,18 @@ void SlackTuner::start_over() {
   all_absorbed_ = true;
 }
 
+void SlackTuner::set_most(double most) {
+  LIMBER_ASSERT(most >= 0);
+  most_ = most;
+  if (step_ > 0 && slack() > most_) start_over();
+}
+
 void SlackTuner::add(const Costs& costs) {
   LIMBER_ASSERT(costs.step >= 0 && costs.repairs >= 0 && costs.tight_repairs >= 0 && costs.queries >= 0);
   if (costs.step > 0) recent_step_ = recent_step_ == 0 ? costs.step : mixed(recent_step_, costs.step, 0.25);
-  // The first step, or another kind of motion.
-  if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_) start_over();
+  // The first step, another kind of motion, or motion that has become slow enough.
+  const bool is_slow_enough = step_ > most_ && recent_step_ <= most_;
+  if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_ || is_slow_enough) start_over();
   trial(0).cost = trial(0).cost < 0 ? costs.tight_repairs : mixed(trial(0).cost, costs.tight_repairs, 0.1);
   cost_ += costs.repairs + costs.queries;
   repair_cost_ += costs.repairs;

@@ -17,7 +17,7 @@ class SlackTuner {
  public:
   /// More than `most` is never tried.
   explicit SlackTuner(double most) : most_(most) {}
-  void set_most(double most) { most_ = most; }
+  void set_most(double most);
 
   /// What vertices may be away from their anchors; before the first commit as much as is ever tried.
   double slack() const;

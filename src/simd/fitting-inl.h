@@ -17,11 +17,12 @@ LIMBER_KERNEL std::uint32_t corner_of(std::uint32_t k, std::uint32_t j) { return
 
 /// The corners of the leaves of a block, by axis, corner and leaf, in units.
 struct alignas(64) BlockCorners {
-  float v[3][3 * width][width];
+  float v[3][3 * width * width];
 
   template <typename P = Packet>
   LIMBER_KERNEL Triple<P> at(std::uint32_t corner, std::uint32_t lane) const {
-    return {P::load(v[0][corner] + lane), P::load(v[1][corner] + lane), P::load(v[2][corner] + lane)};
+    const std::uint32_t i = width * corner + lane;
+    return {P::load(v[0] + i), P::load(v[1] + i), P::load(v[2] + i)};
   }
 };
 
@@ -40,9 +41,9 @@ LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t 
 LIMBER_KERNEL void gather(const Vec3* positions, std::span<const Leaf> leaves, std::uint32_t count, double per_unit,
                           LeavesOfBlock& gathered) {
   const auto position = [&](VertexId id) { return &positions[id].x; };
-  // As load_points() wants them: by corner, triangles, leaf, triangle.
+  // As load_points() wants them: by corner and triangles, then leaf, then triangle; four numbers each.
   constexpr std::uint32_t at_once = corners_at_once;
-  alignas(64) float placed[3][width / at_once][width][4 * at_once];
+  alignas(64) float placed[4 * 3 * width * width];
   for (std::uint32_t k = 0; k < width; ++k) {
     const Leaf& leaf = leaves[std::min(k, count - 1)];
     const double* const origin = position(leaf.vertices[0][0]);
@@ -58,18 +59,14 @@ LIMBER_KERNEL void gather(const Vec3* positions, std::span<const Leaf> leaves, s
       for (std::uint32_t c = 0; c < 3; ++c) {
         const double* points[at_once];
         for (std::uint32_t i = 0; i < at_once; ++i) points[i] = position(leaf.vertices[j + i][c]);
-        placing.place(points, placed[c][j / at_once][k]);
+        placing.place(points, placed + 4 * (width * corner_of(c, j) + at_once * k));
       }
     }
   }
-  for (std::uint32_t c = 0; c < 3 * width; c += at_once) {
-    for (std::uint32_t i = 0; i < width * at_once; i += WidePacket::lanes) {
-      Triple<WidePacket> p;
-      load_points(placed[0][c / at_once][0] + 4 * i, p.x, p.y, p.z);
-      p.x.store(gathered.corners.v[0][c] + i);
-      p.y.store(gathered.corners.v[1][c] + i);
-      p.z.store(gathered.corners.v[2][c] + i);
-    }
+  for (std::uint32_t i = 0; i < 3 * width * width; i += WidePacket::lanes) {
+    Triple<WidePacket> p;
+    load_points(placed + 4 * i, p.x, p.y, p.z);
+    p.x.store(gathered.corners.v[0] + i), p.y.store(gathered.corners.v[1] + i), p.z.store(gathered.corners.v[2] + i);
   }
 }
 
@@ -194,7 +191,7 @@ LIMBER_KERNEL void quantise(const BlockCorners& corners, const NodeBounds& bound
       Square square;
       for (std::uint32_t i = 0; i < width * width; i += WidePacket::lanes) {
         const WidePacket center = twice(Packet::load(shift[axis] + i % width));
-        const WidePacket p = WidePacket::load(corners.v[axis][corner_of(k, 0)] + i);
+        const WidePacket p = WidePacket::load(corners.v[axis] + width * corner_of(k, 0) + i);
         square.put(i, (p - center) * scale[i % width / Packet::lanes]);
       }
       std::int16_t* columns[width];
@@ -310,7 +307,7 @@ LIMBER_KERNEL WholeBound fit_leaves(const Vec3* positions, double unit, Block& b
     spread.radius.store(n.radius + i), spread.low.store(n.low + i), spread.high.store(n.high + i);
     reach = max(reach, sqrt(dot(place, place)) * Packet::set(squares_up) + spread.radius);
   }
-  block.reach = largest(reach) * squares_up;
+  block.reach = (largest(reach) + least_doubt) * squares_up;
   quantise(gathered.corners, n, shift, block.count, leaves.data());
   return bound_of(frame, all);
 }

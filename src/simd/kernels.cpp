@@ -14,6 +14,8 @@
 
 #include "core/rounding.h"
 
+// Vectors whose size is not known cannot be members.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -169,7 +171,7 @@ struct Placing {
     return {hn::LoadU(all, points[0]), hn::Set(all, points[0][2])};
 #elif HWY_MAX_BYTES == 32
     return {load_three(all, points[0])};
-#else
+#elif HWY_MAX_BYTES == 64
     const hn::Half<Tag> one;
     return {hn::Combine(all, load_three(one, points[1]), load_three(one, points[0]))};
 #endif
@@ -177,7 +179,12 @@ struct Placing {
 #if HWY_MAX_BYTES >= 32
   template <typename Four>
   static HWY_INLINE hn::Vec<Four> load_three(Four four, const double* p) {
+#if HWY_MEM_OPS_MIGHT_FAULT
+    const hn::Half<Four> two;
+    return hn::Combine(four, hn::Set(two, p[2]), hn::LoadU(two, p));
+#else
     return hn::MaskedLoad(hn::FirstN(four, 3), four, p);
+#endif
   }
 #endif
 };

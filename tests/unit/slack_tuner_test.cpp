@@ -70,6 +70,42 @@ TEST(SlackTuner, NeverTriesMoreThanTheMost) {
   }
 }
 
+TEST(SlackTuner, TriesSlackOnceAModelMovesSlowly) {
+  SlackTuner tuner(0.5);
+  mean_cost(tuner, 1, 10, 50, 1e-3);
+  EXPECT_EQ(tuner.slack(), 0);
+  mean_cost(tuner, 100, 0.2, 50, 1e-3);
+  EXPECT_GT(tuner.slack(), 0);
+}
+
+TEST(SlackTuner, GivesUpWhatHasBecomeTooMuch) {
+  SlackTuner tuner(64);
+  mean_cost(tuner, 1000, 1, 50, 1e-3);
+  ASSERT_GE(tuner.slack(), 8);
+  tuner.set_most(4);
+  EXPECT_LE(tuner.slack(), 4);
+  mean_cost(tuner, 300, 1, 50, 1e-3);
+  EXPECT_EQ(tuner.slack(), 4);
+}
+
+TEST(SlackTuner, GrowsWithTheModel) {
+  // A point that becomes a sheet, which then drifts.
+  const Mesh sheet = scenes::waving_sheet(20, 20).mesh;
+  const std::vector<Vec3> nowhere(sheet.positions().size());
+  for (const Restructuring restructuring : {Restructuring::off, Restructuring::in_commits}) {
+    Model model(Mesh::create(nowhere, sheet.triangles()).value(),
+                {.slack = ModelOptions::automatic, .restructuring = restructuring});
+    for (int frame = 1; frame <= 40; ++frame) {
+      std::vector<Vec3> positions = sheet.positions();
+      for (Vec3& p : positions) p.x += 1e-4 * frame;
+      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+      model.commit();
+      ASSERT_TRUE(static_cast<bool>(model.validate()));
+    }
+    EXPECT_GT(model.maintenance_stats().slack, 0);
+  }
+}
+
 TEST(SlackTuner, LeavesAModelTightThatMovesFast) {
   const scenes::Motion sheet = scenes::waving_sheet(40, 40);
   Model tuned(sheet.mesh, {.slack = ModelOptions::automatic});

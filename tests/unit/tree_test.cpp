@@ -51,17 +51,22 @@ TEST(Tree, UnitIsTheNextPowerOfTwo) {
 }
 
 TEST(Tree, HoldsLeavesOfAnySize) {
-  // Eight triangles so small that their squares are no float32 numbers, next to eight large ones.
+  // Triangles so small that their squares, or all but their places, are no float32 numbers, next to as many large ones.
   Rng rng(213);
-  std::vector<Triangle> triangles;
-  for (int i = 0; i < 16; ++i) {
-    const double size = i < 8 ? 1e-24 : 0.3;
-    const Vec3 at = i < 8 ? Vec3{} : Vec3{0.6, 0, 0};
-    const auto corner = [&] { return at + size * Vec3{rng.uniform(), rng.uniform(), rng.uniform()}; };
-    triangles.push_back({corner(), corner(), corner()});
+  for (const int count : {8, 64, 512}) {
+    for (double small = 1e-10; small > 1e-40; small *= 0.3) {
+      std::vector<Triangle> triangles;
+      for (int i = 0; i < 2 * count; ++i) {
+        const double size = i < count ? small : 0.3;
+        const Vec3 at = i < count ? Vec3{} : Vec3{0.6, 0, 0};
+        const auto corner = [&] { return at + size * Vec3{rng.uniform(), rng.uniform(), rng.uniform()}; };
+        triangles.push_back({corner(), corner(), corner()});
+      }
+      const Mesh mesh = soup(triangles);
+      const auto sound = tree::validate(tree::build(mesh), mesh);
+      ASSERT_TRUE(static_cast<bool>(sound)) << count << ", " << small << ": " << sound.error().text;
+    }
   }
-  const Model model(soup(triangles));
-  EXPECT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
 }
 
 TEST(Tree, RootIsHardlyLargerThanABall) {
