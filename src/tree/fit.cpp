@@ -77,9 +77,11 @@ double root_radius(const Tree& tree, const Block& block, const Bound& root) {
 void store(Block& block, std::uint32_t lane, const Vec3& origin, const Bound& b, double per_unit) {
   const Vec3 offset = (origin - block.origin) * per_unit;
   const Vec3 center = offset + b.center, stored = to_24_bits(center);
-  // How far the stored centre is from the bound's.
-  const double shift = length(center - stored) * outward + max_abs(offset) * 0x1p-50;
-  const auto grown = [&](double x) { return core::float_up(x + shift + std::abs(x) * (outward - 1)); };
+  // How far the stored centre is from the bound's, at most.
+  const Vec3 off = center - stored;
+  const double shift = (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * 0x1p-50;
+  // By more than rounding to float32 takes away.
+  const auto grown = [&](double x) { return static_cast<float>(x + shift + (std::abs(x) + shift) * 0x1p-22); };
   simd::NodeBounds& n = block.bounds;
   n.center_x[lane] = static_cast<float>(stored.x);
   n.center_y[lane] = static_cast<float>(stored.y);
