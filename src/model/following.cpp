@@ -17,7 +17,7 @@ namespace {
 constexpr double outward = 1 + 0x1p-40;
 
 // What things cost, in ns: only the ratios matter, and those are much the same on all machines.
-constexpr double ns_of_refit = 400, ns_of_refit_in_pass = 270, ns_of_step = 110, ns_of_sorting = 10;
+constexpr double ns_of_refit = 330, ns_of_refit_in_pass = 225, ns_of_step = 110, ns_of_sorting = 10;
 
 // Vertices that have gone that many units may be where float32 does not reach in the unit of the tree.
 constexpr double outgrown = 0x1p40;
@@ -69,7 +69,10 @@ double Following::slack() const { return is_tuned() ? tuner_.slack() : chosen_sl
 
 void Following::set_slack(const Mesh& mesh, double slack) {
   LIMBER_ASSERT(slack >= 0 || slack == ModelOptions::automatic);
-  if (slack == ModelOptions::automatic && !is_tuned()) tuner_ = SlackTuner(most_worthwhile_slack());
+  if (slack == ModelOptions::automatic && !is_tuned()) {
+    tuner_ = SlackTuner(most_worthwhile_slack());
+    tuned_commits_ = 0;
+  }
   chosen_slack_ = slack;
   if (anchors_.empty() && this->slack() > 0) start_anchors(mesh);
   tightens_ = !anchors_.empty();
@@ -108,7 +111,7 @@ void Following::absorb_or_anchor(const Mesh& mesh, VertexId vertex) {
   if (away_sq > most * most) return anchor(mesh, vertex);
   furthest_sq_ = std::max(furthest_sq_, away_sq);
   ++absorbed_;
-  if (is_tuned()) changes_.spare(vertex);
+  if (is_tuned() && counts_spared()) changes_.spare(vertex);
 }
 
 void Following::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
@@ -274,8 +277,11 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
     const double before = tuner_.slack();
     const double pass = ns_of_refit_in_pass * static_cast<double>(tree_.blocks.size());
     const double repairs = in_pass ? pass : ns_of_refit * static_cast<double>(refits);
-    const double tight = spares_all_ ? pass : std::min(pass, repairs + ns_of_refit * static_cast<double>(spared));
+    std::optional<double> tight;
+    if (spares_all_) tight = pass;
+    if (!spares_all_ && counts_spared()) tight = std::min(pass, repairs + ns_of_refit * static_cast<double>(spared));
     tuner_.add({repairs, tight, paid * ns_of_step, longest_step_, !anchors_.empty() && anchored_ == 0});
+    ++tuned_commits_;
     if (ends_pass) tuner_.set_most(most_worthwhile_slack());
     tightens_ = tuner_.slack() < before;
     if (anchors_.empty() && tuner_.slack() > 0) start_anchors(mesh);

@@ -49,6 +49,8 @@ class Following {
  private:
   /// Slack that is a good part of what leaves measure makes queries dearer than repairs.
   double most_worthwhile_slack() const;
+  /// Whether to find out which blocks slack spares: now and then is enough.
+  bool counts_spared() const { return tuned_commits_ % 4 == 0; }
   bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
   void note_step(double length_sq);
   void list(const Mesh& mesh, std::span<const VertexId> ids);
@@ -86,6 +88,7 @@ class Following {
   std::size_t since_found_ = 0;                // vertices moved since that was exact
   std::uint64_t absorbed_ = 0, anchored_ = 0;  // since the last commit
   SlackTuner tuner_;
+  std::uint64_t tuned_commits_ = 0;
 
   Restructuring restructuring_;
   double restructuring_us_;

@@ -24,7 +24,10 @@ bool SlackTuner::is_due(int choice) {
 }
 
 void SlackTuner::start_over() {
+  const double tight = trial(0).cost;
   trials_ = {};
+  trial(0).cost = tight;  // until it is known anew
+  tight_is_old_ = true;
   step_ = recent_step_;
   trial_count_ = 0;
   choice_ = is_due(1) ? 1 : 0, best_ = 0;
@@ -40,12 +43,16 @@ void SlackTuner::set_most(double most) {
 }
 
 void SlackTuner::add(const Costs& costs) {
-  LIMBER_ASSERT(costs.step >= 0 && costs.repairs >= 0 && costs.tight_repairs >= 0 && costs.queries >= 0);
+  LIMBER_ASSERT(costs.step >= 0 && costs.repairs >= 0 && costs.tight_repairs.value_or(0) >= 0 && costs.queries >= 0);
   if (costs.step > 0) recent_step_ = recent_step_ == 0 ? costs.step : mixed(recent_step_, costs.step, 0.25);
   // The first step, another kind of motion, or motion that has become slow enough.
   const bool is_slow_enough = step_ > most_ && recent_step_ <= most_;
   if (recent_step_ > 8 * step_ || 64 * recent_step_ < step_ || is_slow_enough) start_over();
-  trial(0).cost = trial(0).cost < 0 ? costs.tight_repairs : mixed(trial(0).cost, costs.tight_repairs, 0.1);
+  if (costs.tight_repairs) {
+    trial(0).cost = tight_is_old_ ? *costs.tight_repairs : mixed(trial(0).cost, *costs.tight_repairs, 0.1);
+    tight_is_old_ = false;
+  }
+  LIMBER_ASSERT(trial(0).cost >= 0);
   cost_ += costs.repairs + costs.queries;
   repair_cost_ += costs.repairs;
   ++commits_;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace limber {
 
@@ -22,13 +23,13 @@ class SlackTuner {
   /// What vertices may be away from their anchors; before the first commit as much as is ever tried.
   double slack() const;
 
-  /// What the time from one commit to the next has cost, in any one unit.
+  /// What the time from one commit to the next has cost, in any one unit. The first tells of all.
   struct Costs {
     double repairs;
-    double tight_repairs;  ///< what they would have been without slack
-    double queries;        ///< what queries did because of the slack
-    double step;           ///< the longest way of a vertex, a length
-    bool all_absorbed;     ///< whether slack made all repairs unnecessary
+    std::optional<double> tight_repairs;  ///< what they would have been without slack, where that is known
+    double queries;                       ///< what queries did because of the slack
+    double step;                          ///< the longest way of a vertex, a length
+    bool all_absorbed;                    ///< whether slack made all repairs unnecessary
   };
   void add(const Costs& costs);
 
@@ -51,6 +52,7 @@ class SlackTuner {
   void start_over();
 
   std::array<Trial, choices> trials_{};
+  bool tight_is_old_ = true;  // what is known of no slack
   double most_;
   double step_ = 0;  // length that the choices are multiples of
   double recent_step_ = 0;
