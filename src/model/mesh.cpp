@@ -41,17 +41,15 @@ Result<void> check_new_positions(std::span<const Vec3> positions) {
   return {};
 }
 
+simd::Motion motion_between(std::span<const Vec3> from, std::span<const Vec3> to) {
+  return simd::kernels().measure_motion(from.data(), to.data(), to.size(), max_coordinate);
+}
+
 }  // namespace
 
 Result<void> check_positions(std::span<const Vec3> positions) {
-  // All at once, since nearly always all are sound; NaN is below nothing.
-  bool sound = true;
-  for (const Vec3& p : positions) {
-    sound &= static_cast<bool>(static_cast<int>(std::abs(p.x) <= max_coordinate) &
-                               static_cast<int>(std::abs(p.y) <= max_coordinate) &
-                               static_cast<int>(std::abs(p.z) <= max_coordinate));
-  }
-  if (sound) return {};
+  // All at once, since nearly always all are sound.
+  if (motion_between(positions, positions).is_bounded) return {};
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (!is_finite(positions[v])) return at_vertex(ErrorCode::non_finite, v, "is not finite");
     if (max_abs(positions[v]) > max_coordinate) {
@@ -95,11 +93,7 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
 
 void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
-  constexpr std::size_t ahead = 32;  // is fetched
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (i + ahead < ids.size()) __builtin_prefetch(&positions_[ids[i + ahead]], 1);
-    positions_[ids[i]] = positions[i];
-  }
+  for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
 }
 
 void Mesh::set_positions(std::span<const Vec3> positions) {
@@ -127,8 +121,7 @@ Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positio
 
 Result<double> check_steps_of_all(const Mesh& mesh, std::span<const Vec3> positions) {
   if (positions.size() == mesh.positions().size()) {
-    const simd::Motion motion =
-        simd::kernels().measure_motion(mesh.positions().data(), positions.data(), positions.size(), max_coordinate);
+    const simd::Motion motion = motion_between(mesh.positions(), positions);
     if (motion.is_bounded) return motion.furthest_sq;
   }
   const auto sound = check_update_of_all(mesh, positions);
