@@ -20,8 +20,8 @@ PRIVATE = {
     "tree": ("simd", "geometry", "math", "core"),
     "model": ("tree", "simd", "geometry", "math", "core"),
     "query": ("model", "tree", "simd", "geometry", "math", "core"),
-    "classic": ("geometry", "math", "core", "model/mesh.h"),
-    "reference": ("geometry", "math", "core", "model/mesh.h"),
+    "classic": ("geometry", "math", "core", "model/mesh.h", "query/options.h"),
+    "reference": ("geometry", "math", "core", "model/mesh.h", "query/options.h"),
     "io": (),
 }
 

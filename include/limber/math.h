@@ -90,8 +90,8 @@ constexpr Transform inverse(const Transform& a_from_b) {
 /// Upper bound of how much `rotation` stretches any vector: 1 for an exact rotation, a little more after rounding.
 double max_stretch(const Mat3& rotation);
 
-/// True when all entries are finite and not above `max_coordinate`, the columns are orthonormal to 1e-9 and the
-/// determinant is positive.
+/// True when the translation is finite and not above `max_coordinate`, two rows of the rotation are orthonormal to 1e-9
+/// and the third is their cross product to 1e-9: no reflection, nothing that is not a number.
 bool is_rigid(const Transform& transform);
 
 /// The transform that turns by the quaternion (qw, qx, qy, qz) and then shifts by `translation`.

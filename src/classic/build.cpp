@@ -13,6 +13,7 @@
 
 #include "classic/tree.h"
 #include "core/check.h"
+#include "geometry/primitives.h"
 
 namespace limber::classic {
 namespace {
@@ -41,7 +42,7 @@ std::size_t split(std::span<TriangleId> group, const std::vector<Vec3>& centers)
 void build_nodes(Tree& tree) {
   const std::size_t count = tree.mesh.triangles().size();
   std::vector<Vec3> centers(count);
-  for (TriangleId t = 0; t < count; ++t) centers[t] = enclosing_sphere(tree.mesh.triangle(t)).center;
+  for (TriangleId t = 0; t < count; ++t) centers[t] = geometry::enclosing_sphere(tree.mesh.triangle(t)).center;
   std::vector<TriangleId> order(count);
   std::iota(order.begin(), order.end(), TriangleId{0});
 
@@ -84,14 +85,14 @@ void list_triangles_at_vertices(Tree& tree) {
 }  // namespace
 
 Sphere tight_sphere(const Tree& tree, const Node& node) {
-  if (node.is_leaf()) return enclosing_sphere(tree.mesh.triangle(node.triangle));
-  return enclosing_sphere(tree.nodes[node.first_child].sphere, tree.nodes[node.first_child + 1].sphere);
+  if (node.is_leaf()) return geometry::enclosing_sphere(tree.mesh.triangle(node.triangle));
+  return geometry::enclosing_sphere(tree.nodes[node.first_child].sphere, tree.nodes[node.first_child + 1].sphere);
 }
 
 bool sphere_holds(const Tree& tree, const Node& node) {
-  if (node.is_leaf()) return contains(node.sphere, tree.mesh.triangle(node.triangle));
-  return contains(node.sphere, tree.nodes[node.first_child].sphere) &&
-         contains(node.sphere, tree.nodes[node.first_child + 1].sphere);
+  if (node.is_leaf()) return geometry::contains(node.sphere, tree.mesh.triangle(node.triangle));
+  return geometry::contains(node.sphere, tree.nodes[node.first_child].sphere) &&
+         geometry::contains(node.sphere, tree.nodes[node.first_child + 1].sphere);
 }
 
 Sphere with_slack(Sphere tight, const Looseness& looseness) {

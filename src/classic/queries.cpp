@@ -13,21 +13,31 @@
 
 #include "classic/tree.h"
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "core/rounding.h"
+#include "geometry/primitives.h"
+#include "query/options.h"
 
 namespace limber::classic {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// What all queries require of models and poses.
+void check_placed(const Placed& a, const Placed& b) {
+  for (const Placed* placed : {&a, &b}) {
+    LIMBER_REQUIRE(placed->model.is_committed(),
+                   "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
+    LIMBER_REQUIRE(is_rigid(placed->pose),
+                   "limber::classic: a query needs rigid poses; one of a model is not (see is_rigid())");
+  }
+}
+
 /// A model's tree as it stands in the world.
 class PlacedTree {
  public:
   explicit PlacedTree(const Placed& placed)
-      : tree_(placed.model.tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {
-    LIMBER_ASSERT(placed.model.is_committed());
-    LIMBER_ASSERT(is_rigid(placed.pose));
-  }
+      : tree_(placed.model.tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {}
 
   const Node& node(std::uint32_t n) const { return tree_.nodes[n]; }
   Sphere sphere(std::uint32_t n) const {
@@ -121,8 +131,8 @@ struct CollisionQuery {
 
   bool matters(double lower_bound) const { return !witness && lower_bound == 0; }
   void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
-    if (!intersects(a, b)) return;
-    const Vec3 shared = closest_points(a, b).point_a;
+    if (!geometry::intersects(a, b)) return;
+    const Vec3 shared = geometry::closest_points(a, b).point_a;
     witness = Witness{shared, shared, id_a, id_b};
   }
 };
@@ -146,7 +156,7 @@ struct DistanceQuery {
     return false;
   }
   void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
-    const ClosestPoints closest = closest_points(a, b);
+    const ClosestPoints closest = geometry::closest_points(a, b);
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
@@ -161,6 +171,8 @@ struct DistanceQuery {
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b) {
+  const core::DefaultFloatEnvironment environment;
+  check_placed(a, b);
   CollideResult result;
   CollisionQuery query;
   Descent(a, b, query, result.stats).run();
@@ -170,9 +182,9 @@ CollideResult collide(const Placed& a, const Placed& b) {
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  LIMBER_ASSERT(std::isfinite(options.relative_error) && options.relative_error >= 0);
-  LIMBER_ASSERT(std::isfinite(options.absolute_error) && options.absolute_error >= 0);
-  LIMBER_ASSERT(options.max_distance >= 0);
+  const core::DefaultFloatEnvironment environment;
+  query::check_options(options);
+  check_placed(a, b);
   DistanceResult result;
   DistanceQuery query(options, 0);
   Descent(a, b, query, result.stats).run();
@@ -194,7 +206,9 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
-  LIMBER_ASSERT(std::isfinite(max_distance) && max_distance >= 0);
+  const core::DefaultFloatEnvironment environment;
+  query::check_max_distance(max_distance);
+  check_placed(a, b);
   WithinResult result;
   DistanceQuery query({.max_distance = max_distance}, max_distance);
   Descent(a, b, query, result.stats).run();

@@ -8,7 +8,10 @@
 
 #include <cstddef>
 
-/// Work on several threads, over oneTBB. Callers arrange that results do not depend on who runs what.
+#include "core/float_environment.h"
+
+/// Work on several threads, over oneTBB. Callers arrange that results do not depend on who runs what. Every body runs
+/// in the default floating-point environment, which a pool of threads need not have been started in.
 namespace limber::core {
 
 /// Calls body(i) for every i below `count`, in chunks of about `grain`.
@@ -19,6 +22,7 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
     return;
   }
   oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+    const DefaultFloatEnvironment environment;
     for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
   });
 }
@@ -26,7 +30,15 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
 /// Calls both, at the same time if `worthwhile`.
 template <typename First, typename Second>
 void parallel_invoke(bool worthwhile, const First& first, const Second& second) {
-  if (worthwhile) return oneapi::tbb::parallel_invoke(first, second);
+  const auto in_default_environment = [](const auto& body) {
+    return [&body] {
+      const DefaultFloatEnvironment environment;
+      body();
+    };
+  };
+  if (worthwhile) {
+    return oneapi::tbb::parallel_invoke(in_default_environment(first), in_default_environment(second));
+  }
   first();
   second();
 }

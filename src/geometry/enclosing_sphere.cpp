@@ -9,7 +9,7 @@
 
 #include "core/check.h"
 #include "core/rounding.h"
-#include "limber/geometry.h"
+#include "geometry/primitives.h"
 
 namespace limber {
 namespace {
@@ -49,12 +49,12 @@ Vec3 center_of(const Triangle& t) {
 
 }  // namespace
 
-Sphere enclosing_sphere(const Triangle& triangle) {
+Sphere geometry::enclosing_sphere(const Triangle& triangle) {
   const Vec3 center = center_of(triangle);
   return {center, radius_around(center, triangle)};
 }
 
-Sphere enclosing_sphere(const Sphere& a, const Sphere& b) {
+Sphere geometry::enclosing_sphere(const Sphere& a, const Sphere& b) {
   LIMBER_ASSERT(a.radius >= 0 && b.radius >= 0);
   const Sphere& larger = a.radius >= b.radius ? a : b;
   const Sphere& smaller = a.radius >= b.radius ? b : a;
@@ -67,9 +67,11 @@ Sphere enclosing_sphere(const Sphere& a, const Sphere& b) {
   return {center, std::max(radius_around(center, a), radius_around(center, b))};
 }
 
-bool contains(const Sphere& outer, const Sphere& inner) { return radius_around(outer.center, inner) <= outer.radius; }
+bool geometry::contains(const Sphere& outer, const Sphere& inner) {
+  return radius_around(outer.center, inner) <= outer.radius;
+}
 
-bool contains(const Sphere& sphere, const Triangle& triangle) {
+bool geometry::contains(const Sphere& sphere, const Triangle& triangle) {
   return radius_around(sphere.center, triangle) <= sphere.radius;
 }
 

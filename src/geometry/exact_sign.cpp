@@ -4,17 +4,19 @@
 // Based on  [Shewchuk1997]: a number as a sum of non-overlapping doubles, added and multiplied without error.
 //           [Dekker1971] for the exact product of two doubles.
 // Differs   No adaptive stages in between: whoever comes here already failed the filter, and zero terms are dropped, so
-//           the integer-like inputs that fail it most often have short sums. Coordinates so large or small that a
-//           product could leave the range of double go to big integers, so there is no input for which the sign is not
-//           exact.
+//           the integer-like inputs that fail it most often have short sums. Coordinates are scaled by a power of two first; where they
+//           differ so much in size that a product could still leave the range of double, integers of a fixed size
+//           decide, so there is no input for which the sign is not exact, and none that allocates.
 #include "geometry/exact_sign.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 
 #include "core/check.h"
 
@@ -105,16 +107,30 @@ Expansion<16> minor(const std::array<Expansion<terms>, 3>& p, const std::array<E
   return m;
 }
 
-// Inside these bounds every product of three coordinate differences is a sum of doubles without overflow, and its last
-// bit (2^-52 of the smallest coordinate, cubed) is above the smallest subnormal 2^-1074.
-bool expansions_are_exact(std::initializer_list<double> coordinates) {
-  return std::all_of(coordinates.begin(), coordinates.end(), [](double x) {
-    const double size = std::abs(x);
-    return size == 0 || (size >= 0x1p-280 && size <= 0x1p300);
-  });
+/// A power of two that makes expansions of scaled coordinates exact; 0 where there is none.
+///
+/// With coordinates of at most 1 and none but 0 below 2^-280, every product of three differences is a sum of doubles
+/// whose last bit (2^-52 of the smallest coordinate, cubed) is above the smallest subnormal, 2^-1074.
+double scale_for_expansions(std::initializer_list<double> coordinates) {
+  int lowest = std::numeric_limits<int>::max(), highest = std::numeric_limits<int>::min();
+  for (const double x : coordinates) {
+    if (x == 0) continue;
+    // Subnormal numbers count as 2^-1023: their last bit is that of the smallest normal ones.
+    const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff) - 1023;
+    lowest = std::min(lowest, exponent), highest = std::max(highest, exponent);
+  }
+  if (highest < lowest) return 1;
+  if (highest - lowest > 270) return 0;
+  return std::ldexp(1, std::clamp(-1 - highest, -1022, 1023));
 }
 
-using Integer = boost::multiprecision::cpp_int;
+// The coordinates span at most 2^1024 down to 2^-1074, so as integers they have 2098 bits, a determinant of three
+// differences 3 * 2099 + 3. Of that size only the limbs in use are worked on.
+constexpr unsigned bits_of_integers = 6336;
+using Integer = boost::multiprecision::number<
+    boost::multiprecision::cpp_int_backend<bits_of_integers, bits_of_integers, boost::multiprecision::signed_magnitude,
+                                           boost::multiprecision::unchecked, void>,
+    boost::multiprecision::et_off>;
 
 /// Doubles as integers, all multiplied by one power of two that makes them whole.
 class Integers {
@@ -139,7 +155,8 @@ class Integers {
 }  // namespace
 
 int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  if (!expansions_are_exact({a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z})) {
+  const double scale = scale_for_expansions({a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z});
+  if (scale == 0) {
     const Integers whole{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
     const auto minus_a = [&](const Vec3& v) {
       return std::array<Integer, 3>{whole(v.x) - whole(a.x), whole(v.y) - whole(a.y), whole(v.z) - whole(a.z)};
@@ -150,7 +167,8 @@ int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
     return det.sign();
   }
   const auto minus_a = [&](const Vec3& v) {
-    return std::array<Expansion<2>, 3>{difference(v.x, a.x), difference(v.y, a.y), difference(v.z, a.z)};
+    return std::array<Expansion<2>, 3>{difference(scale * v.x, scale * a.x), difference(scale * v.y, scale * a.y),
+                                       difference(scale * v.z, scale * a.z)};
   };
   const auto p = minus_a(b), q = minus_a(c), r = minus_a(d);
   Expansion<192> det;
@@ -161,15 +179,17 @@ int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
 }
 
 int exact_area_sign(double ax, double ay, double bx, double by, double cx, double cy) {
-  if (!expansions_are_exact({ax, ay, bx, by, cx, cy})) {
+  const double scale = scale_for_expansions({ax, ay, bx, by, cx, cy});
+  if (scale == 0) {
     const Integers whole{ax, ay, bx, by, cx, cy};
     const Integer det =
         (whole(bx) - whole(ax)) * (whole(cy) - whole(ay)) - (whole(by) - whole(ay)) * (whole(cx) - whole(ax));
     return det.sign();
   }
   Expansion<16> det;
-  det.add_product(difference(bx, ax), difference(cy, ay));
-  det.add_product(difference(by, ay), difference(cx, ax), -1);
+  const auto between = [scale](double to, double from) { return difference(scale * to, scale * from); };
+  det.add_product(between(bx, ax), between(cy, ay));
+  det.add_product(between(by, ay), between(cx, ax), -1);
   return det.sign();
 }
 

@@ -9,7 +9,7 @@
 
 #include "core/check.h"
 #include "geometry/exact_sign.h"
-#include "limber/geometry.h"
+#include "geometry/primitives.h"
 
 namespace limber {
 namespace {
@@ -26,7 +26,7 @@ int sign(double x) { return x > 0 ? 1 : -1; }
 
 }  // namespace
 
-int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+int geometry::orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   LIMBER_ASSERT(is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d));
   const Vec3 p = b - a, q = c - a, r = d - a;
   const double yz = p.y * q.z, zy = p.z * q.y;
@@ -40,7 +40,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return certain && std::isfinite(permanent) ? sign(det) : geometry::exact_volume_sign(a, b, c, d);
 }
 
-int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis) {
+int geometry::orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis) {
   LIMBER_ASSERT(axis < 3);
   LIMBER_ASSERT(is_finite(a) && is_finite(b) && is_finite(c));
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;

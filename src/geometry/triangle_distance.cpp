@@ -13,8 +13,8 @@
 #include <limits>
 
 #include "core/check.h"
+#include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
-#include "limber/geometry.h"
 
 namespace limber {
 namespace {
@@ -194,13 +194,13 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
 
 }  // namespace
 
-ClosestPoints closest_points(const Triangle& a, const Triangle& b) {
+ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
   LIMBER_ASSERT(is_finite(a.v0) && is_finite(b.v0));
   const LocalFrame frame(a.v0, {a.v1, a.v2, b.v0, b.v1, b.v2});
   if (frame.extent() == 0) return {0, a.v0, a.v0};
   const Face local_a(frame.to_local(a)), local_b(frame.to_local(b));
   const Best best = closest_features(local_a, local_b);
-  if (!is_separated(local_a.corner, local_b.corner, best.between, frame.extent()) && intersects(a, b)) {
+  if (!is_separated(local_a.corner, local_b.corner, best.between, frame.extent()) && geometry::intersects(a, b)) {
     const Vec3 shared = frame.from_local(contact_point(local_a, local_b, best, frame.extent()));
     return {0, shared, shared};
   }
@@ -209,7 +209,7 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b) {
           point_at(b, best.weights_b)};
 }
 
-ClosestPoints closest_points(const Segment& a, const Segment& b) {
+ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
   const LocalFrame frame(a.p0, {a.p1, b.p0, b.p1});
   const Segment local_a = frame.to_local(a), local_b = frame.to_local(b);
   const auto [s, t] = geometry::closest_parameters(local_a, local_b);
@@ -218,7 +218,7 @@ ClosestPoints closest_points(const Segment& a, const Segment& b) {
           point_at({b.p0, b.p1, b.p1}, {1 - t, t, 0})};
 }
 
-ClosestPoints closest_points(const Vec3& point, const Triangle& triangle) {
+ClosestPoints geometry::closest_points(const Vec3& point, const Triangle& triangle) {
   const LocalFrame frame(point, {triangle.v0, triangle.v1, triangle.v2});
   const Face face(frame.to_local(triangle));
   Best best;

@@ -12,7 +12,7 @@
 #include <optional>
 #include <tuple>
 
-#include "limber/geometry.h"
+#include "geometry/primitives.h"
 
 namespace limber {
 namespace {
@@ -26,7 +26,7 @@ bool opposite(int sign_a, int sign_b) { return sign_a * sign_b < 0; }
 /// An axis along which the three points keep a non-zero area, if they are not collinear.
 std::optional<std::size_t> faithful_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (orient2d(a, b, c, axis) != 0) return axis;
+    if (geometry::orient2d(a, b, c, axis) != 0) return axis;
   }
   return {};
 }
@@ -40,9 +40,9 @@ bool collinear_segments_meet(const Segment& s, const Segment& t) {
 
 /// Closed segments in one plane, of which `axis` is a faithful projection.
 bool coplanar_segments_meet(const Segment& s, const Segment& t, std::size_t axis) {
-  const int s_t0 = orient2d(s.p0, s.p1, t.p0, axis), s_t1 = orient2d(s.p0, s.p1, t.p1, axis);
+  const int s_t0 = geometry::orient2d(s.p0, s.p1, t.p0, axis), s_t1 = geometry::orient2d(s.p0, s.p1, t.p1, axis);
   if (s_t0 * s_t1 > 0) return false;
-  const int t_s0 = orient2d(t.p0, t.p1, s.p0, axis), t_s1 = orient2d(t.p0, t.p1, s.p1, axis);
+  const int t_s0 = geometry::orient2d(t.p0, t.p1, s.p0, axis), t_s1 = geometry::orient2d(t.p0, t.p1, s.p1, axis);
   if (t_s0 * t_s1 > 0) return false;
   if (s_t0 == 0 && s_t1 == 0 && t_s0 == 0 && t_s1 == 0) return collinear_segments_meet(s, t);
   return true;
@@ -50,7 +50,7 @@ bool coplanar_segments_meet(const Segment& s, const Segment& t, std::size_t axis
 
 /// Any two closed segments in space.
 bool segments_meet(const Segment& s, const Segment& t) {
-  if (orient3d(s.p0, s.p1, t.p0, t.p1) != 0) return false;
+  if (geometry::orient3d(s.p0, s.p1, t.p0, t.p1) != 0) return false;
   std::optional<std::size_t> axis = faithful_axis(s.p0, s.p1, t.p0);
   if (!axis) axis = faithful_axis(s.p0, s.p1, t.p1);
   if (!axis) axis = faithful_axis(t.p0, t.p1, s.p0);  // s may be a point
@@ -64,11 +64,11 @@ bool flat_segment_meets(const Segment& s, const Triangle& t) {
     const auto [low, high] = std::minmax({t.v0, t.v1, t.v2}, lexicographically_less);
     return segments_meet(s, {low, high});
   }
-  const int turn = orient2d(t.v0, t.v1, t.v2, *axis);
+  const int turn = geometry::orient2d(t.v0, t.v1, t.v2, *axis);
   bool inside = true;
   for (std::size_t i = 0; i < 3; ++i) {
     if (coplanar_segments_meet(s, {t[i], t[after[i]]}, *axis)) return true;
-    inside = inside && orient2d(t[i], t[after[i]], s.p0, *axis) == turn;
+    inside = inside && geometry::orient2d(t[i], t[after[i]], s.p0, *axis) == turn;
   }
   return inside;
 }
@@ -80,9 +80,9 @@ class EdgeTests {
 
   /// Whether some corner or edge of a reaches the plane of b, and the other way round; nothing meets otherwise.
   bool planes_are_reached() {
-    for (std::size_t i = 0; i < 3; ++i) side_of_b_[i] = orient3d(b_.v0, b_.v1, b_.v2, a_[i]);
+    for (std::size_t i = 0; i < 3; ++i) side_of_b_[i] = geometry::orient3d(b_.v0, b_.v1, b_.v2, a_[i]);
     if (strictly_on_one_side(side_of_b_)) return false;
-    for (std::size_t i = 0; i < 3; ++i) side_of_a_[i] = orient3d(a_.v0, a_.v1, a_.v2, b_[i]);
+    for (std::size_t i = 0; i < 3; ++i) side_of_a_[i] = geometry::orient3d(a_.v0, a_.v1, a_.v2, b_[i]);
     return !strictly_on_one_side(side_of_a_);
   }
 
@@ -116,7 +116,7 @@ class EdgeTests {
   /// Sign of the volume spanned by edge i of a and edge j of b.
   int volume(std::size_t i, std::size_t j) {
     int& known = volumes_[i][j];
-    if (known == unknown) known = orient3d(a_[i], a_[after[i]], b_[j], b_[after[j]]);
+    if (known == unknown) known = geometry::orient3d(a_[i], a_[after[i]], b_[j], b_[after[j]]);
     return known;
   }
 
@@ -138,7 +138,7 @@ Vec3 high(const Triangle& t) { return max(t.v0, max(t.v1, t.v2)); }
 
 }  // namespace
 
-bool intersects(const Triangle& a, const Triangle& b) {
+bool geometry::intersects(const Triangle& a, const Triangle& b) {
   if (boxes_are_apart(low(a), high(a), low(b), high(b))) return false;
   EdgeTests tests(a, b);
   if (!tests.planes_are_reached()) return false;
@@ -148,8 +148,8 @@ bool intersects(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-bool intersects(const Segment& segment, const Triangle& triangle) {
-  return intersects(Triangle{segment.p0, segment.p1, segment.p1}, triangle);
+bool geometry::intersects(const Segment& segment, const Triangle& triangle) {
+  return geometry::intersects(Triangle{segment.p0, segment.p1, segment.p1}, triangle);
 }
 
 }  // namespace limber

@@ -9,28 +9,32 @@
 namespace limber {
 namespace {
 
-// Entries of R^T R - I, the largest absolute row sum: bounds how far R is from orthonormal.
-double orthonormality_error(const Mat3& rotation) {
-  const Mat3 gram = transpose(rotation) * rotation;
-  const Vec3 row0 = abs(gram.row0 - Vec3{1, 0, 0});
-  const Vec3 row1 = abs(gram.row1 - Vec3{0, 1, 0});
-  const Vec3 row2 = abs(gram.row2 - Vec3{0, 0, 1});
-  return std::max({row0.x + row0.y + row0.z, row1.x + row1.y + row1.z, row2.x + row2.y + row2.z});
+/// Absolute row sums of R^T R - I; the largest bounds how far R is from orthonormal.
+Vec3 orthonormality_errors(const Mat3& rotation) {
+  const Mat3 columns = transpose(rotation);
+  const Vec3 &x = columns.row0, &y = columns.row1, &z = columns.row2;
+  const double xy = std::abs(dot(x, y)), yz = std::abs(dot(y, z)), zx = std::abs(dot(z, x));
+  return {std::abs(dot(x, x) - 1) + xy + zx, std::abs(dot(y, y) - 1) + xy + yz, std::abs(dot(z, z) - 1) + yz + zx};
 }
+
+/// False when an entry is not a number.
+bool is_at_most(const Vec3& v, double limit) { return v.x <= limit && v.y <= limit && v.z <= limit; }
 
 }  // namespace
 
 double max_stretch(const Mat3& rotation) {
   // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
-  return std::sqrt(1 + orthonormality_error(rotation)) + 0x1p-48;
+  return std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48;
 }
 
 bool is_rigid(const Transform& transform) {
   const Mat3& r = transform.rotation;
-  if (!is_finite(r.row0) || !is_finite(r.row1) || !is_finite(r.row2)) return false;
-  if (!is_finite(transform.translation) || max_abs(transform.translation) > max_coordinate) return false;
   constexpr double tolerance = 1e-9;  // a rotation stored as float32 fails, one chained a million times passes
-  return orthonormality_error(r) <= tolerance && dot(cross(r.row0, r.row1), r.row2) > 0;
+  // Two orthonormal rows, of which the third is the cross product: then the third is normal to both, of length 1, and
+  // the determinant is positive.
+  const Vec3 errors{std::abs(length_sq(r.row0) - 1), std::abs(length_sq(r.row1) - 1), std::abs(dot(r.row0, r.row1))};
+  return is_at_most(errors, tolerance) && is_at_most(abs(cross(r.row0, r.row1) - r.row2), tolerance) &&
+         is_at_most(abs(transform.translation), max_coordinate);
 }
 
 Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, double qx, double qy, double qz) {

@@ -4,7 +4,10 @@
 #include <vector>
 
 #include "core/check.h"
+#include "core/float_environment.h"
+#include "geometry/primitives.h"
 #include "limber/reference.h"
+#include "query/options.h"
 
 namespace limber::reference {
 namespace {
@@ -12,7 +15,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<Triangle> place(const Placed& placed) {
-  LIMBER_ASSERT(is_rigid(placed.pose));
+  LIMBER_REQUIRE(is_rigid(placed.pose),
+                 "limber::reference: a query needs rigid poses; one of a mesh is not (see is_rigid())");
   std::vector<Triangle> triangles;
   triangles.reserve(placed.mesh.triangles.size());
   for (TriangleId t = 0; t < placed.mesh.triangles.size(); ++t) {
@@ -25,13 +29,14 @@ std::vector<Triangle> place(const Placed& placed) {
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b) {
+  const core::DefaultFloatEnvironment environment;
   CollideResult result;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
       ++result.stats.triangle_tests;
-      if (!intersects(triangles_a[i], triangles_b[j])) continue;
-      const Vec3 shared = closest_points(triangles_a[i], triangles_b[j]).point_a;
+      if (!geometry::intersects(triangles_a[i], triangles_b[j])) continue;
+      const Vec3 shared = geometry::closest_points(triangles_a[i], triangles_b[j]).point_a;
       result.collision = true;
       result.witness = Witness{shared, shared, i, j};
       return result;
@@ -41,13 +46,15 @@ CollideResult collide(const Placed& a, const Placed& b) {
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_options(options);
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
       ++result.stats.triangle_tests;
-      const ClosestPoints closest = closest_points(triangles_a[i], triangles_b[j]);
+      const ClosestPoints closest = geometry::closest_points(triangles_a[i], triangles_b[j]);
       if (closest.distance >= result.upper) continue;
       result.upper = closest.distance;
       result.witness = {closest.point_a, closest.point_b, i, j};
@@ -65,6 +72,8 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_max_distance(max_distance);
   WithinResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "limber/geometry.h"
+
+/// The functions of limber/geometry.h as the library itself calls them. Promises are the same.
+///
+/// Pre      The thread is in the default floating-point environment (core/float_environment.h). The public functions and
+///          queries see to that once; here it would cost as much as a predicate.
+namespace limber::geometry {
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
+
+bool intersects(const Triangle& a, const Triangle& b);
+bool intersects(const Segment& segment, const Triangle& triangle);
+
+ClosestPoints closest_points(const Segment& a, const Segment& b);
+ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
+ClosestPoints closest_points(const Triangle& a, const Triangle& b);
+
+Sphere enclosing_sphere(const Triangle& triangle);
+Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
+bool contains(const Sphere& outer, const Sphere& inner);
+bool contains(const Sphere& sphere, const Triangle& triangle);
+
+}  // namespace limber::geometry
