@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/check.h"
@@ -12,8 +13,9 @@
 namespace limber::query {
 namespace {
 
-// Ratios and errors stay below this: float32 can square them.
-constexpr double furthest = 0x1p60;
+/// Infinity above what the kernels can square: they treat such a node as if it were everywhere. A finite number in its
+/// place would make the node smaller than it is.
+double or_infinite(double x) { return x < simd::furthest ? x : std::numeric_limits<double>::infinity(); }
 
 /// The inverse of a matrix that is nearly a rotation; unlike the transpose, as exact as float64 allows.
 Mat3 inverse_of(const Mat3& m) {
@@ -54,10 +56,14 @@ double reach_of_model(const Placed& placed) {
 
 }  // namespace
 
-PlacedPair::PlacedPair(const Placed& a, const Placed& b) {
-  LIMBER_ASSERT(a.model.is_committed() && b.model.is_committed());
-  LIMBER_ASSERT(is_rigid(a.pose));
-  LIMBER_ASSERT(is_rigid(b.pose));
+PlacedPair::PlacedPair(const Placed& a, const Placed& b)
+    : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
+  LIMBER_REQUIRE(a.model.is_committed(),
+                 "limber: a query needs committed models; model a has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(b.model.is_committed(),
+                 "limber: a query needs committed models; model b has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(is_rigid(a.pose), "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
+  LIMBER_REQUIRE(is_rigid(b.pose), "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
   // Placing rounds each coordinate of a vertex or centre by some units of the magnitudes added (see
   // classic/queries.cpp); going to the other model's frame and along a heading adds as many again.
   error_ = 0x1p-45 * (reach_of_model(a) + reach_of_model(b));
@@ -89,9 +95,9 @@ void PlacedPair::prepare(Side s) {
   view.unit = side.tree->unit;
   view.per_unit = 1 / side.tree->unit;
   view.other_unit = opposite.tree->unit;
-  view.ratio = static_cast<float>(std::min(view.other_unit * view.per_unit, furthest));
+  view.ratio = static_cast<float>(or_infinite(view.other_unit * view.per_unit));
   view.error = error_ + slack();
-  view.error_units = core::float_up(std::min(view.error * view.per_unit, furthest)) + 0x1p-100F;
+  view.error_units = core::float_up(or_infinite(view.error * view.per_unit)) + 0x1p-100F;
 }
 
 Triangle PlacedPair::triangle(Side s, TriangleId t) const {
@@ -160,12 +166,12 @@ void PlacedPair::aim(const Vec3& from_a_to_b) {
 
 double PlacedPair::gap_along(TriangleId a, TriangleId b) const {
   LIMBER_ASSERT(is_aimed());
-  const auto reach = [](const PlacedTree& side, TriangleId id) {
+  const auto support = [](const PlacedTree& side, TriangleId id) {
     const Triangle t = side.mesh.triangle(id);
     const Vec3 out{side.view.toward[0], side.view.toward[1], side.view.toward[2]};
     return std::max({dot(out, t.v0), dot(out, t.v1), dot(out, t.v2)});
   };
-  return offset_ - reach(at(Side::a), a) - reach(at(Side::b), b);
+  return offset_ - support(at(Side::a), a) - support(at(Side::b), b);
 }
 
 }  // namespace limber::query

@@ -25,8 +25,12 @@ class PlacedPair {
   /// Triangle of either model in the world.
   Triangle triangle(Side s, TriangleId t) const;
 
-  /// By how much two triangles are apart along the way aimed at; negative where they overlap. Pre: is_aimed().
+  /// How far apart two triangles are along the search direction, off by at most rounding_of_gap(); negative where they
+  /// overlap. Goes by the vertices before they are placed. Pre: is_aimed().
   double gap_along(TriangleId a, TriangleId b) const;
+  double rounding_of_gap() const { return 0x1p-4 * error_; }
+  /// What placing may have changed such a gap by: nothing where both models stay where they are.
+  double rounding_of_placing() const { return is_placed_exactly_ ? 0 : rounding_of_gap(); }
 
   /// What float64 rounding can change a length between placed points by.
   double error() const { return error_; }
@@ -71,7 +75,8 @@ class PlacedPair {
 
   PlacedTree sides_[2];
   double error_ = 0;
-  double offset_ = 0;  // of b's origin from a's along the way aimed at
+  bool is_placed_exactly_;
+  double offset_ = 0;  // of b's origin from a's along the search direction
 };
 
 }  // namespace limber::query

@@ -5,6 +5,9 @@
 #include <limits>
 
 #include "core/check.h"
+#include "core/float_environment.h"
+#include "geometry/primitives.h"
+#include "query/options.h"
 #include "query/traversal.h"
 
 namespace limber {
@@ -42,7 +45,9 @@ class Start {
 
 namespace {
 
+using query::PlacedLeaf;
 using query::PlacedPair;
+using query::PlacedTriangle;
 using query::Side;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -50,30 +55,24 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Some pair of triangles that intersects.
 class Contact {
  public:
-  explicit Contact(const PlacedPair& placed) : placed_(placed) {}
-
   static constexpr bool any = true;
   std::optional<Witness> witness;
 
   double cut() const { return std::numeric_limits<double>::min(); }
   bool finished() const { return witness.has_value(); }
-  bool apart(TriangleId, TriangleId) const { return false; }
-  void compare(TriangleId id_a, TriangleId id_b) {
-    const Triangle a = placed_.triangle(Side::a, id_a), b = placed_.triangle(Side::b, id_b);
-    if (!intersects(a, b)) return;
-    const Vec3 shared = closest_points(a, b).point_a;
-    witness = Witness{shared, shared, id_a, id_b};
+  bool is_apart(PlacedLeaf&, std::uint32_t, PlacedLeaf&, std::uint32_t) const { return false; }
+  void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    if (!geometry::intersects(a.corners, b.corners)) return;
+    const Vec3 shared = geometry::closest_points(a.corners, b.corners).point_a;
+    witness = Witness{shared, shared, a.id, b.id};
   }
-
- private:
-  const PlacedPair& placed_;
 };
 
 /// The closest pair of triangles, or one near enough.
 class Closest {
  public:
   Closest(PlacedPair& placed, const DistanceOptions& options, double enough)
-      : placed_(placed), options_(options), enough_(enough), tie_(0x1p-7 * placed.error()) {
+      : placed_(placed), options_(options), enough_(enough) {
     // Closed: a pair exactly max_distance apart matters.
     cut_ = std::max(std::nextafter(options.max_distance, infinity), smallest);
   }
@@ -85,22 +84,29 @@ class Closest {
   double cut() const { return cut_; }
   bool finished() const { return upper <= enough_; }
 
-  /// Whether the triangles are apart along the way by as much as matters, up to rounding. Triangles that share the
-  /// corner or edge the best pair was found at are, exactly, and are many.
-  bool apart(TriangleId a, TriangleId b) const {
+  /// Whether two triangles are so far apart along the direction in which the best pair is closest that they cannot
+  /// matter.
+  ///
+  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the best
+  /// up to rounding. They are many and can improve the answer by no more than that, so where the distance itself is
+  /// asked for they are not compared. A pair that may be within a limit always is, and so is every contact.
+  bool is_apart(PlacedLeaf& a, std::uint32_t lane_a, PlacedLeaf& b, std::uint32_t lane_b) const {
     if (!placed_.is_aimed()) return false;
-    const double gap = placed_.gap_along(a, b);
-    // A pair as far apart as the best adds nothing; one as far apart as the limit allows is sought. Contacts always
-    // are.
-    return gap > placed_.error() && gap >= (upper <= options_.max_distance ? cut_ - tie_ : cut_ + tie_);
+    const double gap = placed_.gap_along(a.id(lane_a), b.id(lane_b)), rounding = placed_.rounding_of_gap();
+    if (gap >= cut_ + rounding) return gap > rounding;
+    if (gap < cut_ - rounding) return false;
+    // As far apart as the best, or as the limit allows.
+    const double harmless = std::max(placed_.rounding_of_placing(), tie_of_distances * cut_);
+    if (cut_ == upper && rounding <= harmless && gap >= cut_ - usual_part * rounding) return gap > rounding;
+    return is_apart(a.at(lane_a).corners, b.at(lane_b).corners);
   }
 
-  void compare(TriangleId id_a, TriangleId id_b) {
-    const ClosestPoints closest = closest_points(placed_.triangle(Side::a, id_a), placed_.triangle(Side::b, id_b));
+  void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    const ClosestPoints closest = geometry::closest_points(a.corners, b.corners);
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
-    witness = {closest.point_a, closest.point_b, id_a, id_b};
+    witness = {closest.point_a, closest.point_b, a.id, b.id};
     // A pair beyond the limit is no answer, so nothing may be left out for its sake.
     if (upper <= options_.max_distance) {
       const double relative = upper / (1 + options_.relative_error) * rounded_down();
@@ -109,11 +115,32 @@ class Closest {
     const Vec3 apart = closest.point_b - closest.point_a;
     const double size = length(apart);
     if (!(size > 0x1p-500)) return;  // too short to have a direction
-    placed_.aim(apart * (1 / size));
+    direction_ = apart * (1 / size);
+    placed_.aim(direction_);
   }
 
  private:
+  /// The same for placed triangles, relative to a corner of one of them: an offset that they share costs nothing.
+  bool is_apart(const Triangle& a, const Triangle& b) const {
+    const Vec3& d = direction_;
+    const Vec3 a1 = a.v1 - a.v0, a2 = a.v2 - a.v0, b0 = b.v0 - a.v0, b1 = b.v1 - a.v0, b2 = b.v2 - a.v0;
+    const double gap = std::min({dot(d, b0), dot(d, b1), dot(d, b2)}) - std::max({0.0, dot(d, a1), dot(d, a2)});
+    const double extent = max_abs(max(max(max(abs(a1), abs(a2)), max(abs(b0), abs(b1))), abs(b2)));
+    const double rounding = rounding_of_gaps * extent;
+    return gap > rounding && gap >= (cut_ == upper ? cut_ - tie_of_gaps * extent : cut_ + rounding);
+  }
+
   double rounded_down() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
+
+  // What rounding can make of a gap between placed triangles, and of the distance it is compared with, as a part of their
+  // extent: with u = 2^-53, heights are off by 7 u each (four roundings, a length of sqrt(3)), a direction whose length is
+  // 1 up to 5 u adds 9 u, and closest_points() is off by at most 32 u.
+  static constexpr double rounding_of_gaps = 0x1p-47;
+  // What it usually makes of the gap of a pair with the same closest features as the best, of the extent and of
+  // PlacedPair::rounding_of_gap(). Pairs whose gap is off by more are compared, which costs time only.
+  static constexpr double tie_of_gaps = 0x1p-51, usual_part = 0x1p-3;
+  // Rounding of this part of the distance may decide which of many equal pairs is the answer.
+  static constexpr double tie_of_distances = 0x1p-42;
 
   // Contacts matter at any setting, so the cut stays above 0.
   static constexpr double smallest = std::numeric_limits<double>::min();
@@ -121,8 +148,8 @@ class Closest {
   PlacedPair& placed_;
   DistanceOptions options_;
   double enough_;
-  double tie_;
   double cut_ = infinity;
+  Vec3 direction_;  // from a to b where the best pair is closest
 };
 
 /// Compares everything that matters. Returns whether something was left out.
@@ -145,7 +172,8 @@ template <typename Goal>
 bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& start, Goal& goal, QueryStats& stats) {
   if (start.known(a, b)) {
     ++stats.triangle_tests;
-    goal.compare(start.triangle_a(), start.triangle_b());
+    const TriangleId id_a = start.triangle_a(), id_b = start.triangle_b();
+    goal.compare({id_a, placed.triangle(Side::a, id_a)}, {id_b, placed.triangle(Side::b, id_b)});
     if (goal.finished()) return true;
   }
   query::Front* const front = start.front();
@@ -155,7 +183,7 @@ bool search(const Placed& a, const Placed& b, PlacedPair& placed, const Start& s
 CollideResult collide_from(const Placed& a, const Placed& b, const Start& start) {
   CollideResult result;
   PlacedPair placed(a, b);
-  Contact contact(placed);
+  Contact contact;
   search(a, b, placed, start, contact, result.stats);
   result.collision = contact.witness.has_value();
   result.witness = contact.witness;
@@ -164,9 +192,7 @@ CollideResult collide_from(const Placed& a, const Placed& b, const Start& start)
 }
 
 DistanceResult distance_from(const Placed& a, const Placed& b, const DistanceOptions& options, const Start& start) {
-  LIMBER_ASSERT(std::isfinite(options.relative_error) && options.relative_error >= 0);
-  LIMBER_ASSERT(std::isfinite(options.absolute_error) && options.absolute_error >= 0);
-  LIMBER_ASSERT(options.max_distance >= 0);
+  query::check_options(options);
   DistanceResult result;
   PlacedPair placed(a, b);
   Closest closest(placed, options, 0);
@@ -188,7 +214,7 @@ DistanceResult distance_from(const Placed& a, const Placed& b, const DistanceOpt
 }
 
 WithinResult within_from(const Placed& a, const Placed& b, double max_distance, const Start& start) {
-  LIMBER_ASSERT(std::isfinite(max_distance) && max_distance >= 0);
+  query::check_max_distance(max_distance);
   WithinResult result;
   PlacedPair placed(a, b);
   Closest closest(placed, {.max_distance = max_distance}, max_distance);
@@ -200,20 +226,30 @@ WithinResult within_from(const Placed& a, const Placed& b, double max_distance, 
 
 }  // namespace
 
-CollideResult collide(const Placed& a, const Placed& b) { return collide_from(a, b, Start(nullptr)); }
-CollideResult collide(const Placed& a, const Placed& b, Pair& pair) { return collide_from(a, b, Start(&pair)); }
+CollideResult collide(const Placed& a, const Placed& b) {
+  const core::DefaultFloatEnvironment environment;
+  return collide_from(a, b, Start(nullptr));
+}
+CollideResult collide(const Placed& a, const Placed& b, Pair& pair) {
+  const core::DefaultFloatEnvironment environment;
+  return collide_from(a, b, Start(&pair));
+}
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
+  const core::DefaultFloatEnvironment environment;
   return distance_from(a, b, options, Start(nullptr));
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, Pair& pair) {
+  const core::DefaultFloatEnvironment environment;
   return distance_from(a, b, options, Start(&pair));
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+  const core::DefaultFloatEnvironment environment;
   return within_from(a, b, max_distance, Start(nullptr));
 }
 WithinResult within(const Placed& a, const Placed& b, double max_distance, Pair& pair) {
+  const core::DefaultFloatEnvironment environment;
   return within_from(a, b, max_distance, Start(&pair));
 }
 

@@ -9,6 +9,7 @@
 
 #include "query/front.h"
 #include "query/pending.h"
+#include "query/placed_leaf.h"
 #include "query/placed_pair.h"
 
 /// The one loop of all queries between two models.
@@ -22,8 +23,9 @@ namespace limber::query {
 ///
 /// Needs    double cut() const              > 0
 ///          bool finished() const           nothing that is left can matter
-///          bool apart(TriangleId a, TriangleId b) const   a quick no, before compare()
-///          void compare(TriangleId a, TriangleId b)
+///          bool is_apart(PlacedLeaf& a, std::uint32_t lane_a, PlacedLeaf& b, std::uint32_t lane_b)
+///                                          a quick no, before compare()
+///          void compare(const PlacedTriangle& a, const PlacedTriangle& b)
 ///          static constexpr bool any       whether any pair will do; otherwise the nearest is sought
 ///
 /// With `records` a front is kept, or gone on from.
@@ -51,7 +53,7 @@ class Traversal {
     }
     const double units = root_bound / placed_.tree(Side::a).unit;
     least_sq_ = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
-    pending_.push_first({least_sq_, {tree::root, tree::root}, Front::none, 0});
+    pending_.push_first({least_sq_, {terminal(Side::a, tree::root), terminal(Side::b, tree::root)}, Front::none, 0});
   }
 
   /// Looks at one more pair. False when none that matters is left.
@@ -133,6 +135,14 @@ class Traversal {
 
   void drop() { dropped_ = true; }
 
+  /// The node itself, or the leaf that stands for it: any leaf will do where all triangles below are at one place, which
+  /// no bound could tell apart. Vertices within the slack may be elsewhere than the marks say.
+  tree::NodeId terminal(Side s, tree::NodeId node) const {
+    const tree::Tree& tree = placed_.tree(s);
+    const bool is_coincident = (tree.blocks[tree::block_of(node)].coincident >> tree::lane_of(node) & 1) != 0;
+    return is_coincident && tree.slack == 0 ? tree::first_leaf_below(tree, node) : node;
+  }
+
   /// A lower bound as a length.
   double length_of(Side s, float bound_sq) const {
     return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * (1 - 0x1p-20);
@@ -157,7 +167,7 @@ class Traversal {
       const double limit =
           std::min(units * units * (1 + 0x1p-22), double{Pending::no_bound});  // rounding to float32 included
       // A positive limit never drops a pair whose bound is 0.
-      limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::denorm_min());
+      limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::min());
     }
     if (limit_sq_[0] - least_sq_ > 0.5F * (focus_sq_ - least_sq_)) return;
     focus_sq_ = limit_sq_[0];
@@ -266,7 +276,7 @@ class Traversal {
   NodePair child_pair(const Opening& o, std::uint32_t lane) const {
     // Below any limit that stands for none, even where the units of the trees are worlds apart.
     const float bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
-    const tree::NodeId child = o.block * simd::width + lane;
+    const tree::NodeId child = terminal(o.side, o.block * simd::width + lane);
     const bool of_a = o.side == Side::a;
     return {bound_sq,
             {of_a ? child : o.pair.node[0], of_a ? o.pair.node[1] : child},
@@ -286,8 +296,8 @@ class Traversal {
       if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
     std::swap(found.pairs[0], found.pairs[nearest]);
-    const tree::Leaf& a = placed_.tree(Side::a).leaves[child_of(Side::a, pair.node[0])];
-    const tree::Leaf& b = placed_.tree(Side::b).leaves[child_of(Side::b, pair.node[1])];
+    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, pair.node[0])]);
+    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, pair.node[1])]);
     for (std::uint32_t i = 0; i < found.count && !goal_.finished(); ++i) {
       const double reach = goal_.cut() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
@@ -297,15 +307,14 @@ class Traversal {
       }
       const double tight = reach - placed_.slack() * found.scale;
       if (placed_.slack() > 0 && bound_sq >= tight * tight) due_to_slack_ += 1;
-      compare_triangles(a.triangle[found.pairs[i].lane_a], b.triangle[found.pairs[i].lane_b]);
+      const std::uint32_t lane_a = found.pairs[i].lane_a, lane_b = found.pairs[i].lane_b;
+      if (goal_.is_apart(a, lane_a, b, lane_b)) {
+        drop();
+        continue;
+      }
+      ++stats_.triangle_tests;
+      goal_.compare(a.at(lane_a), b.at(lane_b));
     }
-  }
-
-  void compare_triangles(TriangleId id_a, TriangleId id_b) {
-    LIMBER_ASSERT(id_a != no_id && id_b != no_id);
-    if (goal_.apart(id_a, id_b)) return drop();
-    ++stats_.triangle_tests;
-    goal_.compare(id_a, id_b);
   }
 
   static constexpr float ball_share = 0.01F;

@@ -42,6 +42,7 @@ struct alignas(64) Block {
   std::uint32_t first_child;  //   4         block, or leaf on the lowest level, of lane 0; lane k has the k-th after it
   std::uint32_t count;        //   4         lanes in use, the first ones
   std::uint32_t parent;       //   4         block * width + lane of the node whose children these are; 0 for block 0
+  std::uint32_t coincident;   //   4         bits of lanes all of whose triangles are at one place, corner by corner
 };
 static_assert(sizeof(Block) == 448);
 
@@ -59,6 +60,9 @@ struct WholeBound {
   float radius, half[3], normal[3], low, high;
 };
 
+/// Beyond this many units a node is treated as if it were everywhere: float32 could not square the numbers.
+inline constexpr double furthest = 0x1p60;
+
 /// How the other model looks from this one. Matrices go by columns and are padded, so that four numbers are worked on
 /// at once.
 struct View {
@@ -66,8 +70,8 @@ struct View {
   alignas(16) float rotation[3][4];     ///< its rotation
   float rotation_abs[3][4];
   double unit, per_unit, other_unit;
-  float ratio;        ///< other_unit / unit
-  float error_units;  ///< what rounding of placed points can change a length by
+  float ratio;        ///< other_unit / unit; infinite where float32 could not square it
+  float error_units;  ///< what rounding of placed points can change a length by; infinite where ratio would be
   double error;       ///< the same, not in units
 
   double cut;             ///< what is at least this far apart cannot improve the answer

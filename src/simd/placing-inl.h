@@ -8,9 +8,6 @@
 // everything that matters, however far the models are from the world's origin. All errors on the way are added to the
 // bounds of the node that is seen.
 
-// Beyond this many units a node is treated as if it were everywhere: float32 could not square the numbers.
-inline constexpr double furthest = 0x1p60;
-
 // Everything float32 does with numbers of a magnitude changes a length by less than this part of it: some 20 roundings
 // of 2^-24 each, in every direction.
 inline constexpr float doubt = 0x1p-19F;
@@ -72,7 +69,9 @@ LIMBER_KERNEL Facing face(const Block& lanes, const Seen& seen, const View& view
   alignas(32) double center[4];
   for (int j = 0; j < 4; ++j) center[j] = between[j] * view.per_unit;
   const float radius = n.radius[k] * view.ratio;
-  if (!(std::abs(center[0]) + std::abs(center[1]) + std::abs(center[2]) + static_cast<double>(radius) < furthest)) {
+  // Also where radius or error are infinite, or the product of 0 and infinity.
+  const double size = static_cast<double>(radius) + static_cast<double>(view.error_units);
+  if (!(std::abs(center[0]) + std::abs(center[1]) + std::abs(center[2]) + size < furthest)) {
     constexpr auto everywhere = static_cast<float>(4 * furthest);
     return {
         {0, 0, 0, 0}, {everywhere, everywhere, everywhere, 0}, {1, 0, 0, 0}, everywhere, -everywhere, everywhere, 0, 0};

@@ -115,6 +115,7 @@ class Fitting {
       const Bound bound = children_are_lowest ? fit_lowest(child) : fit_higher(child);
       if (k == 0) block.origin = child.origin;
       store(block, k, child.origin, bound, 1 / tree_.unit);
+      mark_coincident(block, k, is_coincident(child, children_are_lowest));
     }
     find_reach(block);
   }
@@ -144,8 +145,11 @@ class Fitting {
     }
     const Bound before = lane_of_block(parent, lane);
     store(parent, lane, block.origin, bound, 1 / tree_.unit);
-    // The root also goes by the lanes two levels below it.
-    return before != lane_of_block(parent, lane) || &parent == below_root();
+    const bool was_coincident = (parent.coincident >> lane & 1) != 0, is_now = is_coincident(block, is_lowest);
+    mark_coincident(parent, lane, is_now);
+    // The root also goes by the lanes two levels below it. Coincident triangles may have moved too little to be seen in
+    // the bounds, and no longer coincide with those beside them.
+    return before != lane_of_block(parent, lane) || &parent == below_root() || was_coincident || is_now;
   }
 
   /// Fetches what the blocks after the i-th will need: leaves, then positions.
@@ -185,6 +189,37 @@ class Fitting {
     Bound bound = from(kernels_.enclose(block));
     if (&block == below_root()) bound.radius = root_radius(tree_, block, bound);
     return bound;
+  }
+
+  static void mark_coincident(Block& block, std::uint32_t lane, bool is) {
+    block.coincident = (block.coincident & ~(1U << lane)) | (is ? 1U << lane : 0U);
+  }
+
+  /// Whether all triangles below a block, whose own marks are right, are at one place, corner by corner.
+  bool is_coincident(const Block& block, bool is_lowest) const {
+    if (is_lowest) {
+      // Quantised corners nearly always tell at once.
+      const std::int16_t(&row)[width] = tree_.leaves[block.first_child].corners.corner[0];
+      if (!std::all_of(row, row + width, [&](std::int16_t x) { return x == row[0]; })) return false;
+    } else if (block.coincident != (1U << block.count) - 1) {
+      return false;
+    }
+    const auto& first = tree_.leaves[first_leaf(block, 0, is_lowest)].vertices[0];
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Leaf& leaf = tree_.leaves[first_leaf(block, k, is_lowest)];
+      for (std::uint32_t j = 0; j < (is_lowest ? width : 1); ++j) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (positions_[leaf.vertices[j][c]] != positions_[first[c]]) return false;
+        }
+      }
+    }
+    return true;
+  }
+  /// The first leaf below a lane.
+  std::uint32_t first_leaf(const Block& block, std::uint32_t lane, bool is_lowest) const {
+    if (is_lowest) return block.first_child + lane;
+    const NodeId leaf = first_leaf_below(tree_, (block.first_child + lane) * width);
+    return tree_.blocks[block_of(leaf)].first_child;
   }
 
   /// The block of the root's children.

@@ -22,6 +22,7 @@
 ///       anchors of its vertices.
 ///   I5  A quantised corner is within 0.52 steps, each coordinate, of the corner it stands for.
 ///   I6  `reach` of a block is at least the distance from its origin of every point of its lanes' balls.
+///   I7  All triangles below a lane that is marked coincident have equal corners, in order, where the bounds hold them.
 namespace limber::tree {
 
 using simd::width;
@@ -60,6 +61,12 @@ inline Vec3 local_center(const Block& block, std::uint32_t lane) {
 inline Vec3 model_center(const Tree& tree, NodeId node) {
   const Block& block = tree.blocks[block_of(node)];
   return block.origin + tree.unit * local_center(block, lane_of(node));
+}
+
+/// The first leaf below a node, as a node.
+inline NodeId first_leaf_below(const Tree& tree, NodeId node) {
+  while (block_of(node) < tree.lowest_level()) node = (tree.blocks[block_of(node)].first_child + lane_of(node)) * width;
+  return node;
 }
 
 /// The tree of a mesh.

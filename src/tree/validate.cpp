@@ -99,6 +99,17 @@ Result<void> check_bounds(const Tree& tree, NodeId node, MeshView mesh, std::uin
   return {};
 }
 
+bool is_coincident(const Tree& tree, MeshView mesh, std::uint32_t first, std::uint32_t last) {
+  const Triangle one = mesh.triangle(tree.leaves[first].triangle[0]);
+  for (std::uint32_t leaf = first; leaf < last; ++leaf) {
+    for (const TriangleId id : tree.leaves[leaf].triangle) {
+      const Triangle t = mesh.triangle(id);
+      if (t.v0 != one.v0 || t.v1 != one.v1 || t.v2 != one.v2) return false;
+    }
+  }
+  return true;
+}
+
 /// First leaf below block `b`, or below what would follow the level's last block.
 std::uint32_t first_leaf(const Tree& tree, std::uint32_t b, std::size_t level) {
   for (; level + 2 < tree.level_begin.size(); ++level) {
@@ -124,6 +135,9 @@ Result<void> validate(const Tree& tree, MeshView mesh) {
         if (auto sound = check_bounds(tree, b * width + lane, mesh, first, last); !sound) return sound;
         const double furthest = length(local_center(block, lane)) + static_cast<double>(block.bounds.radius[lane]);
         if (!(furthest <= static_cast<double>(block.reach))) return broken(6, "reach of block", b);
+        if ((block.coincident >> lane & 1) != 0 && !is_coincident(tree, mesh, first, last)) {
+          return broken(7, "triangles of node", b * width + lane);
+        }
         if (!lowest) continue;
         if (auto sound = check_quantised(tree, block, lane, mesh); !sound) return sound;
       }
