@@ -44,9 +44,11 @@ THIRD_PARTY = {
     "boost": ("src/geometry/exact_sign.cpp", "tests/", "bench/"),
     "CGAL": ("src/io/", "tests/", "bench/"),
     "assimp": ("src/io/", "tests/", "bench/"),
+    "gmpxx.h": ("tests/",),
     "hwy": ("src/simd/",),
     "tbb": ("src/core/",),
     "oneapi": ("src/core/", "tests/", "bench/"),
+    "xmmintrin.h": ("src/core/", "tests/"),
 }
 
 # Folders above the library, and which of its private headers they may see.

@@ -16,7 +16,7 @@ USUAL_SHARE = 0.9
 MOST_LINES = 800  # none is longer
 MOST_COLUMNS = 120  # clang-format sees to code, not to comments: it would tear labelled ones apart
 UMBRELLA_LINES = 4000  # ours, pulled in by limber.h
-CHECKS_WANTED = 10.0  # LIMBER_ASSERT and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
+CHECKS_WANTED = 10.0  # LIMBER_ASSERT, LIMBER_REQUIRE and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
 CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
 
 SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "tools")
@@ -32,7 +32,7 @@ PRINTING = re.compile(
     r"|\b(?:v?f?printf|f?puts|f?putc|putchar|perror)\s*\(|#\s*include\s*<iostream>"
 )
 ENDING = re.compile(r"(?<![\w.>])(?:std\s*::\s*)?(?:abort|exit|_Exit|quick_exit|terminate)\s*\(|(?<!\w)assert\s*\(")
-CHECK = re.compile(r"\bLIMBER_(?:ASSERT|VALIDATE)\s*\(")
+CHECK = re.compile(r"\bLIMBER_(?:ASSERT|REQUIRE|VALIDATE)\s*\(")
 INCLUDE_OURS = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](limber/[^">]+)[">]', re.MULTILINE)
 
 

@@ -4,9 +4,9 @@
 // Based on  [Shewchuk1997]: a number as a sum of non-overlapping doubles, added and multiplied without error.
 //           [Dekker1971] for the exact product of two doubles.
 // Differs   No adaptive stages in between: whoever comes here already failed the filter, and zero terms are dropped, so
-//           the integer-like inputs that fail it most often have short sums. Coordinates are scaled by a power of two first; where they
-//           differ so much in size that a product could still leave the range of double, integers of a fixed size
-//           decide, so there is no input for which the sign is not exact, and none that allocates.
+//           the integer-like inputs that fail it most often have short sums. Coordinates are scaled by a power of two
+//           first; where they differ so much in size that a product could still leave the range of double, integers of
+//           a fixed size decide, so there is no input for which the sign is not exact, and none that allocates.
 #include "geometry/exact_sign.h"
 
 #include <algorithm>

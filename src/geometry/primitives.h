@@ -6,8 +6,8 @@
 
 /// The functions of limber/geometry.h as the library itself calls them. Promises are the same.
 ///
-/// Pre      The thread is in the default floating-point environment (core/float_environment.h). The public functions and
-///          queries see to that once; here it would cost as much as a predicate.
+/// Pre      The thread is in the default floating-point environment (core/float_environment.h). The public functions
+///          and queries see to that once; here it would cost as much as a predicate.
 namespace limber::geometry {
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

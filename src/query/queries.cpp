@@ -87,9 +87,9 @@ class Closest {
   /// Whether two triangles are so far apart along the direction in which the best pair is closest that they cannot
   /// matter.
   ///
-  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the best
-  /// up to rounding. They are many and can improve the answer by no more than that, so where the distance itself is
-  /// asked for they are not compared. A pair that may be within a limit always is, and so is every contact.
+  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the
+  /// best up to rounding. They are many and can improve the answer by no more than that, so where the distance itself
+  /// is asked for they are not compared. A pair that may be within a limit always is, and so is every contact.
   bool is_apart(PlacedLeaf& a, std::uint32_t lane_a, PlacedLeaf& b, std::uint32_t lane_b) const {
     if (!placed_.is_aimed()) return false;
     const double gap = placed_.gap_along(a.id(lane_a), b.id(lane_b)), rounding = placed_.rounding_of_gap();
@@ -97,7 +97,7 @@ class Closest {
     if (gap < cut_ - rounding) return false;
     // As far apart as the best, or as the limit allows.
     const double harmless = std::max(placed_.rounding_of_placing(), tie_of_distances * cut_);
-    if (cut_ == upper && rounding <= harmless && gap >= cut_ - usual_part * rounding) return gap > rounding;
+    if (may_tie_ && rounding <= harmless && gap >= cut_ - usual_part * rounding) return gap > rounding;
     return is_apart(a.at(lane_a).corners, b.at(lane_b).corners);
   }
 
@@ -111,6 +111,7 @@ class Closest {
     if (upper <= options_.max_distance) {
       const double relative = upper / (1 + options_.relative_error) * rounded_down();
       cut_ = std::max(std::min({cut_, relative, upper - options_.absolute_error}), smallest);
+      may_tie_ = cut_ == upper;
     }
     const Vec3 apart = closest.point_b - closest.point_a;
     const double size = length(apart);
@@ -127,14 +128,14 @@ class Closest {
     const double gap = std::min({dot(d, b0), dot(d, b1), dot(d, b2)}) - std::max({0.0, dot(d, a1), dot(d, a2)});
     const double extent = max_abs(max(max(max(abs(a1), abs(a2)), max(abs(b0), abs(b1))), abs(b2)));
     const double rounding = rounding_of_gaps * extent;
-    return gap > rounding && gap >= (cut_ == upper ? cut_ - tie_of_gaps * extent : cut_ + rounding);
+    return gap > rounding && gap >= (may_tie_ ? cut_ - tie_of_gaps * extent : cut_ + rounding);
   }
 
   double rounded_down() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
 
-  // What rounding can make of a gap between placed triangles, and of the distance it is compared with, as a part of their
-  // extent: with u = 2^-53, heights are off by 7 u each (four roundings, a length of sqrt(3)), a direction whose length is
-  // 1 up to 5 u adds 9 u, and closest_points() is off by at most 32 u.
+  // What rounding can make of a gap between placed triangles, and of the distance it is compared with, as a part of
+  // their extent: with u = 2^-53, heights are off by 7 u each (four roundings, a length of sqrt(3)), a direction whose
+  // length is 1 up to 5 u adds 9 u, and closest_points() is off by at most 8 u.
   static constexpr double rounding_of_gaps = 0x1p-47;
   // What it usually makes of the gap of a pair with the same closest features as the best, of the extent and of
   // PlacedPair::rounding_of_gap(). Pairs whose gap is off by more are compared, which costs time only.
@@ -149,6 +150,7 @@ class Closest {
   DistanceOptions options_;
   double enough_;
   double cut_ = infinity;
+  bool may_tie_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_;  // from a to b where the best pair is closest
 };
 

@@ -53,7 +53,7 @@ class Traversal {
     }
     const double units = root_bound / placed_.tree(Side::a).unit;
     least_sq_ = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
-    pending_.push_first({least_sq_, {terminal(Side::a, tree::root), terminal(Side::b, tree::root)}, Front::none, 0});
+    pending_.push_first({least_sq_, {tree::root, tree::root}, Front::none, 0});
   }
 
   /// Looks at one more pair. False when none that matters is left.
@@ -95,8 +95,17 @@ class Traversal {
     alignas(32) float order[simd::width];
   };
 
+  /// Whether a node is not expanded: a leaf, or one whose triangles are all at one place, so that any leaf below stands
+  /// for it and no bound could tell them apart. Vertices within the slack may be elsewhere than the mark says.
   bool is_leaf(Side s, const NodePair& pair) const {
-    return tree::block_of(pair.node[index(s)]) >= placed_.tree(s).lowest_level();
+    const tree::NodeId node = pair.node[index(s)];
+    const tree::Tree& tree = placed_.tree(s);
+    const bool is_coincident = (tree.blocks[tree::block_of(node)].coincident >> tree::lane_of(node) & 1) != 0;
+    return tree::block_of(node) >= tree.lowest_level() || (is_coincident && tree.slack == 0);
+  }
+  /// The leaf that such a node is or stands for, as a node. Pre: is_leaf().
+  tree::NodeId leaf_of(Side s, const NodePair& pair) const {
+    return tree::first_leaf_below(placed_.tree(s), pair.node[index(s)]);
   }
   std::uint32_t child_of(Side s, tree::NodeId node) const {
     return placed_.tree(s).blocks[tree::block_of(node)].first_child + tree::lane_of(node);
@@ -106,7 +115,7 @@ class Traversal {
     return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node), nullptr};
   }
   simd::Seen seen_leaf(Side s, const NodePair& pair) const {
-    const tree::NodeId node = pair.node[index(s)];
+    const tree::NodeId node = leaf_of(s, pair);
     return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node),
             &placed_.tree(s).leaves[child_of(s, node)].corners};
   }
@@ -134,14 +143,6 @@ class Traversal {
   }
 
   void drop() { dropped_ = true; }
-
-  /// The node itself, or the leaf that stands for it: any leaf will do where all triangles below are at one place, which
-  /// no bound could tell apart. Vertices within the slack may be elsewhere than the marks say.
-  tree::NodeId terminal(Side s, tree::NodeId node) const {
-    const tree::Tree& tree = placed_.tree(s);
-    const bool is_coincident = (tree.blocks[tree::block_of(node)].coincident >> tree::lane_of(node) & 1) != 0;
-    return is_coincident && tree.slack == 0 ? tree::first_leaf_below(tree, node) : node;
-  }
 
   /// A lower bound as a length.
   double length_of(Side s, float bound_sq) const {
@@ -276,7 +277,7 @@ class Traversal {
   NodePair child_pair(const Opening& o, std::uint32_t lane) const {
     // Below any limit that stands for none, even where the units of the trees are worlds apart.
     const float bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
-    const tree::NodeId child = terminal(o.side, o.block * simd::width + lane);
+    const tree::NodeId child = o.block * simd::width + lane;
     const bool of_a = o.side == Side::a;
     return {bound_sq,
             {of_a ? child : o.pair.node[0], of_a ? o.pair.node[1] : child},
@@ -296,8 +297,8 @@ class Traversal {
       if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
     std::swap(found.pairs[0], found.pairs[nearest]);
-    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, pair.node[0])]);
-    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, pair.node[1])]);
+    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, leaf_of(Side::a, pair))]);
+    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, leaf_of(Side::b, pair))]);
     for (std::uint32_t i = 0; i < found.count && !goal_.finished(); ++i) {
       const double reach = goal_.cut() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);

@@ -41,12 +41,24 @@ inline Vec3 nudged(Rng& rng, Vec3 p, int ulps = 2) {
 
 inline Vec3 point_on(const Triangle& t, double u, double v) { return t.v0 + u * (t.v1 - t.v0) + v * (t.v2 - t.v0); }
 
-enum class PairKind { uniform, lattice, near_lattice, touching, sliver, coplanar, shared_edge, count };
+enum class PairKind {
+  uniform,
+  lattice,
+  near_lattice,
+  touching,
+  sliver,
+  coplanar,
+  shared_edge,
+  mixed_scale,
+  far_away,
+  tiny_coordinates,
+  count
+};
 
 /// How a test with a kind as its parameter is called.
 inline void PrintTo(PairKind kind, std::ostream* out) {
-  constexpr const char* names[] = {"uniform", "lattice",  "near_lattice", "touching",
-                                   "sliver",  "coplanar", "shared_edge"};
+  constexpr const char* names[] = {"uniform",  "lattice",     "near_lattice", "touching", "sliver",
+                                   "coplanar", "shared_edge", "mixed_scale",  "far_away", "tiny_coordinates"};
   *out << names[static_cast<std::size_t>(kind)];
 }
 
@@ -103,6 +115,31 @@ inline std::pair<Triangle, Triangle> random_pair(Rng& rng, PairKind kind) {
       const Vec3 shared = rng.below(2) == 0 ? a.v1 : nudged(rng, a.v1, 1);
       const Vec3 near_v0 = nudged(rng, a.v0, 1), other = uniform_point(rng);
       return {a, {shared, near_v0, other}};
+    }
+    case PairKind::mixed_scale: {  // one up to 2^400 times smaller than the other, at a point of it
+      const Triangle a = uniform_triangle(rng),
+                     shape = rng.below(2) == 0 ? lattice_triangle(rng) : uniform_triangle(rng);
+      const double scale = std::ldexp(1.0, -static_cast<int>(rng.below(400)));
+      const double u = rng.below(3) == 0 ? 0 : rng.uniform(), v = rng.below(3) == 0 ? 0 : rng.uniform() * (1 - u);
+      // At the origin the small one keeps all of its digits.
+      const Vec3 at = point_on(a, u, v);
+      const Triangle big = rng.below(2) == 0 ? a : Triangle{a.v0 - at, a.v1 - at, a.v2 - at};
+      const Vec3 place = big.v0 == a.v0 ? at : Vec3{};
+      return {big, {place + scale * shape.v0, place + scale * shape.v1, place + scale * shape.v2}};
+    }
+    case PairKind::far_away: {  // close to each other, far from the origin
+      const double offset = std::ldexp(1.0, static_cast<int>(rng.below(45)));
+      const Vec3 at = offset * uniform_point(rng);
+      const auto [a, b] = random_pair(rng, rng.below(2) == 0 ? PairKind::lattice : PairKind::touching);
+      return {{a.v0 + at, a.v1 + at, a.v2 + at}, {b.v0 + at, b.v1 + at, b.v2 + at}};
+    }
+    case PairKind::tiny_coordinates: {  // noise down to the smallest doubles in place of zeros
+      auto [a, b] = random_pair(rng, rng.below(2) == 0 ? PairKind::lattice : PairKind::near_lattice);
+      for (Vec3* corner : {&a.v0, &a.v1, &a.v2, &b.v0, &b.v1, &b.v2}) {
+        if (rng.below(3) != 0) continue;
+        (*corner)[rng.below(3)] = std::ldexp(rng.uniform(-1, 1), -static_cast<int>(rng.below(1074)));
+      }
+      return {a, b};
     }
     default: {
       const Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
