@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Thousands of triangles at one place: duplicates, and meshes that have collapsed.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+/// A triangle so many times, with vertices of their own or common ones.
+Mesh repeated(const Triangle& t, std::uint32_t count, bool shares_vertices) {
+  if (!shares_vertices) return soup(std::vector<Triangle>(count, t));
+  return Mesh::create({t.v0, t.v1, t.v2}, std::vector<Corners>(count, Corners{0, 1, 2})).value();
+}
+
+TEST(Coincident, TrianglesCostNoMoreThanAFew) {
+  const Triangle low{{0, 0, 0}, {1, 0.1, 0}, {0.2, 1, 0}}, high{{0, 0, 1}, {1, 0, 1.5}, {0.3, 1, 2}};
+  for (const bool shares_vertices : {false, true}) {
+    const Model a(repeated(low, 8000, shares_vertices)), b(repeated(high, 8000, shares_vertices));
+    ASSERT_TRUE(static_cast<bool>(a.validate()));
+    const DistanceResult found = distance({a}, {b});
+    EXPECT_EQ(found.upper, closest_points(low, high).distance);
+    EXPECT_EQ(found.status, Status::exact);
+    EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
+    EXPECT_FALSE(collide({a}, {b}).collision);
+    EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).collision);
+  }
+}
+
+TEST(Coincident, TrianglesAmongOthersAreFoundAsBefore) {
+  Rng rng(701);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Triangle> triangles;
+    while (triangles.size() < 600) {
+      const Triangle t = uniform_triangle(rng);
+      // 64 to 200 times, or once: whole nodes of equal ones, and parts of nodes.
+      triangles.insert(triangles.end(), rng.below(2) == 0 ? 64 + rng.below(137) : 1, t);
+    }
+    const Mesh mesh = soup(triangles), other = soup({uniform_triangle(rng), uniform_triangle(rng)});
+    const Model a(mesh), b(other);
+    ASSERT_TRUE(static_cast<bool>(a.validate()));
+    const Transform pose = random_pose(rng, 3);
+    const double truth = reference::distance({mesh}, {other, pose}).upper;
+    ASSERT_NEAR(distance({a}, {b, pose}).upper, truth, 1e-14);
+    ASSERT_NEAR(distance({b, pose}, {a}).upper, truth, 1e-14);
+    ASSERT_EQ(collide({a}, {b, pose}).collision, truth == 0);
+  }
+}
+
+TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
+  // One vertex of a collapsed mesh leaves; its triangles are among those that one leaf stood for.
+  for (const double slack : {0.0, 0.5}) {
+    const Mesh home = scenes::ball(24, 13);
+    Model a(home, {.slack = slack});
+    const Model probe(soup({{{0, 0, 5}, {1, 0, 6}, {0, 1, 6}}}));
+    Pair pair;
+    const std::vector<Vec3> point(home.positions().size());
+    for (VertexId v = 0; v < home.positions().size(); v += 7) {
+      a.move_all(point).value();
+      a.commit();
+      ASSERT_EQ(distance({a}, {probe}, {}, pair).upper, 5);
+      for (const double height : {0.25, 3.0}) {
+        const std::vector<VertexId> ids{v};
+        const std::vector<Vec3> place{{0, 0, height}};
+        a.move_vertices(ids, place).value();
+        a.commit();
+        ASSERT_TRUE(static_cast<bool>(a.validate())) << "vertex " << v;
+        ASSERT_EQ(distance({a}, {probe}).upper, 5 - height) << "vertex " << v;
+        ASSERT_EQ(distance({a}, {probe}, {}, pair).upper, 5 - height) << "vertex " << v;
+      }
+    }
+    a.move_all(home.positions()).value();
+    a.commit();
+    ASSERT_NEAR(distance({a}, {probe}, {}, pair).upper, reference::distance({home}, {probe.mesh()}).upper, 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/float_environment.h"
+
+#include <gtest/gtest.h>
+
+#include <cfenv>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "limber/classic.h"
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/random_scene.h"
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace limber::testing {
+namespace {
+
+/// What a calling program may have set: rounding modes, and flushing of subnormal numbers.
+struct Environment {
+  std::string name;
+  std::function<void()> enter, leave;
+};
+
+std::vector<Environment> foreign_environments() {
+  std::vector<Environment> all;
+  for (const auto& [name, mode] :
+       {std::pair("upward", FE_UPWARD), std::pair("downward", FE_DOWNWARD), std::pair("toward zero", FE_TOWARDZERO)}) {
+    all.push_back({name, [mode = mode] { std::fesetround(mode); }, [] { std::fesetround(FE_TONEAREST); }});
+  }
+#if defined(__x86_64__)
+  constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x40;
+  all.push_back({"subnormals flushed", [] { _mm_setcsr(_mm_getcsr() | flush_to_zero | denormals_are_zero); },
+                 [] { _mm_setcsr(_mm_getcsr() & ~(flush_to_zero | denormals_are_zero)); }});
+#endif
+  return all;
+}
+
+/// Bits of everything the library answers about a scene; what must not depend on the caller's environment.
+std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
+  std::vector<std::uint64_t> bits;
+  const auto put = [&bits](const auto& value) {
+    bits.push_back(0);
+    std::memcpy(&bits.back(), &value, sizeof(value));
+  };
+  const auto put_distance = [&](const DistanceResult& r) {
+    put(r.lower), put(r.upper), put(r.witness.point_a.x), put(r.witness.triangle_b);
+  };
+  Model model_a(s.mesh_a);
+  const Model model_b(s.mesh_b);
+  const classic::Model classic_a(s.mesh_a), classic_b(s.mesh_b);
+  const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+  put_distance(distance(a, b));
+  put_distance(distance(a, b, {.relative_error = 0.25}));
+  put(collide(a, b).collision), put(within(a, b, 0).within);
+  put_distance(classic::distance({classic_a, s.pose_a}, {classic_b, s.pose_b}));
+  put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).collision);
+  put_distance(reference::distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}));
+  std::vector<Vec3> positions = s.mesh_a.positions();
+  positions[rng.below(positions.size())] = s.mesh_b.positions().front();
+  model_a.move_all(positions).value();
+  model_a.commit();
+  put(static_cast<bool>(model_a.validate()));
+  put_distance(distance(a, b));
+  const Triangle t = s.mesh_a.triangle(0), u = s.mesh_b.triangle(0);
+  put(intersects(t, u)), put(closest_points(t, u).distance), put(orient3d(t.v0, t.v1, t.v2, u.v0));
+  put(orient2d(t.v0, t.v1, u.v0, 2)), put(enclosing_sphere(t).radius), put(intersects(Segment{t.v0, u.v0}, u));
+  put(closest_points(Segment{t.v0, t.v1}, Segment{u.v0, u.v1}).distance), put(closest_points(t.v0, u).distance);
+  put(contains(enclosing_sphere(t), t));
+  put(contains(enclosing_sphere(enclosing_sphere(t), enclosing_sphere(u)), enclosing_sphere(u)));
+  return bits;
+}
+
+TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
+  for (const Environment& environment : foreign_environments()) {
+    Rng rng(601);
+    for (int i = 0; i < 400; ++i) {
+      const Scene s = arbitrary_scene(rng);
+      const std::vector<std::uint64_t> expected = answers(s, rng);
+      environment.enter();
+      const std::vector<std::uint64_t> found = answers(s, rng);
+      environment.leave();
+      ASSERT_EQ(found, expected) << environment.name << ", scene " << i;
+    }
+  }
+}
+
+TEST(FloatEnvironment, OfTheCallerChangesNoTreeBuiltByManyThreads) {
+  // Large enough for the pool's threads to take part.
+  const Mesh mesh = scenes::wave_sheet(200, 200, 0), moved = scenes::wave_sheet(200, 200, 3);
+  const Model ball(scenes::thesis_ball());
+  const auto distance_and_work = [&] {
+    Model model(mesh);
+    model.move_all(moved.positions()).value();
+    model.commit();
+    const DistanceResult r = distance({model}, {ball, {{}, {2, 2, 3}}});
+    return std::tuple(r.upper, r.stats.node_tests, static_cast<bool>(model.validate()));
+  };
+  const auto expected = distance_and_work();
+  EXPECT_TRUE(std::get<2>(expected));
+  for (const Environment& environment : foreign_environments()) {
+    environment.enter();
+    const auto found = distance_and_work();
+    environment.leave();
+    EXPECT_EQ(found, expected) << environment.name;
+  }
+}
+
+TEST(FloatEnvironment, OfTheCallerIsAsItWasAfterACall) {
+  const Model ball(scenes::thesis_ball());
+  for (const Environment& environment : foreign_environments()) {
+    environment.enter();
+#if defined(__x86_64__)
+    const unsigned before = _mm_getcsr();
+    collide({ball}, {ball});
+    EXPECT_EQ(_mm_getcsr(), before) << environment.name;
+#else
+    const int before = std::fegetround();
+    collide({ball}, {ball});
+    EXPECT_EQ(std::fegetround(), before) << environment.name;
+#endif
+    environment.leave();
+  }
+}
+
+#if defined(__x86_64__)
+TEST(FloatEnvironment, WithTrapsSetIsNotTrapped) {
+  // Kernels compute infinities and what is not a number on the way to right answers.
+  const Model ball(scenes::thesis_ball()), square(scenes::thesis_square());
+  const unsigned before = _mm_getcsr();
+  constexpr unsigned masks_of_traps = 0x1f80, inexact = 0x1000, subnormal = 0x100;
+  _mm_setcsr((before & ~masks_of_traps & ~0x3fU) | inexact | subnormal);
+  const bool meets = collide({ball}, {square}).collision;
+  _mm_setcsr(before);
+  EXPECT_TRUE(meets);
+}
+#endif
+
+}  // namespace
+}  // namespace limber::testing

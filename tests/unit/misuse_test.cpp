@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What callers get wrong is refused in every build: never a wrong answer, a hang or a crash.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scenes/scenes.h"
+#include "support/engines.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <typename Engine>
+class Misuse : public ::testing::Test, public Asking<Engine> {
+ protected:
+  typename Asking<Engine>::Model a_{scenes::ball(6, 4)}, b_{scenes::ball(5, 3)};
+};
+
+using Engines = ::testing::Types<FastEngine, ClassicEngine, ReferenceEngine>;
+TYPED_TEST_SUITE(Misuse, Engines);
+
+/// Poses that are no rigid motions, each for one reason.
+std::vector<std::pair<std::string, Transform>> bad_poses() {
+  std::vector<std::pair<std::string, Transform>> poses{
+      {"zero", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {}}},
+      {"scaled", {{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}}},
+      {"reflected", {{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}, {}}},
+      {"sheared", {{{1, 1e-6, 0}, {0, 1, 0}, {0, 0, 1}}, {}}},
+      {"third row too long", {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1 + 1e-6}}, {}}},
+      {"third row turned", {{{1, 0, 0}, {0, 1, 0}, {0, 1, 0}}, {}}},
+      {"translation too large", {{}, {0, 0x1p201, 0}}},
+  };
+  for (const double bad : {nan, infinity, -infinity}) {
+    for (std::size_t i = 0; i < 12; ++i) {
+      Transform pose;
+      Vec3* const rows[] = {&pose.rotation.row0, &pose.rotation.row1, &pose.rotation.row2, &pose.translation};
+      (*rows[i / 3])[i % 3] = bad;
+      poses.emplace_back(std::to_string(bad) + " as number " + std::to_string(i), pose);
+    }
+  }
+  return poses;
+}
+
+TYPED_TEST(Misuse, OfPosesIsRefused) {
+  for (const auto& [what, pose] : bad_poses()) {
+    EXPECT_THROW(this->distance(this->a_, this->b_, pose), std::invalid_argument) << what;
+    EXPECT_THROW(this->distance(this->a_, this->b_, {}, {}, pose), std::invalid_argument) << what;
+    EXPECT_THROW(this->collide(this->a_, this->b_, pose), std::invalid_argument) << what;
+    EXPECT_THROW(this->within(this->a_, this->b_, 1, {}, pose), std::invalid_argument) << what;
+  }
+}
+
+TYPED_TEST(Misuse, OfOptionsIsRefused) {
+  const auto ask = [&](const DistanceOptions& options) { return this->distance(this->a_, this->b_, {}, options); };
+  for (const double bad : {nan, -1.0, -0x1p-1074, infinity, -infinity}) {
+    EXPECT_THROW(ask({.relative_error = bad}), std::invalid_argument) << bad;
+    EXPECT_THROW(ask({.absolute_error = bad}), std::invalid_argument) << bad;
+    EXPECT_THROW(this->within(this->a_, this->b_, bad), std::invalid_argument) << bad;
+    if (bad != infinity) EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
+  }
+  EXPECT_NO_THROW(ask({.max_distance = infinity}));
+  EXPECT_NO_THROW(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0}));
+}
+
+TYPED_TEST(Misuse, IsExplainedInOneLine) {
+  try {
+    this->distance(this->a_, this->b_, {{}, {nan, 0, 0}});
+    FAIL();
+  } catch (const std::invalid_argument& thrown) {
+    const std::string text = thrown.what();
+    EXPECT_NE(text.find("pose"), std::string::npos) << text;
+    EXPECT_NE(text.find("limber"), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+  }
+}
+
+template <typename Engine>
+class MovingMisuse : public Misuse<Engine> {};
+using MovingEngines = ::testing::Types<FastEngine, ClassicEngine>;
+TYPED_TEST_SUITE(MovingMisuse, MovingEngines);
+
+TYPED_TEST(MovingMisuse, QueriesOfUncommittedModelsAreRefused) {
+  const std::vector<VertexId> ids{0};
+  const std::vector<Vec3> positions{{0, 0, 3}};
+  ASSERT_TRUE(static_cast<bool>(this->a_.move_vertices(ids, positions)));
+  EXPECT_THROW(this->distance(this->a_, this->b_), std::invalid_argument);
+  EXPECT_THROW(this->distance(this->b_, this->a_), std::invalid_argument);
+  EXPECT_THROW(this->collide(this->a_, this->b_), std::invalid_argument);
+  EXPECT_THROW(this->within(this->b_, this->a_, 1), std::invalid_argument);
+  this->a_.commit();
+  EXPECT_NO_THROW(this->distance(this->a_, this->b_));
+}
+
+}  // namespace
+}  // namespace limber::testing
