@@ -29,5 +29,7 @@ void report_violation(const char* expression, const char* file, int line) {
   current_handler.load()(expression, file, line);
 }
 
+void throw_invalid_argument(const char* text) { throw std::invalid_argument(text); }
+
 }  // namespace core
 }  // namespace limber

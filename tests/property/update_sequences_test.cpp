@@ -38,7 +38,7 @@ class Sequence {
         bent_.restructure();
         break;
       case 4:
-        bent_.rebuild(mesh_ = moved(mesh_, 0.1 * uniform_point(rng_), 1));
+        bent_.reset(mesh_ = moved(mesh_, 0.1 * uniform_point(rng_), 1));
         break;
       case 5:  // twice
         move();

@@ -156,7 +156,7 @@ TEST(Model, RestructuresOnlyWhatHasBecomeBad) {
 TEST(Model, StartsOverWithAnotherMesh) {
   Model model(scenes::thesis_ball(), {.slack = 0.25});
   ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 2, 3}})));
-  model.rebuild(scenes::thesis_square());
+  model.reset(scenes::thesis_square());
   EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.options().slack, 0.25);
   EXPECT_EQ(model.mesh().triangles().size(), 8192U);
