@@ -54,14 +54,14 @@ struct TreeStats {
 /// Shape    n triangles give 2 n - 1 spheres. Every triangle has one leaf; every inner sphere encloses the spheres of
 ///          its two children; the shape of the tree never changes when vertices move.
 /// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
-/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then exactly as before the call.
+/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
 ///          commit() allocates nothing. A model that has been moved from may be destroyed and assigned to; is_valid()
 ///          and is_committed() are false, every other function throws std::invalid_argument.
 /// Source   docs/algorithms/tree.md, docs/algorithms/maintenance.md.
 class Model {
  public:
   /// Cost     O(n log n), single-threaded.
-  /// Throws   std::invalid_argument if a value of Looseness is not what its comment says, or `mesh` has been moved from.
+  /// Throws   std::invalid_argument if a Looseness value is not what its comment says, or `mesh` has been moved from.
   explicit Model(Mesh mesh, const ModelOptions& options = {});
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;

@@ -63,7 +63,7 @@ struct MaintenanceStats {
 /// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
 ///
 /// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
-/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then exactly as before the call.
+/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
 ///          A model that has been moved from may be destroyed, assigned to and reset(); is_valid() and is_committed()
 ///          are false, every other function throws std::invalid_argument.
 /// Source   docs/algorithms/bounds.md, docs/algorithms/bending.md.
@@ -72,8 +72,8 @@ class Model {
   /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
   /// Throws   std::invalid_argument if an option is not what its comment says, or `mesh` has been moved from.
   explicit Model(Mesh mesh, const ModelOptions& options = {});
-  /// Waits until a worker that sorts for the replaced or destroyed model has stopped.
   Model(Model&&) noexcept;
+  /// Waits, as the destructor does, until a worker that sorts for the replaced model has stopped.
   Model& operator=(Model&&) noexcept;
   ~Model();
 

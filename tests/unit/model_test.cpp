@@ -166,8 +166,8 @@ TEST(Model, StartsOverWithAnotherMesh) {
 }
 
 TEST(Model, IsAfterMovingAllPieceByPieceAsIfJustFitted) {
-  // One tree is refitted in hundreds of commits, each of a few blocks and what lies above them; the other, which had the
-  // same leaves at the start, is fitted once at the end.
+  // One tree is refitted in hundreds of commits, each of a few blocks and what lies above them; the other, which had
+  // the same leaves at the start, is fitted once at the end.
   const Mesh start = scenes::wave_sheet(60, 60, 0), end = scenes::wave_sheet(60, 60, 0.4);
   Model moved(start, {.restructuring = Restructuring::off});
   tree::Tree fitted = moved.tree();
