@@ -95,6 +95,15 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
   EXPECT_EQ(other.mesh().triangles().size(), 72U);
   other = std::move(model);
   EXPECT_FALSE(other.is_valid());
+  // What is still to be committed comes along.
+  Model moved(scenes::ball(12, 7));
+  const std::vector<Vec3> to{{3, 0, 0}};
+  ASSERT_TRUE(static_cast<bool>(moved.move_vertices(std::vector<VertexId>{7}, to)));
+  other = std::move(moved);
+  EXPECT_FALSE(other.is_committed());
+  other.commit();
+  EXPECT_EQ(other.mesh().positions()[7], to[0]);
+  EXPECT_TRUE(static_cast<bool>(other.validate()));
 }
 
 TEST(Misuse, OfAModelThatWasMovedFromEndsWithReset) {

@@ -106,7 +106,7 @@ TEST(Worker, SharesModelsWithNobodyWhoMovesReplacesOrDestroysThem) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
   const ModelOptions options{.slack = 0.01, .restructuring = Restructuring::on_worker};
   const Model probe = some_probe();
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < 4; ++round) {
     Model model(soup.mesh, options);
     keep_busy(soup, model, 1 + round);
     Model taken(std::move(model));
