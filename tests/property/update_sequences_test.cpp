@@ -82,7 +82,7 @@ rc::Gen<Update> updates() {
       rc::gen::set(&Update::draw, rc::gen::inRange(0U, 1U << 20)));
 }
 
-RC_GTEST_PROP(UpdateSequences, FailWithAsFewUpdatesAsPossible, ()) {
+RC_GTEST_PROP(UpdateSequences, StayRightAndShrinkToFewUpdatesWhenTheyFail, ()) {
   const Start start = *starts();
   const std::vector<Update> sequence = *rc::gen::container<std::vector<Update>>(updates());
   Subject subject(start);

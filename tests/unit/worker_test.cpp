@@ -102,7 +102,7 @@ void keep_busy(const scenes::Motion& soup, Model& model, int first) {
   for (int frame = first; frame < first + 6; ++frame) show(soup, model, 10 * frame);
 }
 
-TEST(Worker, SharesModelsWithNobodyWhoMovesReplacesOrDestroysThem) {
+TEST(Worker, SharesModelsSafelyWhenTheyAreMovedReplacedOrDestroyed) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
   const ModelOptions options{.slack = 0.01, .restructuring = Restructuring::on_worker};
   const Model probe = some_probe();
