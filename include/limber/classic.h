@@ -54,19 +54,26 @@ struct TreeStats {
 /// Shape    n triangles give 2 n - 1 spheres. Every triangle has one leaf; every inner sphere encloses the spheres of
 ///          its two children; the shape of the tree never changes when vertices move.
 /// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
+/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
+///          commit() allocates nothing. A model that has been moved from may be destroyed and assigned to; is_valid()
+///          and is_committed() are false, every other function throws std::invalid_argument.
 /// Source   docs/algorithms/tree.md, docs/algorithms/maintenance.md.
 class Model {
  public:
   /// Cost     O(n log n), single-threaded.
-  /// Pre      Looseness values as their comments say.
+  /// Throws   std::invalid_argument if a Looseness value is not what its comment says, or `mesh` has been moved from.
   explicit Model(Mesh mesh, const ModelOptions& options = {});
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;
   ~Model();
 
+  /// Whether there is a mesh: false only once the model has been moved from.
+  bool is_valid() const noexcept { return tree_ != nullptr; }
+
   /// Moves vertex `ids[i]` to `positions[i]`; later entries win where an id is repeated.
   ///
   /// Frame    The model's own frame.
+  /// Alias    `positions` may be a part of the model's own: they are read before any vertex moves.
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
   /// Cost     Immediate: O(triangles at the vertices * depth). Otherwise O(triangles at the vertices).
@@ -92,9 +99,17 @@ class Model {
   Result<void> validate() const;
 
   /// The library's own view of the tree; its type is private.
-  const struct Tree& tree() const { return *tree_; }
+  const struct Tree& tree() const {
+    require_valid("tree");
+    return *tree_;
+  }
 
  private:
+  void require_valid(const char* function) const {
+    if (!is_valid()) throw_moved_from(function);
+  }
+  [[noreturn]] static void throw_moved_from(const char* function);
+
   std::unique_ptr<Tree> tree_;
 };
 

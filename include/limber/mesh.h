@@ -58,7 +58,8 @@ class Mesh {
 
   /// Replaces one position. Pre: `id` exists; `position` is finite and not above `max_coordinate`.
   void set_position(VertexId id, const Vec3& position);
-  /// Replaces those with the given ids; the last entry counts where an id is repeated. Pre: as above.
+  /// Replaces those with the given ids; the last entry counts where an id is repeated. `positions` may be a part of
+  /// this mesh's own: they are read before any is replaced. Pre: as above.
   void set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions);
   /// Replaces all of them. Pre: as many as there are, each as above.
   void set_positions(std::span<const Vec3> positions);

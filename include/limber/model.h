@@ -63,20 +63,28 @@ struct MaintenanceStats {
 /// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
 ///
 /// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
-/// Source   docs/algorithms/bounds.md.
+/// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
+///          A model that has been moved from may be destroyed, assigned to and reset(); is_valid() and is_committed()
+///          are false, every other function throws std::invalid_argument.
+/// Source   docs/algorithms/bounds.md, docs/algorithms/bending.md.
 class Model {
  public:
   /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
-  /// Pre      Options as their comments say.
+  /// Throws   std::invalid_argument if an option is not what its comment says, or `mesh` has been moved from.
   explicit Model(Mesh mesh, const ModelOptions& options = {});
   Model(Model&&) noexcept;
+  /// Waits, as the destructor does, until a worker that sorts for the replaced model has stopped.
   Model& operator=(Model&&) noexcept;
   ~Model();
+
+  /// Whether there is a mesh: false only once the model has been moved from.
+  bool is_valid() const noexcept { return tree_ != nullptr; }
 
   /// Moves vertex `ids[i]` to `positions[i]`; later entries win where an id is repeated. The tree is repaired by
   /// commit().
   ///
   /// Frame    The model's own frame.
+  /// Alias    `positions` may be a part of the model's own: they are read before any vertex moves.
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
   /// Cost     O(entries); the first time, and the next after triangles have been put into leaves anew, also O(n).
@@ -87,9 +95,12 @@ class Model {
 
   /// Repairs the tree; afterwards the model may be queried. Does nothing when nothing has moved.
   ///
+  /// Throws   No std::bad_alloc of its own: where memory or threads are missing, restructuring and slack wait for later
+  ///          commits. If oneTBB throws, the model is not committed, and another commit() repairs what is left.
   /// Cost     O(what has moved and what lies above it), at most that of one pass over everything, on the threads of the
   ///          calling oneTBB arena. Restructuring, where motion has made it worthwhile, takes what its options say.
   void commit();
+  /// Whether nothing has moved since the last commit().
   bool is_committed() const;
 
   /// A commit() after which the tree is as if just built, whatever the options say.
@@ -98,17 +109,26 @@ class Model {
   void restructure();
 
   /// Replaces ModelOptions::slack, from the next move or commit on.
+  ///
+  /// Throws   std::invalid_argument if `slack` is not what the option's comment says.
   void set_slack(double slack);
 
   /// Starts over with another mesh, whatever its triangles, as a new model with the same options.
   ///
   /// Cost     As the constructor.
-  void rebuild(Mesh mesh);
+  /// Throws   As the constructor; the model is then exactly as before.
+  void reset(Mesh mesh);
 
-  const ModelOptions& options() const { return options_; }
+  const ModelOptions& options() const {
+    require_valid("options");
+    return options_;
+  }
   MaintenanceStats maintenance_stats() const;
 
-  const Mesh& mesh() const { return mesh_; }
+  const Mesh& mesh() const {
+    require_valid("mesh");
+    return mesh_;
+  }
   TreeStats tree_stats() const;
 
   /// Checks every invariant of the tree against the positions.
@@ -118,9 +138,17 @@ class Model {
   Result<void> validate() const;
 
   /// The library's own view of the tree; its type is private.
-  const tree::Tree& tree() const { return *tree_; }
+  const tree::Tree& tree() const {
+    require_valid("tree");
+    return *tree_;
+  }
 
  private:
+  void require_valid(const char* function) const {
+    if (!is_valid()) throw_moved_from(function);
+  }
+  [[noreturn]] static void throw_moved_from(const char* function);
+
   Following& following();
 
   Mesh mesh_;

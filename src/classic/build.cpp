@@ -82,6 +82,19 @@ void list_triangles_at_vertices(Tree& tree) {
   }
 }
 
+/// Reserves what updates list, so that they never allocate.
+void make_room_for_repairs(Tree& tree) {
+  const bool at_once = tree.options.maintenance == Maintenance::immediate;
+  if (!at_once) tree.changed_triangles.reserve(tree.mesh.triangles().size());
+  tree.queue_at_depth.resize(tree.nodes.back().depth + 1);
+  if (tree.options.maintenance != Maintenance::by_depth) return;
+  std::vector<std::size_t> count_at_depth(tree.queue_at_depth.size());
+  for (const Node& node : tree.nodes) ++count_at_depth[node.depth];
+  for (std::size_t depth = 0; depth < count_at_depth.size(); ++depth) {
+    tree.queue_at_depth[depth].reserve(count_at_depth[depth]);
+  }
+}
+
 }  // namespace
 
 Sphere tight_sphere(const Tree& tree, const Node& node) {
@@ -101,13 +114,16 @@ Sphere with_slack(Sphere tight, const Looseness& looseness) {
 }
 
 Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
-  LIMBER_ASSERT(options.looseness.slack >= 0 && options.looseness.slack <= 100);
-  LIMBER_ASSERT(options.looseness.stale_ratio >= 1 && options.looseness.stale_ratio <= 1e6);
+  LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::classic::Model: the mesh has been moved from");
+  LIMBER_REQUIRE(options.looseness.slack >= 0 && options.looseness.slack <= 100,
+                 "limber::classic::Model: options.looseness.slack is not between 0 and 100");
+  LIMBER_REQUIRE(options.looseness.stale_ratio >= 1 && options.looseness.stale_ratio <= 1e6,
+                 "limber::classic::Model: options.looseness.stale_ratio is not between 1 and 1e6");
   build_nodes(*this);
   list_triangles_at_vertices(*this);
   is_changed.assign(mesh.triangles().size(), 0);
   is_queued.assign(nodes.size(), 0);
-  queue_at_depth.resize(nodes.back().depth + 1);
+  make_room_for_repairs(*this);
   for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
     node->sphere = with_slack(tight_sphere(*this, *node), options.looseness);
   }

@@ -6,7 +6,10 @@
 // Differs   The queue ordered by depth is one list per level instead of a heap, which costs O(1) per node; a node is
 //           put in once, however many children ask for it. A loose sphere is also recomputed when it has become much
 //           larger than needed, because otherwise a shrinking model would keep its largest spheres for ever.
+#include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "classic/tree.h"
 #include "core/check.h"
@@ -41,7 +44,9 @@ void enqueue(Tree& tree, std::uint32_t n) {
   LIMBER_ASSERT(n < tree.nodes.size());
   if (tree.is_queued[n] != 0) return;
   tree.is_queued[n] = 1;
-  tree.queue_at_depth[tree.nodes[n].depth].push_back(n);
+  std::vector<std::uint32_t>& queue = tree.queue_at_depth[tree.nodes[n].depth];
+  LIMBER_ASSERT(queue.size() < queue.capacity());
+  queue.push_back(n);
 }
 
 /// Repairs every node above a changed triangle once, deepest first.
@@ -66,6 +71,7 @@ void move_vertex(Tree& tree, VertexId v, const Vec3& position) {
       refit_path(tree, t);
     } else if (tree.is_changed[t] == 0) {
       tree.is_changed[t] = 1;
+      LIMBER_ASSERT(tree.changed_triangles.size() < tree.changed_triangles.capacity());
       tree.changed_triangles.push_back(t);
     }
   }
@@ -80,19 +86,30 @@ Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
+void Model::throw_moved_from(const char* function) {
+  throw std::invalid_argument(std::string("limber::classic::Model::") + function + ": the model has been moved from");
+}
+
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  require_valid("move_vertices");
+  if (overlaps(tree_->mesh, positions)) {
+    const std::vector<Vec3> copy(positions.begin(), positions.end());
+    return move_vertices(ids, copy);
+  }
   if (auto sound = check_update(tree_->mesh, ids, positions); !sound) return sound;
   for (std::size_t i = 0; i < ids.size(); ++i) move_vertex(*tree_, ids[i], positions[i]);
   return {};
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
+  require_valid("move_all");
   if (auto sound = check_update_of_all(tree_->mesh, positions); !sound) return sound;
   for (VertexId v = 0; v < positions.size(); ++v) move_vertex(*tree_, v, positions[v]);
   return {};
 }
 
 void Model::commit() {
+  require_valid("commit");
   Tree& tree = *tree_;
   if (tree.options.maintenance == Maintenance::by_depth) {
     refit_by_depth(tree);
@@ -104,9 +121,21 @@ void Model::commit() {
   LIMBER_VALIDATE(validate());
 }
 
-bool Model::is_committed() const { return tree_->changed_triangles.empty(); }
-const Mesh& Model::mesh() const { return tree_->mesh; }
-const ModelOptions& Model::options() const { return tree_->options; }
-MaintenanceStats Model::maintenance_stats() const { return tree_->stats; }
+bool Model::is_committed() const { return is_valid() && tree_->changed_triangles.empty(); }
+
+const Mesh& Model::mesh() const {
+  require_valid("mesh");
+  return tree_->mesh;
+}
+
+const ModelOptions& Model::options() const {
+  require_valid("options");
+  return tree_->options;
+}
+
+MaintenanceStats Model::maintenance_stats() const {
+  require_valid("maintenance_stats");
+  return tree_->stats;
+}
 
 }  // namespace limber::classic

@@ -36,6 +36,7 @@ std::size_t bytes_of(const std::vector<T>& v) {
 }  // namespace
 
 Result<void> Model::validate() const {
+  require_valid("validate");
   const Tree& tree = *tree_;
   const std::size_t count = tree.mesh.triangles().size();
   if (tree.nodes.size() != 2 * count - 1 || tree.nodes[root].parent != no_id) return broken(1, root);
@@ -58,6 +59,7 @@ Result<void> Model::validate() const {
 }
 
 TreeStats Model::tree_stats() const {
+  require_valid("tree_stats");
   const Tree& tree = *tree_;
   std::size_t bytes = bytes_of(tree.nodes) + bytes_of(tree.leaf_of) + bytes_of(tree.first_triangle_at) +
                       bytes_of(tree.triangles_at) + bytes_of(tree.changed_triangles) + bytes_of(tree.is_changed) +

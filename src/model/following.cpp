@@ -6,6 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <new>
+#include <system_error>
+#include <utility>
 
 #include "core/check.h"
 #include "simd/kernels.h"
@@ -31,6 +34,9 @@ constexpr double first_interval = 32, least_interval = 8, most_interval = 256, w
 // What restructuring may cost when nothing else is said, as a multiple of the repairs of the same commit.
 constexpr double restructuring_share = 5;
 
+// Triangles that the worker looks at before it looks whether it is to stop.
+constexpr double worker_slice = 0x1p16;
+
 // Of the leaves' mean radius.
 constexpr double worthwhile_part = 0.5;
 
@@ -48,6 +54,8 @@ Following::Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& opt
       interval_(first_interval) {
   if (this->slack() > 0) start_anchors(mesh);
 }
+
+Following::~Following() { stop_worker(); }
 
 void Following::start_anchors(const Mesh& mesh) {
   anchors_ = mesh.positions();
@@ -69,12 +77,13 @@ double Following::slack() const { return is_tuned() ? tuner_.slack() : chosen_sl
 
 void Following::set_slack(const Mesh& mesh, double slack) {
   LIMBER_ASSERT(slack >= 0 || slack == ModelOptions::automatic);
-  if (slack == ModelOptions::automatic && !is_tuned()) {
-    tuner_ = SlackTuner(most_worthwhile_slack());
-    tuned_commits_ = 0;
-  }
+  const bool starts_tuning = slack == ModelOptions::automatic && !is_tuned();
+  const SlackTuner tuner = starts_tuning ? SlackTuner(most_worthwhile_slack()) : tuner_;
+  // The only step that may fail comes first.
+  if (anchors_.empty() && (slack == ModelOptions::automatic ? tuner.slack() : slack) > 0) start_anchors(mesh);
+  tuner_ = tuner;
+  if (starts_tuning) tuned_commits_ = 0;
   chosen_slack_ = slack;
-  if (anchors_.empty() && this->slack() > 0) start_anchors(mesh);
   tightens_ = !anchors_.empty();
 }
 
@@ -88,6 +97,24 @@ void Following::anchor(const Mesh& mesh, VertexId vertex) {
   ++anchored_;
 }
 
+void Following::anchor_all(const Mesh& mesh) {
+  changes_.add_all();
+  if (anchors_.empty()) return;
+  LIMBER_ASSERT(anchors_.size() == mesh.positions().size());
+  std::copy(mesh.positions().begin(), mesh.positions().end(), anchors_.begin());
+  furthest_sq_ = 0;
+}
+
+bool Following::finds_vertices(const Mesh& mesh) {
+  if (changes_.knows_vertices()) return true;
+  try {
+    changes_.find_vertices(tree_, mesh.positions().size());
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  return true;
+}
+
 void Following::note_step(double length_sq) {
   LIMBER_ASSERT(std::isfinite(length_sq));
   const double step = std::sqrt(length_sq);
@@ -98,8 +125,7 @@ void Following::note_step(double length_sq) {
 
 void Following::list(const Mesh& mesh, std::span<const VertexId> ids) {
   // Where a good part of all vertices moves, finding out which blocks they are in costs more than fitting all.
-  if (4 * ids.size() >= mesh.positions().size()) return changes_.add_all();
-  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
+  if (4 * ids.size() >= mesh.positions().size() || !finds_vertices(mesh)) return changes_.add_all();
   for (const VertexId id : ids) {
     if (changes_.is_most_of(tree_)) return changes_.add_all();
     changes_.add(id);
@@ -125,7 +151,10 @@ void Following::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const 
   mesh.set_positions(ids, positions);
   note_step(furthest_sq);
   if (anchors_.empty()) return list(mesh, ids);
-  if (!changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
+  if (!finds_vertices(mesh)) {
+    anchored_ += ids.size();
+    return anchor_all(mesh);
+  }
   for (const VertexId id : ids) absorb_or_anchor(mesh, id);
   since_found_ += ids.size();
 }
@@ -141,38 +170,36 @@ void Following::move_all(Mesh& mesh, std::span<const Vec3> positions, double fur
 std::size_t Following::anchor_far(const Mesh& mesh) {
   const std::vector<Vec3>& positions = mesh.positions();
   const double most_sq = slack() * slack();
-  far_.clear();
   since_found_ = 0;
   furthest_sq_ =
       simd::kernels().measure_motion(anchors_.data(), positions.data(), positions.size(), max_coordinate).furthest_sq;
   if (furthest_sq_ <= most_sq) return 0;
   furthest_sq_ = 0;
+  std::size_t far_count = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
     const double away_sq = length_sq(positions[v] - anchors_[v]);
-    if (away_sq > most_sq) {
-      far_.push_back(v);
-    } else {
+    if (away_sq <= most_sq) {
       furthest_sq_ = std::max(furthest_sq_, away_sq);
+      continue;
     }
-  }
-  if (!far_.empty() && !changes_.knows_vertices()) changes_.find_vertices(tree_, mesh.positions().size());
-  for (const VertexId v : far_) {
-    anchor(mesh, v);
-    if (changes_.is_most_of(tree_)) {
-      // Everything is fitted in one pass; all others come along for nothing.
-      anchors_ = positions;
+    ++far_count;
+    if (finds_vertices(mesh)) {
+      anchor(mesh, v);
+    } else {
+      ++anchored_;
       changes_.add_all();
-      furthest_sq_ = 0;
-      return positions.size();
     }
+    if (!changes_.is_most_of(tree_)) continue;
+    // Everything is fitted in one pass; all others come along for nothing.
+    anchor_all(mesh);
+    return positions.size();
   }
-  return far_.size();
+  return far_count;
 }
 
 void Following::measure_again(const Mesh& mesh) {
   tree_.unit = tree::extent_of(mesh).unit();
-  changes_.add_all();
-  if (!anchors_.empty()) anchors_ = mesh.positions(), furthest_sq_ = 0;
+  anchor_all(mesh);
 }
 
 double Following::repairs_ahead_ns() const {
@@ -182,10 +209,39 @@ double Following::repairs_ahead_ns() const {
 }
 
 void Following::restructure_all(const Mesh& mesh) {
-  if (sorted_.valid()) sorted_.get();
-  sorting_.emplace(tree_, mesh, tree::subtree_of(tree_, tree::root));
-  sorting_->finish();
+  tree::Restructuring sorting(tree_, mesh, tree::subtree_of(tree_, tree::root));
+  sorting.finish();
+  stop_worker();
+  sorting_ = std::move(sorting);
   has_moved_ = true;
+}
+
+void Following::start_worker() {
+  LIMBER_ASSERT(sorting_ && !sorted_.valid());
+  stops_worker_ = false;
+  bool has_started = false;
+  try {
+    sorted_ = std::async(std::launch::async, [this] { return sort_until_stopped(); });
+    has_started = true;
+  } catch (const std::system_error&) {  // there is no thread
+  } catch (const std::bad_alloc&) {
+  }
+  // Commits sort instead, unless they may not: then another commit tries again.
+  if (!has_started && restructuring_us_ == 0) sorting_.reset();
+}
+
+bool Following::sort_until_stopped() {
+  while (!stops_worker_.load(std::memory_order_relaxed)) {
+    if (sorting_->work(worker_slice)) return true;
+  }
+  return false;
+}
+
+void Following::stop_worker() {
+  if (!sorted_.valid()) return;
+  stops_worker_ = true;
+  sorted_.wait();
+  sorted_ = {};
 }
 
 bool Following::restructure(const Mesh& mesh) {
@@ -203,8 +259,7 @@ bool Following::restructure(const Mesh& mesh) {
   sorting_->apply(tree_, mesh);
   changes_.forget_vertices();
   if (subtree.node == tree::root) {
-    changes_.add_all();
-    if (!anchors_.empty()) anchors_ = mesh.positions(), furthest_sq_ = 0;
+    anchor_all(mesh);
   } else {
     changes_.add_leaves(tree_, subtree.first_leaf, subtree.end_leaf);
   }
@@ -237,18 +292,20 @@ bool Following::ends_pass(std::uint64_t refits) {
 void Following::look_at_quality(const Mesh& mesh) {
   if (restructuring_ == Restructuring::off || sorting_) return;
   if (restructuring_ == Restructuring::in_commits && restructuring_us_ == 0) return;
-  const std::optional<tree::Subtree> worst =
-      passes_ >= interval_ ? tree::subtree_of(tree_, tree::root) : quality_.worst(tree_, tolerated_);
-  if (!worst) return;
-  sorting_.emplace(tree_, mesh, *worst);
-  if (restructuring_ == Restructuring::on_worker) {
-    sorted_ =
-        std::async(std::launch::async, [this] { return sorting_->work(std::numeric_limits<double>::infinity()); });
+  try {
+    const std::optional<tree::Subtree> worst =
+        passes_ >= interval_ ? tree::subtree_of(tree_, tree::root) : quality_.worst(tree_, tolerated_);
+    if (!worst) return;
+    sorting_.emplace(tree_, mesh, *worst);
+  } catch (const std::bad_alloc&) {
+    return;  // looks again after another pass
   }
+  if (restructuring_ == Restructuring::on_worker) start_worker();
 }
 
 void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (!has_moved_ && !tightens_) return;
+  has_moved_ = true;  // until all is done
   if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
   tightens_ = false;
   if (all_steps_ > outgrown * tree_.unit) measure_again(mesh);
@@ -284,7 +341,13 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
     ++tuned_commits_;
     if (ends_pass) tuner_.set_most(most_worthwhile_slack());
     tightens_ = tuner_.slack() < before;
-    if (anchors_.empty() && tuner_.slack() > 0) start_anchors(mesh);
+    if (anchors_.empty() && tuner_.slack() > 0) {
+      try {
+        start_anchors(mesh);
+      } catch (const std::bad_alloc&) {
+        LIMBER_ASSERT(anchors_.empty());  // another commit tries again; until then there is no slack
+      }
+    }
   }
   LIMBER_ASSERT(!anchors_.empty() || tree_.slack == 0);
   has_moved_ = spares_all_ = false;

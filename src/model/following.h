@@ -21,9 +21,15 @@ namespace limber {
 /// Based on  the thesis this engine follows: loose bounds absorb small motions.
 /// Differs   Bounds are not made larger. They are fitted to anchors, one for each vertex; a vertex may leave its anchor
 ///           by a given slack, and queries allow for what the furthest has in fact gone.
+///
+/// Throws   Memory is taken by the constructor, set_slack() and restructure_all(), which change nothing when they throw
+///          std::bad_alloc. Moves and commits do without what cannot be allocated: without the table of vertices all is
+///          fitted, and what only makes later work cheaper waits for another commit. What oneTBB throws ends a commit
+///          half-way; the next one does all that is left.
 class Following {
  public:
   Following(tree::Tree& tree, const Mesh& mesh, const ModelOptions& options);
+  ~Following();
   Following(const Following&) = delete;
   Following& operator=(const Following&) = delete;
 
@@ -52,11 +58,15 @@ class Following {
   /// Whether to find out which blocks slack spares: now and then is enough.
   bool counts_spared() const { return tuned_commits_ % 4 == 0; }
   bool is_tuned() const { return chosen_slack_ == ModelOptions::automatic; }
+  /// Whether the table of vertices is there, or could be made.
+  bool finds_vertices(const Mesh& mesh);
   void note_step(double length_sq);
   void list(const Mesh& mesh, std::span<const VertexId> ids);
   void absorb_or_anchor(const Mesh& mesh, VertexId vertex);
   void start_anchors(const Mesh& mesh);
   void anchor(const Mesh& mesh, VertexId vertex);
+  /// Moves all anchors, for everything to be fitted.
+  void anchor_all(const Mesh& mesh);
   /// Moves the anchors of vertices that have gone too far, and finds the furthest of the others. Returns how many had.
   std::size_t anchor_far(const Mesh& mesh);
 
@@ -68,6 +78,11 @@ class Following {
   bool ends_pass(std::uint64_t refits);
   /// Starts to restructure what has become bad.
   void look_at_quality(const Mesh& mesh);
+  /// Sorts on a thread of its own; in commits where none can be started.
+  void start_worker();
+  /// What the worker does. Returns whether all is sorted.
+  bool sort_until_stopped();
+  void stop_worker();
   double repairs_ahead_ns() const;
   /// Gives the tree the unit that suits the mesh, and has everything fitted.
   void measure_again(const Mesh& mesh);
@@ -83,7 +98,6 @@ class Following {
 
   double chosen_slack_;
   std::vector<Vec3> anchors_;                  // empty while there is no slack
-  std::vector<VertexId> far_;                  // scratch
   double furthest_sq_ = 0;                     // from its anchor
   std::size_t since_found_ = 0;                // vertices moved since that was exact
   std::uint64_t absorbed_ = 0, anchored_ = 0;  // since the last commit
@@ -98,7 +112,8 @@ class Following {
   double interval_;                         // passes after which it is restructured all the same
   double before_ = 0;                       // measure of what is restructured, before that
   std::optional<tree::Restructuring> sorting_;
-  std::future<bool> sorted_;  // by the worker
+  std::atomic<bool> stops_worker_{false};
+  std::future<bool> sorted_;  // by the worker, which is the only one to touch sorting_ in the meantime
   std::atomic<std::uint64_t> paid_{0};
 };
 

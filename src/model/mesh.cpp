@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -93,13 +94,24 @@ void Mesh::set_position(VertexId id, const Vec3& position) {
 
 void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
+  if (overlaps(*this, positions)) {
+    const std::vector<Vec3> copy(positions.begin(), positions.end());
+    return set_positions(ids, copy);
+  }
   for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
 }
 
 void Mesh::set_positions(std::span<const Vec3> positions) {
   LIMBER_ASSERT(positions.size() == positions_.size());
   LIMBER_ASSERT(static_cast<bool>(check_positions(positions)));
+  if (positions.data() == positions_.data()) return;
   std::copy(positions.begin(), positions.end(), positions_.begin());
+}
+
+bool overlaps(const Mesh& mesh, std::span<const Vec3> positions) {
+  const std::vector<Vec3>& own = mesh.positions();
+  const std::less<> before;  // a total order of pointers into different arrays, unlike <
+  return before(positions.data(), own.data() + own.size()) && before(own.data(), positions.data() + positions.size());
 }
 
 Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {

@@ -8,6 +8,9 @@
 
 namespace limber {
 
+/// Whether positions to be written are, in part, the mesh's own: then writing one may change another.
+bool overlaps(const Mesh& mesh, std::span<const Vec3> positions);
+
 /// Whether vertices may be moved that way.
 ///
 /// Errors   `size_mismatch`, or `index_out_of_range`, `non_finite`, `too_large` with the first bad entry.

@@ -31,9 +31,10 @@ class Front {
   };
   static constexpr std::uint16_t none = 0xffff;
 
-  /// Whether it says something about these models.
+  /// Whether it says something about these models: the last traversal that it recorded was one of them and has ended.
+  /// One that an exception broke off has not recorded all pairs.
   bool is_about(const PlacedPair& placed) const {
-    return count_ > 0 && id_[0] == placed.tree(Side::a).id && id_[1] == placed.tree(Side::b).id;
+    return is_complete_ && count_ > 0 && id_[0] == placed.tree(Side::a).id && id_[1] == placed.tree(Side::b).id;
   }
 
   /// Starts over, with the models as they are placed.
@@ -55,12 +56,14 @@ class Front {
     pose_ = pose;
     error_ = placed.error();
     openings_ = 0;
+    is_complete_ = false;
   }
   double moved() const { return moved_; }
 
   void forget() {
     count_ = 0, openings_ = 0, first_openings_ = 0;
     moved_ = 0;
+    is_complete_ = false;
   }
 
   /// Ends a traversal, complete if everything was compared or ruled out, and recorded. A front that costs nearly as
@@ -68,7 +71,8 @@ class Front {
   void finish(bool complete) {
     if (first_openings_ == 0) first_openings_ = openings_;
     const bool pays = openings_ == first_openings_ || 5 * openings_ < 3 * first_openings_;
-    if (!complete || !pays) forget();
+    if (!complete || !pays) return forget();
+    is_complete_ = true;
   }
 
   /// An opening; none when there is no room.
@@ -111,6 +115,7 @@ class Front {
   double error_ = 0;  // of placed points there
   double bent_ = 0;
   double moved_ = 0;
+  bool is_complete_ = false;
   std::uint32_t count_ = 0, openings_ = 0, first_openings_ = 0;
   Record records_[capacity];
 };

@@ -25,7 +25,15 @@ void for_each_corner(const Tree& tree, const Visit& visit) {
 
 }  // namespace
 
+Changes::Changes(const Tree& tree) : is_changed_(tree.blocks.size()), changed_(tree.level_begin.size() - 1) {
+  for (std::size_t level = 0; level < changed_.size(); ++level) {
+    changed_[level].reserve(tree.level_begin[level + 1] - tree.level_begin[level]);
+  }
+  spared_.reserve(changed_.back().capacity());
+}
+
 void Changes::find_vertices(const Tree& tree, std::size_t vertex_count) {
+  knows_vertices_ = false;
   first_.assign(vertex_count + 1, 0);
   // Blocks come in order, so a vertex that names a block again has just named it.
   std::vector<std::uint32_t> last(vertex_count, no_id);
@@ -41,6 +49,7 @@ void Changes::find_vertices(const Tree& tree, std::size_t vertex_count) {
     if (last[v] != block) at_[next[v]++] = block;
     last[v] = block;
   });
+  knows_vertices_ = true;
 }
 
 bool Changes::is_most_of(const Tree& tree) const {

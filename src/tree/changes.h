@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/check.h"
 #include "limber/mesh.h"
 #include "tree/node.h"
 
@@ -15,18 +16,21 @@ namespace limber::tree {
 ///
 /// A vertex names the blocks of the lowest level that have a triangle at it; they are listed once each. Blocks above
 /// them are listed while they are repaired, level by level.
+///
+/// Throws   Only the constructor and find_vertices() allocate: every list has room for all blocks of its level.
 class Changes {
  public:
   /// Cost     O(blocks).
-  explicit Changes(const Tree& tree) : is_changed_(tree.blocks.size()), changed_(tree.level_begin.size() - 1) {}
+  explicit Changes(const Tree& tree);
 
   /// Finds out where the triangles at each vertex are, which add() and spare() need.
   ///
   /// Cost     O(n), and about 10 bytes a vertex.
+  /// Throws   std::bad_alloc; then knows_vertices() stays false, and nothing else has changed.
   void find_vertices(const Tree& tree, std::size_t vertex_count);
-  bool knows_vertices() const { return !first_.empty(); }
+  bool knows_vertices() const { return knows_vertices_; }
   /// Once triangles lie elsewhere.
-  void forget_vertices() { first_.clear(); }
+  void forget_vertices() { knows_vertices_ = false; }
 
   bool empty() const { return !all_ && changed_.back().empty(); }
 
@@ -42,7 +46,7 @@ class Changes {
       const std::uint32_t block = at_[i];
       if (is_changed_[block] != 0) continue;
       is_changed_[block] = 2;
-      spared_.push_back(block);
+      append(spared_, block);
     }
   }
   /// How many blocks of the lowest level that were, some of which may have been listed since.
@@ -58,7 +62,7 @@ class Changes {
   void add_block(std::size_t level, std::uint32_t block) {
     if (is_changed_[block] == 1) return;
     is_changed_[block] = 1;
-    changed_[level].push_back(block);
+    append(changed_[level], block);
   }
 
   /// All blocks of the lowest level that have some of these leaves.
@@ -68,6 +72,12 @@ class Changes {
   void clear();
 
  private:
+  static void append(std::vector<std::uint32_t>& list, std::uint32_t block) {
+    LIMBER_ASSERT(list.size() < list.capacity());
+    list.push_back(block);
+  }
+
+  bool knows_vertices_ = false;                      // whether first_ and at_ are those of the tree
   std::vector<std::uint32_t> first_, at_;            // blocks at vertex v: at_[first_[v]] up to first_[v + 1]
   std::vector<std::uint8_t> is_changed_;             // by block: 1 listed, 2 spared only
   std::vector<std::vector<std::uint32_t>> changed_;  // by level

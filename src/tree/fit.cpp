@@ -262,8 +262,9 @@ void fit(Tree& tree, MeshView mesh) {
 
 std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
   if (changes.is_most_of(tree)) {
-    changes.clear();
+    changes.add_all();  // until that is done
     fit(tree, mesh);
+    changes.clear();
     return tree.blocks.size();
   }
   const std::size_t lowest = tree.level_begin.size() - 2;
@@ -279,8 +280,11 @@ std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
       if (fitting.refit(block, level == lowest)) changes.add_block(level - 1, block_of(tree.blocks[block].parent));
     }
   }
+  if (fitting.adapts_unit()) {
+    changes.add_all();
+    fit(tree, mesh);
+  }
   changes.clear();
-  if (fitting.adapts_unit()) fit(tree, mesh);
   return refitted;
 }
 

@@ -138,6 +138,9 @@ Restructuring::Restructuring(const Tree& tree, MeshView mesh, const Subtree& sub
   const double unit = extent.unit();
   items_.reserve(end - begin);
   for (std::size_t i = begin; i < end; ++i) items_.push_back(item_of(mesh, triangle(i), middle, unit));
+  // Halving ends on fewer than 2^31 leaves, and leaves at most one part behind at each depth.
+  constexpr std::size_t most_parts = 64;
+  parts_.reserve(most_parts);
   parts_.push_back(part_of(0, items_.size()));
 }
 
@@ -154,7 +157,9 @@ bool Restructuring::work(double budget) {
     }
     budget -= static_cast<double>(size);
     for (const Part& half : halve(items_, part)) {
-      if (half.children > 1) parts_.push_back(half);
+      if (half.children <= 1) continue;
+      LIMBER_ASSERT(parts_.size() < parts_.capacity());
+      parts_.push_back(half);
     }
   }
   return parts_.empty();
@@ -167,7 +172,18 @@ void Restructuring::finish() {
 
 void Restructuring::apply(Tree& tree, MeshView mesh) const {
   LIMBER_ASSERT(parts_.empty());
-  write_leaves(tree, mesh, subtree_.first_leaf, items_);
+  try {
+    write_leaves(tree, mesh, subtree_.first_leaf, items_);
+  } catch (const std::bad_alloc&) {
+    // Few enough at once for one thread.
+    constexpr std::size_t leaves_at_once = 1024;
+    const std::span<const Item> items(items_);
+    for (std::size_t leaf = 0; leaf * width < items.size(); leaf += leaves_at_once) {
+      const std::size_t first = leaf * width;
+      write_leaves(tree, mesh, subtree_.first_leaf + static_cast<std::uint32_t>(leaf),
+                   items.subspan(first, std::min(leaves_at_once * width, items.size() - first)));
+    }
+  }
   tree.id = new_id();
   tree.motion = 0;
 }

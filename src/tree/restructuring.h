@@ -50,17 +50,19 @@ class Quality {
 class Restructuring {
  public:
   /// Looks at the triangles as they are now. Cost: O(triangles of the subtree).
+  /// Throws   std::bad_alloc.
   Restructuring(const Tree& tree, MeshView mesh, const Subtree& subtree);
 
   const Subtree& subtree() const { return subtree_; }
 
   /// Sorts on, until `budget` triangles have been looked at; one halving, of the whole subtree at first, is the least
-  /// there is. Returns whether all is done.
+  /// there is. Returns whether all is done. Allocates nothing, and uses no other thread.
   bool work(double budget);
   /// The same to the end, on the threads of the calling oneTBB arena.
   void finish();
 
   /// Writes the leaves. Their bounds and all above them have to be fitted afterwards. Pre: all is done.
+  /// Throws   Nothing: where other threads cannot be had, the calling one writes all leaves.
   void apply(Tree& tree, MeshView mesh) const;
 
  private:

@@ -22,7 +22,7 @@ void change_settings(Rng& rng, Model& model, double size) {
   const std::uint64_t kind = rng.below(8);
   if (kind == 0) {
     Mesh mesh = model.mesh();
-    return model.rebuild(std::move(mesh));
+    return model.reset(std::move(mesh));
   }
   if (kind == 1) return model.restructure();
   if (kind == 2) return model.set_slack(0);

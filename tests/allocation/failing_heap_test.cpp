@@ -1,0 +1,388 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Every allocation of every function of a model fails once, alone or with all that follow. Afterwards the model is as
+// before the call or as after it, the same call works, and all later answers are right.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <new>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "heap.h"
+#include "limber/limber.h"
+#include "scenes/motions.h"
+#include "scenes/scenes.h"
+
+namespace limber::testing {
+namespace {
+
+using scenes::Rng;
+
+/// Of nearly all lengths here, which are about 1 to 10.
+constexpr double tolerance = 1e-14 * 16;
+
+Mesh some_mesh() { return scenes::wave_sheet(10, 10, 0); }
+
+std::vector<Vec3> shaken(const std::vector<Vec3>& positions, double reach, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Vec3> result = positions;
+  for (Vec3& p : result) {
+    const double x = rng.uniform(-reach, reach), y = rng.uniform(-reach, reach), z = rng.uniform(-reach, reach);
+    p += Vec3{x, y, z};
+  }
+  return result;
+}
+
+/// A few triangles in the middle of a model and above it.
+template <typename Model>
+const Model& probe() {
+  static const Model model(
+      Mesh::create({{0, 0, 0.3}, {0.1, 0, 2}, {0, 0.1, 2}, {0.4, 0.4, -1}, {0.5, 0.4, 1}, {0.4, 0.5, 1}},
+                   {{0, 1, 2}, {3, 4, 5}})
+          .value());
+  return model;
+}
+
+template <typename Placed, typename Model>
+void expect_right_answers(const Model& model) {
+  const Result<void> valid = model.validate();
+  ASSERT_TRUE(static_cast<bool>(valid)) << valid.error().text;
+  ASSERT_TRUE(model.is_committed());
+  for (const Vec3& offset : {Vec3{}, Vec3{1, -1, 4}}) {
+    const Transform pose{{}, offset};
+    const Placed a{model}, b{probe<Model>(), pose};
+    const reference::Placed mesh_a{model.mesh()}, mesh_b{probe<Model>().mesh(), pose};
+    ASSERT_NEAR(distance(a, b).upper, reference::distance(mesh_a, mesh_b).upper, tolerance);
+    ASSERT_EQ(collide(a, b).collision, reference::collide(mesh_a, mesh_b).collision);
+  }
+}
+
+/// Whether `call` threw std::bad_alloc. Anything else fails the test.
+template <typename Call>
+bool throws_bad_alloc(const Call& call) {
+  try {
+    call();
+  } catch (const std::bad_alloc&) {
+    return true;
+  }
+  return false;
+}
+
+/// Something done to a model, after some preparation.
+template <typename Model>
+struct Step {
+  std::string name;
+  std::function<void(Model&)> prepare;
+  std::function<void(Model&)> call;
+};
+
+/// What a caller can see of a model without asking it for distances.
+struct Seen {
+  std::vector<Vec3> positions;
+  std::size_t triangle_count;
+  std::uint64_t moved_vertices;
+  bool is_committed;
+
+  template <typename Model>
+  explicit Seen(const Model& model)
+      : positions(model.mesh().positions()),
+        triangle_count(model.mesh().triangles().size()),
+        moved_vertices(model.maintenance_stats().moved_vertices),
+        is_committed(model.is_committed()) {}
+  bool operator==(const Seen&) const = default;
+};
+
+/// Ordinary use of a model, whatever has happened to it.
+template <typename Placed, typename Model>
+void use(Model& model) {
+  model.commit();
+  expect_right_answers<Placed>(model);
+  const std::vector<Vec3>& positions = model.mesh().positions();
+  for (const VertexId v : {VertexId{20}, VertexId{100}}) {
+    const std::vector<Vec3> to{positions[v] + Vec3{0.2, -0.1, 0.7}};
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{v}, to)));
+    model.commit();
+    expect_right_answers<Placed>(model);
+  }
+  ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(positions, 0.3, 5))));
+  model.commit();
+  expect_right_answers<Placed>(model);
+}
+
+/// Fails each allocation of a step in turn. Returns how many there are.
+template <typename Placed, typename Model, typename Options>
+int fail_each_allocation(const Step<Model>& step, const Options& options, Failing failing) {
+  int k = 0;
+  for (;; ++k) {
+    Model model(some_mesh(), options);
+    step.prepare(model);
+    const Seen before(model);
+    bool threw = false, failed = false;
+    {
+      const FailingHeap heap(k, failing);
+      threw = throws_bad_alloc([&] { step.call(model); });
+      failed = heap.has_failed();
+    }
+    if (threw) {
+      EXPECT_TRUE(Seen(model) == before) << k;
+      step.call(model);
+    }
+    Model untroubled(some_mesh(), options);
+    step.prepare(untroubled);
+    step.call(untroubled);
+    EXPECT_TRUE(Seen(model) == Seen(untroubled)) << k;
+    use<Placed>(model);
+    if (!failed || ::testing::Test::HasFailure()) return k;
+  }
+}
+
+const std::vector<VertexId> few{30, 31, 90};
+
+template <typename Model>
+void move_few(Model& model) {
+  const std::vector<Vec3> to{{1, 1, 0.5}, {1, -1, 0.75}, {-0.5, 0.25, 1}};
+  ASSERT_TRUE(static_cast<bool>(model.move_vertices(few, to)));
+}
+template <typename Model>
+void move_all(Model& model) {
+  ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(model.mesh().positions(), 0.5, 6))));
+}
+template <typename Model>
+void commit(Model& model) {
+  model.commit();
+}
+template <typename Model>
+void nothing(Model&) {}
+
+/// Each vertex to where its neighbour is.
+template <typename Model>
+void move_to_own_positions(Model& model) {
+  const std::vector<Vec3>& own = model.mesh().positions();
+  std::vector<VertexId> ids;
+  for (VertexId v = 1; v < 20; ++v) ids.push_back(v);
+  ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, std::span(own).first(ids.size()))));
+}
+
+template <typename Model>
+void be_rejected(Model& model) {
+  ASSERT_FALSE(static_cast<bool>(model.move_vertices(few, std::vector<Vec3>(2))));
+  ASSERT_FALSE(static_cast<bool>(model.move_all(std::vector<Vec3>(model.mesh().positions().size(), {1e70, 0, 0}))));
+}
+
+template <typename Model>
+std::vector<Step<Model>> common_steps() {
+  const auto moved_before = [](Model& model) {
+    move_few(model);
+    model.commit();
+  };
+  return {{"move_vertices, the first time", nothing<Model>, move_few<Model>},
+          {"move_vertices, again", moved_before, move_few<Model>},
+          {"move_vertices, twice before a commit", move_few<Model>, move_few<Model>},
+          {"move_vertices to the model's own positions", moved_before, move_to_own_positions<Model>},
+          {"move_all, the first time", nothing<Model>, move_all<Model>},
+          {"move_all, again", moved_before, move_all<Model>},
+          {"move_all, twice before a commit", move_all<Model>, move_all<Model>},
+          {"rejected moves", moved_before, be_rejected<Model>},
+          {"commit of a few", move_few<Model>, commit<Model>},
+          {"commit of all", move_all<Model>, commit<Model>}};
+}
+
+std::vector<Step<Model>> steps() {
+  std::vector<Step<Model>> all = common_steps<Model>();
+  const auto moved_little = [](Model& model) {
+    ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(model.mesh().positions(), 0.01, 7))));
+    model.commit();
+    model.set_slack(1e-3);
+  };
+  const std::vector<Step<Model>> own{
+      {"move_vertices after restructure",
+       [](Model& model) {
+         move_few(model);
+         model.restructure();
+       },
+       move_few<Model>},
+      {"commit after the slack has become less", moved_little, commit<Model>},
+      {"restructure, the first time", nothing<Model>, [](Model& model) { model.restructure(); }},
+      {"restructure of what has moved",
+       [](Model& model) {
+         move_few(model);
+         model.commit();
+         move_all(model);
+       },
+       [](Model& model) { model.restructure(); }},
+      {"set_slack before anything moves", nothing<Model>, [](Model& model) { model.set_slack(0.25); }},
+      {"set_slack to a length", move_few<Model>, [](Model& model) { model.set_slack(0.25); }},
+      {"set_slack to automatic", move_few<Model>, [](Model& model) { model.set_slack(ModelOptions::automatic); }},
+      {"set_slack to 0", move_few<Model>, [](Model& model) { model.set_slack(0); }},
+      {"reset", move_few<Model>, [](Model& model) { model.reset(some_mesh()); }},
+  };
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+TEST(FailingHeap, LeavesAModelAsItWas) {
+  for (const double slack : {0.0, 0.5, ModelOptions::automatic}) {
+    for (const Step<Model>& step : steps()) {
+      for (const Failing failing : {Failing::once, Failing::always}) {
+        SCOPED_TRACE(step.name + ", slack " + std::to_string(slack));
+        const int count = fail_each_allocation<Placed>(step, ModelOptions{.slack = slack}, failing);
+        if (HasFailure()) return;
+        const bool takes_memory = step.name == "reset" || step.name == "restructure, the first time";
+        EXPECT_GT(count, takes_memory ? 5 : -1);
+      }
+    }
+  }
+}
+
+TEST(FailingHeap, LeavesAClassicModelAsItWas) {
+  using classic::Maintenance;
+  for (const Maintenance maintenance : {Maintenance::immediate, Maintenance::batched, Maintenance::by_depth}) {
+    for (const Step<classic::Model>& step : common_steps<classic::Model>()) {
+      for (const Failing failing : {Failing::once, Failing::always}) {
+        SCOPED_TRACE(step.name);
+        const int count = fail_each_allocation<classic::Placed>(
+            step, classic::ModelOptions{.maintenance = maintenance, .looseness = {.slack = 0.1}}, failing);
+        if (HasFailure()) return;
+        EXPECT_LE(count, step.name.starts_with("commit") ? 0 : 10);
+      }
+    }
+  }
+}
+
+/// How many allocations a constructor cannot do without.
+template <typename Model>
+int needed_by_constructor() {
+  int needed = 0;
+  for (int k = 0;; ++k) {
+    Mesh mesh = some_mesh();
+    const FailingHeap heap(k, Failing::once);
+    needed += throws_bad_alloc([&] { const Model model(std::move(mesh)); }) ? 1 : 0;
+    if (!heap.has_failed()) return needed;
+  }
+}
+
+TEST(FailingHeap, IsReportedByConstructors) {
+  EXPECT_GT(needed_by_constructor<Model>(), 5);
+  EXPECT_GT(needed_by_constructor<classic::Model>(), 5);
+}
+
+TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
+  // Whatever has to be allocated for later commits is not needed for this one.
+  for (const double slack : {0.0, 0.1, ModelOptions::automatic}) {
+    Model model(some_mesh(), {.slack = slack});
+    move_few(model);
+    for (int i = 0; i < 20; ++i) {
+      if (i % 3 == 0) move_all(model);
+      if (i % 3 != 0) move_few(model);
+      if (i == 10 && slack > 0) model.set_slack(slack / 4);
+      const FailingHeap heap(0, Failing::always);
+      EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
+      EXPECT_TRUE(model.is_committed());
+    }
+    expect_right_answers<Placed>(model);
+  }
+}
+
+/// Plays a motion in which triangles change places on a heap whose allocation `k` fails. Returns whether it did.
+bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Failing failing,
+          std::uint64_t& restructured) {
+  Model model(motion.mesh, options);
+  Pair pair;
+  bool failed = false;
+  int checks = 0;
+  for (int frame = 1; frame <= 16; ++frame) {
+    const std::vector<Vec3> positions = motion.positions(25 * frame);
+    {
+      const FailingHeap heap(k, failing);
+      const std::uint64_t before = allocation_count();
+      const auto move = [&] { EXPECT_TRUE(static_cast<bool>(model.move_all(positions))); };
+      if (throws_bad_alloc(move) && failing == Failing::once) move();
+      if (model.mesh().positions() == positions) {
+        EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
+      }
+      if (heap.has_failed()) failed = true, checks = 3;
+      k -= static_cast<int>(allocation_count() - before);
+    }
+    if (model.mesh().positions() != positions) {
+      EXPECT_TRUE(static_cast<bool>(model.move_all(positions)));
+      model.commit();
+    }
+    if (failing == Failing::always && failed) k = frame % 2 == 0 ? 0 : 1 << 20;  // memory comes and goes
+    const double warm = distance({model}, {probe<Model>()}, {}, pair).upper;
+    if (checks-- > 0 || frame == 16) {
+      expect_right_answers<Placed>(model);
+      EXPECT_NEAR(warm, distance({model}, {probe<Model>()}).upper, tolerance);
+    }
+    if (::testing::Test::HasFailure()) return false;
+    if (options.restructuring == Restructuring::on_worker) std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  // A worker takes as long as it takes.
+  for (int frame = 17; !failed && frame < 2000 && model.maintenance_stats().restructured == 0; ++frame) {
+    EXPECT_TRUE(static_cast<bool>(model.move_all(motion.positions(25 * frame))));
+    model.commit();
+  }
+  restructured = model.maintenance_stats().restructured;
+  return failed;
+}
+
+TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRestructured) {
+  const scenes::Motion soup = scenes::shuffled_soup(256);
+  for (const Restructuring policy : {Restructuring::in_commits, Restructuring::on_worker}) {
+    for (const double slack : {0.0, ModelOptions::automatic}) {
+      for (const Failing failing : {Failing::once, Failing::always}) {
+        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", slack " + std::to_string(slack));
+        const ModelOptions options{.slack = slack, .restructuring = policy, .restructuring_us = 5};
+        std::uint64_t restructured = 0;
+        int k = 0;
+        while (play(soup, options, k, failing, restructured)) ++k;
+        if (HasFailure()) FAIL() << "after allocation " << k;
+        EXPECT_GT(k, 10);
+        EXPECT_GT(restructured, 0U);  // in the last run, which nothing has disturbed
+      }
+    }
+  }
+}
+
+TEST(FailingHeap, LeavesModelsThatGrowFromAPointWithoutSlackForATime) {
+  const Mesh mesh = some_mesh();
+  const Mesh point = Mesh::create(std::vector<Vec3>(mesh.positions().size()), mesh.triangles()).value();
+  Model model(point, {.slack = ModelOptions::automatic});
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(mesh.positions(), 1e-3, 8 + static_cast<std::uint64_t>(i)))));
+    {
+      const FailingHeap heap(0, Failing::always);
+      EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
+    }
+    expect_right_answers<Placed>(model);
+  }
+}
+
+TEST(FailingHeap, LeavesAPairThatKnowsNothing) {
+  const Model model(some_mesh());
+  const Placed a{model}, b{probe<Model>(), {{}, {0, 0, 2}}};
+  const double truth = reference::distance({model.mesh()}, {probe<Model>().mesh(), b.pose}).upper;
+  Pair pair;
+  for (int k = 0;; ++k) {
+    bool threw = false, failed = false;
+    {
+      const FailingHeap heap(k, Failing::once);
+      threw = throws_bad_alloc([&] { distance(a, b, {}, pair); });
+      failed = heap.has_failed();
+    }
+    EXPECT_EQ(threw, failed);
+    EXPECT_EQ(distance(a, b, {}, pair).upper, distance(a, b).upper);
+    EXPECT_NEAR(distance(a, b, {}, pair).upper, truth, tolerance);
+    EXPECT_FALSE(collide(a, b, pair).collision);
+    EXPECT_TRUE(within(a, b, truth * 1.01, pair).within);
+    if (!failed) break;
+    pair.forget();
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What a caller may get wrong, for both engines: models and meshes that have been moved from, options that are no
+// numbers, positions that are the model's own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "limber/reference.h"
+#include "scenes/motions.h"
+#include "support/engines.h"
+#include "support/random_geometry.h"
+#include "tree/node.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Whether a call throws std::invalid_argument, with a text that has this part.
+template <typename Call>
+::testing::AssertionResult is_refused(const Call& call, const std::string& part) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    const std::string text = error.what();
+    if (text.find(part) != std::string::npos) return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << "the text is: " << text;
+  }
+  return ::testing::AssertionFailure() << "nothing was thrown";
+}
+
+template <typename Engine>
+class Misuse : public ::testing::Test {
+ public:
+  static std::string name(const std::string& function) {
+    return std::string(std::is_same_v<Engine, FastEngine> ? "limber::Model::" : "limber::classic::Model::") + function +
+           ": the model has been moved from";
+  }
+};
+struct EngineNames {
+  template <typename Engine>
+  static std::string GetName(int) {
+    return std::is_same_v<Engine, FastEngine> ? "fast" : "classic";
+  }
+};
+using Engines = ::testing::Types<FastEngine, ClassicEngine>;
+TYPED_TEST_SUITE(Misuse, Engines, EngineNames);
+
+TYPED_TEST(Misuse, OfAModelThatWasMovedFromIsRefused) {
+  using Model = typename TypeParam::Model;
+  for (const bool has_moved : {false, true}) {
+    Model model(scenes::ball(12, 7));
+    if (has_moved) {
+      ASSERT_TRUE(static_cast<bool>(model.move_all(scenes::ball(12, 7).positions())));
+    }
+    const Model other(std::move(model));
+    const Model& gone = model;
+    EXPECT_TRUE(other.is_valid());
+    EXPECT_FALSE(gone.is_valid());
+    EXPECT_FALSE(gone.is_committed());
+    EXPECT_TRUE(is_refused([&] { (void)model.move_vertices({}, {}); }, this->name("move_vertices")));
+    EXPECT_TRUE(is_refused([&] { (void)model.move_all({}); }, this->name("move_all")));
+    EXPECT_TRUE(is_refused([&] { model.commit(); }, this->name("commit")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.mesh(); }, this->name("mesh")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.options(); }, this->name("options")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.tree(); }, this->name("tree")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.maintenance_stats(); }, this->name("maintenance_stats")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.tree_stats(); }, this->name("tree_stats")));
+    EXPECT_TRUE(is_refused([&] { (void)gone.validate(); }, this->name("validate")));
+    if constexpr (std::is_same_v<TypeParam, FastEngine>) {
+      EXPECT_TRUE(is_refused([&] { model.restructure(); }, this->name("restructure")));
+      EXPECT_TRUE(is_refused([&] { model.set_slack(1); }, this->name("set_slack")));
+    }
+  }
+}
+
+TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
+  using Model = typename TypeParam::Model;
+  Model model(scenes::ball(12, 7)), other(std::move(model));
+  model = Model(scenes::grid(6, 6, -3, -3, 1, 1));
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.mesh().triangles().size(), 72U);
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  // Both ways, and from a model that has nothing.
+  other = std::move(model);
+  EXPECT_EQ(other.mesh().triangles().size(), 72U);
+  other = std::move(model);
+  EXPECT_FALSE(other.is_valid());
+  // What is still to be committed comes along.
+  Model moved(scenes::ball(12, 7));
+  const std::vector<Vec3> to{{3, 0, 0}};
+  ASSERT_TRUE(static_cast<bool>(moved.move_vertices(std::vector<VertexId>{7}, to)));
+  other = std::move(moved);
+  EXPECT_FALSE(other.is_committed());
+  other.commit();
+  EXPECT_EQ(other.mesh().positions()[7], to[0]);
+  EXPECT_TRUE(static_cast<bool>(other.validate()));
+}
+
+TEST(Misuse, OfAModelThatWasMovedFromEndsWithReset) {
+  Model model(scenes::ball(12, 7), {.slack = 0.5});
+  const Model other(std::move(model));
+  model.reset(scenes::grid(6, 6, -3, -3, 1, 1));
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.options().slack, 0.5);
+  EXPECT_EQ(model.mesh().triangles().size(), 72U);
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+}
+
+TYPED_TEST(Misuse, ByMovingAModelToItselfChangesNothing) {
+  using Model = typename TypeParam::Model;
+  Model model(scenes::ball(12, 7));
+  const std::vector<Vec3> positions = model.mesh().positions();
+  Model& same = model;
+  model = std::move(same);
+  ASSERT_TRUE(model.is_valid());
+  EXPECT_EQ(model.mesh().positions(), positions);
+  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+  model.commit();
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+}
+
+TYPED_TEST(Misuse, OfAMeshThatWasMovedFromIsRefused) {
+  using Model = typename TypeParam::Model;
+  Mesh mesh = scenes::ball(12, 7);
+  const Mesh taken = std::move(mesh);
+  EXPECT_TRUE(is_refused([&] { Model(std::move(mesh)); }, "the mesh has been moved from"));
+  if constexpr (std::is_same_v<TypeParam, FastEngine>) {
+    Model model(taken);
+    EXPECT_TRUE(is_refused([&] { model.reset(std::move(mesh)); }, "the mesh has been moved from"));
+    EXPECT_EQ(model.mesh().positions(), taken.positions());
+    EXPECT_TRUE(model.is_committed());
+  }
+}
+
+TEST(Misuse, OfOptionsIsRefused) {
+  const Mesh mesh = scenes::ball(12, 7);
+  for (const double bad : {nan, -0.5, -2.0, double{INFINITY}, double{-INFINITY}}) {
+    EXPECT_TRUE(is_refused([&] { Model(mesh, {.slack = bad}); }, "limber::Model: options.slack"));
+    EXPECT_TRUE(is_refused([&] { Model(mesh, {.restructuring_us = bad}); }, "limber::Model: options.restructuring_us"));
+    for (const bool has_moved : {false, true}) {
+      Model model(mesh, {.slack = 0.25});
+      if (has_moved) {
+        ASSERT_TRUE(static_cast<bool>(model.move_all(mesh.positions())));
+      }
+      EXPECT_TRUE(is_refused([&] { model.set_slack(bad); }, "limber::Model::set_slack: slack"));
+      EXPECT_EQ(model.options().slack, 0.25);
+      EXPECT_EQ(model.maintenance_stats().slack, 0.25);
+      EXPECT_EQ(model.is_committed(), !has_moved);
+    }
+    const auto classic_with = [&](const classic::Looseness& looseness) {
+      return [&mesh, looseness] { classic::Model(mesh, {.looseness = looseness}); };
+    };
+    EXPECT_TRUE(is_refused(classic_with({.slack = bad}), "options.looseness.slack"));
+    EXPECT_TRUE(is_refused(classic_with({.stale_ratio = bad}), "options.looseness.stale_ratio"));
+  }
+  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.slack = 101}}); }, "options.looseness.slack"));
+  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.stale_ratio = 0.5}}); }, "stale_ratio"));
+}
+
+/// Ids and positions of an update in which every vertex but the first goes where its neighbour is, or the other way
+/// round.
+struct Shift {
+  std::vector<VertexId> ids;
+  std::span<const Vec3> own;
+  std::vector<Vec3> expected;
+
+  Shift(const Mesh& mesh, bool forwards) : ids(mesh.positions().size() - 1), own(mesh.positions()) {
+    std::iota(ids.begin(), ids.end(), forwards ? 1U : 0U);
+    own = forwards ? own.first(ids.size()) : own.last(ids.size());
+    expected = mesh.positions();
+    const std::vector<Vec3> copy(own.begin(), own.end());
+    for (std::size_t i = 0; i < ids.size(); ++i) expected[ids[i]] = copy[i];
+  }
+};
+
+TYPED_TEST(Misuse, IsNotToMoveVerticesToPositionsOfTheModelItself) {
+  using Model = typename TypeParam::Model;
+  for (const bool forwards : {true, false}) {
+    Model model(scenes::ball(12, 7));
+    const Shift shift(model.mesh(), forwards);
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(shift.ids, shift.own)));
+    EXPECT_EQ(model.mesh().positions(), shift.expected);
+    ASSERT_TRUE(static_cast<bool>(model.move_all(model.mesh().positions())));
+    EXPECT_EQ(model.mesh().positions(), shift.expected);
+    // Ids may be those of the model's own triangles.
+    const Corners& corners = model.mesh().triangles()[5];
+    const std::vector<Vec3> to{{1, 2, 3}, {2, 3, 1}, {3, 1, 2}};
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(corners, to)));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(model.mesh().positions()[corners[k]], to[k]);
+    model.commit();
+    EXPECT_TRUE(static_cast<bool>(model.validate()));
+  }
+}
+
+TEST(Misuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
+  for (const bool forwards : {true, false}) {
+    Mesh mesh = scenes::ball(12, 7);
+    const Shift shift(mesh, forwards);
+    mesh.set_positions(shift.ids, shift.own);
+    EXPECT_EQ(mesh.positions(), shift.expected);
+    mesh.set_positions(mesh.positions());
+    EXPECT_EQ(mesh.positions(), shift.expected);
+  }
+}
+
+TEST(Misuse, OfAliasesDoesNotMakePairsTrustWhatHasMoved) {
+  // Every vertex moves by 0.01 along a row. Were each to be read after its neighbour was written, all would end up in
+  // one place, as far away as the row is long, and no pair would know.
+  constexpr std::uint32_t count = 2000;
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  for (std::uint32_t i = 0; i < count; ++i) positions.push_back({0.01 * i, 0.001 * (i % 3), 0});
+  for (std::uint32_t i = count / 2; i + 2 < count; ++i) triangles.push_back({i, i + 1, i + 2});
+  Model row(Mesh::create(positions, triangles).value());
+  const Model probe(soup({{{0, 0, 1}, {0.01, 0, 1}, {0, 0.01, 1}}, {{0, 5, 0}, {0.1, 5, 0}, {0, 5.1, 0}}}));
+  Pair pair;
+  distance({row}, {probe}, {}, pair);
+  const Shift shift(row.mesh(), true);
+  ASSERT_TRUE(static_cast<bool>(row.move_vertices(shift.ids, shift.own)));
+  row.commit();
+  EXPECT_EQ(row.mesh().positions(), shift.expected);
+  const double truth = reference::distance({row.mesh()}, {probe.mesh()}).upper;
+  EXPECT_NEAR(distance({row}, {probe}, {}, pair).upper, truth, 1e-13);
+  // At least what the furthest vertex has gone, at most that and rounding.
+  EXPECT_GE(row.tree().motion, 0.01);
+  EXPECT_LE(row.tree().motion, 0.011);
+}
+
+}  // namespace
+}  // namespace limber::testing
