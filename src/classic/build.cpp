@@ -13,6 +13,7 @@
 
 #include "classic/tree.h"
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "geometry/primitives.h"
 
 namespace limber::classic {
@@ -114,6 +115,7 @@ Sphere with_slack(Sphere tight, const Looseness& looseness) {
 }
 
 Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
+  const core::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::classic::Model: the mesh has been moved from");
   LIMBER_REQUIRE(options.looseness.slack >= 0 && options.looseness.slack <= 100,
                  "limber::classic::Model: options.looseness.slack is not between 0 and 100");

@@ -13,6 +13,7 @@
 
 #include "classic/tree.h"
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "model/mesh.h"
 
 namespace limber::classic {
@@ -91,6 +92,7 @@ void Model::throw_moved_from(const char* function) {
 }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  const core::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
   if (overlaps(tree_->mesh, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
@@ -102,6 +104,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
+  const core::DefaultFloatEnvironment environment;
   require_valid("move_all");
   if (auto sound = check_update_of_all(tree_->mesh, positions); !sound) return sound;
   for (VertexId v = 0; v < positions.size(); ++v) move_vertex(*tree_, v, positions[v]);
@@ -109,6 +112,7 @@ Result<void> Model::move_all(std::span<const Vec3> positions) {
 }
 
 void Model::commit() {
+  const core::DefaultFloatEnvironment environment;
   require_valid("commit");
   Tree& tree = *tree_;
   if (tree.options.maintenance == Maintenance::by_depth) {

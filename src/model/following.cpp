@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "simd/kernels.h"
 
 namespace limber {
@@ -39,6 +40,15 @@ constexpr double worker_slice = 0x1p16;
 
 // Of the leaves' mean radius.
 constexpr double worthwhile_part = 0.5;
+
+// Squared displacements below this have lost digits, or have become 0.
+constexpr double least_square = 0x1p-960;
+
+/// At least the squared distance of two points; 0 only if they are equal.
+double distance_sq_up(const Vec3& p, const Vec3& q) {
+  const double d_sq = length_sq(p - q);
+  return d_sq >= least_square || p == q ? d_sq : least_square;
+}
 
 }  // namespace
 
@@ -117,7 +127,7 @@ bool Following::finds_vertices(const Mesh& mesh) {
 
 void Following::note_step(double length_sq) {
   LIMBER_ASSERT(std::isfinite(length_sq));
-  const double step = std::sqrt(length_sq);
+  const double step = std::sqrt(std::max(length_sq, least_square));
   longest_step_ = std::max(longest_step_, step);
   all_steps_ = (all_steps_ + step) * (1 + 0x1p-50);
   has_moved_ = true;
@@ -133,7 +143,7 @@ void Following::list(const Mesh& mesh, std::span<const VertexId> ids) {
 }
 
 void Following::absorb_or_anchor(const Mesh& mesh, VertexId vertex) {
-  const double away_sq = length_sq(mesh.positions()[vertex] - anchors_[vertex]), most = slack();
+  const double away_sq = distance_sq_up(mesh.positions()[vertex], anchors_[vertex]), most = slack();
   if (away_sq > most * most) return anchor(mesh, vertex);
   furthest_sq_ = std::max(furthest_sq_, away_sq);
   ++absorbed_;
@@ -173,11 +183,11 @@ std::size_t Following::anchor_far(const Mesh& mesh) {
   since_found_ = 0;
   furthest_sq_ =
       simd::kernels().measure_motion(anchors_.data(), positions.data(), positions.size(), max_coordinate).furthest_sq;
-  if (furthest_sq_ <= most_sq) return 0;
+  if (least_square <= furthest_sq_ && furthest_sq_ <= most_sq) return 0;
   furthest_sq_ = 0;
   std::size_t far_count = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
-    const double away_sq = length_sq(positions[v] - anchors_[v]);
+    const double away_sq = distance_sq_up(positions[v], anchors_[v]);
     if (away_sq <= most_sq) {
       furthest_sq_ = std::max(furthest_sq_, away_sq);
       continue;
@@ -231,6 +241,7 @@ void Following::start_worker() {
 }
 
 bool Following::sort_until_stopped() {
+  const core::DefaultFloatEnvironment environment;
   while (!stops_worker_.load(std::memory_order_relaxed)) {
     if (sorting_->work(worker_slice)) return true;
   }

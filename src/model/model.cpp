@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "model/following.h"
 #include "model/mesh.h"
 #include "tree/node.h"
@@ -32,6 +33,11 @@ ModelOptions checked(const ModelOptions& options) {
   return options;
 }
 
+std::unique_ptr<tree::Tree> tree_of(const Mesh& mesh) {
+  const core::DefaultFloatEnvironment environment;
+  return std::make_unique<tree::Tree>(tree::build(mesh));
+}
+
 /// validate() for builds with checks; nothing is known where there is no memory for it.
 [[maybe_unused]] Result<void> validate_if_possible(const Model& model) {
   try {
@@ -44,9 +50,7 @@ ModelOptions checked(const ModelOptions& options) {
 }  // namespace
 
 Model::Model(Mesh mesh, const ModelOptions& options)
-    : mesh_(with_triangles(std::move(mesh))),
-      options_(checked(options)),
-      tree_(std::make_unique<tree::Tree>(tree::build(mesh_))) {
+    : mesh_(with_triangles(std::move(mesh))), options_(checked(options)), tree_(tree_of(mesh_)) {
   LIMBER_VALIDATE(validate_if_possible(*this));
 }
 Model::Model(Model&&) noexcept = default;
@@ -72,12 +76,14 @@ Following& Model::following() {
 }
 
 void Model::restructure() {
+  const core::DefaultFloatEnvironment environment;
   require_valid("restructure");
   following().restructure_all(mesh_);
   commit();
 }
 
 void Model::set_slack(double slack) {
+  const core::DefaultFloatEnvironment environment;
   require_valid("set_slack");
   LIMBER_REQUIRE(is_automatic_or_length(slack), "limber::Model::set_slack: slack is neither a length nor automatic");
   if (following_ != nullptr) following_->set_slack(mesh_, slack);
@@ -87,6 +93,7 @@ void Model::set_slack(double slack) {
 void Model::reset(Mesh mesh) { *this = Model(std::move(mesh), options_); }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  const core::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
   if (overlaps(mesh_, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
@@ -100,6 +107,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
+  const core::DefaultFloatEnvironment environment;
   require_valid("move_all");
   const Result<double> furthest_sq = check_steps_of_all(mesh_, positions);
   if (!furthest_sq) return furthest_sq.error();
@@ -109,6 +117,7 @@ Result<void> Model::move_all(std::span<const Vec3> positions) {
 }
 
 void Model::commit() {
+  const core::DefaultFloatEnvironment environment;
   require_valid("commit");
   if (following_ == nullptr) return;
   following_->commit(mesh_, maintenance_);
@@ -136,6 +145,7 @@ TreeStats Model::tree_stats() const {
 }
 
 Result<void> Model::validate() const {
+  const core::DefaultFloatEnvironment environment;
   require_valid("validate");
   if (following_ == nullptr) return tree::validate(*tree_, mesh_);
   const MeshView anchored = following_->anchored(mesh_);
