@@ -20,6 +20,25 @@
 /// counted, so that face ids stay the file's own. Messages count vertices and faces from 0, also in OBJ files.
 namespace limber {
 
+/// What mesh files may ask for; whatever asks for more is refused with `too_large` before memory is taken for it.
+namespace mesh_file_limits {
+
+/// Bytes of a file, together with the buffer files that a glTF file names.
+inline constexpr std::uint64_t bytes = std::uint64_t{1} << 32U;
+
+/// Lists and objects inside each other in the JSON description of a glTF file.
+inline constexpr std::size_t gltf_json_depth = 64;
+
+/// Numbers, strings, lists and objects in the JSON description of a glTF file.
+inline constexpr std::size_t gltf_json_values = std::size_t{1} << 22U;
+
+/// Vertices and triangles of a glTF scene, whose nodes may show a mesh many times: at most this number, or
+/// `gltf_elements_per_byte` for each byte of its files where that is more. A scene that shows each mesh once is below.
+inline constexpr std::uint64_t gltf_elements = std::uint64_t{1} << 21U;
+inline constexpr std::uint64_t gltf_elements_per_byte = 2;
+
+}  // namespace mesh_file_limits
+
 /// A mesh as a file describes it.
 struct MeshFile {
   Mesh mesh;                                    ///< triangulated and welded; positions in order of first appearance
