@@ -11,9 +11,11 @@ GltfParts varied_gltf() {
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 0}}) {
     for (const double c : {p.x, p.y, p.z, 99.0}) append(parts.buffer, static_cast<float>(c));
   }
-  for (const char v : {0, 1, 2, 3}) parts.buffer += v;                                  // bytes 64 to 67
-  for (const char byte : {1, 0, 3, 0}) parts.buffer += byte;                            // bytes 68 to 71
-  for (const float c : {5.0F, 6.0F, 7.0F, 8.0F, 9.0F, 10.0F}) append(parts.buffer, c);  // bytes 72 to 95
+  parts.buffer += std::string(
+      "\0\1\2\3"
+      "\1\0\3\0",
+      8);  // from byte 64: four bytes, two 16-bit numbers
+  for (const float c : {5.0F, 6.0F, 7.0F, 8.0F, 9.0F, 10.0F}) append(parts.buffer, c);  // from byte 72
   parts.views = R"([{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":4},)"
                 R"({"buffer":0,"byteOffset":68,"byteLength":4},{"buffer":0,"byteOffset":72,"byteLength":24}])";
   parts.accessors = R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"

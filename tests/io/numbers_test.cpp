@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -43,7 +44,8 @@ const std::string zeros_400(400, '0');
 TEST_F(Numbers, below_the_range_are_zero_however_they_are_written) {
   for (const std::string& decimal :
        {"0." + zeros_400 + "1", "." + zeros_400 + "1", std::string("1e-400"), std::string("1E-99999999999999999999"),
-        "0." + zeros_400 + "1e0", "0." + zeros_400 + zeros_400 + "1e+400", "123e-400", "0.0000001e-320"}) {
+        "0." + zeros_400 + "1e0", "0." + zeros_400 + zeros_400 + "1e+400", std::string("123e-400"),
+        std::string("0.0000001e-320")}) {
     expect_value(decimal, 0.0);
     expect_value("-" + decimal, -0.0);
     expect_value("+" + decimal, 0.0);
@@ -80,16 +82,16 @@ TEST_F(Numbers, agree_with_the_standard_library_for_random_decimals) {
     std::string decimals;
     std::array<double, 3> expected{};
     for (double& value : expected) {
-      std::string decimal = random() % 2 == 0 ? "-" : "";
+      std::string decimal(random() % 2, '-');
       const std::size_t digit_count = 1 + random() % 40, point = random() % (digit_count + 1);
       for (std::size_t i = 0; i < digit_count; ++i) {
         if (i == point) decimal += '.';
         decimal += static_cast<char>('0' + random() % 10);
       }
-      decimal += "e" + std::to_string(static_cast<int>(random() % 340) - 320);
+      decimal.append(1, 'e').append(std::to_string(static_cast<int>(random() % 340) - 320));
       value = exact(decimal.c_str());
-      if (!(std::abs(value) < max_coordinate)) decimal = "1", value = 1;
-      decimals += decimal + " ";
+      if (!(std::abs(value) < max_coordinate)) decimal.assign(1, '1'), value = 1;
+      decimals.append(decimal).append(1, ' ');
     }
     for (const auto& [name, bytes] : files_with(decimals)) {
       const Result<MeshFile> file = read(name, bytes);
