@@ -10,7 +10,7 @@
 
 #include "limber/mesh.h"
 
-/// Mesh files: OBJ, PLY, STL, OFF, glTF (.gltf, .glb). Target limber::io.
+/// Mesh files: OBJ, PLY, STL, OFF, glTF 2.0 (.gltf, .glb). Target limber::io. Files may come from anywhere.
 ///
 /// The extension decides the format, in capitals or not. Coordinates keep float64 precision where the file has it
 /// (text, PLY of doubles); binary STL and glTF hold float32. A glTF scene becomes one mesh, every node's primitives
@@ -48,10 +48,11 @@ struct MeshFile {
 
 /// Reads a file.
 ///
-/// Errors   One line naming file and reason: `unreadable_file` (missing, a folder, no permission), `unsupported_format`
-///          (the extension), `malformed_file` (truncated, not a mesh), `empty_mesh` (no face of three corners),
-///          `non_finite`, `too_large` or `index_out_of_range` with the file's vertex or face.
-/// Cost     O(size of the file).
+/// Errors   One line naming file and reason: `unreadable_file` (missing, no regular file, no permission),
+///          `unsupported_format` (the extension, or a glTF extension), `malformed_file` (truncated, not a mesh),
+///          `empty_mesh` (no face of three corners), `too_large` (beyond `mesh_file_limits`), `non_finite`, `too_large`
+///          or `index_out_of_range` with the file's vertex or face.
+/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
 /// The same, the mesh alone.
