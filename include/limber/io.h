@@ -10,7 +10,7 @@
 
 #include "limber/mesh.h"
 
-/// Mesh files: OBJ, PLY, STL, OFF, glTF (.gltf, .glb). Target limber::io.
+/// Mesh files: OBJ, PLY, STL, OFF, glTF 2.0 (.gltf, .glb). Target limber::io. Files may come from anywhere.
 ///
 /// The extension decides the format, in capitals or not. Coordinates keep float64 precision where the file has it
 /// (text, PLY of doubles); binary STL and glTF hold float32. A glTF scene becomes one mesh, every node's primitives
@@ -19,6 +19,25 @@
 /// order. Vertices at equal positions are shared (welded) afterwards. Faces of fewer than three corners are skipped but
 /// counted, so that face ids stay the file's own. Messages count vertices and faces from 0, also in OBJ files.
 namespace limber {
+
+/// What mesh files may ask for; whatever asks for more is refused with `too_large` before memory is taken for it.
+namespace mesh_file_limits {
+
+/// Bytes of a file, together with the buffer files that a glTF file names.
+inline constexpr std::uint64_t bytes = std::uint64_t{1} << 32U;
+
+/// Lists and objects inside each other in the JSON description of a glTF file.
+inline constexpr std::size_t gltf_json_depth = 64;
+
+/// Numbers, strings, lists and objects in the JSON description of a glTF file.
+inline constexpr std::size_t gltf_json_values = std::size_t{1} << 22U;
+
+/// Vertices and triangles of a glTF scene, whose nodes may show a mesh many times: at most this number, or
+/// `gltf_elements_per_byte` for each byte of its files where that is more. A scene that shows each mesh once is below.
+inline constexpr std::uint64_t gltf_elements = std::uint64_t{1} << 21U;
+inline constexpr std::uint64_t gltf_elements_per_byte = 2;
+
+}  // namespace mesh_file_limits
 
 /// A mesh as a file describes it.
 struct MeshFile {
@@ -29,10 +48,11 @@ struct MeshFile {
 
 /// Reads a file.
 ///
-/// Errors   One line naming file and reason: `unreadable_file` (missing, a folder, no permission), `unsupported_format`
-///          (the extension), `malformed_file` (truncated, not a mesh), `empty_mesh` (no face of three corners),
-///          `non_finite`, `too_large` or `index_out_of_range` with the file's vertex or face.
-/// Cost     O(size of the file).
+/// Errors   One line naming file and reason: `unreadable_file` (missing, no regular file, no permission),
+///          `unsupported_format` (the extension, or a glTF extension), `malformed_file` (truncated, not a mesh),
+///          `empty_mesh` (no face of three corners), `too_large` (beyond `mesh_file_limits`), `non_finite`, `too_large`
+///          or `index_out_of_range` with the file's vertex or face.
+/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
 /// The same, the mesh alone.

@@ -291,14 +291,6 @@ TEST_F(Errors, glb_chunks_that_promise_gigabytes_are_refused_at_once) {
   }
 }
 
-// A limit of the loader, which tells nobody but its log.
-TEST_F(Errors, gltf_triangles_that_name_missing_vertices_are_dropped) {
-  const std::string buffer = gltf_buffer(tetrahedron_positions, {{0, 2, 1}, {0, 1, 4}});
-  const Result<MeshFile> file = read("a.glb", glb(gltf_json(4, 6), buffer));
-  ASSERT_TRUE(file) << file.error().text;
-  EXPECT_EQ(file->mesh.triangles(), (std::vector<Corners>{{0, 2, 1}}));
-}
-
 TEST_F(Errors, gltf_accessors_outside_their_buffer_are_malformed) {
   const std::string buffer = gltf_buffer(tetrahedron_positions, tetrahedron_triangles);
   EXPECT_EQ(refused("a.glb", glb(gltf_json(4, 13), buffer)).code, ErrorCode::malformed_file);

@@ -4,10 +4,6 @@
 
 #include <sstream>
 
-// Assimp leaks a few hundred bytes for glTF files it gives up on.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp\n"; }
-
 namespace limber {
 
 std::string tetrahedron_obj() {

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdint>
+#include <filesystem>
 
 #include "program/run_program.h"
 
@@ -120,6 +124,11 @@ TEST(ProgramBadInput, Tracks) {
   expect_refused(with_poses("# a\ntx,ty,tz,qw,qx,qy,qz\n0,0,3,1,0,0,x\n"), "poses.csv: line 3: 'x' is not a number");
   expect_refused(with_poses("0,0,3,0,0,0,0\n"), "poses.csv: line 1: the quaternion");
   expect_refused(with_poses("0,0,3,1,0,0,0\ntx,ty,tz,qw,qx,qy,qz\n"), "poses.csv: line 2: 'tx' is not a number");
+  expect_refused(with_poses("0;0;3;1;0;0;0\n0;0;4;1;0;0;0\n"), "poses.csv: line 1: fields are separated by commas");
+  expect_refused(with_poses("tx;ty;tz;qw;qx;qy;qz\n"), "poses.csv: line 1: fields are separated by commas");
+  expect_refused(with_poses("0 0 3 1 0 0 0\n0 0 4 1 0 0 0\n"), "poses.csv: line 1: a pose is 7 numbers");
+  expect_refused(with_poses("\n0,0,3,1,0,0,0" + std::string(5000, ' ') + "\n"), "poses.csv: line 2: is longer than");
+  expect_refused(with_poses("0,0,3,1,0,0,\x1b[31m\n"), "line 1: '?[31m' is not a number");
   expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("no.csv")}, "no.csv");
   expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("")}, "is a folder");
   expect_refused(
@@ -129,6 +138,19 @@ TEST(ProgramBadInput, Tracks) {
                   folder.store("three.csv", "0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n")},
                  "--a has 2 frames, but --poses-b has 3");
   expect_refused({"track", "--a", "scene:wave:0", folder.path("x.obj"), "--b", "scene:ball"}, "not both");
+}
+
+TEST(ProgramBadInput, PosesThatAreNoRegularFiles) {
+  const Folder folder;
+  const auto with_poses = [](const std::string& path) {
+    return Words{"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-a", path};
+  };
+  ASSERT_EQ(mkfifo(folder.path("pipe.csv").c_str(), 0600), 0);
+  expect_refused(with_poses(folder.path("pipe.csv")), "pipe.csv: is not a regular file");
+  expect_refused(with_poses("/dev/zero"), "/dev/zero: is not a regular file");
+  const std::string large = folder.store("large.csv", "0,0,3,1,0,0,0\n");
+  std::filesystem::resize_file(large, (std::uintmax_t{1} << 28U) + 1);  // takes no room on disk
+  expect_refused(with_poses(large), "large.csv: has 268435457 bytes, more than the limit");
 }
 
 TEST(ProgramBadInput, PagesThatCannotBeWritten) {

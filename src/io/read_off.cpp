@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdint>
 
-#include "io/prepare.h"
+#include "io/readers.h"
 #include "io/text_scan.h"
 
 namespace limber::io {
@@ -12,8 +13,7 @@ namespace {
 std::string_view take_record(std::string_view& rest) {
   while (!rest.empty()) {
     const std::string_view line = without_comment(take_line(rest));
-    std::string_view words = line;
-    if (!take_word(words).empty()) return line;
+    if (!std::all_of(line.begin(), line.end(), is_blank)) return line;
   }
   return {};
 }
@@ -28,16 +28,35 @@ Result<void> take_keyword(std::string_view& record) {
   for (const std::string_view extra : {"ST", "C", "N"}) {
     if (kind.starts_with(extra)) kind.remove_prefix(extra.size());
   }
-  if (!kind.empty()) return malformed(quoted(word.substr(0, at + 3)) + " is not read, only OFF, NOFF, COFF and STOFF");
+  if (!kind.empty())
+    return malformed(in_quotes(word.substr(0, at + 3)) + " is not read, only OFF, NOFF, COFF and STOFF");
   record.remove_prefix(static_cast<std::size_t>(word.data() - record.data()) + at + 3);
+  return {};
+}
+
+/// Reads the corners of a face; colours may follow them.
+Result<void> read_face(std::string_view words, std::uint32_t vertex_count, FaceLists& faces) {
+  const std::size_t face = faces.size();
+  const std::string_view size_word = take_word(words);
+  const auto size = integer<std::uint32_t>(size_word);
+  if (!size) return malformed("face", face, in_quotes(size_word) + " is not a number of corners");
+  for (std::uint32_t i = 0; i < *size; ++i) {
+    const std::string_view word = take_word(words);
+    const auto corner = integer<std::int64_t>(word);
+    if (!corner) {
+      return malformed("face", face,
+                       word.empty() ? "fewer corners than promised" : in_quotes(word) + " is not a corner");
+    }
+    if (*corner < 0 || *corner >= vertex_count) return missing_vertex(face, *corner, vertex_count);
+    faces.corners.push_back(static_cast<std::uint32_t>(*corner));
+  }
+  faces.ends.push_back(faces.corners.size());
   return {};
 }
 
 }  // namespace
 
-// Kept from CGAL's reader: counts, for which it allocates before it reads; colours, which it looks up outside its table
-// when they are too few or too small; negative indices, which it converts without a check.
-Result<std::string> prepare_off(std::string_view file) {
+Result<Soup> read_off(std::string_view file) {
   std::string_view rest = without_byte_order_mark(file);
   std::string_view record = take_record(rest);
   if (Result<void> taken = take_keyword(record); !taken) return taken.error();
@@ -50,41 +69,24 @@ Result<std::string> prepare_off(std::string_view file) {
   const auto face_count = integer<std::uint32_t>(take_word(words));
   if (!vertex_count || !face_count) return malformed("has no counts of vertices and faces after OFF");
 
-  std::string text = "OFF\n" + std::to_string(*vertex_count) + " " + std::to_string(*face_count) + " 0\n";
+  Soup soup;
   for (std::size_t vertex = 0; vertex < *vertex_count; ++vertex) {
     words = take_record(rest);
-    if (words.empty()) return malformed("ends before vertex " + std::to_string(vertex) + " of " + std::string(first));
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::string_view word = take_word(words);
-      if (Result<void> checked = check_coordinate(word, vertex); !checked) return checked.error();
-      text.append(word).append(1, axis < 2 ? ' ' : '\n');
+    if (words.empty()) {
+      return malformed("ends before vertex " + std::to_string(vertex) + " of " + std::to_string(*vertex_count));
     }
+    Vec3 position;
+    if (Result<void> taken = take_position(words, vertex, position); !taken) return taken.error();
+    soup.positions.push_back(position);
   }
   for (std::size_t face = 0; face < *face_count; ++face) {
     words = take_record(rest);
-    if (words.empty())
+    if (words.empty()) {
       return malformed("ends before face " + std::to_string(face) + " of " + std::to_string(*face_count));
-    const std::string_view size_word = take_word(words);
-    const auto size = integer<std::uint32_t>(size_word);
-    if (!size) return malformed("face", face, quoted(size_word) + " is not a number of corners");
-    text.append(size_word);
-    for (std::uint32_t corner = 0; corner < *size; ++corner) {
-      const std::string_view word = take_word(words);
-      const auto index = integer<std::int64_t>(word);
-      if (!index)
-        return malformed("face", face,
-                         word.empty() ? "fewer corners than promised" : quoted(word) + " is not a corner");
-      if (*index < 0 || *index >= *vertex_count) {
-        return Error{ErrorCode::index_out_of_range,
-                     "face " + std::to_string(face) + " names vertex " + std::string(word) + ", but there are only " +
-                         std::string(first) + " vertices",
-                     face};
-      }
-      text.append(1, ' ').append(word);
     }
-    text += '\n';
+    if (Result<void> read = read_face(words, *vertex_count, soup.faces); !read) return read.error();
   }
-  return text;
+  return soup;
 }
 
 }  // namespace limber::io

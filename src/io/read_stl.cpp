@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+
+#include "core/check.h"
+#include "io/byte_order.h"
+#include "io/readers.h"
+#include "io/text_scan.h"
+
+namespace limber::io {
+namespace {
+
+constexpr std::size_t binary_head_bytes = 84, binary_facet_bytes = 50, binary_normal_bytes = 12;
+
+/// What a binary file of the promised number of facets would hold.
+std::optional<std::uint64_t> promised_bytes(std::string_view file) {
+  if (file.size() < binary_head_bytes) return {};
+  return binary_head_bytes + unsigned_number(file.substr(80, 4)) * binary_facet_bytes;
+}
+
+/// Adds a triangle of the last three positions.
+void add_facet(Soup& soup) {
+  LIMBER_ASSERT(soup.positions.size() >= 3 && soup.positions.size() < no_id);
+  const auto vertex_count = static_cast<std::uint32_t>(soup.positions.size());
+  for (std::uint32_t i = 3; i > 0; --i) soup.faces.corners.push_back(vertex_count - i);
+  soup.faces.ends.push_back(soup.faces.corners.size());
+}
+
+/// Pre: the file is as long as its number of facets asks for.
+Soup read_binary(std::string_view file) {
+  LIMBER_ASSERT(promised_bytes(file) == file.size());
+  const std::size_t facet_count = (file.size() - binary_head_bytes) / binary_facet_bytes;
+  Soup soup;
+  soup.positions.reserve(3 * facet_count);
+  soup.faces.corners.reserve(3 * facet_count);
+  soup.faces.ends.reserve(facet_count);
+  for (std::size_t facet = 0; facet < facet_count; ++facet) {
+    std::size_t at = binary_head_bytes + facet * binary_facet_bytes + binary_normal_bytes;
+    for (int corner = 0; corner < 3; ++corner) {
+      Vec3 position;
+      for (std::size_t axis = 0; axis < 3; ++axis, at += 4) position[axis] = float_number(file.substr(at, 4));
+      soup.positions.push_back(position);
+    }
+    add_facet(soup);
+  }
+  return soup;
+}
+
+/// Keywords are in small letters, in capitals from some programs.
+bool is_keyword(std::string_view word, std::string_view keyword) {
+  return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                    [](char c, char k) { return c == k || c == k - 'a' + 'A'; });
+}
+
+Error misplaced(std::size_t facet, std::string_view found, std::string_view wanted) {
+  return malformed("facet", facet,
+                   found.empty() ? "the file ends where '" + std::string(wanted) + "' is due"
+                                 : in_quotes(found) + " stands where '" + std::string(wanted) + "' is due");
+}
+
+Result<void> check_words(std::string_view& rest, std::size_t facet, std::initializer_list<std::string_view> due) {
+  for (const std::string_view wanted : due) {
+    const std::string_view found = take_word(rest);
+    if (!is_keyword(found, wanted)) return misplaced(facet, found, wanted);
+  }
+  return {};
+}
+
+/// Reads a facet whose first word is taken already.
+Result<void> read_facet(std::string_view& rest, Soup& soup) {
+  const std::size_t facet = soup.faces.size();
+  if (Result<void> checked = check_words(rest, facet, {"normal"}); !checked) return checked;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = take_word(rest);
+    if (number(word).kind == NumberKind::none) return misplaced(facet, word, "a number");
+  }
+  if (Result<void> checked = check_words(rest, facet, {"outer", "loop"}); !checked) return checked;
+  for (int corner = 0; corner < 3; ++corner) {
+    if (Result<void> checked = check_words(rest, facet, {"vertex"}); !checked) return checked;
+    Vec3 position;
+    if (Result<void> taken = take_position(rest, soup.positions.size(), position); !taken) return taken;
+    soup.positions.push_back(position);
+  }
+  add_facet(soup);
+  return check_words(rest, facet, {"endloop", "endfacet"});
+}
+
+Result<Soup> read_text(std::string_view file) {
+  std::string_view rest = without_byte_order_mark(file);
+  Soup soup;
+  for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+    if (!is_keyword(word, "solid")) return misplaced(soup.faces.size(), word, "solid");
+    take_line(rest);  // the solid's name
+    for (word = take_word(rest); is_keyword(word, "facet"); word = take_word(rest)) {
+      if (Result<void> read = read_facet(rest, soup); !read) return read.error();
+    }
+    if (!is_keyword(word, "endsolid")) return misplaced(soup.faces.size(), word, "endsolid");
+    take_line(rest);
+  }
+  return soup;
+}
+
+}  // namespace
+
+Result<Soup> read_stl(std::string_view file) {
+  const std::optional<std::uint64_t> promised = promised_bytes(file);
+  if (promised == file.size()) return read_binary(file);  // also when it starts with "solid", as some binary files do
+  std::string_view rest = without_byte_order_mark(file);
+  if (is_keyword(take_word(rest), "solid") && file.find('\0') == file.npos) return read_text(file);
+  if (!promised) return malformed("is neither a text nor a binary STL file");
+  return malformed("is no STL text, and as a binary file it promises " + std::to_string(*promised) + " bytes but has " +
+                   std::to_string(file.size()));
+}
+
+}  // namespace limber::io

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/text_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace limber::io {
+namespace {
+
+/// Whether a non-zero decimal that std::from_chars found out of range is too small rather than too large.
+///
+/// Such a decimal is below 1e-300 or above 1e300, so the power of ten of its first digit decides.
+bool is_below_range(std::string_view decimal) {
+  const std::size_t exponent_at = std::min(decimal.find_first_of("eE"), decimal.size());
+  const std::string_view digits = decimal.substr(0, exponent_at);
+  const std::size_t first_digit = digits.find_first_of("123456789");
+  const std::size_t point = std::min(digits.find('.'), digits.size());
+  if (first_digit == digits.npos) return true;
+  const auto power_of_digits = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(first_digit);
+  if (exponent_at == decimal.size()) return power_of_digits <= 0;
+  const std::string_view exponent_word = decimal.substr(exponent_at + 1);
+  const std::optional<std::int64_t> exponent = integer<std::int64_t>(exponent_word);
+  // Files are far shorter than 2^62 bytes, so an exponent of more digits outweighs all others.
+  constexpr std::int64_t largest = std::int64_t{1} << 62U;
+  if (!exponent || *exponent < -largest || *exponent > largest) return exponent_word.starts_with('-');
+  return power_of_digits + *exponent <= 0;
+}
+
+bool is_microsoft_infinity_or_nan(std::string_view word) {
+  return word.find("#I") != word.npos || word.find("#Q") != word.npos || word.find("#S") != word.npos;
+}
+
+}  // namespace
+
+std::string_view without_comment(std::string_view line) {
+  std::size_t at = line.find('#');
+  while (at != line.npos && at > 0 && line[at - 1] == '.' && at + 1 < line.size() && line[at + 1] >= 'I' &&
+         line[at + 1] <= 'S') {
+    at = line.find('#', at + 1);
+  }
+  return line.substr(0, at);
+}
+
+Number number(std::string_view word) {
+  word = without_plus(word);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_whole_word = end == word.data() + word.size();
+  if (error == std::errc::invalid_argument) return {};
+  if (!is_whole_word) {
+    return {is_microsoft_infinity_or_nan(word) ? NumberKind::non_finite : NumberKind::none, 0};
+  }
+  if (error == std::errc::result_out_of_range) {
+    if (!is_below_range(word)) return {NumberKind::non_finite, 0};
+    return {NumberKind::finite, word.starts_with('-') ? -0.0 : 0.0};
+  }
+  return std::isfinite(value) ? Number{NumberKind::finite, value} : Number{NumberKind::non_finite, 0};
+}
+
+Result<void> take_position(std::string_view& words, std::size_t vertex, Vec3& position) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string_view word = take_word(words);
+    const Number coordinate = number(word);
+    if (coordinate.kind != NumberKind::finite) return bad_coordinate(word, coordinate.kind, vertex);
+    position[axis] = coordinate.value;
+  }
+  return {};
+}
+
+Error bad_coordinate(std::string_view word, NumberKind kind, std::size_t vertex) {
+  if (kind == NumberKind::non_finite) return not_finite(vertex);
+  return malformed("vertex", vertex,
+                   word.empty() ? "fewer than three coordinates" : in_quotes(word) + " is not a number");
+}
+
+}  // namespace limber::io

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <sys/resource.h>
+
+#include <bit>
+#include <chrono>
+#include <cmath>
+
+#include "gltf_parts.h"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Limits = FilesTest;
+
+std::string repeated(std::string_view text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST_F(Limits, pipes_and_devices_are_refused_without_being_read) {
+  ASSERT_EQ(mkfifo(path("pipe.obj").c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", path("zero.obj"));
+  for (const char* name : {"pipe.obj", "zero.obj"}) {
+    const Result<MeshFile> file = read_mesh_file(path(name));
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code, ErrorCode::unreadable_file);
+    EXPECT_EQ(file.error().text, path(name).string() + ": is not a regular file");
+  }
+}
+
+TEST_F(Limits, files_above_the_limit_are_refused_without_being_read) {
+  for (const char* name : {"a.obj", "a.ply", "a.off", "a.stl", "a.gltf", "a.glb"}) {
+    write(name, "");
+    fs::resize_file(path(name), mesh_file_limits::bytes + 1);  // takes no room on disk
+    const Result<MeshFile> file = read_mesh_file(path(name));
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code, ErrorCode::too_large);
+  }
+}
+
+TEST_F(Limits, buffer_files_above_the_limit_are_refused_without_being_read) {
+  GltfParts parts;
+  write("a.bin", "");
+  fs::resize_file(path("a.bin"), mesh_file_limits::bytes);  // the description is above the limit with it
+  parts.uri = "a.bin";
+  EXPECT_EQ(refused("a.gltf", parts.gltf()).code, ErrorCode::too_large);
+}
+
+TEST_F(Limits, descriptions_nested_too_deeply_are_refused) {
+  GltfParts parts;
+  const auto nested = [&](std::size_t depth) {
+    parts.more = R"("extras":)" + repeated("[", depth) + repeated("]", depth) + ",";
+    return parts.gltf();
+  };
+  EXPECT_TRUE(read("a.gltf", nested(mesh_file_limits::gltf_json_depth - 1)));
+  EXPECT_EQ(refused("a.gltf", nested(mesh_file_limits::gltf_json_depth)).code, ErrorCode::too_large);
+  EXPECT_EQ(refused("a.gltf", nested(1'500'000)).code, ErrorCode::too_large);
+  EXPECT_EQ(refused("a.gltf", R"({"a":)" + repeated(R"({"a":)", 1'000'000)).code, ErrorCode::too_large);
+}
+
+TEST_F(Limits, descriptions_of_too_many_values_are_refused) {
+  GltfParts parts;
+  parts.more = R"("extras":[0)" + repeated(",0", mesh_file_limits::gltf_json_values) + "],";
+  EXPECT_EQ(refused("a.gltf", parts.gltf()).code, ErrorCode::too_large);
+}
+
+TEST_F(Limits, scenes_that_show_a_mesh_too_often_are_refused) {
+  GltfParts parts;
+  // One accessor of zeros and one triangle of it: 2^20 elements each time the mesh is shown.
+  constexpr std::size_t shown = mesh_file_limits::gltf_elements >> 20U;
+  const std::string count = std::to_string((std::size_t{1} << 20U) - 1);
+  parts.accessors = R"([{"componentType":5126,"type":"VEC3","count":)" + count +
+                    R"(},{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}])";
+  const auto scene = [&](std::size_t node_count) {
+    std::string roots = "0";
+    for (std::size_t n = 1; n < node_count; ++n) roots += "," + std::to_string(n);
+    parts.scenes = R"([{"nodes":[)" + roots + "]}]";
+    parts.nodes = "[" + repeated(R"({"mesh":0},)", node_count - 1) + R"({"mesh":0}])";
+    return parts.gltf();
+  };
+  const Result<MeshFile> most = read("a.gltf", scene(shown));
+  ASSERT_TRUE(most) << most.error().text;
+  EXPECT_EQ(most->face_count, shown);
+  EXPECT_EQ(refused("a.gltf", scene(shown + 1)).code, ErrorCode::too_large);
+  EXPECT_EQ(refused("a.gltf", scene(20'000)).code, ErrorCode::too_large);
+}
+
+TEST_F(Limits, nodes_that_show_two_children_twice_each_are_refused) {
+  GltfParts parts;
+  parts.nodes = "[";
+  for (int n = 1; n <= 26; ++n) {
+    const std::string next = std::to_string(n);
+    parts.nodes += R"({"children":[)" + next + "," + next + "]},";
+  }
+  parts.nodes += R"({"mesh":0}])";
+  EXPECT_NE(refused("a.gltf", parts.gltf()).text.find("is a child of node 0 and again of node 0"), std::string::npos);
+}
+
+/// Positions whose hash values agree in their low bits, for the hash function of the weld undone step by step.
+std::vector<double> colliding_abscissas(std::size_t count) {
+  constexpr std::uint64_t factor = 0x9e37'79b9'7f4a'7c15U;
+  std::uint64_t inverse = 1;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - factor * inverse;  // Newton's method modulo 2^64
+  std::vector<double> abscissas;
+  for (std::uint64_t high = 1; abscissas.size() < count; ++high) {
+    std::uint64_t h = high << 32U;
+    for (int step = 0; step < 3; ++step) {
+      h ^= h >> 32U;
+      h *= inverse;
+    }
+    const auto x = std::bit_cast<double>(h);
+    if (std::isnormal(x) && std::abs(x) < max_coordinate && std::abs(x) > 1e-200) abscissas.push_back(x);
+  }
+  return abscissas;
+}
+
+TEST_F(Limits, positions_made_to_collide_in_the_hash_table_take_no_quadratic_time) {
+  constexpr std::size_t vertex_count = 300'000;
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertex_count) +
+                      "\nproperty double x\nproperty float y\nproperty float z\nelement face 1\n"
+                      "property list uchar int vertex_indices\nend_header\n";
+  const std::vector<double> abscissas = colliding_abscissas(vertex_count - 2);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    append(bytes, abscissas[v % abscissas.size()]);  // the last two are at the places of the first two
+    append(bytes, 0.0F);
+    append(bytes, v == 0 ? -0.0F : 0.0F);
+  }
+  append(bytes, std::uint8_t{3});
+  for (const std::uint32_t v : {1U, static_cast<std::uint32_t>(vertex_count - 2), 2U}) append(bytes, v);
+  const auto start = std::chrono::steady_clock::now();
+  const Result<MeshFile> file = read("a.ply", bytes);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  ASSERT_TRUE(file) << file.error().text;
+  EXPECT_LT(elapsed.count(), 20);  // a quadratic method takes minutes
+  ASSERT_EQ(file->mesh.positions().size(), vertex_count - 2);
+  EXPECT_EQ(file->mesh.triangles()[0], (Corners{1, 0, 2}));
+  for (std::size_t v = 0; v < abscissas.size(); ++v) ASSERT_EQ(file->mesh.positions()[v].x, abscissas[v]) << v;
+}
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr long memory_factor = 8;  // freed memory is kept for a while
+#else
+constexpr long memory_factor = 1;
+#endif
+
+/// Files of nearly a megabyte, made of what takes most memory for its length in each format.
+std::vector<std::pair<std::string, std::string>> dense_files() {
+  constexpr std::size_t bytes = 1'000'000;
+  const std::string corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const auto with_extras = [](const std::string& extras) {
+    GltfParts parts;
+    parts.more = R"("extras":)" + extras + ",";
+    return parts.gltf();
+  };
+  std::string object = "{\"\":0";
+  for (std::size_t i = 0; object.size() < bytes - 1000; ++i) object += ",\"" + std::to_string(i) + "\":0";
+  GltfParts most;
+  most.accessors = R"([{"componentType":5126,"type":"VEC3","count":2097148},)"
+                   R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}])";
+  GltfParts strip;
+  strip.buffer = std::string(36, '\0') + repeated(std::string_view("\0\1\2\0", 4), bytes / 6);
+  strip.views = R"([{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":)" +
+                std::to_string(strip.buffer.size() - 36) + "}]";
+  strip.accessors = R"([{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+                    R"({"bufferView":1,"componentType":5121,"type":"SCALAR","count":)" +
+                    std::to_string(strip.buffer.size() - 36) + "}]";
+  strip.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"mode":5}])";
+  return {{"faces.obj", corner + repeated("f\n", bytes / 2 - 20) + "f 1 2 3\n"},
+          {"corners.obj", corner + "f 1 2 3" + repeated(" 1", bytes / 2 - 20) + "\n"},
+          {"vertices.obj", corner + "f 1 2 3\n" + repeated("v 0 0 0\n", bytes / 8 - 5)},
+          {"faces.ply",
+           "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+           "property float z\nelement face 900000\nproperty list uchar int vertex_index\nend_header\n" +
+               std::string(12 + 900'000, '\0')},
+          {"zeros.gltf", most.gltf()},
+          {"strip.glb", strip.glb()},
+          {"list.gltf", with_extras("[0" + repeated(",0", bytes / 2 - 500) + "]")},
+          {"lists.gltf", with_extras("[[]" + repeated(",[]", bytes / 3 - 500) + "]")},
+          {"object.gltf", with_extras(object + "}")}};
+}
+
+TEST_F(Limits, files_below_a_megabyte_take_little_memory_and_time) {
+  for (const auto& [name, bytes] : dense_files()) {
+    ASSERT_LT(bytes.size(), 1'000'000U) << name;
+    const auto start = std::chrono::steady_clock::now();
+    static_cast<void>(read(name, bytes));
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    EXPECT_LT(elapsed.count(), 8) << name;  // far above what it takes, for busy machines and sanitizers
+    rusage used{};
+    ASSERT_EQ(getrusage(RUSAGE_SELF, &used), 0);
+    EXPECT_LT(used.ru_maxrss, 256 * 1024 * memory_factor) << name;
+  }
+}
+
+}  // namespace
+}  // namespace limber
