@@ -18,7 +18,7 @@
 namespace limber::fuzz {
 namespace {
 
-constexpr std::size_t most_brute_force_tests = 5'000;
+constexpr std::size_t most_brute_force_tests = 2'500;
 constexpr std::size_t most_steps = 60;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

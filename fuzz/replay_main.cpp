@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Runs a fuzz target on files, and on every file of folders, without libFuzzer: fuzz_<target> PATH...
-// Exit code 0 when all properties hold, 2 when there is no input.
+// Exit code 0 when all properties hold, 2 when there is no input or one cannot be
+// read.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -41,6 +42,10 @@ int main(int count, char** arguments) {
     std::ifstream file(path, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     std::printf("%s (%zu bytes)\n", path.c_str(), bytes.size());
+    if (!file) {
+      std::printf("cannot be read\n");
+      return 2;
+    }
     std::fflush(stdout);  // names the input that ends the process
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   }

@@ -17,7 +17,8 @@ inline Mesh soup(ByteReader& bytes, double factor) {
     positions.push_back(scaled(point(bytes), factor));
   std::vector<Corners> triangles;
   const auto vertex_count = static_cast<std::uint32_t>(positions.size());
-  for (std::uint32_t t = 0, count = 1 + bytes.below(40); t < count; ++t) {
+  const std::uint32_t most = bytes.below(8) == 7 ? 40 : 12;
+  for (std::uint32_t t = 0, count = 1 + bytes.below(most); t < count; ++t) {
     const VertexId v0 = bytes.below(vertex_count), v1 = bytes.below(vertex_count), v2 = bytes.below(vertex_count);
     triangles.push_back({v0, v1, v2});
   }
