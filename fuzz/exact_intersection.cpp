@@ -5,8 +5,8 @@
 // for convex hulls finitely many directions are enough. Within the smallest flat that holds the Minkowski difference D,
 // they are perpendicular to D's faces; beside it, they point from the flat to the origin.
 //  - D is solid: every face is parallel to two edges, of either hull.
-//  - D is planar: the normal of its plane is perpendicular to two edges that are not parallel; its sides lie in the plane
-//    and are parallel to an edge.
+//  - D is planar: its normal is perpendicular to two edges that are not parallel; its sides lie in the plane and are
+//    parallel to an edge.
 //  - D is straight: along an edge, or from the line to the origin.
 //  - D is a point: the vector to it.
 #include "fuzz/exact_intersection.h"

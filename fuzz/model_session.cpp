@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "fuzz/environment.h"
@@ -59,10 +60,18 @@ ModelSession::ModelSession(ByteReader bytes)
       bodies_{body(bytes_, factor_), body(bytes_, factor_)} {}
 
 void ModelSession::run() {
-  for (std::size_t i = 0; i < most_steps && !bytes_.is_empty() && brute_force_tests_ < most_brute_force_tests; ++i) {
-    step();
+  try {
+    for (std::size_t i = 0; i < most_steps && !bytes_.is_empty() && brute_force_tests_ < most_brute_force_tests; ++i) {
+      step();
+    }
+    query();
+  } catch (const std::logic_error& violated) {
+    std::string detail = violated.what();
+    for (const Body& body : bodies_) {
+      if (const Result<void> valid = body.model.validate(); !valid) detail += "\n" + valid.error().text;
+    }
+    require(false, "the library's own checks hold", detail);
   }
-  query();
 }
 
 void ModelSession::step() {
