@@ -56,7 +56,7 @@ ModelSession::Body ModelSession::body(ByteReader& bytes, double factor) {
 ModelSession::ModelSession(ByteReader bytes)
     : bytes_(bytes),
       environment_(bytes_.byte()),
-      factor_(scale(bytes_)),
+      factor_(model_scale(bytes_)),
       bodies_{body(bytes_, factor_), body(bytes_, factor_)} {}
 
 void ModelSession::run() {
@@ -111,13 +111,13 @@ void ModelSession::step() {
 }
 
 Vec3 ModelSession::new_position(const Vec3& old) {
-  const Vec3 step = scaled(point(bytes_), factor_);
+  const Vec3 step = scaled(model_point(bytes_), factor_);
   if (bytes_.flag()) return step;
   const Vec3 moved = old + step * 0x1p-6;
   return {made_valid(moved.x), made_valid(moved.y), made_valid(moved.z)};
 }
 
-double ModelSession::some_length() { return std::abs(coordinate(bytes_)) * factor_; }
+double ModelSession::some_length() { return std::abs(model_coordinate(bytes_)) * factor_; }
 
 std::size_t ModelSession::vertex_in(const Body& target) { return bytes_.byte() % target.positions.size(); }
 
@@ -230,7 +230,7 @@ void ModelSession::change_pose(Body& target) {
   if (bytes_.flag()) {
     target.pose = pose(bytes_, factor_);
   } else {  // a little further
-    const Vec3 shift = target.pose.translation + scaled(point(bytes_), factor_) * 0x1p-6;
+    const Vec3 shift = target.pose.translation + scaled(model_point(bytes_), factor_) * 0x1p-6;
     target.pose.translation = {made_valid(shift.x), made_valid(shift.y), made_valid(shift.z)};
   }
 }

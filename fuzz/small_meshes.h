@@ -2,19 +2,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "fuzz/coordinates.h"
+#include "fuzz/scope.h"
 #include "limber/mesh.h"
 
 /// Meshes and poses from a few bytes each.
 namespace limber::fuzz {
 
+/// Coordinates and scales of models; see scope.h.
+inline double model_coordinate(ByteReader& bytes) {
+  const double x = coordinate(bytes);
+  if (extreme_models_are_fuzzed) return x;
+  return std::abs(x) < 0x1p-60 ? 0 : std::clamp(x, -0x1p24, 0x1p24);
+}
+
+inline Vec3 model_point(ByteReader& bytes) {
+  const double x = model_coordinate(bytes), y = model_coordinate(bytes), z = model_coordinate(bytes);
+  return {x, y, z};
+}
+
+inline double model_scale(ByteReader& bytes) {
+  const double factor = scale(bytes);
+  return extreme_models_are_fuzzed || factor >= 0x1p-149 ? factor : 1;
+}
+
 /// Up to 12 vertices and 40 triangles between any of them, degenerate and repeated ones included.
 inline Mesh soup(ByteReader& bytes, double factor) {
   std::vector<Vec3> positions;
   for (std::uint32_t v = 0, count = 1 + bytes.below(12); v < count; ++v)
-    positions.push_back(scaled(point(bytes), factor));
+    positions.push_back(scaled(model_point(bytes), factor));
   std::vector<Corners> triangles;
   const auto vertex_count = static_cast<std::uint32_t>(positions.size());
   const std::uint32_t most = bytes.below(8) == 7 ? 40 : 12;
@@ -28,9 +49,9 @@ inline Mesh soup(ByteReader& bytes, double factor) {
 /// A rectangular grid of up to 128 triangles, so that the tree has inner nodes; heights repeat after a few vertices.
 inline Mesh sheet(ByteReader& bytes, double factor) {
   const std::uint32_t columns = 1 + bytes.below(8), rows = 1 + bytes.below(8);
-  const Vec3 origin = point(bytes);
+  const Vec3 origin = model_point(bytes);
   std::vector<double> heights;
-  for (std::uint32_t i = 0, count = 1 + bytes.below(6); i < count; ++i) heights.push_back(coordinate(bytes));
+  for (std::uint32_t i = 0, count = 1 + bytes.below(6); i < count; ++i) heights.push_back(model_coordinate(bytes));
   std::vector<Vec3> positions;
   std::vector<Corners> triangles;
   for (std::uint32_t y = 0; y <= rows; ++y) {
@@ -69,7 +90,7 @@ inline Mat3 rotation(ByteReader& bytes) {
 inline Transform pose(ByteReader& bytes, double factor) {
   const Mat3 turn = rotation(bytes);
   if (bytes.flag()) return {turn, {}};
-  return {turn, scaled(point(bytes), factor)};
+  return {turn, scaled(model_point(bytes), factor)};
 }
 
 }  // namespace limber::fuzz
