@@ -6,8 +6,8 @@
 /// `false` leaves the case out.
 namespace limber::fuzz {
 
-/// Models whose coordinates are further apart in size than 2^-60 to 2^24 times the scale of the scene, and scales below
-/// 2^-149. Pairs of triangles are always tried with every size.
+/// Coordinates of models other than 0 and those from 2^-60 to 8 times the scale of the scene, and scales below 2^-149.
+/// Pairs of triangles are always tried with every size.
 inline constexpr bool extreme_models_are_fuzzed = false;
 
 /// Library calls in floating-point environments other than the default one; see environment.h.

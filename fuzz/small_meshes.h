@@ -18,7 +18,7 @@ namespace limber::fuzz {
 inline double model_coordinate(ByteReader& bytes) {
   const double x = coordinate(bytes);
   if (extreme_models_are_fuzzed) return x;
-  return std::abs(x) < 0x1p-60 ? 0 : std::clamp(x, -0x1p24, 0x1p24);
+  return std::abs(x) < 0x1p-60 ? 0 : std::clamp(x, -8.0, 8.0);
 }
 
 inline Vec3 model_point(ByteReader& bytes) {
