@@ -19,7 +19,7 @@ inline constexpr bool aliased_updates_are_fuzzed = false;
 /// Use of models that were moved from, which must throw std::logic_error.
 inline constexpr bool moved_from_models_are_fuzzed = false;
 
-/// Whether errors of poses, which quote what they refuse, must be one line even when that text is not.
+/// Whether errors that quote what they refuse must keep zero bytes, and those of poses ends of lines, out of the quote.
 inline constexpr bool quoted_text_is_fuzzed = false;
 
 /// Queries of uncommitted models and with poses that are not rigid, which must throw std::logic_error.
