@@ -158,6 +158,23 @@ def pose_csv_files():
     yield "extreme.csv", lines("1.6e60,0,0,1e-300,0,0,0", "1e-320,0,0,1e300,1e300,0,0")
 
 
+def triangle_pair_files():
+    yield from random_files(1, 20, range(30, 60))
+    # Environment, kind, scale; lattice triangles that share a corner, an edge, a plane, or touch inside; a needle.
+    for name, kind, a, b in (
+        ("shared_corner", 0, "333 433 343", "333 233 334"),
+        ("shared_edge", 0, "333 433 343", "333 433 334"),
+        ("coplanar_apart", 0, "333 433 343", "553 653 563"),
+        ("corner_on_face", 0, "333 533 353", "443 444 554"),
+        ("crossing", 0, "333 533 353", "442 444 664"),
+        ("equal_points", 0, "444 444 444", "444 444 444"),
+        ("needles", 0, "333 433 533", "433 434 435"),
+    ):
+        yield name, bytes([0, kind, 0]) + bytes(int(c) for c in (a + b).replace(" ", ""))
+    for kind in (2, 3):
+        yield f"beside_{kind}", bytes([0, kind, 0]) + bytes(range(3, 21)) + bytes([5, 4, 2, 2, 2, 8, 8, 1, 2, 3])
+
+
 def random_files(seed: int, count: int, sizes: range):
     source = random.Random(seed)
 
@@ -176,7 +193,7 @@ CORPORA = {
     "stl": stl_files,
     "gltf": gltf_files,
     "pose_csv": pose_csv_files,
-    "triangle_pair": lambda: random_files(1, 24, range(30, 60)),
+    "triangle_pair": triangle_pair_files,
     "model_operations": lambda: random_files(2, 40, range(150, 500)),
 }
 
