@@ -41,7 +41,7 @@ PUBLIC: dict[str, tuple[str, ...] | None] = {
 
 # First part of a third-party include -> where in the library or above it is welcome. A trailing slash means a folder.
 THIRD_PARTY = {
-    "boost": ("src/geometry/exact_sign.cpp", "tests/", "bench/"),
+    "boost": ("src/geometry/exact_sign.cpp", "tests/", "fuzz/", "bench/"),
     "CGAL": ("tests/", "bench/"),
     "fcntl.h": ("src/io/file_bytes.cpp", "apps/", "tests/"),
     "gmpxx.h": ("tests/",),

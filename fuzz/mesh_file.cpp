@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Bytes as a mesh file: readers answer with a sound mesh or with one line, whatever they are given.
+// Built once for each format; LIMBER_FUZZ_FORMAT is its extension.
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "fuzz/read_bytes.h"
+#include "fuzz/target.h"
+#include "limber/model.h"
+
+namespace limber::fuzz {
+namespace {
+
+constexpr std::size_t most_triangles_in_model = 2000;
+
+/// The extension under which the bytes are read; glTF comes as text and as a binary container that says so.
+std::string extension_of(std::span<const unsigned char> bytes) {
+  std::string format = LIMBER_FUZZ_FORMAT;
+  const std::string magic = "glTF";
+  const bool is_container = bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+  return format == "gltf" && is_container ? "glb" : format;
+}
+
+void check_mesh_file(MeshFile file) {
+  const Result<void> sound = check_mesh(file.mesh);
+  require(static_cast<bool>(sound), "a mesh that was read is sound", sound ? "" : sound.error().text);
+  const auto& faces = file.face_of_triangle;
+  require(faces.size() == file.mesh.triangles().size(), "every triangle has a face");
+  require(std::is_sorted(faces.begin(), faces.end()), "triangles are in the order of their faces");
+  require(faces.back() < file.face_count, "faces of triangles exist in the file");
+  require(file.mesh.triangles().size() > most_triangles_in_model ||
+              static_cast<bool>(Model(std::move(file.mesh)).validate()),
+          "a model of the mesh is valid");
+}
+
+}  // namespace
+}  // namespace limber::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace limber::fuzz;
+  const std::span<const unsigned char> bytes(data, size);
+  ReadBytes read = read_bytes(extension_of(bytes), bytes);
+  if (read.file) {
+    check_mesh_file(std::move(*read.file));
+    return 0;
+  }
+  const std::string& text = read.file.error().text;
+  require(is_one_line(text), "an error is one line", text);
+  require(text.starts_with(read.name + ": "), "an error starts with the file's name", text);
+  return 0;
+}

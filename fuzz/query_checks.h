@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "limber/model.h"
+
+/// Queries of two models, compared with brute force.
+namespace limber::fuzz {
+
+/// What distances may be off by, as a part of the largest placed coordinate, and in any case.
+inline constexpr double relative_tolerance = 1e-14, least_tolerance = 0x1p-1070;
+
+/// The true answers about two placed models.
+struct Truth {
+  double distance = 0;   ///< 0 exactly when the models meet
+  double tolerance = 0;  ///< for distances and points of these models
+};
+
+Truth truth_about(const Placed& a, const Placed& b);
+
+/// One query each, in the caller's floating-point environment; `pair` may be null.
+void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair);
+void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+                    const DistanceOptions& options);
+void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+                  double max_distance);
+
+}  // namespace limber::fuzz

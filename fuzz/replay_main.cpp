@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Runs a fuzz target on files, and on every file of folders, without libFuzzer: fuzz_<target> PATH...
+// Exit code 0 when all properties hold, 2 when there is no input or one cannot be
+// read.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "fuzz/target.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> inputs_below(int count, char** arguments) {
+  std::vector<fs::path> inputs;
+  for (int i = 1; i < count; ++i) {
+    const fs::path path = arguments[i];
+    if (!fs::is_directory(path)) {
+      inputs.push_back(path);
+      continue;
+    }
+    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+      if (entry.is_regular_file()) inputs.push_back(entry.path());
+    }
+  }
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::vector<fs::path> inputs = inputs_below(count, arguments);
+  for (const fs::path& path : inputs) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    std::printf("%s (%zu bytes)\n", path.c_str(), bytes.size());
+    if (!file) {
+      std::printf("cannot be read\n");
+      return 2;
+    }
+    std::fflush(stdout);  // names the input that ends the process
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }
+  std::printf("%zu inputs\n", inputs.size());
+  return inputs.empty() ? 2 : 0;
+}
