@@ -69,7 +69,7 @@ struct Truth {
   double tolerance;  // of a distance of `distance`
 };
 
-/// Looks at all pairs in float64, whose error ExactPairs bounds, and at those that may be the closest in exact arithmetic.
+/// Looks at all pairs in float64, whose error ExactPairs bounds, and at those that may be closest in exact arithmetic.
 Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, const Transform& pose_b,
                const Witness* witness) {
   struct Pair {
@@ -102,7 +102,7 @@ Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, 
   for (const auto& [mesh, pose] : {std::pair(&mesh_a, &pose_a), std::pair(&mesh_b, &pose_b)}) {
     for (const Vec3& p : mesh->positions()) reach = std::max(reach, max_abs(p) + max_abs(pose->translation));
   }
-  truth.tolerance = 0x1p-46 * extent + 0x1p-42 * nearest + (is_still ? 0 : 0x1p-45 * reach) + 0x1p-1021;
+  truth.tolerance = 0x1p-46 * extent + 0x1p-44 * nearest + (is_still ? 0 : 0x1p-45 * reach) + 0x1p-1021;
   return truth;
 }
 
