@@ -35,7 +35,7 @@ class ExactPairs : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(ExactPairs, AreAsFarApartAsSaidAndMeetExactlyWhenSaid) {
   Rng rng(3000 + static_cast<std::uint64_t>(GetParam()));
-  const std::uint64_t pairs = count_from("LIMBER_EXACT_PAIRS", 20'000) / static_cast<std::uint64_t>(PairKind::count);
+  const std::uint64_t pairs = count_from("LIMBER_EXACT_PAIRS", 10'000) / static_cast<std::uint64_t>(PairKind::count);
   for (std::uint64_t i = 0; i < pairs; ++i) {
     const auto [a, b] = random_pair(rng, GetParam());
     const exact::Fraction truth = exact::squared_distance(a, b);
@@ -168,7 +168,7 @@ void check(const Model& model_a, const Transform& pose_a, const Model& model_b, 
 
 TEST(ExactScenes, OfAnyScalesAreAnsweredWithinTheStatedError) {
   Rng rng(3100);
-  const std::uint64_t scenes = count_from("LIMBER_EXACT_SCENES", 1'000);
+  const std::uint64_t scenes = count_from("LIMBER_EXACT_SCENES", 500);
   std::uint64_t i = 0, meeting = 0;
   for (; i < scenes && !HasFatalFailure(); ++i) {
     SCOPED_TRACE("scene " + std::to_string(i));

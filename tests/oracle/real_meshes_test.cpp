@@ -17,26 +17,26 @@ namespace limber::testing {
 namespace {
 
 TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
-  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
-  const Model spot(mesh);
-  const classic::Model classic_spot(mesh);
+  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value(), ball_mesh = scenes::thesis_ball();
+  const Model spot(mesh), ball(ball_mesh);
+  const classic::Model classic_spot(mesh), classic_ball(ball_mesh);
   scenes::Rng rng(80);
   int contacts = 0;
-  for (const double away : {0.3, 1.2, 1.8, 6.0}) {
+  for (const double away : {0.8, 1.5, 2.5, 6.0}) {
     const Transform pose_a{scenes::random_rotation(rng), {}};
     const Transform pose_b{scenes::random_rotation(rng), {away, 0.2 * away, 0}};
-    const DistanceResult truth = reference::distance({mesh, pose_a}, {mesh, pose_b});
-    const DistanceResult found = distance({spot, pose_a}, {spot, pose_b});
-    const DistanceResult classic_found = classic::distance({classic_spot, pose_a}, {classic_spot, pose_b});
+    const DistanceResult truth = reference::distance({mesh, pose_a}, {ball_mesh, pose_b});
+    const DistanceResult found = distance({spot, pose_a}, {ball, pose_b});
+    const DistanceResult classic_found = classic::distance({classic_spot, pose_a}, {classic_ball, pose_b});
     EXPECT_NEAR(found.upper, truth.upper, 0x1p-45 * (2 + away)) << away;
     EXPECT_EQ(found.lower, found.upper) << away;
     EXPECT_EQ(classic_found.upper, truth.upper) << away;
     EXPECT_EQ(classic_found.lower, truth.lower) << away;
-    EXPECT_EQ(collide({spot, pose_a}, {spot, pose_b}).collision, truth.upper == 0) << away;
-    EXPECT_EQ(classic::collide({classic_spot, pose_a}, {classic_spot, pose_b}).collision, truth.upper == 0) << away;
+    EXPECT_EQ(collide({spot, pose_a}, {ball, pose_b}).collision, truth.upper == 0) << away;
+    EXPECT_EQ(classic::collide({classic_spot, pose_a}, {classic_ball, pose_b}).collision, truth.upper == 0) << away;
     for (const DistanceResult& roughly :
-         {distance({spot, pose_a}, {spot, pose_b}, {.relative_error = 0.1}),
-          classic::distance({classic_spot, pose_a}, {classic_spot, pose_b}, {.relative_error = 0.1})}) {
+         {distance({spot, pose_a}, {ball, pose_b}, {.relative_error = 0.1}),
+          classic::distance({classic_spot, pose_a}, {classic_ball, pose_b}, {.relative_error = 0.1})}) {
       EXPECT_LE(truth.upper, roughly.upper * (1 + 1e-14)) << away;
       EXPECT_LE(roughly.upper, 1.1 * truth.upper * (1 + 1e-14)) << away;
       EXPECT_LE(roughly.lower, truth.upper * (1 + 1e-14)) << away;

@@ -82,7 +82,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
 TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
   for (const Environment& environment : foreign_environments()) {
     Rng rng(601);
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 150; ++i) {
       const Scene s = arbitrary_scene(rng);
       const std::vector<std::uint64_t> expected = answers(s, rng);
       environment.enter();
