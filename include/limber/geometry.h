@@ -9,8 +9,8 @@
 /// Primitives: closest points, exact intersection, enclosing spheres.
 ///
 /// Everywhere in this header: points, segments and triangles are closed sets; a triangle may be degenerate to a segment
-/// or a point and means the convex hull of its corners. All functions are pure, reentrant, cost O(1) and do not allocate;
-/// none depends on the caller's floating-point environment.
+/// or a point and means the convex hull of its corners. All functions are pure, reentrant, cost O(1) and do not
+/// allocate; none depends on the caller's floating-point environment.
 namespace limber {
 
 struct Sphere {
@@ -57,8 +57,8 @@ bool intersects(const Segment& segment, const Triangle& triangle);
 
 /// Closest points of two segments; either may be a point.
 ///
-/// Promise  The distance is within 2^-50 of the extent of the true one, where the extent is the largest coordinate of an
-///          end relative to a.p0.
+/// Promise  The distance is within 2^-50 of the extent of the true one, where the extent is the largest coordinate of
+///          an end relative to a.p0.
 ClosestPoints closest_points(const Segment& a, const Segment& b);
 
 /// Closest points of a point and a triangle; the triangle may be degenerate.

@@ -97,8 +97,8 @@ void GltfMeshes::add(const JsonItem& primitive, GltfMesh& mesh, std::map<std::ui
     result.indices = accessors_.indices(primitive.whole("indices"), primitive);
     corner_count = result.indices->count;
   }
-  const bool has_plain_data = mesh.positions[result.positions].elements.is_present &&
-                              (!result.indices || result.indices->elements.is_present);
+  const bool has_plain_data =
+      mesh.positions[result.positions].elements.is_present && (!result.indices || result.indices->elements.is_present);
   if (!has_plain_data && primitive.has("extensions") &&
       primitive.item("extensions").has("KHR_draco_mesh_compression")) {
     primitive.refuse("uses the glTF extension KHR_draco_mesh_compression, which is not read",

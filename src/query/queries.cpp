@@ -151,7 +151,7 @@ class Closest {
   double enough_;
   double cut_ = infinity;
   bool may_tie_ = false;  // whether there is an answer, and only a better one matters
-  Vec3 direction_;  // from a to b where the best pair is closest
+  Vec3 direction_;        // from a to b where the best pair is closest
 };
 
 /// Compares everything that matters. Returns whether something was left out.
