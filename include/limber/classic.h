@@ -142,8 +142,8 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
-/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite and
-///          >= 0.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
+///          and >= 0.
 /// Cost     As distance().
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 
