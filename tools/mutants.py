@@ -22,7 +22,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,9 +30,10 @@ ROOT = Path(__file__).resolve().parent.parent
 COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "examples", "fuzz", "include", "scenes", "src", "tests")
 DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}
+TESTED_AT_ONCE = 2  # mutants, while another one is built
 TIMEOUT_S = 300.0  # for the tests of one executable; a hang counts as noticed
 FLAGS = "-O1 -DHWY_COMPILE_ONLY_STATIC"
-PROPERTY_RUNS = "max_success=1000 seed=1"
+PROPERTY_RUNS = "max_success=1000 seed=1 noshrink=1"
 
 
 class Unusable(Exception):
@@ -225,9 +226,16 @@ def run(shop: Workshop, mutants: list[Mutant]) -> dict[str, Verdict]:
     def tested(mutant: Mutant, folder: Path, start: float) -> None:
         conclude(mutant, shop.test(folder, mutant.tests), start)
 
-    with ThreadPoolExecutor(max_workers=1) as pool:
-        running: Future[None] | None = None
-        changed: Path | None = None
+    def wait_until_at_most(count: int) -> None:
+        while len(running) > count:
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                running.remove(future)
+                future.result()
+
+    running: set[Future[None]] = set()
+    changed: Path | None = None
+    with ThreadPoolExecutor(max_workers=TESTED_AT_ONCE) as pool:
         for mutant in mutants:
             start = time.monotonic()
             path = shop.source / mutant.file
@@ -236,18 +244,14 @@ def run(shop: Workshop, mutants: list[Mutant]) -> dict[str, Verdict]:
                 copy_sources(ROOT, shop.source)
             path.write_text(mutant.applied_to(original), encoding="utf-8")
             changed = path
-            failed = shop.build(mutant.executables())
-            if running is not None:
-                running.result()
-                running = None
-            if failed:
+            if failed := shop.build(mutant.executables()):
                 conclude(mutant, Verdict(None, failed), start)
                 continue
-            running = pool.submit(tested, mutant, shop.take(mutant.executables()), start)
+            wait_until_at_most(TESTED_AT_ONCE - 1)
+            running.add(pool.submit(tested, mutant, shop.take(mutant.executables()), start))
             if "program" in mutant.executables():  # which run the program where it has been built
-                running.result()
-        if running is not None:
-            running.result()
+                wait_until_at_most(0)
+        wait_until_at_most(0)
     copy_sources(ROOT, shop.source)
     return verdicts
 
