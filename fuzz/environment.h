@@ -8,8 +8,6 @@
 #include <cfenv>
 #include <cstdint>
 
-#include "fuzz/scope.h"
-
 namespace limber::fuzz {
 
 /// The caller's floating-point environment, for as long as the object lives: a rounding mode, and whether subnormal
@@ -17,7 +15,6 @@ namespace limber::fuzz {
 class Environment {
  public:
   explicit Environment(std::uint8_t choice) : saved_(_mm_getcsr()) {
-    if (!environments_are_fuzzed) return;
     constexpr std::array<int, 4> modes{FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
     constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
     std::fesetround(modes[choice % 4]);
@@ -27,7 +24,6 @@ class Environment {
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;
   ~Environment() {
-    if (!environments_are_fuzzed) return;
     std::fesetround(FE_TONEAREST);
     _mm_setcsr(saved_);
   }

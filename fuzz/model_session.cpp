@@ -13,7 +13,6 @@
 #include "fuzz/environment.h"
 #include "fuzz/property.h"
 #include "fuzz/query_checks.h"
-#include "fuzz/scope.h"
 #include "fuzz/small_meshes.h"
 
 namespace limber::fuzz {
@@ -56,7 +55,7 @@ ModelSession::Body ModelSession::body(ByteReader& bytes, double factor) {
 ModelSession::ModelSession(ByteReader bytes)
     : bytes_(bytes),
       environment_(bytes_.byte()),
-      factor_(model_scale(bytes_)),
+      factor_(scale(bytes_)),
       bodies_{body(bytes_, factor_), body(bytes_, factor_)} {}
 
 void ModelSession::run() {
@@ -117,7 +116,7 @@ Vec3 ModelSession::new_position(const Vec3& old) {
   return {made_valid(moved.x), made_valid(moved.y), made_valid(moved.z)};
 }
 
-double ModelSession::some_length() { return std::abs(model_coordinate(bytes_)) * factor_; }
+double ModelSession::some_length() { return std::abs(coordinate(bytes_)) * factor_; }
 
 std::size_t ModelSession::vertex_in(const Body& target) { return bytes_.byte() % target.positions.size(); }
 
@@ -156,7 +155,6 @@ void ModelSession::move_aliased(Body& moving) {
   const std::size_t count = 1 + bytes_.byte() % moving.positions.size();
   std::vector<VertexId> ids;
   for (std::size_t i = 0; i < count; ++i) ids.push_back(static_cast<VertexId>(vertex_in(moving)));
-  if (!aliased_updates_are_fuzzed) return;
   const std::vector<Vec3> copy = moving.positions;
   for (std::size_t i = 0; i < count; ++i) moving.positions[ids[i]] = copy[i];
   const std::span<const Vec3> own = std::span<const Vec3>(moving.model.mesh().positions()).first(count);
@@ -207,21 +205,19 @@ void ModelSession::take_new_mesh(Body& target) {
   Mesh mesh = small_mesh(bytes_, factor_);
   target.positions = mesh.positions();
   target.triangles = mesh.triangles();
-  in_environment(environment_, [&] { target.model.rebuild(std::move(mesh)); });
+  in_environment(environment_, [&] { target.model.reset(std::move(mesh)); });
   check_committed(target);
 }
 
 void ModelSession::pass_through_other_model(Body& target) {
   Model other = std::move(target.model);
-  if (moved_from_models_are_fuzzed) {
-    require(throws_logic_error([&] { target.model.commit(); }), "commit() of a moved-from model is refused");
-    require(throws_logic_error([&] { static_cast<void>(target.model.move_all(target.positions)); }),
-            "move_all() of a moved-from model is refused");
-    require(throws_logic_error([&] { static_cast<void>(target.model.tree_stats()); }),
-            "tree_stats() of a moved-from model is refused");
-    require(throws_logic_error([&] { static_cast<void>(collide({target.model}, {other})); }),
-            "a query of a moved-from model is refused");
-  }
+  require(throws_logic_error([&] { target.model.commit(); }), "commit() of a moved-from model is refused");
+  require(throws_logic_error([&] { static_cast<void>(target.model.move_all(target.positions)); }),
+          "move_all() of a moved-from model is refused");
+  require(throws_logic_error([&] { static_cast<void>(target.model.tree_stats()); }),
+          "tree_stats() of a moved-from model is refused");
+  require(throws_logic_error([&] { static_cast<void>(collide({target.model}, {other})); }),
+          "a query of a moved-from model is refused");
   target.model = std::move(other);
   require(target.model.mesh().positions() == target.positions, "a model that was moved keeps its positions");
 }
@@ -239,7 +235,6 @@ void ModelSession::misuse(Body& target) {
   const double bad = bytes_.flag() ? std::numeric_limits<double>::quiet_NaN() : -1;
   Transform not_rigid = target.pose;
   not_rigid.rotation.row1.y = bytes_.flag() ? std::numeric_limits<double>::quiet_NaN() : 3;
-  if (!misuse_is_fuzzed) return;
   if (!target.model.is_committed()) {
     require(throws_logic_error([&] { static_cast<void>(collide({target.model}, {target.model})); }),
             "a query of an uncommitted model is refused");

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "bad_input.h"
-#include "fuzz/scope.h"
 #include "fuzz/scratch_file.h"
 #include "fuzz/target.h"
 
@@ -20,8 +19,7 @@ namespace {
 void check_one_pose(std::string_view text) {
   const Result<Transform> pose = program::parsed_pose(text);
   if (pose) return require(is_rigid(*pose), "a pose that was read is rigid");
-  require(!quoted_text_is_fuzzed || is_one_line(pose.error().text), "an error of a pose is one line",
-          pose.error().text);
+  require(is_one_line(pose.error().text), "an error of a pose is one line", pose.error().text);
 }
 
 /// Whether every row is a pose by itself, so that the list must be accepted.
@@ -45,7 +43,7 @@ void check_list(std::string_view text) {
     for (const Transform& pose : poses) require(is_rigid(pose), "a pose of a list is rigid");
   } catch (const program::BadInput& refused) {
     const std::string why = refused.what();
-    require(!quoted_text_is_fuzzed || is_one_line(why), "an error of a list is one line", why);
+    require(is_one_line(why), "an error of a list is one line", why);
     require(why.starts_with(path + ": "), "an error of a list starts with the file's name", why);
     require(text.empty() || !is_plain_list(text), "a list of poses is accepted", why);
   }

@@ -9,8 +9,9 @@
 /// Queries of two models, compared with brute force.
 namespace limber::fuzz {
 
-/// What distances may be off by, as a part of the largest placed coordinate, and in any case.
-inline constexpr double relative_tolerance = 1e-14, least_tolerance = 0x1p-1070;
+/// What distances may be off by, as a part of the largest placed coordinates of both models, and in any case: the bounds of
+/// docs/algorithms/numerics.md together, with extents of twice that and distances of four times that.
+inline constexpr double relative_tolerance = 0x1p-42, least_tolerance = 0x1p-1020;
 
 /// The true answers about two placed models.
 struct Truth {

@@ -8,27 +8,14 @@
 #include <vector>
 
 #include "fuzz/coordinates.h"
-#include "fuzz/scope.h"
 #include "limber/mesh.h"
 
 /// Meshes and poses from a few bytes each.
 namespace limber::fuzz {
 
-/// Coordinates and scales of models; see scope.h.
-inline double model_coordinate(ByteReader& bytes) {
-  const double x = coordinate(bytes);
-  if (extreme_models_are_fuzzed) return x;
-  return std::abs(x) < 0x1p-60 ? 0 : std::clamp(x, -8.0, 8.0);
-}
-
 inline Vec3 model_point(ByteReader& bytes) {
-  const double x = model_coordinate(bytes), y = model_coordinate(bytes), z = model_coordinate(bytes);
+  const double x = coordinate(bytes), y = coordinate(bytes), z = coordinate(bytes);
   return {x, y, z};
-}
-
-inline double model_scale(ByteReader& bytes) {
-  const double factor = scale(bytes);
-  return extreme_models_are_fuzzed || factor >= 0x1p-149 ? factor : 1;
 }
 
 /// Up to 12 vertices and 40 triangles between any of them, degenerate and repeated ones included.
@@ -51,7 +38,7 @@ inline Mesh sheet(ByteReader& bytes, double factor) {
   const std::uint32_t columns = 1 + bytes.below(8), rows = 1 + bytes.below(8);
   const Vec3 origin = model_point(bytes);
   std::vector<double> heights;
-  for (std::uint32_t i = 0, count = 1 + bytes.below(6); i < count; ++i) heights.push_back(model_coordinate(bytes));
+  for (std::uint32_t i = 0, count = 1 + bytes.below(6); i < count; ++i) heights.push_back(coordinate(bytes));
   std::vector<Vec3> positions;
   std::vector<Corners> triangles;
   for (std::uint32_t y = 0; y <= rows; ++y) {

@@ -48,10 +48,10 @@ THIRD_PARTY = {
     "hwy": ("src/simd/",),
     "sys": ("src/io/file_bytes.cpp", "apps/", "tests/"),
     "tbb": ("src/core/",),
-    "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/"),
+    "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
     "oneapi": ("src/core/", "tests/", "bench/"),
-    "xmmintrin.h": ("src/core/", "tests/"),
+    "xmmintrin.h": ("src/core/", "tests/", "fuzz/"),
 }
 
 # Folders above the library, and which of its private headers they may see.

@@ -121,8 +121,7 @@ struct Placed {
 
 /// Whether two placed models meet; stops at the first intersecting pair found.
 ///
-/// Pre      Both models are committed; both poses are rigid.
-/// Errors   None.
+/// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/queries.md.
@@ -134,8 +133,8 @@ CollideResult collide(const Placed& a, const Placed& b);
 ///          the asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If nothing is as close as max_distance, lower is that, upper is infinite, and the witness is empty.
-/// Pre      Both models are committed; both poses are rigid; the options are as their comments say.
-/// Errors   None.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and the options are as their
+///          comments say.
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/queries.md.
@@ -143,7 +142,8 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
-/// Pre      Both models are committed; both poses are rigid; max_distance is finite and >= 0.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite and
+///          >= 0.
 /// Cost     As distance().
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 

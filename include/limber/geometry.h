@@ -9,7 +9,8 @@
 /// Primitives: closest points, exact intersection, enclosing spheres.
 ///
 /// Everywhere in this header: points, segments and triangles are closed sets; a triangle may be degenerate to a segment
-/// or a point and means the convex hull of its corners. All functions are pure, reentrant and cost O(1).
+/// or a point and means the convex hull of its corners. All functions are pure, reentrant, cost O(1) and do not allocate;
+/// none depends on the caller's floating-point environment.
 namespace limber {
 
 struct Sphere {
@@ -56,8 +57,8 @@ bool intersects(const Segment& segment, const Triangle& triangle);
 
 /// Closest points of two segments; either may be a point.
 ///
-/// Promise  The distance is that of two points of the segments, rounded; it exceeds the true one by at most a few
-///          units in the last place of the segments' extent.
+/// Promise  The distance is within 2^-50 of the extent of the true one, where the extent is the largest coordinate of an
+///          end relative to a.p0.
 ClosestPoints closest_points(const Segment& a, const Segment& b);
 
 /// Closest points of a point and a triangle; the triangle may be degenerate.
@@ -66,8 +67,9 @@ ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 /// Closest points of two triangles; either may be degenerate.
 ///
 /// Promise  distance == 0 exactly when intersects(a, b); then both points are the same point, which lies on both
-///          triangles up to rounding. Otherwise distance > 0 and equals the points' distance up to rounding.
-/// Source   docs/algorithms/triangle_distance.md.
+///          triangles up to rounding. Otherwise distance > 0, within 2^-50 of the extent of the true one, where the
+///          extent is the largest coordinate of a corner relative to a.v0.
+/// Source   docs/algorithms/triangle_distance.md, docs/algorithms/numerics.md.
 ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 
 /// Smallest sphere around a triangle, its radius rounded up so that all three corners are inside.

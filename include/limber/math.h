@@ -69,7 +69,7 @@ constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
 /// A rigid motion: p_a = a_from_b(p_b) turns by `rotation`, then shifts by `translation`.
 ///
 /// Unit     The translation is in the mesh's length unit.
-/// Pre      Wherever a query takes a Transform, `is_rigid()` holds. Reflections are not rigid motions.
+/// Throws   Queries throw std::invalid_argument where `is_rigid()` does not hold. Reflections are not rigid motions.
 struct Transform {
   Mat3 rotation;
   Vec3 translation;

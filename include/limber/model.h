@@ -188,8 +188,7 @@ class Pair {
 
 /// Whether two placed models meet; stops at the first intersecting pair found.
 ///
-/// Pre      Both models are committed; both poses are rigid.
-/// Errors   None.
+/// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
@@ -198,13 +197,12 @@ CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
-/// Promise  lower <= true distance <= upper up to float64 rounding of the placed vertices. upper is within either of
-///          the asked errors. Contacts are found at every setting.
+/// Promise  lower <= true distance <= upper, each up to the rounding that query.h states. upper is within either of the
+///          asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
-/// Pre      Both models are committed; both poses are rigid; the errors are finite and >= 0; max_distance is >= 0, or
-///          infinite.
-/// Errors   None.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and >= 0,
+///          and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
@@ -213,7 +211,9 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
-/// Pre      Both models are committed; both poses are rigid; max_distance is finite and >= 0.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite and
+///          >= 0.
+/// Promise  True for the `upper` that distance() has returned, and for 0 exactly when the models meet.
 /// Cost     As collide(), which is within() of 0.
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 WithinResult within(const Placed& a, const Placed& b, double max_distance, Pair& pair);

@@ -17,7 +17,8 @@ struct Placed {
 
 /// Whether the meshes meet, with the first intersecting pair in the order of ids.
 ///
-/// Pre      Both meshes are sound, both poses rigid.
+/// Pre      Both meshes are sound.
+/// Throws   std::invalid_argument unless both poses are rigid; distance() and within() also for bad options.
 /// Cost     O(n m).
 /// Threads  Reentrant.
 CollideResult collide(const Placed& a, const Placed& b);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "io/file_bytes.h"
 #include "io/parse_mesh.h"
 #include "io/weld.h"
@@ -16,15 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Puts the path in front; the whole stays one line whatever the path holds.
+/// Puts the path in front; the whole stays one line of text whatever the path, or what is quoted of the file, holds.
 Error in_file(const fs::path& path, Error error) {
   error.text = path.string() + ": " + error.text;
   std::replace_if(
-      error.text.begin(), error.text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      error.text.begin(), error.text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; },
+      ' ');
   return error;
 }
 
 Result<io::Soup> read_soup(const fs::path& path) {
+  const core::DefaultFloatEnvironment environment;  // numbers are read by arithmetic
   const Result<std::string> bytes = io::read_regular_file(path, mesh_file_limits::bytes);
   if (!bytes) return in_file(path, bytes.error());
   std::string extension = path.extension().string();

@@ -147,7 +147,7 @@ double PlacedPair::most_moved(const Transform& before, double error_before, cons
   // all of this.
   const double size =
       length(was - center_a) + length(is - center_a) + sum_of_sides(center) + root_radius(a) + root_radius(b);
-  return length(is - was) + turned * root_radius(b) + 1e-8 * size + 2 * (error_before + error_);
+  return core::distance_up(was, is) + turned * root_radius(b) + 1e-8 * size + 2 * (error_before + error_);
 }
 
 void PlacedPair::aim(const Vec3& from_a_to_b) {

@@ -141,7 +141,7 @@ class Closest {
   // PlacedPair::rounding_of_gap(). Pairs whose gap is off by more are compared, which costs time only.
   static constexpr double tie_of_gaps = 0x1p-51, usual_part = 0x1p-3;
   // Rounding of this part of the distance may decide which of many equal pairs is the answer.
-  static constexpr double tie_of_distances = 0x1p-42;
+  static constexpr double tie_of_distances = 0x1p-45;
 
   // Contacts matter at any setting, so the cut stays above 0.
   static constexpr double smallest = std::numeric_limits<double>::min();

@@ -60,7 +60,10 @@ class Extent {
   }
   Vec3 middle() const { return low_ * 0.5 + high_ * 0.5; }
   /// Length of 1 that suits it.
-  double unit() const { return unit_for(length(high_ - low_), max_abs(low_)); }
+  double unit() const {
+    const double size = length(high_ - low_);
+    return unit_for(size > 0x1p-450 ? size : 2 * max_abs(high_ - low_), max_abs(low_));  // squares may vanish
+  }
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "core/check.h"
 #include "core/parallel.h"
 #include "core/rounding.h"
 #include "simd/kernels.h"
 #include "tree/changes.h"
+#include "tree/divide.h"
 #include "tree/node.h"
 
 namespace limber::tree {
@@ -168,13 +170,14 @@ class Fitting {
     }
   }
 
-  /// Whether the model has outgrown the unit of the tree, or shrunk far below it; then the unit is another.
-  bool adapts_unit() const {
+  /// Whether the model has outgrown the unit of the tree, or shrunk far below it; then the unit is another. What the
+  /// bounds tell suffices to notice; of a model that has shrunk by more than 2^60 they do not tell the size.
+  bool adapts_unit(MeshView mesh) const {
     const Bound root = lane_of_block(tree_.blocks[0], 0);
     const double unit = unit_for(2 * tree_.unit * length(root.half), max_abs(tree_.blocks[0].origin));
     if (unit <= 1024 * tree_.unit && tree_.unit <= 1024 * unit) return false;
-    tree_.unit = unit;
-    return true;
+    const double before = std::exchange(tree_.unit, extent_of(mesh).unit());
+    return tree_.unit != before;
   }
 
  private:
@@ -248,7 +251,7 @@ class Fitting {
 double unit_for(double size, double magnitude) {
   LIMBER_ASSERT(std::isfinite(size) && std::isfinite(magnitude));
   int exponent = 0;
-  const double fraction = std::frexp(std::max({size, 0x1p-50 * magnitude, 0x1p-300}), &exponent);
+  const double fraction = std::frexp(std::max({size, 0x1p-50 * magnitude, 0x1p-900}), &exponent);
   return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);
 }
 
@@ -256,7 +259,7 @@ void fit(Tree& tree, MeshView mesh) {
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
   const Fitting fitting(tree, mesh);
   fitting.fit_all();
-  if (fitting.adapts_unit()) fitting.fit_all();
+  if (fitting.adapts_unit(mesh)) fitting.fit_all();
   LIMBER_ASSERT(std::isfinite(tree.blocks[0].bounds.radius[0]));
 }
 
@@ -280,7 +283,7 @@ std::uint64_t refit(Tree& tree, MeshView mesh, Changes& changes) {
       if (fitting.refit(block, level == lowest)) changes.add_block(level - 1, block_of(tree.blocks[block].parent));
     }
   }
-  if (fitting.adapts_unit()) {
+  if (fitting.adapts_unit(mesh)) {
     changes.add_all();
     fit(tree, mesh);
   }

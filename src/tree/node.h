@@ -20,7 +20,8 @@
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
 ///   I4  A lane's ball, box and slab contain every corner of every triangle below it, up to `slack`: they hold the
 ///       anchors of its vertices.
-///   I5  A quantised corner is within 0.52 steps, each coordinate, of the corner it stands for.
+///   I5  A quantised corner is within 0.52 steps, each coordinate, of the corner it stands for, and within the float64
+///       rounding of its place relative to the block's origin, which the error of placed points covers.
 ///   I6  `reach` of a block is at least the distance from its origin of every point of its lanes' balls.
 ///   I7  All triangles below a lane that is marked coincident have equal corners, in order, where the bounds hold them.
 namespace limber::tree {

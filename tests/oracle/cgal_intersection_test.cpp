@@ -73,7 +73,8 @@ TEST_P(CgalIntersection, NeverDisagrees) {
 INSTANTIATE_TEST_SUITE_P(EveryKind, CgalIntersection,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge));
+                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
+                                           PairKind::tiny_coordinates));
 
 }  // namespace
 }  // namespace limber::testing

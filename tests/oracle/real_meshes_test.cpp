@@ -8,6 +8,7 @@
 
 #include "limber/classic.h"
 #include "limber/io.h"
+#include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 #include "support/real_meshes.h"
@@ -15,30 +16,53 @@
 namespace limber::testing {
 namespace {
 
-TEST(RealMeshes, TreeEqualsBruteForceApartNearAndOverlapping) {
-  if (!std::filesystem::exists(real_mesh("spot.obj")) || !std::filesystem::exists(real_mesh("beetle.obj"))) {
-    GTEST_SKIP() << "no data";
-  }
-  const classic::Model spot(load_mesh(real_mesh("spot.obj")).value());
-  const classic::Model beetle(load_mesh(real_mesh("beetle.obj")).value());
+TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
+  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
+  const Model spot(mesh);
+  const classic::Model classic_spot(mesh);
   scenes::Rng rng(80);
   int contacts = 0;
-  for (const double away : {0.3, 1.2, 1.5, 6.0}) {
+  for (const double away : {0.3, 1.2, 1.8, 6.0}) {
     const Transform pose_a{scenes::random_rotation(rng), {}};
     const Transform pose_b{scenes::random_rotation(rng), {away, 0.2 * away, 0}};
-    const DistanceResult truth = reference::distance({spot.mesh(), pose_a}, {beetle.mesh(), pose_b});
-    const DistanceResult found = classic::distance({spot, pose_a}, {beetle, pose_b});
-    EXPECT_EQ(found.upper, truth.upper) << away;
-    EXPECT_EQ(found.lower, truth.lower) << away;
-    EXPECT_EQ(classic::collide({spot, pose_a}, {beetle, pose_b}).collision, truth.upper == 0) << away;
-    const DistanceResult roughly = classic::distance({spot, pose_a}, {beetle, pose_b}, {.relative_error = 0.1});
-    EXPECT_LE(truth.upper, roughly.upper) << away;
-    EXPECT_LE(roughly.upper, 1.1 * truth.upper) << away;
-    EXPECT_LE(roughly.lower, truth.upper) << away;
+    const DistanceResult truth = reference::distance({mesh, pose_a}, {mesh, pose_b});
+    const DistanceResult found = distance({spot, pose_a}, {spot, pose_b});
+    const DistanceResult classic_found = classic::distance({classic_spot, pose_a}, {classic_spot, pose_b});
+    EXPECT_NEAR(found.upper, truth.upper, 0x1p-45 * (2 + away)) << away;
+    EXPECT_EQ(found.lower, found.upper) << away;
+    EXPECT_EQ(classic_found.upper, truth.upper) << away;
+    EXPECT_EQ(classic_found.lower, truth.lower) << away;
+    EXPECT_EQ(collide({spot, pose_a}, {spot, pose_b}).collision, truth.upper == 0) << away;
+    EXPECT_EQ(classic::collide({classic_spot, pose_a}, {classic_spot, pose_b}).collision, truth.upper == 0) << away;
+    for (const DistanceResult& roughly :
+         {distance({spot, pose_a}, {spot, pose_b}, {.relative_error = 0.1}),
+          classic::distance({classic_spot, pose_a}, {classic_spot, pose_b}, {.relative_error = 0.1})}) {
+      EXPECT_LE(truth.upper, roughly.upper * (1 + 1e-14)) << away;
+      EXPECT_LE(roughly.upper, 1.1 * truth.upper * (1 + 1e-14)) << away;
+      EXPECT_LE(roughly.lower, truth.upper * (1 + 1e-14)) << away;
+    }
     contacts += truth.upper == 0 ? 1 : 0;
   }
   EXPECT_GT(contacts, 0);
   EXPECT_LT(contacts, 4);
+}
+
+TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
+  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
+  Model bent(mesh, {.slack = ModelOptions::automatic});
+  const Model ball(scenes::thesis_ball());
+  const Transform pose{{}, {1.6, 0.5, 0.2}};
+  Pair pair;
+  for (int frame = 0; frame < 4; ++frame) {
+    std::vector<Vec3> positions = mesh.positions();
+    for (Vec3& p : positions) p.x += 0.1 * scenes::sine(3 * p.y + frame), p.z *= 1 + 0.05 * frame;
+    bent.move_all(positions).value();
+    bent.commit();
+    ASSERT_TRUE(static_cast<bool>(bent.validate()));
+    const double truth = reference::distance({bent.mesh()}, {ball.mesh(), pose}).upper;
+    EXPECT_NEAR(distance({bent}, {ball, pose}).upper, truth, 0x1p-43) << frame;
+    EXPECT_NEAR(distance({bent}, {ball, pose}, {}, pair).upper, truth, 0x1p-43) << frame;
+  }
 }
 
 }  // namespace

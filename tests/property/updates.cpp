@@ -184,7 +184,7 @@ std::string Subject::check(std::uint32_t draw) {
 std::string Subject::compare(const Transform& pose) {
   // Of what is compared: the coordinates that placing and subtracting round.
   const double extent = largest_coordinate(mesh_) + largest_coordinate(still_.mesh()) + max_abs(pose.translation);
-  const double tolerance = 1e-14 * extent;
+  const double tolerance = 0x1p-45 * extent;  // docs/algorithms/numerics.md
   const Placed a{model_}, b{still_, pose};
   const double truth = reference::distance({mesh_}, {still_.mesh(), pose}).upper;
   const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, pair_);

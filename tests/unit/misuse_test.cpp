@@ -65,7 +65,9 @@ TYPED_TEST(Misuse, OfOptionsIsRefused) {
     EXPECT_THROW(ask({.relative_error = bad}), std::invalid_argument) << bad;
     EXPECT_THROW(ask({.absolute_error = bad}), std::invalid_argument) << bad;
     EXPECT_THROW(this->within(this->a_, this->b_, bad), std::invalid_argument) << bad;
-    if (bad != infinity) EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
+    if (bad != infinity) {
+      EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
+    }
   }
   EXPECT_NO_THROW(ask({.max_distance = infinity}));
   EXPECT_NO_THROW(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0}));
