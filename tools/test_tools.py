@@ -15,6 +15,7 @@ from pathlib import Path
 import check_layers
 import check_refs
 import check_sizes
+import mutants
 from repository import Finding, cpp_code, files
 
 HEAD = "// SPDX-FileCopyrightText: The limber authors\n// SPDX-License-Identifier: BSD-3-Clause\n"
@@ -219,6 +220,32 @@ class Text(Repository):
 
         self.findings(look, tree)
         self.assertEqual(seen, [".ci/run", "src/a.cpp"])
+
+
+class Mutants(unittest.TestCase):
+    def check(self, text: str, *entries: dict[str, str]) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "a.cpp").write_text(text, encoding="utf-8")
+            table = Path(folder, "mutants.toml")
+            fields = [[f"{key} = '{value}'" for key, value in entry.items()] for entry in entries]
+            table.write_text("".join("[[mutant]]\n" + "\n".join(lines) + "\n" for lines in fields), encoding="utf-8")
+            mutants.check(Path(folder), mutants.load(table))
+
+    def test_text_that_occurs_once_is_replaced(self) -> None:
+        self.check("x < y", {"name": "m", "file": "a.cpp", "find": "<", "replace": "<="})
+
+    def test_stale_mutants_are_refused(self) -> None:
+        mutant = {"name": "m", "file": "a.cpp", "find": "<", "replace": "<="}
+        for text, entries in (
+            ("x > y", [mutant]),
+            ("x < y < z", [mutant]),
+            ("x < y", [{**mutant, "file": "b.cpp"}]),
+            ("x < y", [{**mutant, "replace": "<"}]),
+            ("x < y", [{**mutant, "test": "unit"}]),
+            ("x < y", [mutant, mutant]),
+        ):
+            with self.assertRaises(mutants.Unusable):
+                self.check(text, *entries)
 
 
 if __name__ == "__main__":

@@ -97,6 +97,12 @@ struct Seen {
   bool operator==(const Seen&) const = default;
 };
 
+/// What a caller has chosen; while the model tunes itself, nothing has been.
+double slack_of(const Model& model) {
+  return model.options().slack == ModelOptions::automatic ? 0 : model.maintenance_stats().slack;
+}
+double slack_of(const classic::Model& model) { return model.options().looseness.slack; }
+
 /// Ordinary use of a model, whatever has happened to it.
 template <typename Placed, typename Model>
 void use(Model& model) {
@@ -122,6 +128,7 @@ int fail_each_allocation(const Step<Model>& step, const Options& options, Failin
     Model model(some_mesh(), options);
     step.prepare(model);
     const Seen before(model);
+    const double slack_before = slack_of(model);
     bool threw = false, failed = false;
     {
       const FailingHeap heap(k, failing);
@@ -130,6 +137,7 @@ int fail_each_allocation(const Step<Model>& step, const Options& options, Failin
     }
     if (threw) {
       EXPECT_TRUE(Seen(model) == before) << k;
+      EXPECT_EQ(slack_of(model), slack_before) << k;
       step.call(model);
     }
     Model untroubled(some_mesh(), options);

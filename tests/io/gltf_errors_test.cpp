@@ -90,6 +90,7 @@ TEST_F(GltfErrors, broken_buffer_views_are_malformed) {
            {R"("byteLength":36)", R"("byteLength":36,"byteStride":16)"},
            {R"("byteLength":36)", R"("byteLength":36,"byteStride":256)"},
            {R"("byteLength":6)", R"("byteLength":6,"byteStride":4)"},
+           {R"("byteLength":6)", R"("byteLength":12)"},
            {R"("byteOffset":36)", R"("byteOffset":35)"},
            {R"("buffer":0)", R"("buffer":1)"}}) {
     GltfParts parts;
@@ -219,6 +220,9 @@ TEST_F(GltfErrors, broken_binary_containers_are_malformed) {
   no_binary_chunk.replace(sound.find(std::string_view("BIN\0", 4)), 3, "BIM");
   EXPECT_NE(refused("a.glb", no_binary_chunk).text.find("no binary chunk"), std::string::npos);
   EXPECT_EQ(refused("a.glb", sound.substr(0, 12)).code, ErrorCode::malformed_file);
+  std::string chunk_beyond_the_end = sound;
+  chunk_beyond_the_end[sound.find(std::string_view("BIN\0", 4)) - 4] += 4;
+  EXPECT_NE(refused("a.glb", chunk_beyond_the_end).text.find("promises"), std::string::npos);
 }
 
 }  // namespace

@@ -128,17 +128,18 @@ TEST_F(Gltf, buffer_files_lie_in_the_folder_or_below) {
 }
 
 TEST_F(Gltf, buffer_files_elsewhere_are_refused) {
-  fs::create_directories(path("folder"));
+  fs::create_directories(path("folder/below"));
   GltfParts parts;
+  write("folder/inside.bin", parts.buffer);
   const std::string outside = write("outside.bin", parts.buffer).string();
   fs::create_symlink(outside, path("folder/link.bin"));
   fs::create_directory_symlink(path(""), path("folder/up"));
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("%2e%2E/outside.bin"), std::string("..%2Foutside.bin"),
         std::string("./../outside.bin"), outside, "file://" + outside, std::string("http://localhost/outside.bin"),
-        std::string("link.bin"), std::string("up/outside.bin"), std::string("..\\\\outside.bin"),
-        std::string("a%00.bin"), std::string("%4"), std::string("%zz"), std::string("missing.bin"), std::string("."),
-        std::string("up")}) {
+        std::string("below/../inside.bin"), std::string("link.bin"), std::string("up/outside.bin"),
+        std::string("..\\\\outside.bin"), std::string("a%00.bin"), std::string("%4"), std::string("%zz"),
+        std::string("missing.bin"), std::string("."), std::string("up")}) {
     parts.uri = uri;
     const Error error = refused("folder/a.gltf", parts.gltf());
     EXPECT_EQ(error.code, ErrorCode::malformed_file) << uri;

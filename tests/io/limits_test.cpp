@@ -87,6 +87,10 @@ TEST_F(Limits, scenes_that_show_a_mesh_too_often_are_refused) {
   EXPECT_EQ(most->face_count, shown);
   EXPECT_EQ(refused("a.gltf", scene(shown + 1)).code, ErrorCode::too_large);
   EXPECT_EQ(refused("a.gltf", scene(20'000)).code, ErrorCode::too_large);
+  // As many elements, nearly all of them triangles of three vertices.
+  parts.accessors = R"([{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"componentType":5125,"count":)" +
+                    std::to_string(3 * ((std::size_t{1} << 20U) - 3)) + R"(,"type":"SCALAR"}])";
+  EXPECT_EQ(refused("a.gltf", scene(shown + 1)).code, ErrorCode::too_large);
 }
 
 TEST_F(Limits, nodes_that_show_two_children_twice_each_are_refused) {

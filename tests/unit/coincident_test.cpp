@@ -4,6 +4,7 @@
 // Thousands of triangles at one place: duplicates, and meshes that have collapsed.
 #include <gtest/gtest.h>
 
+#include <span>
 #include <vector>
 
 #include "limber/model.h"
@@ -79,6 +80,30 @@ TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
     a.move_all(home.positions()).value();
     a.commit();
     ASSERT_NEAR(distance({a}, {probe}, {}, pair).upper, reference::distance({home}, {probe.mesh()}).upper, 1e-14);
+  }
+}
+
+TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
+  // The last of many equal triangles comes down to the other model, by a distance whose square is 0 in float64.
+  constexpr double little = 0x1p-600;
+  const Triangle high{{0, 0, little}, {1, 0, little}, {0, 1, little}}, low{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  constexpr std::uint32_t count = 200;
+  const std::vector<VertexId> last{3 * count - 3, 3 * count - 2, 3 * count - 1};
+  for (const bool moves_all : {false, true}) {
+    Model many(repeated(high, count, false), {.slack = 0.5});
+    const Model probe(soup({low}));
+    ASSERT_FALSE(collide({many}, {probe}).collision);
+    std::vector<Vec3> positions = many.mesh().positions();
+    for (std::size_t k = 0; k < 3; ++k) positions[last[k]] = low[k];
+    if (moves_all) {
+      many.move_all(positions).value();
+    } else {
+      many.move_vertices(last, std::span(positions).last(3)).value();
+    }
+    many.commit();
+    ASSERT_TRUE(static_cast<bool>(many.validate()));
+    EXPECT_TRUE(collide({many}, {probe}).collision) << moves_all;
+    EXPECT_EQ(distance({many}, {probe}).upper, 0) << moves_all;
   }
 }
 

@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <cfenv>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "limber/classic.h"
@@ -16,6 +19,7 @@
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
+#include "tree/node.h"
 
 #if defined(__x86_64__)
 #include <xmmintrin.h>
@@ -61,15 +65,35 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put_distance(distance(a, b));
   put_distance(distance(a, b, {.relative_error = 0.25}));
   put(collide(a, b).collision), put(within(a, b, 0).within);
+  Pair first, second, third;
+  put_distance(distance(a, b, {}, first)), put_distance(distance(a, b, {}, first));
+  const double limit = distance(a, b, {}, first).upper;
+  put(collide(a, b, second).collision), put(collide(a, b, second).stats.node_tests);
+  const WithinResult near = within(a, b, limit), near_again = within(a, b, limit, third);
+  put(near.within), put(near.witness.value_or(Witness{}).point_a.y);
+  put(near_again.within), put(near_again.witness.value_or(Witness{}).point_a.y);
   put_distance(classic::distance({classic_a, s.pose_a}, {classic_b, s.pose_b}));
   put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).collision);
-  put_distance(reference::distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}));
+  const WithinResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
+  put(classic_near.within), put(classic_near.witness.value_or(Witness{}).point_b.z);
+  const reference::Placed mesh_a{s.mesh_a, s.pose_a}, mesh_b{s.mesh_b, s.pose_b};
+  put_distance(reference::distance(mesh_a, mesh_b));
+  put(reference::within(mesh_a, mesh_b, limit).within);
+  put(reference::collide(mesh_a, mesh_b).witness.value_or(Witness{}).point_a.x);
   std::vector<Vec3> positions = s.mesh_a.positions();
   positions[rng.below(positions.size())] = s.mesh_b.positions().front();
   model_a.move_all(positions).value();
   model_a.commit();
   put(static_cast<bool>(model_a.validate()));
   put_distance(distance(a, b));
+  const std::vector<VertexId> ids{0};
+  const std::vector<Vec3> to{s.mesh_b.positions().back()};
+  model_a.set_slack(0.25 * s.size);
+  model_a.move_vertices(ids, to).value();
+  model_a.commit();
+  put(model_a.tree().motion), put(model_a.tree().slack), put(static_cast<bool>(model_a.validate()));
+  model_a.restructure();
+  put_distance(distance(a, b, {}, first));
   const Triangle t = s.mesh_a.triangle(0), u = s.mesh_b.triangle(0);
   put(intersects(t, u)), put(closest_points(t, u).distance), put(orient3d(t.v0, t.v1, t.v2, u.v0));
   put(orient2d(t.v0, t.v1, u.v0, 2)), put(enclosing_sphere(t).radius), put(intersects(Segment{t.v0, u.v0}, u));
@@ -82,7 +106,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
 TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
   for (const Environment& environment : foreign_environments()) {
     Rng rng(601);
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 100; ++i) {
       const Scene s = arbitrary_scene(rng);
       const std::vector<std::uint64_t> expected = answers(s, rng);
       environment.enter();
@@ -111,6 +135,42 @@ TEST(FloatEnvironment, OfTheCallerChangesNoTreeBuiltByManyThreads) {
     const auto found = distance_and_work();
     environment.leave();
     EXPECT_EQ(found, expected) << environment.name;
+  }
+}
+
+/// Triangles that are points, so many that threads share the work, on a line so short that its coordinates in the unit
+/// of the tree are subnormal float32 numbers; and two that make the model large.
+Mesh speck_between_far_ends() {
+  std::vector<Triangle> triangles;
+  constexpr std::uint32_t count = 40'000;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 at{0x1p-149 * static_cast<double>(i * std::uint64_t{7919} % count), 0, 0};
+    triangles.push_back({at, at, at});
+  }
+  triangles.push_back({{-1, -1, -1}, {-1, 0, -1}, {-1, -1, 0}});
+  triangles.push_back({{1, 1, 1}, {1, 0, 1}, {1, 1, 0}});
+  return soup(triangles);
+}
+
+TEST(FloatEnvironment, OfAPoolOfThreadsChangesNoTree) {
+  // A pool keeps the environment in which a thread has first used it.
+  const Mesh speck = speck_between_far_ends(), sheet = scenes::wave_sheet(200, 200, 0);
+  const tree::Tree speck_tree = tree::build(speck), sheet_tree = tree::build(sheet);
+  const auto equal = [](const tree::Tree& a, const tree::Tree& b) {
+    if (a.leaves.size() != b.leaves.size()) return false;
+    for (std::size_t i = 0; i < a.blocks.size(); ++i) {
+      if (std::memcmp(&a.blocks[i].bounds, &b.blocks[i].bounds, sizeof(simd::NodeBounds)) != 0) return false;
+    }
+    return std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size() * sizeof(tree::Leaf)) == 0;
+  };
+  for (const Environment& environment : foreign_environments()) {
+    std::thread([&] {
+      environment.enter();
+      oneapi::tbb::parallel_for(0, 1000, [](int) {});
+      const Model model(speck), other(sheet);
+      EXPECT_TRUE(equal(model.tree(), speck_tree)) << environment.name;
+      EXPECT_TRUE(equal(other.tree(), sheet_tree)) << environment.name;
+    }).join();
   }
 }
 

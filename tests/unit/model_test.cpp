@@ -273,6 +273,19 @@ TEST(Model, RestructuresByWhereTrianglesAreNow) {
               tree::Quality::sum(built.tree(), tree::subtree_of(built.tree(), tree::root)), 0.02);
 }
 
+TEST(Model, ValidateNamesAVertexBeyondTheSlackInUse) {
+  Model model(scenes::thesis_ball(), {.slack = 0.5});
+  const Vec3 at = model.mesh().positions()[7];
+  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{7}, std::vector<Vec3>{at * 1.25})));
+  model.commit();
+  ASSERT_TRUE(static_cast<bool>(model.validate()));
+  // Queries would go by that.
+  const_cast<tree::Tree&>(model.tree()).slack *= 0.5;
+  const Result<void> result = model.validate();
+  ASSERT_FALSE(static_cast<bool>(result));
+  EXPECT_EQ(result.error().where, 7U);
+}
+
 TEST(Model, MakesPairsForgetWhatTheyKnewOfIt) {
   Model ball(scenes::thesis_ball());
   const Model square(scenes::thesis_square());
@@ -284,6 +297,13 @@ TEST(Model, MakesPairsForgetWhatTheyKnewOfIt) {
   ASSERT_TRUE(static_cast<bool>(ball.move_all(positions)));
   ball.commit();
   EXPECT_EQ(distance({square}, there, {}, pair).upper, distance({square}, there).upper);
+  // The closest triangles stay where they are, and one that the pair has ruled out comes closer.
+  const auto top =
+      std::max_element(positions.begin(), positions.end(), [](const Vec3& p, const Vec3& q) { return p.z < q.z; });
+  const std::vector<VertexId> ids{static_cast<VertexId>(top - positions.begin())};
+  ASSERT_TRUE(static_cast<bool>(ball.move_vertices(ids, std::vector<Vec3>{{0.5, 0.5, -2.75}})));
+  ball.commit();
+  EXPECT_NEAR(distance({square}, there, {}, pair).upper, 0.25, 1e-12);
 }
 
 }  // namespace

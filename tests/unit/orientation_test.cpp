@@ -92,6 +92,17 @@ TEST(Orientation, IsExactWhereAProductUnderflowsInTheFilter) {
   EXPECT_EQ(rational_volume_sign(origin, p, q, r), 1);
 }
 
+TEST(Orientation, IsExactWhereOneCoordinateIsFarLargerThanAllOthers) {
+  // The volume is the cube of a small number, which is below the range of float64 when the large one is about 1.
+  for (int exponent = 250; exponent <= 1000; exponent += 10) {
+    const double small = std::ldexp(1.0, -exponent);
+    const Vec3 origin{}, p{small, 0, 0}, q{0, small, 0};
+    EXPECT_EQ(orient3d(origin, p, q, {1, 0, small}), 1) << exponent;
+    EXPECT_EQ(orient3d(origin, p, q, {1, 0, -small}), -1) << exponent;
+    EXPECT_EQ(orient3d(origin, p, q, {1, 1, 0}), 0) << exponent;
+  }
+}
+
 TEST(Orientation, ExpansionsAndBigIntegersAgree) {
   // The same lattice points with and without a factor that forces the big integers.
   Rng rng(5);

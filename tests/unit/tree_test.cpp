@@ -186,6 +186,9 @@ TEST(Tree, ValidateNamesWhatIsBroken) {
   EXPECT_EQ(complaint([](Tree& t) { t.blocks[0].count = 2; }), "I1");
   EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].first_child += 1; }), "I1");
   EXPECT_EQ(complaint([](Tree& t) { t.level_begin.back() -= 1; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[2].parent += 1; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].count = 0; }), "I1");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].count = tree::width + 1; }), "I1");
   EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].first_child -= 1; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = 100000; }), "I2");
@@ -196,6 +199,22 @@ TEST(Tree, ValidateNamesWhatIsBroken) {
   EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.low[1] += 1e-3F; }), "I4");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[1].corners.corner[4][5] += 2; }), "I5");
   EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].reach *= 0.9F; }), "I6");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].reach *= 0.9F; }), "I6");
+  EXPECT_EQ(complaint([](Tree& t) { t.blocks[0].coincident = 1; }), "I7");
+  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].coincident = 1; }), "I7");
+}
+
+TEST(Tree, ValidateCountsLevels) {
+  // A leaf below two nodes, each of which is sound, where one would do.
+  const Mesh mesh = scenes::grid(2, 2, 0, 0, 1, 1);
+  Tree tree = tree::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(tree::validate(tree, mesh)));
+  tree.blocks.push_back(tree.blocks[0]);
+  tree.blocks[0].first_child = 1;
+  tree.level_begin = {0, 1, 2};
+  const auto result = tree::validate(tree, mesh);
+  ASSERT_FALSE(static_cast<bool>(result));
+  EXPECT_EQ(result.error().text.substr(0, 2), "I3") << result.error().text;
 }
 
 }  // namespace
