@@ -14,6 +14,10 @@ namespace {
 /// Builds the tree of values while the parser, which does not recurse, reports them one by one.
 class Builder : public nlohmann::json_sax<Json> {
  public:
+  Builder() noexcept(false) = default;
+  Builder(const Builder&) = delete;  // it points into itself
+  Builder& operator=(const Builder&) = delete;
+
   Json take() { return std::move(root_); }
   const std::optional<Error>& error() const { return error_; }
 

@@ -319,7 +319,8 @@ void Following::commit(const Mesh& mesh, MaintenanceStats& stats) {
   has_moved_ = true;  // until all is done
   if (tightens_ || (!anchors_.empty() && since_found_ > mesh.positions().size())) anchor_far(mesh);
   tightens_ = false;
-  if (all_steps_ > outgrown * tree_.unit) measure_again(mesh);
+  // Bounds may follow a vertex by as much as it has moved, and as it was away from where they were fitted.
+  if (all_steps_ + tree_.slack > outgrown * tree_.unit) measure_again(mesh);
   const bool has_restructured = restructure(mesh);
   const bool in_pass = changes_.is_most_of(tree_);
   const std::size_t spared = changes_.spared_count();

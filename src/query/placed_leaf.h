@@ -21,7 +21,7 @@ class PlacedLeaf {
 
   TriangleId id(std::uint32_t lane) const { return leaf_.triangle[lane]; }
   const PlacedTriangle& at(std::uint32_t lane) {
-    PlacedTriangle& triangle = triangles_[lane];
+    PlacedTriangle& triangle = placed_triangles[lane];
     if ((placed_lanes_ >> lane & 1) == 0) {
       placed_lanes_ |= 1U << lane;
       triangle = {leaf_.triangle[lane], placed_.triangle(side_, leaf_.triangle[lane])};
@@ -35,7 +35,7 @@ class PlacedLeaf {
   const tree::Leaf& leaf_;
   unsigned placed_lanes_ = 0;  // bits
   union {
-    PlacedTriangle triangles_[simd::width];  // left as they are until they are placed
+    PlacedTriangle placed_triangles[simd::width];  // left as they are until they are placed
   };
 };
 
