@@ -22,7 +22,7 @@ TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
   const classic::Model classic_spot(mesh), classic_ball(ball_mesh);
   scenes::Rng rng(80);
   int contacts = 0;
-  for (const double away : {0.8, 1.5, 2.5, 6.0}) {
+  for (const double away : {0.8, 2.5}) {
     const Transform pose_a{scenes::random_rotation(rng), {}};
     const Transform pose_b{scenes::random_rotation(rng), {away, 0.2 * away, 0}};
     const DistanceResult truth = reference::distance({mesh, pose_a}, {ball_mesh, pose_b});
@@ -44,7 +44,7 @@ TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
     contacts += truth.upper == 0 ? 1 : 0;
   }
   EXPECT_GT(contacts, 0);
-  EXPECT_LT(contacts, 4);
+  EXPECT_LT(contacts, 2);
 }
 
 TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
@@ -53,7 +53,7 @@ TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
   const Model ball(scenes::thesis_ball());
   const Transform pose{{}, {1.6, 0.5, 0.2}};
   Pair pair;
-  for (int frame = 0; frame < 4; ++frame) {
+  for (int frame = 0; frame < 2; ++frame) {
     std::vector<Vec3> positions = mesh.positions();
     for (Vec3& p : positions) p.x += 0.1 * scenes::sine(3 * p.y + frame), p.z *= 1 + 0.05 * frame;
     bent.move_all(positions).value();
