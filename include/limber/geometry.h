@@ -36,7 +36,7 @@ struct ClosestPoints {
 /// On which side of the plane through (a, b, c) the point d lies, exact: +1 on the side that the normal
 /// (b - a) x (c - a) points to, -1 on the other, 0 when the four points are coplanar.
 ///
-/// Pre      Coordinates are finite.
+/// Throws   std::invalid_argument if a coordinate is not finite.
 /// Promise  The sign of the exact determinant; no rounding, underflow or overflow can change it.
 /// Source   [Shewchuk1997]; docs/algorithms/intersection.md.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -44,35 +44,42 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Sign of the area of (a, b, c) after dropping coordinate `axis`, exact: +1 when counter-clockwise, 0 when collinear.
 ///
 /// The kept coordinates are taken in the order (y, z), (z, x), (x, y) for axis 0, 1, 2.
+/// Throws   std::invalid_argument if a coordinate is not finite, or axis is above 2.
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
 
 /// Whether two closed triangles share a point, decided exactly for the float64 coordinates given.
 ///
 /// Touching is intersecting; coplanar, segment-like and point-like triangles are decided exactly too.
+/// Throws   std::invalid_argument if a coordinate is not finite.
 /// Source   docs/algorithms/intersection.md; compare [GuigueDevillers2003].
 bool intersects(const Triangle& a, const Triangle& b);
 
 /// Whether a closed segment and a closed triangle share a point, decided exactly.
+///
+/// Throws   As above.
 bool intersects(const Segment& segment, const Triangle& triangle);
 
 /// Closest points of two segments; either may be a point.
 ///
 /// Promise  The distance is within 2^-50 of the extent of the true one, where the extent is the largest coordinate of
 ///          an end relative to a.p0.
+/// Throws   std::invalid_argument if a coordinate is not finite, or above `max_coordinate` in size.
 ClosestPoints closest_points(const Segment& a, const Segment& b);
 
-/// Closest points of a point and a triangle; the triangle may be degenerate.
+/// Closest points of a point and a triangle; the triangle may be degenerate. Throws as above.
 ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 
 /// Closest points of two triangles; either may be degenerate.
 ///
 /// Promise  distance == 0 exactly when intersects(a, b); then both points are the same point, which lies on both
-///          triangles up to rounding. Otherwise distance > 0, within 2^-50 of the extent of the true one, where the
-///          extent is the largest coordinate of a corner relative to a.v0.
+///          triangles up to rounding, and up to 2^-26 of the extent if one is a sliver. Otherwise distance > 0, within
+///          2^-50 of the extent of the true one, and at least 2^-1022. The extent is the largest coordinate of a corner
+///          relative to a.v0.
+/// Throws   std::invalid_argument if a coordinate is not finite, or above `max_coordinate` in size.
 /// Source   docs/algorithms/triangle_distance.md, docs/algorithms/numerics.md.
 ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 
-/// Smallest sphere around a triangle, its radius rounded up so that all three corners are inside.
+/// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 Sphere enclosing_sphere(const Triangle& triangle);
 
 /// Smallest sphere around two spheres, its radius recomputed from the stored centre and rounded up.

@@ -10,7 +10,7 @@
 /// Vectors, matrices and rigid transforms in float64.
 namespace limber {
 
-/// Largest magnitude of a coordinate: fourth powers of lengths, which the distance routines form, stay finite.
+/// Largest magnitude of a coordinate; larger ones are refused.
 inline constexpr double max_coordinate = 0x1p200;
 
 struct Vec3 {
@@ -69,7 +69,8 @@ constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
 /// A rigid motion: p_a = a_from_b(p_b) turns by `rotation`, then shifts by `translation`.
 ///
 /// Unit     The translation is in the mesh's length unit.
-/// Throws   Queries throw std::invalid_argument where `is_rigid()` does not hold. Reflections are not rigid motions.
+/// Throws   Queries throw std::invalid_argument where `is_rigid()` does not hold. Reflections are not rigid motions; a
+///          rotation computed in float32 is not orthonormal enough.
 struct Transform {
   Mat3 rotation;
   Vec3 translation;

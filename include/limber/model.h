@@ -33,7 +33,7 @@ struct ModelOptions {
 
   /// How far vertices may go before the tree follows them, a length in the model's frame. Finite and >= 0, or
   /// `automatic`: the model tries what costs least, repairs and what queries pay for the slack together. With 0, every
-  /// commit() repairs all. Answers do not depend on it.
+  /// commit() repairs all. Answers do not depend on it beyond rounding.
   double slack = 0;
 
   Restructuring restructuring = Restructuring::in_commits;
@@ -166,9 +166,9 @@ struct Placed {
 
 /// What one query of two models found, for the next one of the same two to start from: the triangles it ended with, and
 /// what it ruled out, which stays ruled out while the models have moved little. Answers never depend on it beyond what
-/// the asked error allows; a pair that belongs to other models only costs time.
+/// the asked error and rounding allow; a pair that belongs to other models only costs time.
 ///
-/// Cost     25 kB, allocated by the first query.
+/// Cost     25 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.
 class Pair {
  public:
@@ -189,7 +189,7 @@ class Pair {
 /// Whether two placed models meet; stops at the first intersecting pair found.
 ///
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
-/// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a Pair's memory.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
 CollideResult collide(const Placed& a, const Placed& b);
@@ -203,7 +203,7 @@ CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
-/// Cost     Output-sensitive in practice, O(n m) at worst. Does not allocate.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a Pair's memory.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
@@ -213,7 +213,9 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
-/// Promise  True for the `upper` that distance() has returned, and for 0 exactly when the models meet.
+/// Promise  True for a finite `upper` that distance() has returned for the same models, poses and order; for 0 true
+///          exactly when the models meet. Where the distance is closer to `max_distance` than the rounding stated in
+///          query.h, either answer may come.
 /// Cost     As collide(), which is within() of 0.
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 WithinResult within(const Placed& a, const Placed& b, double max_distance, Pair& pair);

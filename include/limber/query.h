@@ -12,11 +12,12 @@
 /// What queries are asked and what they answer; one vocabulary for every engine.
 ///
 /// Triangles are surfaces, not solids: a model wholly inside another does not collide with it. When models meet, the
-/// distance is 0, both points of the witness are one point that lies on both, and the triangle ids name a pair that
-/// truly intersects. `collide` says yes exactly when `distance` gives 0. Models are compared as placed: every vertex is
-/// moved to the world frame in float64 first, and the answer is for those rounded vertices. With E the extent of the
-/// closest pair of triangles, numbers are within 2^-46 E + 2^-44 distance of the true ones, plus 2^-45 of the largest
-/// coordinate where a pose is not the identity; yes and no are exact.
+/// distance is 0, both points of the witness are one point that lies on both up to rounding, and the triangle ids name
+/// a pair that truly intersects. `collide` says yes exactly when `distance` gives 0. Models are compared as placed:
+/// every vertex is moved to the world frame in float64 first, and the answer is for those rounded vertices. Whether
+/// they meet is exact. Distances are rounded: with E the largest extent of a pair of triangles that close, they are
+/// within 2^-46 E + 2^-44 distance of the true ones, plus 2^-45 of the sum of the models' largest coordinates and
+/// translations where a pose is not the identity. docs/algorithms/numerics.md has the details.
 namespace limber {
 
 /// Why a query stopped where it did.
@@ -41,17 +42,17 @@ struct QueryStats {
   std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
 };
 
-/// What an answer is good enough for. A query stops as soon as either error is met; contacts are found at any setting.
+/// How good the answer must be: within either error is enough. Contacts are found at any setting.
 struct DistanceOptions {
   double relative_error = 0;  ///< the answer may exceed the true distance by this fraction of it; finite, >= 0
   double absolute_error = 0;  ///< the answer may exceed the true distance by this length; finite, >= 0
-  /// Models further apart than this are only told to be so; >= 0, infinity for no limit.
+  /// Beyond this distance the query only reports `beyond_limit`; >= 0, infinity for no limit.
   double max_distance = std::numeric_limits<double>::infinity();
 };
 
 struct DistanceResult {
-  double lower = 0;  ///< proven: no two points of the models are closer
-  double upper = 0;  ///< the distance of the witness points
+  double lower = 0;  ///< no two points of the models are closer, up to the rounding stated above
+  double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
   Witness witness{};
   QueryStats stats{};

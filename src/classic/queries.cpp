@@ -16,6 +16,7 @@
 #include "core/float_environment.h"
 #include "core/rounding.h"
 #include "geometry/primitives.h"
+#include "math/rigid.h"
 #include "query/options.h"
 
 namespace limber::classic {
@@ -28,7 +29,7 @@ void check_placed(const Placed& a, const Placed& b) {
   for (const Placed* placed : {&a, &b}) {
     LIMBER_REQUIRE(placed->model.is_committed(),
                    "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
-    LIMBER_REQUIRE(is_rigid(placed->pose),
+    LIMBER_REQUIRE(math::is_rigid(placed->pose),
                    "limber::classic: a query needs rigid poses; one of a model is not (see is_rigid())");
   }
 }

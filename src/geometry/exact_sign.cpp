@@ -124,9 +124,10 @@ double scale_for_expansions(std::initializer_list<double> coordinates) {
   return std::ldexp(1, std::clamp(-1 - highest, -1022, 1023));
 }
 
-// The coordinates span at most 2^1024 down to 2^-1074, so as integers they have 2098 bits, a determinant of three
-// differences 3 * 2099 + 3. Of that size only the limbs in use are worked on.
-constexpr unsigned bits_of_integers = 6336;
+// A coordinate becomes an integer of 53 bits, shifted left by as much as its exponent exceeds the smallest: by at most
+// 1024 + 1073, which makes 2150 bits. A determinant of three differences has 3 * 2151 + 3. Of that size only the limbs
+// in use are worked on.
+constexpr unsigned bits_of_integers = 6464;
 using Integer = boost::multiprecision::number<
     boost::multiprecision::cpp_int_backend<bits_of_integers, bits_of_integers, boost::multiprecision::signed_magnitude,
                                            boost::multiprecision::unchecked, void>,

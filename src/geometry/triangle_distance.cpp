@@ -188,7 +188,8 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
   };
   if (misfit > 0) consider_edges_of(a, b);
   if (misfit > 0) consider_edges_of(b, a);
-  LIMBER_ASSERT(misfit <= 0x1p-30 * extent);  // slivers may need more than rounding, gross errors never do
+  // Off by u * extent^2 / h where h is the smallest height, or by half of h, whichever is less.
+  LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
 

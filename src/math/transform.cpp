@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/float_environment.h"
 #include "limber/math.h"
+#include "math/rigid.h"
 
 namespace limber {
 namespace {
@@ -17,27 +19,21 @@ Vec3 orthonormality_errors(const Mat3& rotation) {
   return {std::abs(dot(x, x) - 1) + xy + zx, std::abs(dot(y, y) - 1) + xy + yz, std::abs(dot(z, z) - 1) + yz + zx};
 }
 
-/// False when an entry is not a number.
-bool is_at_most(const Vec3& v, double limit) { return v.x <= limit && v.y <= limit && v.z <= limit; }
-
 }  // namespace
 
 double max_stretch(const Mat3& rotation) {
+  const core::DefaultFloatEnvironment environment;
   // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
   return std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48;
 }
 
 bool is_rigid(const Transform& transform) {
-  const Mat3& r = transform.rotation;
-  constexpr double tolerance = 1e-9;  // a rotation stored as float32 fails, one chained a million times passes
-  // Two orthonormal rows, of which the third is the cross product: then the third is normal to both, of length 1, and
-  // the determinant is positive.
-  const Vec3 errors{std::abs(length_sq(r.row0) - 1), std::abs(length_sq(r.row1) - 1), std::abs(dot(r.row0, r.row1))};
-  return is_at_most(errors, tolerance) && is_at_most(abs(cross(r.row0, r.row1) - r.row2), tolerance) &&
-         is_at_most(abs(transform.translation), max_coordinate);
+  const core::DefaultFloatEnvironment environment;
+  return math::is_rigid(transform);
 }
 
 Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, double qx, double qy, double qz) {
+  const core::DefaultFloatEnvironment environment;
   if (!is_finite(translation)) return Error{ErrorCode::non_finite, "the translation is not finite", {}};
   if (max_abs(translation) > max_coordinate) return Error{ErrorCode::too_large, "the translation is too large", {}};
   const double largest = std::max({std::abs(qw), std::abs(qx), std::abs(qy), std::abs(qz)});
@@ -51,7 +47,7 @@ Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, 
   const Mat3 rotation{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-  LIMBER_ASSERT(is_rigid({rotation, translation}));
+  LIMBER_ASSERT(math::is_rigid({rotation, translation}));
   return Transform{rotation, translation};
 }
 

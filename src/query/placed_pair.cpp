@@ -9,6 +9,7 @@
 
 #include "core/check.h"
 #include "core/rounding.h"
+#include "math/rigid.h"
 
 namespace limber::query {
 namespace {
@@ -62,8 +63,10 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b)
                  "limber: a query needs committed models; model a has moved vertices, or has been moved from");
   LIMBER_REQUIRE(b.model.is_committed(),
                  "limber: a query needs committed models; model b has moved vertices, or has been moved from");
-  LIMBER_REQUIRE(is_rigid(a.pose), "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
-  LIMBER_REQUIRE(is_rigid(b.pose), "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
+  LIMBER_REQUIRE(math::is_rigid(a.pose),
+                 "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
+  LIMBER_REQUIRE(math::is_rigid(b.pose),
+                 "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
   // Placing rounds each coordinate of a vertex or centre by some units of the magnitudes added (see
   // classic/queries.cpp); going to the other model's frame and along a heading adds as many again.
   error_ = 0x1p-45 * (reach_of_model(a) + reach_of_model(b));

@@ -7,6 +7,7 @@
 #include "core/float_environment.h"
 #include "geometry/primitives.h"
 #include "limber/reference.h"
+#include "math/rigid.h"
 #include "query/options.h"
 
 namespace limber::reference {
@@ -15,7 +16,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::vector<Triangle> place(const Placed& placed) {
-  LIMBER_REQUIRE(is_rigid(placed.pose),
+  LIMBER_REQUIRE(math::is_rigid(placed.pose),
                  "limber::reference: a query needs rigid poses; one of a mesh is not (see is_rigid())");
   std::vector<Triangle> triangles;
   triangles.reserve(placed.mesh.triangles.size());

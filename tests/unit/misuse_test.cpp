@@ -102,5 +102,27 @@ TYPED_TEST(MovingMisuse, QueriesOfUncommittedModelsAreRefused) {
   EXPECT_NO_THROW(this->distance(this->a_, this->b_));
 }
 
+TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
+  const Triangle good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Segment edge{{0, 0, 0}, {1, 0, 0}};
+  for (const double bad : {nan, infinity, -infinity, 0x1p201}) {
+    const Vec3 point{0, bad, 0};
+    const Triangle triangle{{0, 0, 0}, point, {1, 0, 0}};
+    EXPECT_THROW(closest_points(good, triangle), std::invalid_argument);
+    EXPECT_THROW(closest_points(triangle, good), std::invalid_argument);
+    EXPECT_THROW(closest_points(point, good), std::invalid_argument);
+    EXPECT_THROW(closest_points(Vec3{}, triangle), std::invalid_argument);
+    EXPECT_THROW(closest_points(edge, Segment{point, {}}), std::invalid_argument);
+    EXPECT_THROW(closest_points(Segment{{}, point}, edge), std::invalid_argument);
+    if (bad == 0x1p201) continue;  // exact for all finite numbers
+    EXPECT_THROW(intersects(good, triangle), std::invalid_argument);
+    EXPECT_THROW(intersects(edge, triangle), std::invalid_argument);
+    EXPECT_THROW(intersects(Segment{point, {}}, good), std::invalid_argument);
+    EXPECT_THROW(orient3d(point, {}, {1, 0, 0}, {0, 1, 0}), std::invalid_argument);
+    EXPECT_THROW(orient2d({}, {1, 0, 0}, point, 0), std::invalid_argument);
+  }
+  EXPECT_THROW(orient2d({}, {1, 0, 0}, {0, 1, 0}, 3), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace limber::testing

@@ -85,6 +85,28 @@ TEST(Orientation, IsExactForMixedMagnitudes) {
   }
 }
 
+TEST(Orientation, IsExactFromTheSmallestToTheLargestNumberAtOnce) {
+  const double small = 0x1p-1074, large = 0x1p1023;
+  EXPECT_EQ(orient3d({}, {large, small, 0}, {0, large, 0}, {0, 0, large}), 1);
+  EXPECT_EQ(orient3d({}, {large, small, 0}, {0, 0, large}, {0, large, 0}), -1);
+  Rng rng(7);
+  const auto coordinate = [&] {
+    const double sign = rng.below(2) == 0 ? 1 : -1;
+    if (rng.below(3) == 0) return 0.0;
+    return rng.below(2) == 0 ? sign * std::ldexp(rng.uniform(0.5, 1), 1024 - static_cast<int>(rng.below(3)))
+                             : sign * std::ldexp(1.0, static_cast<int>(rng.below(4)) - 1074);
+  };
+  const auto point = [&] {
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    return Vec3{x, y, z};
+  };
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 a = i % 2 == 0 ? Vec3{} : point(), b = point(), c = point(), d = point();
+    ASSERT_EQ(orient3d(a, b, c, d), rational_volume_sign(a, b, c, d)) << "case " << i;
+    ASSERT_EQ(orient2d(a, b, c, 1), rational_area_sign(a, b, c, 1)) << "case " << i;
+  }
+}
+
 TEST(Orientation, IsExactWhereAProductUnderflowsInTheFilter) {
   // 1.49 of the smallest double rounds to 1, which turns 1.49 - 1.2 > 0 into 1 - 1.2 < 0.
   const Vec3 origin{0, 0, 0}, p{0, 0, 0x1p-537}, q{1.49 * 0x1p-537, 0x1p-537, 0}, r{1.2 * 0x1p200, 0x1p200, 0};

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -247,6 +248,39 @@ TYPED_TEST(Query, ComparesModelsWorldsApart) {
     const typename TestFixture::Model a(mesh_a), b(mesh_b);
     ASSERT_NEAR(this->distance(a, b, pose).upper, truth, 1e-14 * (size_a + size_b + apart)) << i;
     ASSERT_EQ(this->collide(a, b, pose).collision, truth == 0) << i;
+  }
+}
+
+TYPED_TEST(Query, FindsWhatIsCloseToOneSideOfALopsidedModel) {
+  // The smallest ball around a shallow dome has its centre on the rim's plane, so all of the dome is on one side of it.
+  Rng rng(41);
+  for (int i = 0; i < 40; ++i) {
+    const int rings = 6, sectors = 12;
+    std::vector<Vec3> positions{{0, 0, 0.2}};
+    for (int r = 1; r <= rings; ++r) {
+      for (int s = 0; s < sectors; ++s) {
+        const double radius = static_cast<double>(r) / rings, angle = 2 * std::numbers::pi * s / sectors;
+        positions.push_back({radius * std::cos(angle), radius * std::sin(angle), 0.2 * (1 - radius * radius)});
+      }
+    }
+    const auto at = [&](int r, int s) { return static_cast<VertexId>(1 + (r - 1) * sectors + s % sectors); };
+    std::vector<Corners> triangles;
+    for (int s = 0; s < sectors; ++s) {
+      triangles.push_back({0, at(1, s), at(1, s + 1)});
+      for (int r = 1; r < rings; ++r) {
+        triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
+        triangles.push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
+      }
+    }
+    const Transform turn{scenes::random_rotation(rng), uniform_point(rng)};
+    for (Vec3& p : positions) p = turn(p);
+    const typename TestFixture::Model dome(Mesh::create(positions, triangles).value());
+    const Vec3 above = turn({0.1 * rng.uniform(-1, 1), 0.1 * rng.uniform(-1, 1), 0.2 + rng.uniform(0.001, 0.1)});
+    const typename TestFixture::Model point(soup({{above, above, above}}));
+    const double truth = this->distance(dome, point).upper;
+    ASSERT_LE(truth, 0.11);
+    ASSERT_TRUE(this->within(dome, point, truth).within) << i;
+    ASSERT_TRUE(this->within(point, dome, truth * (1 + 1e-14)).within) << i;  // rounded otherwise
   }
 }
 

@@ -190,6 +190,14 @@ TEST(Tree, ValidateNamesWhatIsBroken) {
   EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].count = 0; }), "I1");
   EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].count = tree::width + 1; }), "I1");
   EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].first_child -= 1; }), "I2");
+  // One lane too many, which the next block has one less of: all sums are right.
+  ASSERT_EQ(sound.blocks[last - 1].count, tree::width);
+  EXPECT_EQ(complaint([&](Tree& t) {
+              t.blocks[last - 1].count += 1;
+              t.blocks[last].count -= 1;
+              t.blocks[last].first_child += 1;
+            }),
+            "I1");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = 100000; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[2].vertices[5][1] ^= 1; }), "I2");

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
@@ -145,6 +147,62 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleDistanceOfKind,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::shared_edge));
+
+/// The smallest height of a triangle, rounded.
+double smallest_height(const Triangle& t) {
+  const double longest = std::max({length(t.v1 - t.v0), length(t.v2 - t.v1), length(t.v0 - t.v2)});
+  return longest == 0 ? 0 : length(cross(t.v1 - t.v0, t.v2 - t.v0)) / longest;
+}
+
+/// Checks that points are on their triangles, as docs/algorithms/numerics.md says.
+void expect_points_as_promised(const Triangle& a, const Triangle& b) {
+  constexpr double u = 0x1p-53;
+  const ClosestPoints found = closest_points(a, b);
+  double largest = 0, extent = 0;
+  for (const Triangle& t : {a, b}) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      largest = std::max(largest, max_abs(t[i])), extent = std::max(extent, max_abs(t[i] - a.v0));
+    }
+  }
+  double tolerance = 32 * u * extent + 2 * u * largest + 0x1p-1021;
+  if (found.distance == 0) {
+    const double height = std::min(smallest_height(a), smallest_height(b));
+    const double of_slivers = height > 0 ? 8 * u * extent / height * extent : extent;
+    tolerance += std::min(of_slivers, 0x1p-26 * extent);
+  }
+  EXPECT_LE(misfit(found.point_a, a), tolerance);
+  EXPECT_LE(misfit(found.point_b, b), tolerance);
+  EXPECT_NEAR(length(found.point_b - found.point_a), found.distance, 2 * tolerance);
+}
+
+TEST(TriangleDistance, PointsLieOnTrianglesOfAnyScaleAnywhere) {
+  Rng rng(131);
+  for (const PairKind kind : {PairKind::mixed_scale, PairKind::far_away}) {
+    for (int i = 0; i < 3000 && !HasFailure(); ++i) {
+      SCOPED_TRACE("case " + std::to_string(i));
+      const auto [a, b] = random_pair(rng, kind);
+      expect_points_as_promised(a, b);
+    }
+  }
+}
+
+TEST(TriangleDistance, PointsLieOnSliversThatArePierced) {
+  // The plane of a sliver is known to rounding over its height, and no point is further than half of that from an edge.
+  Rng rng(132);
+  const auto direction = [&] {
+    const Vec3 v = uniform_point(rng);
+    return v * (1 / std::max(length(v), 1e-3));
+  };
+  for (int i = 0; i < 20'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const Vec3 edge = direction(), side = cross(edge, direction()), at = rng.below(2) == 0 ? Vec3{} : direction();
+    const double width = std::ldexp(rng.uniform(1, 2), -static_cast<int>(rng.below(50)));
+    const Triangle a{at, at + edge, at + rng.uniform() * edge + width * side};
+    const double u = rng.uniform(), v = rng.uniform() * (1 - u);
+    const Vec3 inside = point_on(a, u, v), out = std::ldexp(1.0, -static_cast<int>(rng.below(50))) * direction();
+    expect_points_as_promised(a, {inside - out, inside + rng.uniform() * out, inside + out});
+  }
+}
 
 TEST(TriangleDistance, ThinSliversThatAreTouchedKeepTheirDigits) {
   // Widths down to 2^-40 of the length: there the plain foot of a corner is off by up to a billionth of the extent.
