@@ -120,8 +120,8 @@ void use(Model& model) {
   expect_right_answers<Placed>(model);
 }
 
-/// Fails each allocation of a step in turn; the step is then taken again the first time, and not the second. Returns how
-/// many allocations there are.
+/// Fails each allocation of a step twice; after the first time the step is taken again. Returns how many allocations
+/// there are.
 template <typename Placed, typename Model, typename Options>
 int fail_each_allocation(const Step<Model>& step, const Options& options, Failing failing) {
   for (int i = 0;; ++i) {
