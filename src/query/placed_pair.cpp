@@ -48,11 +48,13 @@ double root_gap(const tree::Tree& tree, const Vec3& point) {
   return std::max({length(out), above, below}) - tree.slack;
 }
 
-/// At least how far the placed model is from the world's origin.
+/// At least how far the placed model is from the world's origin. A model that has drifted may be many radii away from
+/// the origin of its root.
 double reach_of_model(const Placed& placed) {
   const tree::Tree& tree = placed.model.tree();
-  const double radius = root_radius(tree);
-  return sum_of_sides(placed.pose.translation) + (sum_of_sides(tree.blocks[0].origin) + 2 * radius) * 1.001;
+  const double from_origin = tree.unit * static_cast<double>(tree.blocks[0].reach) + tree.slack;
+  return sum_of_sides(placed.pose.translation) +
+         (sum_of_sides(tree.blocks[0].origin) + std::max(2 * root_radius(tree), from_origin)) * 1.001;
 }
 
 }  // namespace
