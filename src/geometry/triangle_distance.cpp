@@ -188,7 +188,8 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
   };
   if (misfit > 0) consider_edges_of(a, b);
   if (misfit > 0) consider_edges_of(b, a);
-  // Off by u * extent^2 / h where h is the smallest height, or by half of h, whichever is less.
+  // Let h be the smallest height of the triangles. Rounding moves a point on a plane by about u * extent^2 / h, and
+  // no point of a triangle is further than h / 2 from an edge. The smaller of the two is largest at h = 2^-26 * extent.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }

@@ -48,8 +48,8 @@ double root_gap(const tree::Tree& tree, const Vec3& point) {
   return std::max({length(out), above, below}) - tree.slack;
 }
 
-/// At least how far the placed model is from the world's origin. A model that has drifted may be many radii away from
-/// the origin of its root.
+/// An upper bound of the distance of any point of the placed model from the world's origin. A model that has drifted
+/// may be many radii away from the origin of its root.
 double reach_of_model(const Placed& placed) {
   const tree::Tree& tree = placed.model.tree();
   const double from_origin = tree.unit * static_cast<double>(tree.blocks[0].reach) + tree.slack;
