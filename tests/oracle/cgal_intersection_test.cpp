@@ -7,12 +7,12 @@
 #include <CGAL/intersections.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "support/counts.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
@@ -46,17 +46,11 @@ struct Meet {
 
 bool cgal_intersects(const Triangle& a, const Triangle& b) { return std::visit(Meet{}, shape_of(a), shape_of(b)); }
 
-/// 5 million over all kinds by default; LIMBER_ORACLE_PAIRS overrides.
-std::uint64_t pair_count() {
-  const char* text = std::getenv("LIMBER_ORACLE_PAIRS");
-  return text != nullptr ? std::stoull(text) : 5'000'000;
-}
-
 class CgalIntersection : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(CgalIntersection, NeverDisagrees) {
   constexpr auto kinds = static_cast<std::uint64_t>(PairKind::count);
-  const std::uint64_t pairs = pair_count() / kinds + 1;
+  const std::uint64_t pairs = count_from("LIMBER_ORACLE_PAIRS", 5'000'000) / kinds + 1;
   Rng rng(1000 + static_cast<std::uint64_t>(GetParam()));
   std::uint64_t meeting = 0;
   for (std::uint64_t i = 0; i < pairs; ++i) {

@@ -6,23 +6,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "limber/classic.h"
 #include "limber/model.h"
+#include "support/counts.h"
 #include "support/exact_distance.h"
 #include "support/random_scene.h"
 
 namespace limber::testing {
 namespace {
-
-std::uint64_t count_from(const char* variable, std::uint64_t usual) {
-  const char* text = std::getenv(variable);
-  return text != nullptr ? std::stoull(text) : usual;
-}
 
 /// Largest coordinate of a corner, relative to the first.
 double extent_of(const Triangle& a, const Triangle& b) {
