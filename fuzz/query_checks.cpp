@@ -38,8 +38,8 @@ Triangle placed_triangle(const Placed& placed, TriangleId id) {
 /// How far apart points are, also where squares of differences underflow.
 double distance_between(const Vec3& a, const Vec3& b) { return std::hypot(b.x - a.x, b.y - a.y, b.z - a.z); }
 
-/// How far a point is from a triangle. closest_points() takes coordinates up to 2^200, and a pose puts the largest ones a
-/// model may have up to 2.8 times as far away.
+/// How far a point is from a triangle. closest_points() takes coordinates up to 2^200, and a pose can put the largest
+/// ones a model may have up to 2.8 times as far away.
 double distance_to(const Vec3& p, const Triangle& t) {
   return 4 * closest_points(p * 0.25, {t.v0 * 0.25, t.v1 * 0.25, t.v2 * 0.25}).distance;
 }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Sequences of everything that can be done to a model that deforms, against brute force: 100 000 from one generator
-// (LIMBER_UPDATE_SEQUENCES takes another number), and a few thousand that are made smaller when they fail, so that what is printed is short.
+// (LIMBER_UPDATE_SEQUENCES takes another number), and a few thousand that are made smaller when they fail, so that what
+// is printed is short.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
