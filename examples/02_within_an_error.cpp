@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// How much accuracy a question needs: errors, limits, and what the interval means.
+// Answers of limited accuracy: errors, limits, and what the interval means.
 #include <cmath>
 #include <cstdio>
 
@@ -22,7 +22,7 @@ int main() {
   // "Is anything closer than ...?" is cheaper than the distance: it ends at the first such pair.
   const bool within_a_half = limber::within(a, b, 0.5).within, within_a_fifth = limber::within(a, b, 0.2).within;
 
-  // The distance, if it is at most 0.2; otherwise only that it is not.
+  // The distance, if it is at most 0.2; otherwise only `beyond_limit`.
   const limber::DistanceResult limited = limber::distance(a, b, {.max_distance = 0.2});
   std::printf("within 0.5: %s, within 0.2: %s, so at least %g\n", within_a_half ? "yes" : "no",
               within_a_fifth ? "yes" : "no", limited.lower);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A body in motion: each query starts from what the last one found.
+// A body in motion: each query starts from the result of the last one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,7 @@
 
 int main() {
   const limber::Model sheet(limber::scenes::wave_sheet(100, 100, 0)), ball(limber::scenes::thesis_ball());
-  limber::Pair pair;  // belongs to these two models; one thread at a time
+  limber::QueryCache cache;  // belongs to these two models; one thread at a time
   double nearest = 1e9, largest_difference = 0;
   unsigned long long cold_tests = 0, warm_tests = 0;
   for (int frame = 0; frame < 200; ++frame) {
@@ -19,7 +19,7 @@ int main() {
     const limber::Transform pose =
         limber::transform_from_quaternion({2 + std::cos(3 * t), 2 + std::sin(3 * t), 1.5 - 0.4 * t}, 1, t, 0, t)
             .value();
-    const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {}, pair);
+    const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {}, cache);
     const limber::DistanceResult cold = limber::distance({sheet}, {ball, pose});
     nearest = std::min(nearest, warm.upper);
     largest_difference = std::max(largest_difference, std::abs(warm.upper - cold.upper));

@@ -12,7 +12,7 @@
 /// Coordinates of the kinds that break geometry code, a byte or two each; rarely any float64 number.
 namespace limber::fuzz {
 
-/// Numbers at which float64 and float32 arithmetic change their behaviour, and plain ones to stand beside them.
+/// Numbers at which float64 and float32 arithmetic change their behaviour, and some plain ones.
 inline constexpr std::array<double, 32> notable_numbers{
     0.0,       -0.0,    0.1,     1.0 / 3,  0.5,      0.75,     10,       1e6,      1e-9,     1e12,     0x1p-23,
     0x1p-24,   0x1p-52, 0x1p-53, 0x1p-100, 0x1p-126, 0x1p-149, 0x1p-280, 0x1p-400, 0x1p-500, 0x1p-537, 0x1p-1022,

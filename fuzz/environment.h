@@ -32,7 +32,7 @@ class Environment {
   unsigned saved_;
 };
 
-/// Calls `function` in the environment that `choice` stands for. What it returns must need no arithmetic.
+/// Calls `function` in the environment that `choice` selects. Returning its result must need no arithmetic.
 template <typename Function>
 auto in_environment(std::uint8_t choice, const Function& function) {
   const Environment environment(choice);

@@ -4,7 +4,7 @@
 
 #include "limber/geometry.h"
 
-/// Predicates of geometry.h in integer arithmetic without rounding, found on a different path than the library's.
+/// Predicates of geometry.h in integer arithmetic without rounding, by another method than the library's.
 namespace limber::fuzz {
 
 /// Whether two closed triangles, degenerate or not, share a point.

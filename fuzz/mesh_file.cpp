@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Bytes as a mesh file: readers answer with a sound mesh or with one line, whatever they are given.
+// Bytes as a mesh file: readers return a sound mesh or an error of one line, whatever the bytes.
 // Built once for each format; LIMBER_FUZZ_FORMAT is its extension.
 #include <algorithm>
 #include <span>

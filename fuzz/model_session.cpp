@@ -23,13 +23,13 @@ constexpr std::size_t most_steps = 60;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ModelOptions some_options(ByteReader& bytes, double factor) {
-  constexpr std::array<double, 5> slacks{0, ModelOptions::automatic, 0x1p-10, 0.25, 4};
+  constexpr std::array<double, 5> margins{0, ModelOptions::automatic, 0x1p-10, 0.25, 4};
   constexpr std::array<double, 4> budgets{ModelOptions::automatic, 0, 1, 1e9};
-  const double slack = slacks[bytes.below(5)];
-  const auto restructuring = static_cast<Restructuring>(bytes.below(3));
-  return {.slack = slack > 0 ? slack * factor : slack,
-          .restructuring = restructuring,
-          .restructuring_us = budgets[bytes.below(4)]};
+  const double motion_margin = margins[bytes.below(5)];
+  const auto rebuild_policy = static_cast<RebuildPolicy>(bytes.below(3));
+  return {.motion_margin = motion_margin > 0 ? motion_margin * factor : motion_margin,
+          .rebuild_policy = rebuild_policy,
+          .rebuild_budget_us = budgets[bytes.below(4)]};
 }
 
 template <typename Function>
@@ -82,10 +82,10 @@ void ModelSession::step() {
     case 1:
       return commit(target);
     case 2:
-      in_environment(environment_, [&] { target.model.restructure(); });
+      in_environment(environment_, [&] { target.model.rebuild(); });
       return check_committed(target);
     case 3:
-      return set_slack(target);
+      return set_motion_margin(target);
     case 4:
       return take_new_mesh(target);
     case 5:
@@ -99,7 +99,7 @@ void ModelSession::step() {
     case 9:
       return misuse(target);
     case 10:
-      return pair_.forget();
+      return cache_.clear();
     case 11:
     case 12:
     case 13:
@@ -194,11 +194,11 @@ void ModelSession::reject(Body& target) {
   require(target.model.mesh().positions() == target.positions, "a rejected update leaves positions as they were");
 }
 
-void ModelSession::set_slack(Body& target) {
+void ModelSession::set_motion_margin(Body& target) {
   const std::uint32_t kind = bytes_.below(4);
-  const double slack = kind == 0 ? 0 : kind == 1 ? ModelOptions::automatic : some_length();
-  in_environment(environment_, [&] { target.model.set_slack(slack); });
-  require(target.model.options().slack == slack, "set_slack() changes the option");
+  const double motion_margin = kind == 0 ? 0 : kind == 1 ? ModelOptions::automatic : some_length();
+  in_environment(environment_, [&] { target.model.set_motion_margin(motion_margin); });
+  require(target.model.options().motion_margin == motion_margin, "set_motion_margin() changes the option");
 }
 
 void ModelSession::take_new_mesh(Body& target) {
@@ -225,7 +225,7 @@ void ModelSession::pass_through_other_model(Body& target) {
 void ModelSession::change_pose(Body& target) {
   if (bytes_.flag()) {
     target.pose = pose(bytes_, factor_);
-  } else {  // a little further
+  } else {  // a small step
     const Vec3 shift = target.pose.translation + scaled(model_point(bytes_), factor_) * 0x1p-6;
     target.pose.translation = {made_valid(shift.x), made_valid(shift.y), made_valid(shift.z)};
   }
@@ -265,12 +265,12 @@ void ModelSession::check_committed(const Body& target) const {
   require(static_cast<bool>(valid), "a committed model is valid", valid ? "" : valid.error().text);
   const TreeStats stats = target.model.tree_stats();
   require(stats.leaves == (target.triangles.size() + 7) / 8, "leaves are full");
-  require(target.model.maintenance_stats().slack >= 0, "slack is not negative");
+  require(target.model.maintenance_stats().motion_margin >= 0, "the motion margin is not negative");
 }
 
 void ModelSession::query() {
   for (Body& body : bodies_) commit(body);
-  const bool is_swapped = bytes_.below(8) == 7;  // a pair may be kept for other models
+  const bool is_swapped = bytes_.below(8) == 7;  // a cache may have been filled by other models
   const Body &first = bodies_[is_swapped ? 1 : 0], &second = bodies_[is_swapped ? 0 : 1];
   const Placed a{first.model, first.pose}, b{second.model, second.pose};
   brute_force_tests_ += first.triangles.size() * second.triangles.size();
@@ -285,11 +285,11 @@ void ModelSession::query() {
   const DistanceOptions options{.relative_error = relative, .absolute_error = absolute, .max_distance = limit};
   const double within_limit = std::isfinite(limit) ? limit : truth.distance;
   const bool warm_first = bytes_.flag();
-  for (Pair* pair : {warm_first ? &pair_ : nullptr, warm_first ? nullptr : &pair_}) {
-    check_collide(a, b, truth, environment_, pair);
-    check_distance(a, b, truth, environment_, pair, options);
-    check_within(a, b, truth, environment_, pair, within_limit);
-    check_distance(a, b, truth, environment_, pair, {});
+  for (QueryCache* cache : {warm_first ? &cache_ : nullptr, warm_first ? nullptr : &cache_}) {
+    check_collide(a, b, truth, environment_, cache);
+    check_distance(a, b, truth, environment_, cache, options);
+    check_within(a, b, truth, environment_, cache, within_limit);
+    check_distance(a, b, truth, environment_, cache, {});
   }
 }
 

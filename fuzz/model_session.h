@@ -11,8 +11,8 @@
 
 namespace limber::fuzz {
 
-/// Two models, poses, and a kept pair, to which bytes do everything that the public interface offers. Beside each model
-/// stands what its mesh should be; each committed state and each answer is checked.
+/// Two models, their poses, and a query cache. The bytes of the input choose calls of the whole public interface. Each
+/// model has a copy of the mesh that it should have; each committed state and each answer is checked.
 class ModelSession {
  public:
   explicit ModelSession(ByteReader bytes);
@@ -23,7 +23,7 @@ class ModelSession {
  private:
   struct Body {
     Model model;
-    std::vector<Vec3> positions;  // what the mesh's should be
+    std::vector<Vec3> positions;  // that the mesh should have
     std::vector<Corners> triangles;
     Transform pose;
   };
@@ -35,7 +35,7 @@ class ModelSession {
   void move_all(Body& moving);
   void move_aliased(Body& moving);
   void reject(Body& target);
-  void set_slack(Body& target);
+  void set_motion_margin(Body& target);
   void take_new_mesh(Body& target);
   void pass_through_other_model(Body& target);
   void change_pose(Body& target);
@@ -52,7 +52,7 @@ class ModelSession {
   std::uint8_t environment_;
   double factor_;  // by which coordinates are multiplied
   std::array<Body, 2> bodies_;
-  Pair pair_;
+  QueryCache cache_;
   std::size_t brute_force_tests_ = 0;
 };
 

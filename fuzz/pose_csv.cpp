@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Bytes as one pose and as a list of poses: rigid transforms or one line, whatever the text.
+// Bytes as one pose and as a list of poses: the result is rigid transforms or an error of one line, whatever the text.
 #include "pose_text.h"
 
 #include <algorithm>

@@ -26,12 +26,12 @@ std::string numbers(double truth, double lower, double upper, double tolerance) 
 
 double size_of(const Placed& placed) {
   double size = 0;
-  for (const Vec3& p : placed.model.mesh().positions()) size = std::max(size, length(p));
+  for (const Vec3& p : placed.model().mesh().positions()) size = std::max(size, length(p));
   return size + max_abs(placed.pose.translation);
 }
 
 Triangle placed_triangle(const Placed& placed, TriangleId id) {
-  const Triangle t = placed.model.mesh().triangle(id);
+  const Triangle t = placed.model().mesh().triangle(id);
   return {placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
 }
 
@@ -46,8 +46,8 @@ double distance_to(const Vec3& p, const Triangle& t) {
 
 /// Points on the triangles they name.
 void check_witness(const Placed& a, const Placed& b, const Witness& witness, double tolerance) {
-  require(witness.triangle_a < a.model.mesh().triangles().size(), "the witness names a triangle of the first model");
-  require(witness.triangle_b < b.model.mesh().triangles().size(), "the witness names a triangle of the second model");
+  require(witness.triangle_a < a.model().mesh().triangles().size(), "the witness names a triangle of the first model");
+  require(witness.triangle_b < b.model().mesh().triangles().size(), "the witness names a triangle of the second model");
   const auto is_on = [&](const Vec3& p, const Triangle& t) {
     return is_finite(p) && distance_to(p, t) <= tolerance;
   };
@@ -68,7 +68,7 @@ void check_contact(const Placed& a, const Placed& b, const Witness& witness, dou
 }  // namespace
 
 Truth truth_about(const Placed& a, const Placed& b) {
-  const reference::Placed plain_a{a.model.mesh(), a.pose}, plain_b{b.model.mesh(), b.pose};
+  const reference::Placed plain_a{a.model().mesh(), a.pose}, plain_b{b.model().mesh(), b.pose};
   const Truth truth{reference::distance(plain_a, plain_b).upper,
                     std::max(relative_tolerance * (size_of(a) + size_of(b)), least_tolerance)};
   require(reference::collide(plain_a, plain_b).collision == (truth.distance == 0),
@@ -76,20 +76,20 @@ Truth truth_about(const Placed& a, const Placed& b) {
   return truth;
 }
 
-void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair) {
+void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache) {
   const CollideResult found =
-      in_environment(environment, [&] { return pair != nullptr ? collide(a, b, *pair) : collide(a, b); });
+      in_environment(environment, [&] { return cache != nullptr ? collide(a, b, *cache) : collide(a, b); });
   require(found.collision == (truth.distance == 0),
-          pair != nullptr ? "collide() with a kept pair is exact" : "collide() is exact",
+          cache != nullptr ? "collide() with a cache is exact" : "collide() is exact",
           numbers(truth.distance, 0, 0, truth.tolerance));
   require(found.witness.has_value() == found.collision, "collide() has a witness exactly when models collide");
   if (found.witness) check_contact(a, b, *found.witness, truth.tolerance);
 }
 
-void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                     const DistanceOptions& options) {
   const DistanceResult found = in_environment(
-      environment, [&] { return pair != nullptr ? distance(a, b, options, *pair) : distance(a, b, options); });
+      environment, [&] { return cache != nullptr ? distance(a, b, options, *cache) : distance(a, b, options); });
   const double tolerance = truth.tolerance;
   const std::string detail = numbers(truth.distance, found.lower, found.upper, tolerance);
   require(!std::isnan(found.lower) && !std::isnan(found.upper), "bounds are numbers");
@@ -118,10 +118,10 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
   require(std::abs(between - found.upper) <= tolerance, "upper is the distance of the witness's points", detail);
 }
 
-void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                   double max_distance) {
   const WithinResult found = in_environment(
-      environment, [&] { return pair != nullptr ? within(a, b, max_distance, *pair) : within(a, b, max_distance); });
+      environment, [&] { return cache != nullptr ? within(a, b, max_distance, *cache) : within(a, b, max_distance); });
   const std::string detail = numbers(truth.distance, max_distance, max_distance, truth.tolerance);
   if (truth.distance <= max_distance - truth.tolerance || truth.distance == 0) {
     require(found.within, "within() finds models that are close", detail);

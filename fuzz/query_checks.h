@@ -9,7 +9,7 @@
 /// Queries of two models, compared with brute force.
 namespace limber::fuzz {
 
-/// What distances may be off by, as a part of the largest placed coordinates of both models, and in any case: the sum
+/// The error that distances may have, as a part of the largest placed coordinates of both models, and at least: the sum
 /// of the bounds of docs/algorithms/numerics.md, with extents of twice that and distances of four times that.
 inline constexpr double relative_tolerance = 0x1p-42, least_tolerance = 0x1p-1020;
 
@@ -21,11 +21,11 @@ struct Truth {
 
 Truth truth_about(const Placed& a, const Placed& b);
 
-/// One query each, in the caller's floating-point environment; `pair` may be null.
-void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair);
-void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+/// One query each, in the caller's floating-point environment; `cache` may be null.
+void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache);
+void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                     const DistanceOptions& options);
-void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, Pair* pair,
+void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                   double max_distance);
 
 }  // namespace limber::fuzz

@@ -12,7 +12,7 @@ namespace limber::fuzz {
 
 /// Bytes read as a mesh file with the given extension. `name` is what a message must start with.
 ///
-/// The only place that knows how bytes get to the readers: by a file.
+/// Only this function decides how bytes get to the readers: by a file.
 struct ReadBytes {
   std::string name;
   Result<MeshFile> file;

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Runs a fuzz target on files, and on every file of folders, without libFuzzer: fuzz_<target> PATH...
-// Exit code 0 when all properties hold, 2 when there is no input or one cannot be
-// read.
+// Exit code 0 when all properties hold, 2 when there is no input or one cannot be read.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>

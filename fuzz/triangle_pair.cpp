@@ -18,7 +18,7 @@
 namespace limber::fuzz {
 namespace {
 
-/// What distances and points may be off by, as a part of the largest coordinate, and in any case: distances that are
+/// The error that distances and points may have, as a part of the largest coordinate, and at least: distances that are
 /// not 0 are at least 2^-1022.
 constexpr double relative_tolerance = 1e-14, least_tolerance = 0x1p-1020;
 

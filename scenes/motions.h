@@ -9,10 +9,10 @@
 
 #include "scenes/scenes.h"
 
-/// Meshes that bend, frame by frame; as reproducible as the scenes.
+/// Deforming meshes, frame by frame; as reproducible as the scenes.
 namespace limber::scenes {
 
-/// A mesh and where its vertices are in any frame, between frames too. Frame 0 is the mesh; frames are >= 0.
+/// A mesh and the positions of its vertices in any frame, between frames too. Frame 0 is the mesh; frames are >= 0.
 struct Motion {
   std::string name;
   Mesh mesh;
@@ -22,7 +22,7 @@ struct Motion {
 /// wave_sheet(nx, ny, frame).
 Motion waving_sheet(std::uint32_t nx, std::uint32_t ny);
 
-/// The surface of a bar of 1 by 1 by 8, of squares with edge 1 / per_side, without its ends. The middle is turned
+/// The surface of a bar of 1 by 1 by 8, of squares with edge 1 / per_side, without its ends. The center is turned
 /// against the ends, by two whole turns after 250 frames, and back.
 Motion twisting_bar(std::uint32_t per_side);
 
@@ -30,16 +30,17 @@ Motion twisting_bar(std::uint32_t per_side);
 /// smoothed out again.
 Motion crumpling_cloth(std::uint32_t n);
 
-/// Confetti that flies apart to eight times its size in 500 frames, every piece on its own straight way.
+/// Confetti that flies apart to eight times its size in 500 frames, every piece along its own straight line.
 Motion exploding_soup(std::uint32_t triangles);
 
-/// Confetti whose pieces all change places within 500 frames, every one on its own straight way.
+/// Confetti whose pieces all change places within 500 frames, every piece along its own straight line.
 Motion shuffled_soup(std::uint32_t triangles);
 
-/// A waving sheet at rest, of which every frame another twentieth of the vertices is off its place by at most `reach`.
-Motion jittering_sheet(std::uint32_t nx, std::uint32_t ny, double reach);
+/// A waving sheet at rest. Every frame moves another twentieth of the vertices to new positions, at most `amplitude`
+/// from those at rest.
+Motion jittering_sheet(std::uint32_t nx, std::uint32_t ny, double amplitude);
 
-/// From one mesh to another with the same triangles and back, `frames` frames either way.
+/// From one mesh to another with the same triangles and back, `frames` frames in each direction.
 ///
 /// Pre      Both have as many positions.
 Motion morph(const std::string& name, const Mesh& from, const Mesh& to, std::uint32_t frames);

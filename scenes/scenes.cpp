@@ -20,8 +20,8 @@ constexpr std::uint64_t pose_seed = 0x5EED0001;
 constexpr std::uint64_t dent_seed = 0x5EED0003;
 constexpr int dents_of_dented = 200;
 
-/// Not FNV's own start, 14695981039346656037, but that number without its last digit: the published hashes of these
-/// meshes were made with it, and any start serves.
+/// Not FNV's own start, 14695981039346656037, but that number without its last digit, with which the published hashes
+/// of these meshes were made. Any start serves.
 constexpr std::uint64_t hash_start = 1469598103934665603U;
 
 /// Terms of the power series beyond the first; at |x| <= pi the last of them is far below one unit in the last place.
@@ -29,7 +29,7 @@ constexpr int series_terms = 16;
 
 double reduced_to_one_turn(double x) { return x - std::floor(x / (2 * pi) + 0.5) * (2 * pi); }
 
-/// The generators below only make sound meshes, so a failure here is theirs and may throw.
+/// The generators below only make sound meshes. A failure is a mistake in them, so it may throw.
 Mesh made(std::vector<Vec3> positions, std::vector<Corners> triangles) {
   return Mesh::create(std::move(positions), std::move(triangles)).value();
 }

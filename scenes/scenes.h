@@ -66,7 +66,7 @@ Mesh random_soup(Rng& rng, std::uint32_t triangles, double size);
 /// Pre      triangles >= 1; side >= 1.
 Mesh lattice_soup(Rng& rng, std::uint32_t triangles, std::uint32_t side);
 
-/// A mesh by its name, some with a number after a colon.
+/// A mesh by its name. Some names take a number after a colon.
 ///
 /// `square`, `ball`, `sheet`   the thesis meshes above; no number
 /// `dented:S`                  the sheet after 200 random dents from seed S, 0x5EED0003 when left out
@@ -79,7 +79,7 @@ Result<Mesh> by_name(const std::string& name);
 /// Pose number `index` of the ball over the square: the lowest vertex is `separation` above the plane z = 0, so the
 /// exact distance is the separation, and the models meet exactly when it is <= 0 up to the rounding of the placement.
 ///
-/// Pose 0 stands at (0.1 sqrt 2, 0.1 sqrt 3); the others at random places within a unit of the middle along x and y.
+/// Pose 0 stands at (0.1 sqrt 2, 0.1 sqrt 3); the others at random places within a unit of the center along x and y.
 /// All are turned by a random rotation of their own.
 Transform ball_over_square(const Mesh& ball, double separation, std::uint32_t index);
 
@@ -90,12 +90,12 @@ struct Dent {
   double slope = 0.1;  ///< displacement per unit of distance from the line
 };
 
-/// The next dent of the deformation experiment on the 100 x 100 sheet: centre anywhere, radius in [1, 10), slope +-0.1.
+/// The next dent of the deformation experiment on the 100 x 100 sheet: center anywhere, radius in [1, 10), slope +-0.1.
 ///
 /// Draws x, y, the radius, then the sign, from the lowest bit: 1 is up.
 Dent random_dent(Rng& rng);
 
-/// What a dent does to a mesh: the vertices it moves, in ascending order, and where to.
+/// The moves of a dent: vertices in ascending order, and their new positions.
 struct VertexMoves {
   std::vector<VertexId> ids;
   std::vector<Vec3> positions;

@@ -53,7 +53,7 @@ class Layers(Repository):
         for path, target in (
             ("src/geometry/a.cpp", "core/check.h"),
             ("src/geometry/a.cpp", "geometry/b.h"),
-            ("src/classic/a.cpp", "model/mesh.h"),
+            ("src/classic/a.cpp", "mesh/updates.h"),
             ("src/classic/a.cpp", "limber/classic.h"),
             ("src/io/a.cpp", "limber/io.h"),
             ("src/io/a.cpp", "core/check.h"),

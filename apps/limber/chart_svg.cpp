@@ -31,7 +31,7 @@ class Scale {
       : last_frame_(static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)), top_(top) {}
 
   double x(double frame) const { return left + plot_width * frame / last_frame_; }
-  double y(double value) const {  // what lies far above the plot is cut off anyway
+  double y(double value) const {  // values far above the plot are clipped anyway
     return above + plot_height * (1 - std::min(value / top_, 4.0));
   }
   double last_frame() const { return last_frame_; }
@@ -86,7 +86,7 @@ std::string marks(const Chart& chart, const Scale& scale) {
   return path.empty() ? path : "<path class='mark' d='" + path + "'/>\n";
 }
 
-/// Characters of a label as it is seen; an entity is one.
+/// Characters of a label as a reader sees it; an entity is one.
 std::size_t shown_length(const std::string& label) {
   std::size_t count = 0;
   bool in_entity = false;
@@ -101,7 +101,7 @@ std::size_t shown_length(const std::string& label) {
 /// Names of everything drawn, from the right end of the head line leftwards.
 std::string legend(const Chart& chart) {
   struct Entry {
-    std::string label, symbol;  // the symbol is drawn in a box of 22 by 10 around its left middle
+    std::string label, symbol;  // the symbol is drawn in a box of 22 by 10, whose left side is centered at the origin
   };
   std::vector<Entry> entries;
   for (const Curve& curve : chart.curves) {
@@ -130,7 +130,7 @@ std::string chart_svg(const Chart& chart, std::size_t frame_count) {
   std::string svg =
       fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}' role='img'>\n", width, height);
   svg += axes(chart, scale) + legend(chart);
-  // Nested pictures cut off what leaves them; this one keeps the outer coordinates.
+  // A nested picture is clipped at its border; this one keeps the outer coordinates.
   svg += fmt::format("<svg x='{0}' y='{1}' width='{2}' height='{3}' viewBox='{0} {1} {2} {3}'>\n", left, above - 2,
                      plot_width, plot_height + 3);
   for (const Area& band : chart.areas) svg += area(band, scale);

@@ -27,7 +27,7 @@ struct Chart {
   std::vector<Curve> curves;
   std::vector<std::size_t> marked_frames;  ///< ticks along the bottom
   std::string mark_label;
-  double top = 1;  ///< upper end of the vertical axis; curves above it are cut off
+  double top = 1;  ///< upper end of the vertical axis; curves above it are clipped
 };
 
 /// Pre: all curves and areas have `frame_count` >= 1 values, all finite and >= 0.

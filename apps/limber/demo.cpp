@@ -12,7 +12,7 @@
 #include <string>
 
 #include "bad_input.h"
-#include "bending_model.h"
+#include "deforming_model.h"
 #include "demo_page.h"
 #include "demo_run.h"
 #include "demo_table.h"
@@ -37,7 +37,7 @@ struct Arguments {
   throw BadInput(fmt::format("--out: cannot write {}: {}", path, std::strerror(errno)));
 }
 
-/// Finds out before the work is done whether its result can be stored.
+/// Checks before the work is done whether the result can be stored.
 void check_writable(const std::string& path) {
   if (!std::ofstream(path, std::ios::app)) cannot_write(path);
 }
@@ -115,14 +115,14 @@ void run(const Arguments& arguments) {
 
 Verb add_demo(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a sheet that is dented; makes a page of it");
+  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a sheet that is dented; writes a page about it");
   DemoOptions& demo = arguments->demo;
   add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");
   add_count(command, "--dents-per-frame", demo.dents_per_frame, 0, max_dents_per_frame,
             "dents in each frame; one moves about 116 of the 10 201 vertices");
-  add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "which dents");
+  add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "seed of the random dents");
   add_relative_error(command, demo.query.relative_error);
-  add_bending(command, demo.model);
+  add_deforming(command, demo.model);
   command.add_option("--out", arguments->page, "where the page is written")->type_name("FILE")->capture_default_str();
   command.add_flag("--no-check", arguments->is_unchecked, "do not compare the last frame with brute force");
   add_json(command, arguments->json, "answer with one JSON object instead of tables");

@@ -93,7 +93,7 @@ std::vector<double> values_of(const DemoRun& run, Value value) {
   return values;
 }
 
-/// High enough for nearly all of the curve: frames that the operating system held up must not flatten the rest.
+/// High enough for nearly all of the curve: frames that the operating system has delayed must not flatten the rest.
 double top_for(const std::vector<double>& values) {
   std::vector<double> sorted = values;
   std::sort(sorted.begin(), sorted.end());
@@ -156,14 +156,12 @@ std::string tile(const std::string& number, const std::string& name) {
 
 std::string introduction(const DemoRun& run) {
   return fmt::format(
-      "<h1>A ball over a sheet that bends</h1>\n"
+      "<h1>A ball over a deforming sheet</h1>\n"
       "<p>A sheet of {} triangles, {} units a side, is dented {} in each of {} frames, while a ball of {} triangles "
-      "and a "
-      "diameter of 2 units flies over it on a closed curve. After every dent the tree over the sheet is "
-      "repaired "
-      "where it changed and nowhere else; then the shortest distance between the two surfaces is asked for, with the "
-      "pair "
-      "of points that attains it.</p>\n",
+      "and a diameter of 2 units flies over it on a closed curve. In every frame the tree of the sheet is refitted "
+      "where "
+      "the sheet has changed and nowhere else. Then a query asks for the shortest distance between the two surfaces, "
+      "with the pair of points that attains it.</p>\n",
       grouped(run.sheet.triangles().size()), 100,
       run.options.dents_per_frame == 1 ? "once" : fmt::format("{} times", run.options.dents_per_frame),
       grouped(run.frames.size()), run.ball.triangles().size());
@@ -195,7 +193,7 @@ std::string demo_page(const DemoRun& run) {
   std::string html = head + introduction(run) + tiles(run);
   html += section(
       "The sheet after the last frame",
-      "True to scale; blue is low, orange is high. The line is the way of the ball, red dots are frames in contact.",
+      "True to scale; blue is low, orange is high. The line is the path of the ball, red dots are frames in contact.",
       sheet_svg(run));
   html += section("The ball in the last frame",
                   last.status == Status::collision
@@ -204,19 +202,18 @@ std::string demo_page(const DemoRun& run) {
                                     "their triangles are outlined.",
                                     last.upper),
                   close_up_svg(run));
-  html +=
-      section("Distance",
-              fmt::format("The shaded interval is what the cheaper query at {} proves about the distance: it surely "
-                          "lies in there.",
-                          percent(rough_error)),
-              chart_svg(distance_chart(run), frames));
+  html += section("Distance",
+                  fmt::format("The cheaper query at {} proves that the distance lies in the shaded interval.",
+                              percent(rough_error)),
+                  chart_svg(distance_chart(run), frames));
   html +=
       section("Time of an update",
-              "Moving the vertices of the frame's dents and repairing the tree. Peaks above the frame are cut off; the "
+              "Moving the vertices of the frame's dents and refitting the tree. Peaks above the frame are clipped; the "
               "summary has the largest.",
               chart_svg(update_chart(run), frames));
-  html += section("Time of a distance query", "From nothing in every frame: no answer is reused for the next.",
-                  chart_svg(query_chart(run), frames));
+  html +=
+      section("Time of a distance query", "Every query starts without a cache: no answer is reused in the next frame.",
+              chart_svg(query_chart(run), frames));
   html += section("Summary", "One thread; times are per frame, lengths in the sheet's unit.", table(run));
   return html + "</main>\n</body>\n</html>\n";
 }

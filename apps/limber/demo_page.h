@@ -8,7 +8,7 @@
 
 namespace limber::program {
 
-/// A page that needs nothing but itself: pictures, curves and the summary of a run.
+/// A self-contained page: pictures, curves and the summary of a run.
 std::string demo_page(const DemoRun& run);
 
 }  // namespace limber::program

@@ -32,8 +32,8 @@ Transform ball_pose_at(double time, double rough) {
 }
 
 /// Dents the sheet, timing only what the model does.
-void dent(BendingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
-  const BendingWork before = sheet.work();
+void dent(DeformingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
+  const DeformingWork before = sheet.work();
   for (std::uint64_t d = 0; d < dents; ++d) {
     const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), sheet.mesh().positions());
     const Stopwatch moving;
@@ -46,7 +46,7 @@ void dent(BendingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame&
   frame.update = sheet.work() - before;
 }
 
-/// Whether the exact distance lies where an answer says it does, up to the rounding of either.
+/// Whether an answer is right about the exact distance, up to the rounding of both.
 bool is_confirmed(const DistanceResult& answer, double relative_error, double exact) {
   const double tolerance = 1e-12 * (1 + exact);
   return answer.lower <= exact + tolerance && exact <= answer.upper + tolerance &&
@@ -64,8 +64,8 @@ Spread spread_over(const std::vector<DemoFrame>& frames, Value value) {
 }  // namespace
 
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
-  BendingModel sheet(scenes::thesis_sheet(), options.model);
-  const BendingModel ball(scenes::thesis_ball(), options.model);
+  DeformingModel sheet(scenes::thesis_sheet(), options.model);
+  const DeformingModel ball(scenes::thesis_ball(), options.model);
   scenes::Rng rng(options.seed);
   std::vector<DemoFrame> frames;
   frames.reserve(options.frames);
@@ -78,10 +78,10 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
     frame.ball_center = pose.translation;
     dent(sheet, rng, options.dents_per_frame, frame);
     const Stopwatch asking;
-    frame.answer = BendingModel::distance(sheet, {}, ball, pose, options.query);
+    frame.answer = DeformingModel::distance(sheet, {}, ball, pose, options.query);
     frame.answer_us = asking.microseconds();
     const Stopwatch asking_roughly;
-    frame.rough = BendingModel::distance(sheet, {}, ball, pose, {.relative_error = rough_error});
+    frame.rough = DeformingModel::distance(sheet, {}, ball, pose, {.relative_error = rough_error});
     frame.rough_us = asking_roughly.microseconds();
     frames.push_back(frame);
     watcher(frames);

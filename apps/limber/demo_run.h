@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "bending_model.h"
+#include "deforming_model.h"
 
-/// The demonstration without its looks: a sheet is dented again and again while a ball flies over it.
+/// The demonstration without its output: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {
 
 struct DemoOptions {
@@ -17,7 +17,7 @@ struct DemoOptions {
   std::uint64_t dents_per_frame = 2;
   std::uint64_t seed = 1;
   DistanceOptions query;
-  BendingOptions model;
+  DeformingOptions model;
 };
 
 /// A second query in each frame is asked at this error, to show what an approximate answer costs and gives.
@@ -25,7 +25,7 @@ inline constexpr double rough_error = 0.1;
 
 struct DemoFrame {
   Vec3 ball_center;
-  BendingWork update;     ///< of this frame alone
+  DeformingWork update;   ///< of this frame alone
   double update_us = 0;   ///< moving the vertices and repairing the tree
   DistanceResult answer;  ///< at the error asked for
   double answer_us = 0;
@@ -49,10 +49,10 @@ using FrameWatcher = std::function<void(const std::vector<DemoFrame>&)>;
 /// Plays all frames and checks nothing. Pre: at least one frame.
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher);
 
-/// Whether every triangle against every other gives the last frame's distance, up to rounding. Takes a while.
+/// Whether brute force gives the distance of the last frame, up to rounding. Takes a while.
 bool is_confirmed_by_brute_force(const DemoRun& run);
 
-/// Middle and far end of a list of numbers.
+/// Median, 99th percentile and maximum of a list of numbers.
 struct Spread {
   double median = 0, p99 = 0, max = 0;
 };
@@ -60,9 +60,9 @@ struct Spread {
 /// Pre: there is at least one value.
 Spread spread_of(std::vector<double> values);
 
-/// What a run comes to.
+/// The summary of a run.
 struct DemoSummary {
-  BendingWork updates;
+  DeformingWork updates;
   Spread update_us, answer_us, rough_us;
   double min_distance = 0;  ///< the smallest upper bound
   std::uint64_t contact_frames = 0;

@@ -87,7 +87,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run
       {"vertices moved", fmt::format("{}, {} each", grouped(summary.updates.moved_vertices),
                                      duration_text(summary.update_us_per_vertex))},
       {"tree", fmt::format("{} {} refitted, {} absorbed ({})", grouped(summary.updates.refits),
-                           options.model.engine == BendingEngine::fast ? "blocks" : "spheres",
+                           options.model.engine == DeformingEngine::fast ? "nodes" : "spheres",
                            grouped(summary.updates.absorbed), words_of(options.model))},
       {"update", spread_text(summary.update_us)},
       {options.query.relative_error == 0 ? std::string("exact distance")

@@ -29,7 +29,7 @@ class DemoTable {
   Stopwatch since_drawn_;
 };
 
-/// What a run came to, as pairs of a name and a text with units.
+/// The summary of a run, as pairs of a name and a text with units.
 std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run);
 
 /// Digits in groups of three.

@@ -19,7 +19,7 @@ struct Arguments {
   DistanceOptions options;
 };
 
-/// A field of the witness, or null where nothing was found.
+/// A field of the answer, or null where nothing was found.
 template <typename T>
 Json found(const DistanceResult& result, const T& value) {
   return result.status == Status::beyond_limit ? Json(nullptr) : Json(value);
@@ -90,7 +90,7 @@ Verb add_distance(CLI::App& app) {
              "the answer may exceed the true distance by this length; either error will do");
   add_number(command, "--max-distance", arguments->options.max_distance,
              {0, std::numeric_limits<double>::infinity(), "a number >= 0"},
-             "models further apart are only told to be so");
+             "stop with beyond_limit when the models are farther apart than this");
   command.footer(
       "Lengths are in the meshes' unit, points in the world frame, times in microseconds. lower <= true distance <=\n"
       "upper; status is exact (lower = upper), within_error, collision (both 0), or beyond_limit (nothing as close as\n"

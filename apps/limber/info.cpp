@@ -29,7 +29,7 @@ struct Extent {
   Vec3 low, high;
 };
 
-/// Of the triangles; vertices without any do not count.
+/// The extent of the triangles; vertices without a triangle do not count.
 Extent extent_of(const Mesh& mesh) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Extent extent{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
@@ -187,7 +187,7 @@ void run(const Arguments& arguments) {
 
 Verb add_info(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("info", "What a model is made of, and how large its tree is");
+  CLI::App& command = *app.add_subcommand("info", "Counts of a mesh, and the size of its tree");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
   add_json(command, arguments->json, "answer with one JSON object");
   command.footer(

@@ -33,7 +33,7 @@ std::string hex(const Color& c, double brightness) {
   return fmt::format("#{:02x}{:02x}{:02x}", channel(c.red), channel(c.green), channel(c.blue));
 }
 
-constexpr Color valley{38, 84, 140}, middle{214, 220, 216}, hill{196, 98, 45}, ball_color{236, 196, 72};
+constexpr Color valley{38, 84, 140}, plain{214, 220, 216}, hill{196, 98, 45}, ball_color{236, 196, 72};
 
 /// The viewer stands where x and y are small, looks along (1, 1) and down.
 constexpr double slant = 0.62;  // radians below the horizon
@@ -44,8 +44,8 @@ const Vec3 light = [] {
   return direction * (1 / length(direction));
 }();
 
-/// Where a point of the world appears in the picture, y downwards, before scaling.
-Point seen(const Vec3& p) {
+/// A point of the world, projected into the picture, y downwards, before scaling.
+Point projected(const Vec3& p) {
   constexpr double half = std::numbers::sqrt2 / 2;
   return {(p.x - p.y) * half, -((p.x + p.y) * half * std::sin(slant) + p.z * std::cos(slant))};
 }
@@ -75,17 +75,17 @@ Patch made_patch(std::vector<Vec3> corners, const Color& color) {
 
 Color color_at(double z, double highest) {
   const double t = std::clamp(z / highest, -1.0, 1.0);
-  return t < 0 ? mixed(middle, valley, std::sqrt(-t)) : mixed(middle, hill, std::sqrt(t));
+  return t < 0 ? mixed(plain, valley, std::sqrt(-t)) : mixed(plain, hill, std::sqrt(t));
 }
 
-/// From world to picture: scaled about a world point that appears in the middle.
+/// From world to picture: scaled about a world point that appears at the center.
 class View {
  public:
   View(double width, double height, double scale, const Vec3& center)
-      : width_(width), height_(height), scale_(scale), center_(seen(center)) {}
+      : width_(width), height_(height), scale_(scale), center_(projected(center)) {}
 
   Point operator()(const Vec3& p) const {
-    const Point s = seen(p);
+    const Point s = projected(p);
     return {width_ / 2 + scale_ * (s.x - center_.x), height_ / 2 + scale_ * (s.y - center_.y)};
   }
 
@@ -96,7 +96,7 @@ class View {
     });
   }
 
-  std::string opened() const {
+  std::string start_tag() const {
     return fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}' role='img'>\n", width_, height_);
   }
 
@@ -140,7 +140,7 @@ const Vec3& vertex_at(const Mesh& sheet, std::size_t i, std::size_t j) {
   return sheet.positions()[j * (squares_per_side + 1) + i];
 }
 
-/// Every other vertex is enough for a picture of the whole.
+/// The sheet for a picture of the whole, for which every other vertex is enough.
 std::vector<Patch> coarse_sheet(const Mesh& sheet) {
   constexpr std::size_t stride = 2;
   const double highest = largest_height(sheet);
@@ -193,7 +193,7 @@ std::string outline(const std::vector<Vec3>& corners, const View& view) {
 std::string sheet_svg(const DemoRun& run) {
   constexpr double width = 960, height = 520, scale = 6.4;
   const View view(width, height, scale, {50, 50, 0});
-  std::string svg = view.opened() + drawn(coarse_sheet(run.sheet), view, "sheet") + trail(run.frames, view);
+  std::string svg = view.start_tag() + drawn(coarse_sheet(run.sheet), view, "sheet") + trail(run.frames, view);
   const Point at = view(run.ball_pose.translation);
   svg += fmt::format("<circle class='ball' cx='{:.1f}' cy='{:.1f}' r='{:.1f}' fill='{}'/>\n", at.x, at.y, scale,
                      hex(ball_color, 1));
@@ -210,7 +210,7 @@ std::string close_up_svg(const DemoRun& run) {
   for (TriangleId t = 0; t < run.ball.triangles().size(); ++t) {
     patches.push_back(made_patch(corners_of(run.ball.triangle(t), run.ball_pose), ball_color));
   }
-  std::string svg = view.opened() + drawn(std::move(patches), view, "close");
+  std::string svg = view.start_tag() + drawn(std::move(patches), view, "close");
   svg += outline(corners_of(run.sheet.triangle(witness.triangle_a), {}), view);
   svg += outline(corners_of(run.ball.triangle(witness.triangle_b), run.ball_pose), view);
   const Point a = view(witness.point_a), b = view(witness.point_b);

@@ -6,11 +6,10 @@
 
 #include "demo_run.h"
 
-/// Pictures of the last frame as inline SVG, seen from above at a slant, without perspective
-/// and true to scale.
+/// Pictures of the last frame as inline SVG, seen from above at a slant, without perspective and true to scale.
 namespace limber::program {
 
-/// The whole sheet with the way of the ball.
+/// The whole sheet with the path of the ball.
 std::string sheet_svg(const DemoRun& run);
 
 /// The ball and the triangles around it, with the witness points, the segment between them and the triangles they lie

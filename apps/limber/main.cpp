@@ -20,7 +20,7 @@ constexpr int answered = 0;
 constexpr int our_failure = 1;
 constexpr int bad_input = 2;
 
-/// The line on standard error that every failure ends with.
+/// Every failure ends with this line on standard error.
 int fail(int exit_code, const std::string& place, const std::string& text) {
   const std::string line = on_one_line("limber: " + place + text) + '\n';
   std::fwrite(line.data(), 1, line.size(), stderr);
@@ -88,7 +88,7 @@ int main_program(int argc, const char* const* argv) {
 }  // namespace limber::program
 
 int main(int argc, char** argv) {
-  // A reader that goes away shows as a failed write instead of ending the program where it stands.
+  // When the reader of standard output is gone, a write fails, instead of a signal ending the program.
   std::signal(SIGPIPE, SIG_IGN);
   try {
     return limber::program::main_program(argc, argv);

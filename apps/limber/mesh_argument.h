@@ -8,7 +8,7 @@
 
 namespace limber::program {
 
-/// What verbs say in their help about an argument that names a model.
+/// The help about an argument that names a model.
 inline constexpr const char* model_argument_help = "mesh file (.obj .ply .stl .off .gltf .glb) or scene:NAME";
 
 /// Whether the argument names a scene instead of a file.

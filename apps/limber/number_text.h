@@ -13,10 +13,10 @@
 /// Numbers as the program reads and writes them, whatever the locale.
 namespace limber::program {
 
-/// A finite or infinite number or NaN that fills the whole text but for spaces around it.
+/// A finite or infinite number or NaN. Nothing but spaces may stand around it.
 std::optional<double> parsed_number(std::string_view text);
 
-/// A count that fills the whole text.
+/// A count. Nothing may stand around it.
 std::optional<std::uint64_t> parsed_count(std::string_view text);
 
 std::string_view trimmed(std::string_view text);

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-/// Options with one way to say what is wrong with a value. Targets hold the defaults and outlive the parsing.
+/// Options whose errors are all reported in the same form. Targets hold the defaults and outlive the parsing.
 namespace limber::program {
 
-/// What a number may be.
+/// The range of a number.
 struct NumberRange {
   double low = 0, high = 0;
   std::string text;  ///< after "must be ": "a finite number >= 0"

@@ -10,12 +10,12 @@
 
 #include "limber/query.h"
 
-/// Everything the program writes to standard output goes through here.
+/// All standard output of the program goes through these functions.
 namespace limber::program {
 
 using Json = nlohmann::ordered_json;
 
-/// Thrown when standard output cannot be written. The text is empty when its reader has gone, which is no news to it.
+/// Thrown when standard output cannot be written. The text is empty when the reader is gone: then nobody needs it.
 class OutputFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

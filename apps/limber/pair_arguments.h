@@ -18,7 +18,7 @@ namespace limber::program {
 
 enum class Engine { fast, classic, reference };
 
-/// What the verbs about two still models share.
+/// The arguments that the verbs about two rigid models share.
 struct PairArguments {
   std::string a, b;
   Transform pose_a, pose_b;  // world_from_model
@@ -46,7 +46,7 @@ auto ask_models(const PairArguments& arguments, const MeshFile& a, const MeshFil
   return TimedAnswer<decltype(answer)>{std::move(answer), build_us, asking.microseconds()};
 }
 
-/// Puts a query to the engine asked for; `query` takes two placed models or meshes of any engine.
+/// Puts a query to the engine that the arguments name; `query` takes two placed models or meshes of any engine.
 template <typename Query>
 auto ask(const PairArguments& arguments, const MeshFile& a, const MeshFile& b, Query query) {
   if (arguments.engine == Engine::fast) return ask_models<Model, Placed>(arguments, a, b, query);

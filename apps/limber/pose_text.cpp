@@ -46,8 +46,8 @@ Error malformed(std::size_t line, const std::string& reason) {
   return {ErrorCode::malformed_file, fmt::format("line {}: {}", line, reason), line};
 }
 
-/// Opens a file that is neither a folder nor a pipe or device, which might never end.
-std::ifstream opened(const std::string& path) {
+/// Opens a regular file. A pipe or device might never end.
+std::ifstream open_regular_file(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
   if (fs::is_directory(status)) throw BadInput(path + ": is a folder");
@@ -107,7 +107,7 @@ Result<std::vector<Transform>> parsed_poses(std::istream& rows) {
 }
 
 std::vector<Transform> read_poses(const std::string& path) {
-  std::ifstream file = opened(path);
+  std::ifstream file = open_regular_file(path);
   std::error_code failed;
   const std::uintmax_t size = fs::file_size(path, failed);
   if (!failed && size > max_pose_file_bytes) {

@@ -16,7 +16,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Takes the bar away, so that a line can be written where it stood.
+  /// Removes the bar, so that a line can be written in its place.
   void clear();
 
   /// Draws the bar unless it was drawn a moment ago and still stands.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bad_input.h"
-#include "bending_model.h"
+#include "deforming_model.h"
 #include "number_text.h"
 #include "options.h"
 #include "output.h"
@@ -34,7 +34,7 @@ struct ModelArguments {
 struct Arguments {
   ModelArguments a, b;
   DistanceOptions query;
-  BendingOptions model;
+  DeformingOptions model;
   std::uint64_t loops = 1;
   bool json = false;
 };
@@ -42,7 +42,7 @@ struct Arguments {
 /// Work done on trees between two frames.
 struct Update {
   double elapsed_us = 0;
-  BendingWork done;
+  DeformingWork done;
 
   Update& operator+=(const Update& other) {
     elapsed_us += other.elapsed_us;
@@ -51,26 +51,26 @@ struct Update {
   }
 };
 
-/// One of the two models, going from frame to frame.
+/// One of the two models, which is moved from frame to frame.
 class TrackedModel {
  public:
-  TrackedModel(const ModelArguments& arguments, const BendingOptions& options, bool is_repeated)
+  TrackedModel(const ModelArguments& arguments, const DeformingOptions& options, bool is_repeated)
       : frames_(arguments.frames),
         poses_(arguments.poses.empty() ? std::vector<Transform>(1) : read_poses(arguments.poses)),
         model_(frames_.first().mesh, options),
-        kept_(is_repeated ? frames_.count() : 0) {}
+        cached_(is_repeated ? frames_.count() : 0) {}
 
   std::size_t mesh_count() const { return frames_.count(); }
   std::size_t pose_count() const { return poses_.size(); }
-  const BendingModel& model() const { return model_; }
+  const DeformingModel& model() const { return model_; }
   const Transform& pose() const { return poses_[pose_]; }
   std::uint32_t face_of(TriangleId triangle) const { return frames_.first().face_of_triangle[triangle]; }
 
-  /// Goes to a frame of the lists. Only vertices whose position differs are moved; reading is not timed.
+  /// Moves to a frame of the lists. Only vertices whose position differs are moved; reading is not timed.
   Update go_to(std::size_t frame) {
     if (poses_.size() > 1) pose_ = frame;
     if (frames_.count() == 1) return {};
-    const BendingWork before = model_.work();
+    const DeformingWork before = model_.work();
     const double elapsed_us = move_to(positions(frame));
     return {elapsed_us, model_.work() - before};
   }
@@ -78,9 +78,9 @@ class TrackedModel {
  private:
   /// The frame's positions; frames that come again are read once.
   std::vector<Vec3> positions(std::size_t frame) {
-    if (kept_.empty()) return frames_.positions(frame);
-    if (!kept_[frame]) kept_[frame] = frames_.positions(frame);
-    return *kept_[frame];
+    if (cached_.empty()) return frames_.positions(frame);
+    if (!cached_[frame]) cached_[frame] = frames_.positions(frame);
+    return *cached_[frame];
   }
 
   double move_to(const std::vector<Vec3>& target) {
@@ -102,8 +102,8 @@ class TrackedModel {
   MeshFrames frames_;
   std::vector<Transform> poses_;  // world_from_model
   std::size_t pose_ = 0;
-  BendingModel model_;
-  std::vector<std::optional<std::vector<Vec3>>> kept_;  // by frame; empty when no frame comes twice
+  DeformingModel model_;
+  std::vector<std::optional<std::vector<Vec3>>> cached_;  // by frame; empty when no frame comes twice
 };
 
 /// One line of the answer.
@@ -156,7 +156,7 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   row.update += a.go_to(frame);
   row.update += b.go_to(frame);
   const Stopwatch asking;
-  row.result = BendingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
+  row.result = DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
   row.query_us = asking.microseconds();
   row.face_a = a.face_of(row.result.witness.triangle_a);
   row.face_b = b.face_of(row.result.witness.triangle_b);
@@ -185,8 +185,8 @@ void run(const Arguments& arguments) {
 
 Verb add_track(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and bend");
-  command.add_option("--a", arguments->a.frames, "one model, or the frames of one that bends")
+  CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
+  command.add_option("--a", arguments->a.frames, "one mesh, or the frames of a deforming mesh")
       ->type_name("MODEL")
       ->required();
   command.add_option("--b", arguments->b.frames, "as --a, in the same length unit")->type_name("MODEL")->required();
@@ -195,7 +195,7 @@ Verb add_track(CLI::App& app) {
   command.add_option("--poses-b", arguments->b.poses, "where B stands in each frame; default: the origin")
       ->type_name("CSV");
   add_relative_error(command, arguments->query.relative_error);
-  add_bending(command, arguments->model);
+  add_deforming(command, arguments->model);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
   command.footer(
@@ -204,7 +204,7 @@ Verb add_track(CLI::App& app) {
       "a\n"
       "header and lines that start with # are skipped. Lists of one entry hold for every frame, others agree in "
       "length.\n"
-      "Times are in microseconds: update_us moves vertices and repairs the trees, reading files is not in it.");
+      "Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.");
   return {&command, [arguments] { run(*arguments); }};
 }
 

@@ -9,7 +9,7 @@
 
 #include "limber/io.h"
 
-/// What changes from frame to frame: positions out of files, and poses.
+/// Inputs that change from frame to frame: positions from files, and poses.
 namespace limber::program {
 
 /// The frames of one model: a single mesh, or several that differ in their positions only.
@@ -34,7 +34,7 @@ class MeshFrames {
   std::optional<MeshFile> scene_;         // or of scenes
 };
 
-/// A list that says something for every frame, or once for all.
+/// A list with one entry for every frame, or one entry for all frames.
 struct FrameList {
   std::string name;  ///< as the user knows it
   std::size_t length = 0;

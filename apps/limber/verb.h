@@ -10,9 +10,9 @@ class App;
 
 namespace limber::program {
 
-/// A verb of the program: its part of the command line, and what it does once that is parsed.
+/// A verb of the program: its part of the command line, and the function to be run after parsing.
 ///
-/// Errors   `run` throws: BadInput for what the user can mend, anything else for what only we can.
+/// Errors   `run` throws BadInput for mistakes of the user, and anything else for failures of the program.
 struct Verb {
   CLI::App* command = nullptr;
   std::function<void()> run;

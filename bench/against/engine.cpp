@@ -45,7 +45,7 @@ class ThisEngine : public against::Engine {
       case against::Question::within_limit:
         return within(a, b, 0.01).within ? 1 : 0;
       case against::Question::warm_exact:
-        return distance(a, b, {}, pair_).upper;
+        return distance(a, b, {}, cache_).upper;
     }
     return 0;
   }
@@ -63,7 +63,7 @@ class ThisEngine : public against::Engine {
 
  private:
   limber::Model a_, b_;
-  limber::Pair pair_;
+  limber::QueryCache cache_;
 };
 
 }  // namespace

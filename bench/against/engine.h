@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// One revision of the library behind an interface without any of its types, so that two can stand in one program.
+/// One revision of the library behind an interface without its types, so that two revisions can be in one program.
 namespace against {
 
 struct RawMesh {
@@ -23,7 +23,7 @@ struct RawPose {
 
 enum class Question { collide, exact, within_10_percent, within_limit, warm_exact };
 
-/// Two models and what is asked of them. The pose is that of b; a stays where it is.
+/// Two models and the queries between them. Poses are those of b; a stays at the origin.
 class Engine {
  public:
   virtual ~Engine() = default;

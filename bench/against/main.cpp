@@ -3,8 +3,8 @@
 
 // Question  Has anything become slower since another revision of the library?
 // Workload  Queries between two scans, a ball and a square, and parallel sheets; updates and builds.
-// Metric    Time of this revision over that of the other: the two are called in turn, in one process, and the median of
-//           the ratios of such turns is told.
+// Metric    Time of this revision over that of the other: the two are called in turn, in one process. The median of the
+//           ratios of these turns is printed.
 // Expected  Ratios about 1, and the same answers.
 #include <fmt/format.h>
 
@@ -48,7 +48,7 @@ struct Engines {
 
 double median(std::vector<double> values) { return summarize(std::move(values)).median; }
 
-/// Calls both in turn and tells the ratio of their times.
+/// Calls both in turn and prints the ratio of their times.
 void compare(const std::string& name, const std::function<void()>& before, const std::function<void()>& now) {
   before(), now();
   const double once_us = std::min(mean_us(1, before), mean_us(1, now));
@@ -57,7 +57,7 @@ void compare(const std::string& name, const std::function<void()>& before, const
       static_cast<std::size_t>(std::clamp(2e5 / (2 * once_us * static_cast<double>(repetitions)), 9.0, 401.0));
   std::vector<double> ratios, times_before, times_now;
   for (std::size_t i = 0; i < rounds; ++i) {
-    // Whoever comes first may find colder caches, so they take turns in that too.
+    // The first call may find colder caches, so the order alternates.
     double us[2];
     for (const bool now_first : {i % 2 == 0}) {
       us[now_first ? 1 : 0] = mean_us(repetitions, now_first ? now : before);
@@ -73,7 +73,7 @@ constexpr std::pair<Question, const char*> questions[] = {{Question::collide, "c
                                                           {Question::exact, "exact distance"},
                                                           {Question::within_10_percent, "distance within 10 %"},
                                                           {Question::within_limit, "closer than 0.01"},
-                                                          {Question::warm_exact, "exact, kept cache"}};
+                                                          {Question::warm_exact, "exact, warm cache"}};
 
 void compare_queries(const PeerScene& scene) {
   Engines engines(scene.a, scene.b);

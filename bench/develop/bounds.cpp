@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question  Which bound at the nodes of a wide tree lets an exact distance query drop most pairs?
+// Question  Which bounding volume at the nodes of a wide tree lets an exact distance query prune most pairs?
 // Workload  Ball over square (aligned, and both turned together) and any two mesh files, at gaps of 0.0001 to 10 times
 //           the size, 8 seeded poses each.
-// Metric    Medians over the poses, and the worst: pairs of nodes compared and pairs of leaves left, counted with the
-//           true distance known from the start, so that the order of the visits plays no part; triangle pairs left
-//           after projecting on the witness's direction.
+// Metric    Medians over the poses, and the worst: pairs of nodes compared and pairs of leaves not pruned, with the
+//           true distance as the prune distance from the start, so that the order of the traversal does not matter;
+//           pairs of triangles not pruned along the direction of the witness.
 // Shape     Spheres grow with the number of triangles; a slab along the surface's normal makes the counts nearly
 //           independent of it where the surface is smooth; boxes do the same where it is aligned with the axes.
 #include <algorithm>
@@ -30,14 +30,14 @@ struct Bound {
   double radius = 0;
   Vec3 half;                 // of the box, along the model's axes
   Vec3 normal;               // of the slab, unit length
-  double low = 0, high = 0;  // of the slab, relative to the centre
+  double low = 0, high = 0;  // of the slab, relative to the center
 };
 
 struct Node {
   Bound bound;
   std::array<std::uint32_t, 8> child{};
   std::uint32_t child_count = 0;     // 0 for a leaf
-  std::uint32_t begin = 0, end = 0;  // triangles of a leaf, in order
+  std::uint32_t begin = 0, end = 0;  // triangles of a leaf in `order`
 };
 
 struct WideTree {
@@ -83,13 +83,13 @@ std::uint32_t build(WideTree& tree, const std::vector<Vec3>& centers, std::uint3
   const auto id = static_cast<std::uint32_t>(tree.nodes.size());
   tree.nodes.push_back({bound_of(tree, begin, end), {}, 0, begin, end});
   if (end - begin <= leaf_size) return id;
-  std::vector<std::uint32_t> cuts{begin, end};
-  while (cuts.size() - 1 < arity) {  // halve the largest part along its longest side
+  std::vector<std::uint32_t> splits{begin, end};
+  while (splits.size() - 1 < arity) {  // halve the largest part along its longest axis
     std::size_t widest = 0;
-    for (std::size_t i = 1; i + 1 < cuts.size(); ++i) {
-      if (cuts[i + 1] - cuts[i] > cuts[widest + 1] - cuts[widest]) widest = i;
+    for (std::size_t i = 1; i + 1 < splits.size(); ++i) {
+      if (splits[i + 1] - splits[i] > splits[widest + 1] - splits[widest]) widest = i;
     }
-    const std::uint32_t first = cuts[widest], last = cuts[widest + 1];
+    const std::uint32_t first = splits[widest], last = splits[widest + 1];
     if (last - first <= leaf_size) break;
     Vec3 low = centers[tree.order[first]], high = low;
     for (std::uint32_t i = first; i < last; ++i) {
@@ -99,14 +99,14 @@ std::uint32_t build(WideTree& tree, const std::vector<Vec3>& centers, std::uint3
     const std::size_t axis = side.x >= side.y ? (side.x >= side.z ? 0 : 2) : (side.y >= side.z ? 1 : 2);
     // Parts are whole leaves, so that leaves are full.
     const std::uint32_t leaves = (last - first + leaf_size - 1) / leaf_size;
-    const std::uint32_t middle = first + (leaves + 1) / 2 * leaf_size;
+    const std::uint32_t half = first + (leaves + 1) / 2 * leaf_size;
     std::nth_element(
-        tree.order.begin() + first, tree.order.begin() + middle, tree.order.begin() + last,
+        tree.order.begin() + first, tree.order.begin() + half, tree.order.begin() + last,
         [&](TriangleId s, TriangleId t) { return std::pair(centers[s][axis], s) < std::pair(centers[t][axis], t); });
-    cuts.insert(cuts.begin() + static_cast<std::ptrdiff_t>(widest) + 1, middle);
+    splits.insert(splits.begin() + static_cast<std::ptrdiff_t>(widest) + 1, half);
   }
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    const std::uint32_t child = build(tree, centers, cuts[i], cuts[i + 1], arity, leaf_size);
+  for (std::size_t i = 0; i + 1 < splits.size(); ++i) {
+    const std::uint32_t child = build(tree, centers, splits[i], splits[i + 1], arity, leaf_size);
     tree.nodes[id].child[tree.nodes[id].child_count++] = child;
   }
   return id;
@@ -144,8 +144,8 @@ class PairBound {
     }
     if ((parts_ & direction) != 0) {
       const Vec3 normal_b = a_from_b_.rotation * b.normal;
-      best = std::max(best, dot(witness_, between) - reach(a, witness_, a.normal, witness_) -
-                                reach(b, -witness_, normal_b, -(b_from_a_ * witness_)));
+      best = std::max(best, dot(witness_, between) - support(a, witness_, a.normal, witness_) -
+                                support(b, -witness_, normal_b, -(b_from_a_ * witness_)));
     }
     return best;
   }
@@ -158,8 +158,8 @@ class PairBound {
     const Vec3 gap = max(abs(between) - half_a - half_b, Vec3{});
     return length(gap);
   }
-  /// How far a ball cut by its slab reaches along the unit vector `u`.
-  static double slab_reach(const Bound& n, const Vec3& normal, const Vec3& u) {
+  /// The support of a sphere, intersected with its slab, along the unit vector `u`.
+  static double slab_support(const Bound& n, const Vec3& normal, const Vec3& u) {
     const double c = dot(u, normal);
     const double limit = c >= 0 ? n.high : -n.low;
     const double cosine = std::abs(c);
@@ -167,18 +167,18 @@ class PairBound {
     const double flat = std::min(limit, n.radius);
     return flat * cosine + std::sqrt(std::max(0.0, (1 - cosine * cosine) * (n.radius * n.radius - flat * flat)));
   }
-  double reach(const Bound& n, const Vec3& u, const Vec3& normal, const Vec3& u_in_box_frame) const {
+  double support(const Bound& n, const Vec3& u, const Vec3& normal, const Vec3& u_in_box_frame) const {
     double r = n.radius;
     if ((parts_ & box) != 0) r = std::min(r, dot(abs(u_in_box_frame), n.half));
-    if ((parts_ & slab) != 0) r = std::min(r, slab_reach(n, normal, u));
+    if ((parts_ & slab) != 0) r = std::min(r, slab_support(n, normal, u));
     return r;
   }
-  /// Gap along u and, across it, gap of the discs that the balls leave.
+  /// Gap along u, combined with the gap across u of the discs onto which the spheres project.
   double across(const Vec3& u, const Bound& a, const Bound& b, const Vec3& normal_b, const Vec3& between,
                 double distance) const {
     const double h = dot(u, between);
-    const double forth = h - slab_reach(a, a.normal, u) - slab_reach(b, normal_b, -u);
-    const double back = -h - slab_reach(a, a.normal, -u) - slab_reach(b, normal_b, u);
+    const double forth = h - slab_support(a, a.normal, u) - slab_support(b, normal_b, -u);
+    const double back = -h - slab_support(a, a.normal, -u) - slab_support(b, normal_b, u);
     const double along = std::max({0.0, forth, back});
     const double y = std::sqrt(std::max(0.0, distance * distance - h * h));
     const double aside = std::max(0.0, y - a.radius - b.radius);
@@ -198,14 +198,14 @@ struct Counts {
 class Counter {
  public:
   Counter(const WideTree& a, const WideTree& b, const PairBound& bound, const Transform& a_from_b, const Vec3& witness,
-          double distance, bool open_both)
+          double distance, bool expand_both)
       : a_(a),
         b_(b),
         bound_(bound),
         a_from_b_(a_from_b),
         witness_(witness),
         distance_(distance),
-        open_both_(open_both) {}
+        expand_both_(expand_both) {}
 
   Counts run() {
     visit(0, 0);
@@ -217,12 +217,12 @@ class Counter {
     const Node &a = a_.nodes[na], &b = b_.nodes[nb];
     if (a.child_count == 0 && b.child_count == 0) return compare_leaves(a, b);
     const double ratio = a.bound.radius / b.bound.radius;
-    const bool both = open_both_ && a.child_count != 0 && b.child_count != 0 && ratio <= 2 && ratio >= 0.5;
-    const bool open_a = both || b.child_count == 0 || (a.child_count != 0 && ratio >= 1);
-    const bool open_b = both || !open_a;
-    for (std::uint32_t i = 0; i < (open_a ? a.child_count : 1); ++i) {
-      for (std::uint32_t j = 0; j < (open_b ? b.child_count : 1); ++j) {
-        const std::uint32_t ca = open_a ? a.child[i] : na, cb = open_b ? b.child[j] : nb;
+    const bool both = expand_both_ && a.child_count != 0 && b.child_count != 0 && ratio <= 2 && ratio >= 0.5;
+    const bool expand_a = both || b.child_count == 0 || (a.child_count != 0 && ratio >= 1);
+    const bool expand_b = both || !expand_a;
+    for (std::uint32_t i = 0; i < (expand_a ? a.child_count : 1); ++i) {
+      for (std::uint32_t j = 0; j < (expand_b ? b.child_count : 1); ++j) {
+        const std::uint32_t ca = expand_a ? a.child[i] : na, cb = expand_b ? b.child[j] : nb;
         ++counts_.node_pairs;
         if (bound_(a_.nodes[ca].bound, b_.nodes[cb].bound) < distance_) visit(ca, cb);
       }
@@ -247,7 +247,7 @@ class Counter {
   Transform a_from_b_;
   Vec3 witness_;
   double distance_;
-  bool open_both_;
+  bool expand_both_;
   Counts counts_;
 };
 
@@ -257,19 +257,19 @@ double diagonal(const Mesh& mesh) {
   return length(high - low);
 }
 
-Vec3 middle(const Mesh& mesh) {
+Vec3 center_of(const Mesh& mesh) {
   Vec3 low = mesh.positions().front(), high = low;
   for (const Vec3& p : mesh.positions()) low = min(low, p), high = max(high, p);
   return (low + high) * 0.5;
 }
 
-/// Slides b along `away` until the gap is `gap`; every step is safe because it is a distance.
-Transform placed_at_gap(const classic::Model& a, const classic::Model& b, Transform a_from_b, const Vec3& away,
+/// Slides b along `outward` until the gap is `gap`. No step goes too far, because its length is a distance.
+Transform placed_at_gap(const classic::Model& a, const classic::Model& b, Transform a_from_b, const Vec3& outward,
                         double gap) {
   for (int step = 0; step < 60; ++step) {
     const double distance = classic::distance({a}, {b, a_from_b}, {.relative_error = 1e-3}).lower;
     if (std::abs(distance - gap) <= 0.02 * gap) break;
-    a_from_b.translation += away * (gap - distance);
+    a_from_b.translation += outward * (gap - distance);
   }
   return a_from_b;
 }
@@ -278,7 +278,7 @@ struct Variant {
   const char* name;
   unsigned parts;
   std::uint32_t leaf_size;
-  bool open_both;
+  bool expand_both;
 };
 
 /// Medians over the poses of all three counts, and the worst number of node pairs.
@@ -322,11 +322,11 @@ void measure(const char* scene, const Mesh& mesh_a, const Mesh& mesh_b, bool ali
   scenes::Rng rng(7);
   for (int p = 0; p < poses; ++p) {
     Transform start{scenes::random_rotation(rng), {}};
-    Vec3 away = scenes::random_rotation(rng).row0;
-    if (aligned) away = {0, 0, 1};
-    start.translation = middle(mesh_a) + away * (3 * size) - start.rotation * middle(mesh_b);
+    Vec3 outward = scenes::random_rotation(rng).row0;
+    if (aligned) outward = {0, 0, 1};
+    start.translation = center_of(mesh_a) + outward * (3 * size) - start.rotation * center_of(mesh_b);
     for (std::size_t g = 0; g < std::size(gaps); ++g) {
-      const Transform pose = placed_at_gap(a, b, start, away, gaps[g] * size);
+      const Transform pose = placed_at_gap(a, b, start, outward, gaps[g] * size);
       const DistanceResult truth = classic::distance({a}, {b, pose});
       if (truth.upper == 0) continue;
       const Vec3 witness = (truth.witness.point_b - truth.witness.point_a) * (1 / truth.upper);
@@ -334,7 +334,7 @@ void measure(const char* scene, const Mesh& mesh_a, const Mesh& mesh_b, bool ali
         const std::size_t tree = variants[v].leaf_size == 4 ? 0 : 1;
         const PairBound bound(variants[v].parts, pose, witness);
         const Counts c =
-            Counter(trees_a[tree], trees_b[tree], bound, pose, witness, truth.upper, variants[v].open_both).run();
+            Counter(trees_a[tree], trees_b[tree], bound, pose, witness, truth.upper, variants[v].expand_both).run();
         table[v][g].push_back(c);
       }
     }

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question  What does each bounding volume of the fast engine's nodes bring, in visits and in time?
+// Question  What does each bounding volume of the fast engine's nodes save, in tests and in time?
 // Workload  Ball over square (aligned, and both turned together) and any two mesh files, at gaps of 0 to 10 times the
-// size,
-//           16 seeded poses each; exact distance, from nothing.
+//           size, 16 seeded poses each; exact distance, without a cache.
 // Metric    Node tests, triangle tests and microseconds: median over the poses, and the worst. Variants are
-// interleaved. Shape     The engine itself runs; volumes are switched off by making them too large to say anything,
-// which leaves the ball.
+//           interleaved.
+// Shape     The engine itself runs. A volume is switched off by making it too large to prune anything, which leaves the
+//           sphere.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "bvh/tree.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
-#include "tree/node.h"
 
 namespace limber {
 namespace {
@@ -27,18 +27,20 @@ struct Variant {
   const char* name;
   bool box, slab;
 };
-constexpr Variant variants[] = {
-    {"ball", false, false}, {"ball, box", true, false}, {"ball, slab", false, true}, {"ball, box, slab", true, true}};
+constexpr Variant variants[] = {{"sphere", false, false},
+                                {"sphere, box", true, false},
+                                {"sphere, slab", false, true},
+                                {"sphere, box, slab", true, true}};
 constexpr double gaps[] = {0, 1e-4, 1e-2, 0.1, 1, 10};
 constexpr int pose_count = 16, repeat_count = 7;
 
-/// A model some of whose volumes say nothing more than the ball.
+/// A model in which the volumes that the variant is without prune no more than the sphere.
 Model weakened(const Mesh& mesh, const Variant& variant) {
   Model model(mesh);
-  auto& tree = const_cast<tree::Tree&>(model.tree());  // this experiment's own
-  for (tree::Block& block : tree.blocks) {
-    for (std::uint32_t k = 0; k < simd::width; ++k) {
-      simd::NodeBounds& n = block.bounds;
+  auto& tree = const_cast<bvh::Tree&>(model.impl().tree);  // belongs to this experiment
+  for (bvh::WideNode& node : tree.nodes) {
+    for (std::uint32_t k = 0; k < bvh::width; ++k) {
+      bvh::ChildBounds& n = node.bounds;
       if (!variant.box) n.half_x[k] = n.half_y[k] = n.half_z[k] = n.radius[k];
       if (!variant.slab) n.low[k] = -n.radius[k], n.high[k] = n.radius[k];
     }
@@ -52,18 +54,18 @@ double diagonal(const Mesh& mesh) {
   return length(high - low);
 }
 
-Vec3 middle(const Mesh& mesh) {
+Vec3 center_of(const Mesh& mesh) {
   Vec3 low = mesh.positions().front(), high = low;
   for (const Vec3& p : mesh.positions()) low = min(low, p), high = max(high, p);
   return (low + high) * 0.5;
 }
 
-/// Slides b along `away` until the gap is right; every step is safe because it is a distance.
-Transform placed_at_gap(const Model& a, const Model& b, Transform pose, const Vec3& away, double gap) {
+/// Slides b along `outward` until the gap is right. No step goes too far, because its length is a distance.
+Transform placed_at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap) {
   for (int step = 0; step < 100; ++step) {
     const double found = distance({a}, {b, pose}).upper;
     if (std::abs(found - gap) <= 1e-9) break;
-    pose.translation += away * (gap - found);
+    pose.translation += outward * (gap - found);
   }
   return pose;
 }
@@ -105,11 +107,11 @@ void compare(const char* scene, const Mesh& mesh_a, const Mesh& mesh_b, bool ali
   scenes::Rng rng(7);
   for (int p = 0; p < pose_count; ++p) {
     Transform start{scenes::random_rotation(rng), {}};
-    Vec3 away = scenes::random_rotation(rng).row0;
-    if (aligned) away = {0, 0, 1};
-    start.translation = middle(mesh_a) + away * (3 * size) - start.rotation * middle(mesh_b);
+    Vec3 outward = scenes::random_rotation(rng).row0;
+    if (aligned) outward = {0, 0, 1};
+    start.translation = center_of(mesh_a) + outward * (3 * size) - start.rotation * center_of(mesh_b);
     for (std::size_t g = 0; g < std::size(gaps); ++g) {
-      const Transform pose = placed_at_gap(a.back(), b.back(), start, away, gaps[g] * size);
+      const Transform pose = placed_at_gap(a.back(), b.back(), start, outward, gaps[g] * size);
       std::vector<Sample> samples(std::size(variants));
       for (int repeat = 0; repeat < repeat_count; ++repeat) {
         for (std::size_t v = 0; v < std::size(variants); ++v) measure(samples[v], a[v], b[v], pose);
@@ -135,7 +137,7 @@ Mesh turned(const Mesh& mesh, const Mat3& rotation) {
   return Mesh::create(std::move(positions), mesh.triangles()).value();
 }
 
-/// A sheet whose vertices are thrown about by a tenth of an edge: its slabs say little.
+/// A sheet whose vertices are displaced at random, so that its slabs prune little.
 Mesh noisy_sheet() {
   scenes::Rng rng(13);
   const Mesh flat = scenes::grid(100, 100, 0, 0, 1, 1);

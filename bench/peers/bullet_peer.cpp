@@ -40,7 +40,7 @@ class BulletModel {
     shape_->updateBound();
     object.setCollisionShape(shape_.get());
   }
-  void bend(const std::vector<Vec3>& positions) {
+  void deform(const std::vector<Vec3>& positions) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
       for (std::size_t k = 0; k < 3; ++k) vertices_[3 * v + k] = static_cast<btScalar>(positions[v][k]);
     }
@@ -62,8 +62,8 @@ class BulletPeer : public Peer {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
   }
   bool answers(Question question) const override { return question == Question::collide; }
-  bool bend(const std::vector<Vec3>& positions) override {
-    a_.bend(positions);
+  bool deform(const std::vector<Vec3>& positions) override {
+    a_.deform(positions);
     return true;
   }
   double ask(Question, const Transform& pose) override {

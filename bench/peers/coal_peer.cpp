@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Coal with BVHModel<OBBRSS>, from the C++ headers and library in its PyPI wheel. As in FCL, the relative error of a
-// distance request is not looked at for two meshes.
+// distance request is not used for two meshes.
 #include <coal/BVH/BVH_model.h>
 #include <coal/collision.h>
 #include <coal/distance.h>
@@ -44,7 +44,7 @@ class CoalPeer : public Peer {
   bool answers(Question question) const override {
     return question != Question::collide || std::is_same_v<Volume, coal::OBBRSS>;
   }
-  bool bend(const std::vector<Vec3>& positions) override {
+  bool deform(const std::vector<Vec3>& positions) override {
     std::vector<coal::Vec3s> points;
     points.reserve(positions.size());
     for (const Vec3& p : positions) points.emplace_back(p.x, p.y, p.z);

@@ -16,7 +16,7 @@
 namespace limber::bench {
 namespace {
 
-/// One mesh as it stands in the world.
+/// One mesh and its placed triangles.
 struct Standing {
   Mesh mesh;
   std::vector<Triangle> world;
@@ -30,7 +30,7 @@ struct Standing {
   }
 };
 
-float outward(double x, float way) { return std::nextafter(static_cast<float>(x), way); }
+float outward(double x, float limit) { return std::nextafter(static_cast<float>(x), limit); }
 
 void bounds_of(const RTCBoundsFunctionArguments* arguments) {
   const Triangle& t = static_cast<const Standing*>(arguments->geometryUserPtr)->world[arguments->primID];
@@ -72,7 +72,7 @@ class EmbreeScene {
     rtcReleaseGeometry(geometry_);
     rtcReleaseScene(scene);
   }
-  void bend(const std::vector<Vec3>& positions) {
+  void deform(const std::vector<Vec3>& positions) {
     standing.mesh.set_positions(positions);
     place({});
   }
@@ -104,8 +104,8 @@ class EmbreePeer : public Peer {
   EmbreePeer(const Mesh& a, const Mesh& b) : a_(device_.device, a), b_(device_.device, b) {}
   bool answers(Question question) const override { return question == Question::collide; }
   void move(const Transform& pose) override { b_.place(pose); }
-  bool bend(const std::vector<Vec3>& positions) override {
-    a_.bend(positions);
+  bool deform(const std::vector<Vec3>& positions) override {
+    a_.deform(positions);
     return true;
   }
   double ask(Question, const Transform&) override {
@@ -119,7 +119,7 @@ class EmbreePeer : public Peer {
   EmbreeScene a_, b_;
 };
 
-/// Its own triangles, float32 and for rays: only to be bent.
+/// Embree's own triangles, in float32 and for rays. Only their updates are measured.
 class EmbreeTrianglesPeer : public Peer {
  public:
   explicit EmbreeTrianglesPeer(const Mesh& a)
@@ -149,7 +149,7 @@ class EmbreeTrianglesPeer : public Peer {
   }
   bool answers(Question) const override { return false; }
   double ask(Question, const Transform&) override { return 0; }
-  bool bend(const std::vector<Vec3>& positions) override {
+  bool deform(const std::vector<Vec3>& positions) override {
     write(positions);
     rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry_);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // FCL with BVHModel<OBBRSSd>, the volume its documentation recommends for both queries. Its DistanceRequest's rel_err
-// is not looked at for two meshes (the traversal node copies it before the request is there); the forced peer sets it
-// in the node, with abs_err out of the way, since pruning asks for both.
+// is not used for two meshes (the traversal node copies it before the request is there). The forced peer sets it in the
+// node, with an abs_err so large that it has no effect, since pruning requires both.
 #include <fcl/fcl.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ std::shared_ptr<fcl::BVHModel<Volume>> built(const Mesh& mesh) {
   return model;
 }
 
-/// Replaces all vertices and refits from the leaves up: the quickest way there is.
+/// Replaces all vertices and refits from the leaves up, which is the fastest way that FCL has.
 template <typename Volume>
 bool replaced(fcl::BVHModel<Volume>& model, const std::vector<Vec3>& positions) {
   std::vector<fcl::Vector3d> points;
@@ -55,7 +55,7 @@ class FclPeer : public Peer {
 
   bool answers(Question question) const override { return forced_ == (question == Question::rough) || !forced_; }
 
-  bool bend(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
+  bool deform(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
 
   double ask(Question question, const Transform& pose_b) override {
     const fcl::Transform3d pose = transform(pose_b);
@@ -84,13 +84,13 @@ class FclPeer : public Peer {
   bool forced_;
 };
 
-/// Boxes along the axes: only to be bent, since its queries copy one of the models.
+/// Axis-aligned boxes. Only their updates are measured, because their queries copy one of the models.
 class FclBoxesPeer : public Peer {
  public:
   explicit FclBoxesPeer(const Mesh& a) : a_(built<fcl::AABBd>(a)) {}
   bool answers(Question) const override { return false; }
   double ask(Question, const Transform&) override { return 0; }
-  bool bend(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
+  bool deform(const std::vector<Vec3>& positions) override { return replaced(*a_, positions); }
 
  private:
   std::shared_ptr<fcl::BVHModel<fcl::AABBd>> a_;

@@ -10,7 +10,7 @@ class LimberPeer : public Peer {
  public:
   LimberPeer(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
   bool answers(Question) const override { return true; }
-  bool bend(const std::vector<Vec3>& positions) override {
+  bool deform(const std::vector<Vec3>& positions) override {
     const bool done = static_cast<bool>(a_.move_all(positions));
     a_.commit();
     return done;
@@ -56,7 +56,7 @@ std::vector<std::pair<std::string, PeerFactory>> all_peers() {
   };
 }
 
-std::vector<std::pair<std::string, PeerFactory>> bending_peers() {
+std::vector<std::pair<std::string, PeerFactory>> deforming_peers() {
   return {
       {"limber", make_limber},
 #ifdef LIMBER_PEER_EMBREE

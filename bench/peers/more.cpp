@@ -18,40 +18,40 @@
 namespace limber::bench {
 namespace {
 
-/// A slow flight of b past a: half a turn around it, at a distance that goes up and down, turning all the while.
+/// A slow flight of b half around a, at a distance that rises and falls, while b turns.
 std::vector<Transform> flight(const Model& a, const Model& b, double closest, std::size_t frames) {
   std::vector<Transform> poses;
   for (std::size_t f = 0; f < frames; ++f) {
     const double t = static_cast<double>(f) / static_cast<double>(frames);
-    const Vec3 away{scenes::cosine(3 * t), scenes::sine(3 * t), 0.3 * scenes::sine(9 * t)};
+    const Vec3 outward{scenes::cosine(3 * t), scenes::sine(3 * t), 0.3 * scenes::sine(9 * t)};
     const Transform turned = transform_from_quaternion({}, 1, 0.4 * t, 0.2, 0.7 * t).value();
-    Transform pose{turned.rotation, away * 2};
-    for (int step = 0; step < 8; ++step) {  // towards a until about as near as wanted
+    Transform pose{turned.rotation, outward * 2};
+    for (int step = 0; step < 8; ++step) {  // towards a or from it, until about as near as wanted
       const double found = distance({a}, {b, pose}, {.relative_error = 0.01}).upper;
-      pose.translation += away * ((closest * (1.2 + scenes::sine(20 * t)) - found) / length(away));
+      pose.translation += outward * ((closest * (1.2 + scenes::sine(20 * t)) - found) / length(outward));
     }
     poses.push_back(pose);
   }
   return poses;
 }
 
-/// What is asked of every frame.
+/// The query of every frame.
 struct Question {
   const char* name;
   double error;  // negative: whether they collide
 };
 
-/// The sum of all answers along a flight, from scratch or along a pair.
+/// The sum of all answers along a flight, from scratch or along a cache.
 double ask_along(const Model& a, const Model& b, const std::vector<Transform>& poses, const Question& question,
-                 Pair* pair) {
+                 QueryCache* cache) {
   double sum = 0;
   const DistanceOptions options{.relative_error = std::max(question.error, 0.0)};
   for (const Transform& pose : poses) {
     const Placed pa{a}, pb{b, pose};
     if (question.error < 0) {
-      sum += (pair != nullptr ? collide(pa, pb, *pair) : collide(pa, pb)).collision ? 1 : 0;
+      sum += (cache != nullptr ? collide(pa, pb, *cache) : collide(pa, pb)).collision ? 1 : 0;
     } else {
-      sum += (pair != nullptr ? distance(pa, pb, options, *pair) : distance(pa, pb, options)).upper;
+      sum += (cache != nullptr ? distance(pa, pb, options, *cache) : distance(pa, pb, options)).upper;
     }
   }
   return sum;
@@ -71,9 +71,9 @@ void warm(const Model& a, const Model& b, int rounds, Checker& checker, CsvFile&
           const Stopwatch watch;
           const double sum = ask_along(a, b, poses, question, nullptr);
           cold.push_back(watch.us() / static_cast<double>(frames));
-          Pair pair;
+          QueryCache cache;
           const Stopwatch warm_watch;
-          const double warm_sum = ask_along(a, b, poses, question, &pair);
+          const double warm_sum = ask_along(a, b, poses, question, &cache);
           warmed.push_back(warm_watch.us() / static_cast<double>(frames));
           checker.check(std::abs(sum - warm_sum) <= (std::max(question.error, 0.0) + 1e-12) * sum,
                         "a warm start changes answers at gap {}", gap);
@@ -88,7 +88,7 @@ void warm(const Model& a, const Model& b, int rounds, Checker& checker, CsvFile&
 }
 
 void growth(Mesh mesh, int rounds, CsvFile& csv, Markdown& table) {
-  table.line("\n### Growth: a mesh against itself, divided flat, 20 poses\n");
+  table.line("\n### Growth: a mesh against itself, subdivided flat, 20 poses\n");
   table.line("| triangles | gap | distance us, median | times that of a quarter |");
   table.line("|--:|--:|--:|--:|");
   const Model coarse(mesh);
@@ -99,10 +99,10 @@ void growth(Mesh mesh, int rounds, CsvFile& csv, Markdown& table) {
     poses.emplace_back();
     for (int i = 0; i < 20; ++i) {
       Transform pose{scenes::random_rotation(rng), {}};
-      const Vec3 away = scenes::random_rotation(rng).row0;
-      pose.translation = away * 3;
+      const Vec3 outward = scenes::random_rotation(rng).row0;
+      pose.translation = outward * 3;
       for (int step = 0; step < 100; ++step) {
-        pose.translation += away * (gap - distance({coarse}, {coarse, pose}).upper);
+        pose.translation += outward * (gap - distance({coarse}, {coarse, pose}).upper);
       }
       poses.back().push_back(pose);
     }

@@ -10,13 +10,13 @@
 
 #include "limber/mesh.h"
 
-/// Other libraries behind one face. Every adapter is one file; those whose library was not found are left out.
+/// Other libraries behind one interface. Every adapter is one file; those whose library was not found are left out.
 namespace limber::bench {
 
 enum class Question { exact, rough, collide };  ///< rough: within a relative error of 0.1
 inline constexpr double rough_error = 0.1;
 
-/// Two models of one library, ready to be asked. a stands at the origin.
+/// Two models of one library, ready for queries. a stays at the origin.
 class Peer {
  public:
   Peer() = default;
@@ -27,10 +27,10 @@ class Peer {
   virtual bool answers(Question question) const = 0;
   /// The distance, 0 in contact; for `collide` 0 or 1: 0 means contact.
   virtual double ask(Question question, const Transform& pose_b) = 0;
-  /// Work that a new pose of b costs before it can be asked, where that is not part of ask().
+  /// The work that a new pose of b needs before a query, where it is not part of ask().
   virtual void move(const Transform&) {}
-  /// Moves all vertices of a and makes it ready again, in the way the library is quickest at. False if it has none.
-  virtual bool bend(const std::vector<Vec3>&) { return false; }
+  /// Moves all vertices of a and updates it in the fastest way that the library has. False if the library has none.
+  virtual bool deform(const std::vector<Vec3>&) { return false; }
 };
 
 using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
@@ -38,10 +38,10 @@ using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
 /// The library itself first, then those that were found.
 std::vector<std::pair<std::string, PeerFactory>> all_peers();
 
-/// Those that can bend; more than one way for some libraries.
-std::vector<std::pair<std::string, PeerFactory>> bending_peers();
+/// Libraries that can update a deforming mesh; some of them in several ways.
+std::vector<std::pair<std::string, PeerFactory>> deforming_peers();
 
-/// Nanoseconds per triangle that the reference peer of the tables takes to build `mesh`; nothing if it is not there.
+/// Nanoseconds per triangle in which the reference library of the tables builds `mesh`; nothing if it was not found.
 std::optional<double> reference_build_ns(const Mesh& mesh);
 
 std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);

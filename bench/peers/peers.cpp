@@ -3,12 +3,10 @@
 
 // Question  How fast are this library's queries next to those of other libraries?
 // Workload  Ball over square, both turned, 16 poses at each of 17 separations; bunny and armadillo, 50 poses each
-// apart, near
-//           and overlapping (needs --meshes). Exact distance, distance within 10 %, collision.
+//           apart, near and overlapping (needs --meshes). Exact distance, distance within 10 %, collision.
 // Metric    Microseconds a query and their ratio to ours. Hot: the same query at least six times in a row, for at least
-// 30 us.
-//           First: once, after the other libraries have used caches and branch predictors. Of a pose the median of 7
-//           rounds, in each of which every library has its turn; over poses minimum, median, 99th percentile. One
+//           30 us. First: once, after the other libraries have used caches and branch predictors. For a pose the median
+//           of 7 rounds, in each of which every library has its turn; over poses minimum, median, 99th percentile. One
 //           thread.
 // Shape     Ours is an order of magnitude and more faster, at no pose slower.
 #include <CLI/CLI.hpp>
@@ -34,7 +32,7 @@ struct Contestant {
   std::unique_ptr<Peer> peer;
 };
 
-/// Whether an answer agrees with ours, which stands first.
+/// Whether an answer agrees with ours.
 bool agrees(Question question, double ours, double theirs, bool touching) {
   if (question == Question::collide) return touching || ours == theirs;
   if (question == Question::exact) return std::abs(ours - theirs) <= 1e-9;
@@ -62,7 +60,7 @@ Times time_poses(std::vector<Contestant>& contestants, const Situation& situatio
       const double answer = peer.ask(question, pose);
       if (c == 0) ours = answer;
       if (!agrees(question, ours, answer, situation.touching)) {
-        // Two that agree against ours would make ours the wrong one.
+        // If two libraries disagree with ours, ours counts as wrong.
         ++wrong[contestants[c].name];
         checker.check(wrong.size() < 2, "{} says {} to {} at {}, not {}", contestants[c].name, answer,
                       to_text(question), situation.name, ours);
@@ -118,8 +116,7 @@ void compare(const PeerScene& scene, int rounds, Checker& checker, CsvFile& csv,
   table.line("\n### {}\n", scene.name);
   table.line(
       "| situation | query | library | min us | median us | p99 us | ratio of medians | of p99 | least, one pose | "
-      "first, median us | "
-      "ratio |");
+      "first, median us | ratio |");
   table.line("|:--|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|");
   for (const Question question : {Question::exact, Question::rough, Question::collide}) {
     for (const Situation& situation : scene.situations) {
@@ -134,8 +131,8 @@ int run(const Options& options, const std::filesystem::path& meshes) {
   report_machine(options);
   Checker checker;
   CsvFile csv(options, "peers_queries.csv",
-              "scene,situation,query,library,min_us,median_us,p99_us,ratio_median,ratio_p99,ratio_least,first_median_"
-              "us,first_ratio");
+              "scene,situation,query,library,min_us,median_us,p99_us,ratio_median,ratio_p99,ratio_least,"
+              "first_median_us,first_ratio");
   Markdown table(options, "peers.md");
   table.line("# Next to other libraries, as printed by `limber_bench_peers`");
   const int rounds = options.quick ? 1 : 7;

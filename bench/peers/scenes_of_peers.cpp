@@ -17,12 +17,12 @@
 namespace limber::bench {
 namespace {
 
-/// Slides b along `away` until the gap is right; each step is safe because it is a distance.
-Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& away, double gap) {
+/// Slides b along `outward` until the gap is right. No step goes too far, because its length is a distance.
+Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap) {
   for (int step = 0; step < 200; ++step) {
     const double found = distance({a}, {b, pose}).upper;
     if (std::abs(found - gap) <= 1e-9) break;
-    pose.translation += away * (gap - found);
+    pose.translation += outward * (gap - found);
   }
   return pose;
 }
@@ -55,14 +55,14 @@ PeerScene two_scans(const std::string& name, const std::filesystem::path& a, con
   scenes::Rng rng(0x5EED0002);
   for (std::size_t i = 0; i < pose_count; ++i) {
     Transform pose{scenes::random_rotation(rng), {}};
-    const Vec3 away = scenes::random_rotation(rng).row0;
-    pose.translation = away * 3;
+    const Vec3 outward = scenes::random_rotation(rng).row0;
+    pose.translation = outward * 3;
     std::size_t situation = scene.situations.size();
     for (const double gap : {1.0, 0.05, 0.001}) {
-      pose = at_gap(model_a, model_b, pose, away, gap);
+      pose = at_gap(model_a, model_b, pose, outward, gap);
       scene.situations[--situation].poses.push_back(pose);
     }
-    pose.translation -= away * 0.011;
+    pose.translation -= outward * 0.011;
     scene.situations[0].poses.push_back(pose);
   }
   return scene;
@@ -78,23 +78,23 @@ Mesh normalised(const Mesh& mesh) {
     triangles.push_back(mesh.triangles()[t]);
     low = min(low, min(min(c.v0, c.v1), c.v2)), high = max(high, max(max(c.v0, c.v1), c.v2));
   }
-  const Vec3 middle = (low + high) * 0.5;
+  const Vec3 center = (low + high) * 0.5;
   std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p = (p - middle) * (1 / length(high - low));
+  for (Vec3& p : positions) p = (p - center) * (1 / length(high - low));
   return Mesh::create(std::move(positions), std::move(triangles)).value();
 }
 
 Mesh subdivided(const Mesh& mesh) {
   std::vector<Vec3> positions = mesh.positions();
   std::vector<Corners> triangles;
-  std::map<std::pair<VertexId, VertexId>, VertexId> middles;
-  const auto middle = [&](VertexId v, VertexId w) {
-    const auto [it, is_new] = middles.try_emplace(std::minmax(v, w), static_cast<VertexId>(positions.size()));
+  std::map<std::pair<VertexId, VertexId>, VertexId> midpoints;
+  const auto midpoint = [&](VertexId v, VertexId w) {
+    const auto [it, is_new] = midpoints.try_emplace(std::minmax(v, w), static_cast<VertexId>(positions.size()));
     if (is_new) positions.push_back((positions[v] + positions[w]) * 0.5);
     return it->second;
   };
   for (const Corners& c : mesh.triangles()) {
-    const VertexId m0 = middle(c[1], c[2]), m1 = middle(c[2], c[0]), m2 = middle(c[0], c[1]);
+    const VertexId m0 = midpoint(c[1], c[2]), m1 = midpoint(c[2], c[0]), m2 = midpoint(c[0], c[1]);
     triangles.insert(triangles.end(), {{c[0], m2, m1}, {m2, c[1], m0}, {m1, m0, c[2]}, {m0, m1, m2}});
   }
   return Mesh::create(std::move(positions), std::move(triangles)).value();

@@ -8,13 +8,13 @@
 
 #include "limber/mesh.h"
 
-/// What libraries are compared on.
+/// The scenes on which libraries are compared.
 namespace limber::bench {
 
 /// One situation in several poses of b.
 struct Situation {
   std::string name;
-  bool touching = false;  ///< so near to contact that rounding decides: yes and no are not compared
+  bool touching = false;  ///< so near to contact that rounding decides; collisions are not compared then
   std::vector<Transform> poses;
 };
 
@@ -29,7 +29,7 @@ struct PeerScene {
 PeerScene turned_ball_and_square(std::size_t pose_count);
 
 /// Two scans, centred, scaled to a diagonal of 1, b slid along a random direction: far (gap 1), mid (0.05), near
-/// (0.001), and overlapping (0.011 further than near).
+/// (0.001), and overlapping (0.011 deeper than near).
 ///
 /// Errors   BadResult when a file cannot be read.
 PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
@@ -38,7 +38,7 @@ PeerScene two_scans(const std::string& name, const std::filesystem::path& a, con
 /// Centred on its box and scaled to a diagonal of 1, without triangles that have no area.
 Mesh normalised(const Mesh& mesh);
 
-/// Every triangle divided into four at the middles of its sides.
+/// Every triangle divided into four at the midpoints of its edges.
 Mesh subdivided(const Mesh& mesh);
 
 }  // namespace limber::bench

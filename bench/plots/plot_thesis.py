@@ -102,10 +102,10 @@ def contact_note(axes) -> None:
 
 def with_spread(axes, results: Results, query: str, error: float, color: str) -> dict[float, float]:
     low, high = (results.query(query, error, column) for column in ("min_us", "p99_us"))
-    middle = results.query(query, error, "median_us")
+    median = results.query(query, error, "median_us")
     axes.fill_between(list(low), list(low.values()), list(high.values()), color=color, alpha=0.18, linewidth=0)
-    curve(axes, middle, color)
-    return middle
+    curve(axes, median, color)
+    return median
 
 
 def plot_queries(results: Results, target: Path) -> None:
@@ -121,7 +121,7 @@ def plot_queries(results: Results, target: Path) -> None:
     exact.set_title("Exact distance")
     with_spread(exact, results, "distance", 0, BLACK)
     log_axis(exact, "time per query, µs", 100, 1e6)
-    caption(exact, "Source: at least 310 ms when separated, slower the further apart;\n"
+    caption(exact, "Source: at least 310 ms when separated, slower the farther apart;\n"
                    "260 ms down to 238 ms in contact.")
 
     approximate.set_title("Distance within a relative error")
@@ -132,10 +132,10 @@ def plot_queries(results: Results, target: Path) -> None:
     names = [(f"{error * 100:g} %", color) for error, color in ERROR_COLORS.items()]
     key(approximate, 0.44, 0.37, [("exact", GREY), *names, ("collision", GREY)])
     log_axis(approximate, "time per query, µs", 0.02, 1e6)
-    caption(approximate, "Source: between the two; quick far away, dearest on the way in,\n"
+    caption(approximate, "Source: between the two; quick far away, slowest when approaching,\n"
                          "cheaper again towards contact. It gives no times here.")
 
-    counters.set_title("Work per query, pairs looked at")
+    counters.set_title("Work per query, pairs compared")
     for name, query, error, color, at, shift in (("exact", "distance", 0, BLACK, 32, (4, 5)),
                                                  ("10 %", "distance", 0.1, SKY, 8, (-26, 6)),
                                                  ("collision", "collide", 0, BLUE, 2, (5, -11))):
@@ -163,14 +163,14 @@ def plot_updates(results: Results, target: Path) -> None:
     batches = list(results.update("large", "immediate", 0, "median_us"))
 
     times.set_title("Time per moved vertex")
-    refits.set_title("Spheres, or blocks, refitted per moved vertex")
+    refits.set_title("Spheres, or 8-wide nodes, refitted per moved vertex")
     label_shift = {"immediate": (0, 6), "batched": (0, -13), "by_depth": (0, 6)}
     for mode in MODES:
-        low, high, middle, count = (results.update("large", mode, 0, column)
+        low, high, median, count = (results.update("large", mode, 0, column)
                                     for column in ("min_us", "max_us", "median_us", "refits"))
         times.fill_between(batches, list(low.values()), list(high.values()), color=MODE_COLORS[mode], alpha=0.2,
                            linewidth=0)
-        for axes, points in ((times, middle), (refits, count)):
+        for axes, points in ((times, median), (refits, count)):
             curve(axes, points, MODE_COLORS[mode])
             label(axes, 1, points[1], MODE_NAMES[mode], MODE_COLORS[mode], xytext=label_shift[mode], fontweight="bold")
     for axes, column in ((times, "median_us"), (refits, "refits")):
@@ -187,8 +187,8 @@ def plot_updates(results: Results, target: Path) -> None:
                    "dependent on the batch.")
     caption(refits, "A tree over 20 000 triangles is 15 levels deep, a vertex has 6 triangles: about 91\n"
                     "refits for each vertex moved alone. When dents of one commit overlap, vertices\n"
-                    "moved more than once are repaired once. The fast engine refits blocks of up to 64\n"
-                    "triangles, or of eight nodes.")
+                    "moved more than once are repaired once. The fast engine refits 8-wide nodes, each of\n"
+                    "eight leaves of 8 triangles, or of eight nodes.")
     for axes in (times, refits):
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(FixedLocator([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]))
@@ -196,32 +196,32 @@ def plot_updates(results: Results, target: Path) -> None:
         axes.xaxis.set_major_formatter(FuncFormatter(plain))
         axes.set_xlabel("dents per commit")
 
-    slacks = results.slacks()
+    radii = results.extra_radii()
     dents = 10
     loose_updates.set_title("Looseness: time per moved vertex")
     loose_queries.set_title("Looseness: what a distance query then costs")
     for motion, line in (("large", "-"), ("small", (0, (4, 1.5)))):
         for mode in MODES:
-            points = {x: results.update(motion, mode, s, "median_us")[dents] for x, s in enumerate(slacks)}
+            points = {x: results.update(motion, mode, s, "median_us")[dents] for x, s in enumerate(radii)}
             curve(loose_updates, points, MODE_COLORS[mode], linestyle=line)
-            nodes = {x: results.update(motion, mode, s, "query_node_tests")[dents] for x, s in enumerate(slacks)}
+            nodes = {x: results.update(motion, mode, s, "query_node_tests")[dents] for x, s in enumerate(radii)}
             curve(loose_queries, nodes, MODE_COLORS[mode], linestyle=line)
     for mode in MODES:
         label(loose_updates, 0, results.update("large", mode, 0, "median_us")[dents], MODE_NAMES[mode],
               MODE_COLORS[mode], xytext=(-6, -3), ha="right", fontweight="bold")
     for motion, shift in (("large", (-8, 6)), ("small", (6, -12))):
-        label(loose_queries, 3, results.update(motion, "by_depth", slacks[3], "query_node_tests")[dents],
+        label(loose_queries, 3, results.update(motion, "by_depth", radii[3], "query_node_tests")[dents],
               f"{motion} motion", BLACK, xytext=shift, ha="right" if motion == "large" else "left")
     log_axis(loose_updates, "µs", 0.05, 10)
     log_axis(loose_queries, "pairs of spheres per query", 5e3, 1e6)
     caption(loose_updates, f"{dents} dents per commit. Full lines: large motion, slope 0.1.\n"
                            "Dashed: small motion, slope 0.001.")
     caption(loose_queries, "Exact distance of the ball hovering 0.5 above the dented sheet; colours as beside.\n"
-                           "Source: looseness can only make queries dearer; no figures.")
+                           "Source: looseness can only make queries slower; no figures.")
     for axes in (loose_updates, loose_queries):
-        axes.set_xlim(-1.4 if axes is loose_updates else -0.25, len(slacks) - 0.75)
-        axes.set_xticks(range(len(slacks)), ["0, tight", *(f"{s:g}" for s in slacks[1:])])
-        axes.set_xlabel("slack: extra radius as a fraction of the tight one")
+        axes.set_xlim(-1.4 if axes is loose_updates else -0.25, len(radii) - 0.75)
+        axes.set_xticks(range(len(radii)), ["0, tight", *(f"{s:g}" for s in radii[1:])])
+        axes.set_xlabel("extra radius as a fraction of the tight one")
 
     figure.suptitle("Keeping the sphere tree of a 100 x 100 sheet, 20 000 triangles, while it is dented: one thread; "
                     "median, band from minimum to maximum", x=0.01, ha="left", fontsize=9.5)

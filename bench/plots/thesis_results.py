@@ -20,9 +20,14 @@ def _rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def _with_extra_radius(row: dict[str, str]) -> dict[str, str]:
+    """The row with today's name of the column that older results call `slack`."""
+    return {"extra_radius" if name == "slack" else name: value for name, value in row.items()}
+
+
 @dataclass
 class Results:
-    """All rows, numbers still as text, and how to ask for a curve."""
+    """All rows, numbers still as text, and the curves in them."""
 
     folder: Path
     machine: str
@@ -37,7 +42,7 @@ class Results:
             (folder / "machine.txt").read_text(encoding="utf-8"),
             _rows(folder / "thesis_queries.csv"),
             _rows(folder / "thesis_queries_poses.csv"),
-            _rows(folder / "thesis_updates.csv"),
+            [_with_extra_radius(row) for row in _rows(folder / "thesis_updates.csv")],
         )
 
     def query(self, name: str, error: float, column: str) -> dict[float, float]:
@@ -49,20 +54,20 @@ class Results:
             if row["query"] == name and float(row["relative_error"]) == error
         }
 
-    def update(self, motion: str, mode: str, slack: float, column: str) -> dict[int, float]:
-        """A column of one way of maintenance, by dents per commit."""
+    def update(self, motion: str, mode: str, extra_radius: float, column: str) -> dict[int, float]:
+        """A column of one mode of maintenance, by dents per commit."""
         return {
             int(row["batch_dents"]): float(row[column])
             for row in self.updates
-            if row["motion"] == motion and row["mode"] == mode and float(row["slack"]) == slack
+            if row["motion"] == motion and row["mode"] == mode and float(row["extra_radius"]) == extra_radius
         }
 
-    def slacks(self) -> list[float]:
-        return sorted({float(row["slack"]) for row in self.updates if row["motion"] != "whole"})
+    def extra_radii(self) -> list[float]:
+        return sorted({float(row["extra_radius"]) for row in self.updates if row["motion"] != "whole"})
 
-    def hovering_us(self, motion: str, mode: str, slack: float) -> float:
+    def hovering_us(self, motion: str, mode: str, extra_radius: float) -> float:
         """Time of a hovering query; each batch size has measured it once, on nearly the same tree."""
-        return median(self.update(motion, mode, slack, "query_us").values())
+        return median(self.update(motion, mode, extra_radius, "query_us").values())
 
 
 def short(us: float) -> str:
@@ -121,7 +126,7 @@ def _updates_table(results: Results) -> str:
     moves = results.update("large", "by_depth", 0, "move_us")
     header = ["dents per commit"]
     header += [f"{MODE_NAMES[m]}, µs" for m in MODES] + ["fast engine, µs", "of by depth marking, µs"]
-    header += [f"{MODE_NAMES[m]}, refits" for m in MODES] + ["fast engine, blocks"]
+    header += [f"{MODE_NAMES[m]}, refits" for m in MODES] + ["fast engine, nodes"]
     rows = [
         [str(b), *(f"{t[b]:.3f}" for t in times), f"{moves[b]:.3f}", *(f"{r[b]:.2f}" for r in refits)] for b in times[0]
     ]
@@ -140,18 +145,19 @@ def _whole_table(results: Results) -> str:
 def _looseness_table(results: Results, dents: int = 10) -> str:
     rows = []
     for motion in ("large", "small"):
-        for slack in results.slacks():
-            row = [motion, f"{slack:g}"]
+        for radius in results.extra_radii():
+            row = [motion, f"{radius:g}"]
             for mode in MODES:
-                us = results.update(motion, mode, slack, "median_us")[dents]
-                refits = results.update(motion, mode, slack, "refits")[dents]
-                absorbed = results.update(motion, mode, slack, "absorbed")[dents]
+                us = results.update(motion, mode, radius, "median_us")[dents]
+                refits = results.update(motion, mode, radius, "refits")[dents]
+                absorbed = results.update(motion, mode, radius, "absorbed")[dents]
                 row.append(f"{us:.3f} ({refits:.2f} / {absorbed:.2f})")
             for mode in ("immediate", "by_depth"):
-                nodes = results.update(motion, mode, slack, "query_node_tests")[dents]
-                row.append(f"{count(nodes)} ({short(results.hovering_us(motion, mode, slack))} µs)")
+                nodes = results.update(motion, mode, radius, "query_node_tests")[dents]
+                row.append(f"{count(nodes)} ({short(results.hovering_us(motion, mode, radius))} µs)")
             rows.append(row)
-    header = ["motion", "slack", *(MODE_NAMES[m] for m in MODES), "query after immediate", "query after by depth"]
+    header = ["motion", "extra radius", *(MODE_NAMES[m] for m in MODES)]
+    header += ["query after immediate", "query after by depth"]
     return _table(header, rows)
 
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-/// What every benchmark reads from its command line, checks, and writes.
+/// The command line, the checks and the output of all benchmarks.
 namespace limber::bench {
 
 struct Options {
@@ -19,16 +19,16 @@ struct Options {
   bool quick = false;         ///< few rounds: shows that everything works, not how fast
 };
 
-/// The options, or the exit code when there is nothing more to do.
+/// The options, or the exit code when the program has to end.
 ///
-/// Errors   A folder that cannot be made, and what the command line got wrong, are reported on the console.
+/// Errors   A folder that cannot be made, and mistakes in the command line, are reported on the console.
 struct ParsedOptions {
   Options options;
   std::optional<int> exit_code;
 };
 ParsedOptions parse_options(int argc, const char* const* argv, const std::string& question);
 
-/// Counts wrong answers and says what they were. A benchmark with any prints no times and ends with exit code 1.
+/// Counts and prints wrong answers. A benchmark that has any prints no times and ends with exit code 1.
 class Checker {
  public:
   template <typename... Args>

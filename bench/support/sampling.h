@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-/// Times and what is told of them.
+/// Times and their statistics.
 namespace limber::bench {
 
 class Stopwatch {
@@ -28,7 +28,7 @@ double mean_us(std::size_t repetitions, Call call) {
   return watch.us() / static_cast<double>(repetitions);
 }
 
-/// How many calls in a row take at least as long as the clock can be trusted for.
+/// How many calls in a row take long enough to be measured.
 inline std::size_t repetitions_for(double one_call_us) {
   constexpr double shortest_sample_us = 30;  // a thousand times the cost of reading the clock
   if (one_call_us >= shortest_sample_us) return 1;

@@ -6,9 +6,9 @@
 //                 units of separation down to 1 unit of penetration. Pose 0, and the mean over 15 other places and
 //                 turns. Collision, exact distance, approximate distance; the classic sphere tree; one thread.
 // Metric          Time per query: minimum, median and 99th percentile over rounds in each of which every query runs
-//                 once at every separation. Beside them the pairs of spheres and of triangles looked at.
+//                 once at every separation. Beside them the pairs of spheres and of triangles compared.
 // Expected shape  Collision: next to nothing far away, steeply up towards contact, sharply down in contact. Exact
-//                 distance: dearest far away, where all pairs look alike, and ever cheaper down into contact.
+//                 distance: most expensive far away, where all pairs are alike, and ever cheaper down into contact.
 //                 Approximate distance: like collision from afar, like exact distance close by, cheaper the larger the
 //                 error allowed.
 // Checked         Before anything is timed: exact distance against the separation known by construction, contact
@@ -108,7 +108,7 @@ void check_witness(Checker& checker, const Scene& scene, const Case& c) {
                 apart, c.answer.distance.upper);
 }
 
-/// Against the distance `truth`; whether two models at distance 0 meet is only certain when they overlap.
+/// Checks against the distance `truth`. Models at distance 0 are only certain to meet when they overlap.
 void check_against(Checker& checker, const Case& c, double truth, bool contact_is_certain) {
   if (contact_is_certain) {
     checker.check(c.answer.collision == (truth == 0), "{}: collision is {}", c.name(), c.answer.collision);

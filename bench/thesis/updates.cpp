@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question        What does it cost, per vertex moved, to keep the sphere tree of a deforming sheet in each of the
-//                 three modes of maintenance? What does batching save? What does looseness save, and what do queries
-//                 pay for it?
+//                 three modes of maintenance? What does batching save? What does looseness save, and what does it
+//                 cost queries?
 // Workload        A flat sheet of 100 x 100 squares, 20 000 triangles. The same 1000 dents for every variant, random
 //                 centres and radii from 1 to 10, with a commit after every 1 to 1000 dents; large motion (slope 0.1)
 //                 and small (0.001). Then 8 exact distance queries of a ball hovering over the dented sheet. Apart from
@@ -11,10 +11,10 @@
 //                 one thread.
 // Metric          Time per moved vertex: minimum, median and maximum over rounds in each of which every variant runs
 //                 once. Beside them the spheres refitted and the motions absorbed per moved vertex, and the pairs of
-//                 spheres and of triangles a hovering query looks at.
-// Expected shape  Immediate is dearest and does not care about the batch. Batched gains once the dents of one commit
-//                 overlap. By depth is cheapest everywhere, because each sphere is refitted once per commit. Looseness
-//                 saves refits, most for small motion, and makes queries dearer. The fast engine refits blocks of eight
+//                 spheres and of triangles that a hovering query compares.
+// Expected shape  Immediate is most expensive and does not depend on the batch. Batched gains once the dents of one
+//                 commit overlap. By depth is cheapest everywhere: each sphere is refitted once per commit. Looseness
+//                 saves refits, most for small motion, and makes queries more expensive. The fast engine refits 8-wide
 //                 nodes, so fewer, and costs a tenth.
 // Checked         Before a time is printed: positions, tree invariants and hovering distances after every variant, the
 //                 latter also against brute force; tight refits per vertex: immediate > batched > by depth; all
@@ -49,16 +49,16 @@ constexpr double tolerance = 1e-12;
 constexpr std::array<std::pair<Maintenance, const char*>, 3> modes = {
     {{Maintenance::immediate, "immediate"}, {Maintenance::batched, "batched"}, {Maintenance::by_depth, "by_depth"}}};
 constexpr std::array batch_sizes = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
-constexpr std::array slacks = {0.0, 0.01, 0.05, 0.2, 0.5};
+constexpr std::array extra_radii = {0.0, 0.01, 0.05, 0.2, 0.5};
 
-/// A sequence of dents, the sheet after it, and a ball that hovers over its middle.
+/// A sequence of dents, the sheet after it, and a ball that hovers over its center.
 struct Motion {
   std::string name;
   std::vector<scenes::VertexMoves> dents;
   std::size_t moved_vertices = 0;
   Mesh dented = scenes::thesis_sheet();
   std::vector<Transform> hovering;
-  std::vector<double> distances;  // of the hovering ball, by the first variant that was asked
+  std::vector<double> distances;  // of the hovering ball, as found by the first variant
 };
 
 Motion make_motion(const std::string& name, double slope, int dent_count, const Mesh& ball) {
@@ -83,12 +83,12 @@ Motion make_motion(const std::string& name, double slope, int dent_count, const 
   return motion;
 }
 
-/// One way of keeping the tree through one motion.
+/// One mode of maintenance during one motion.
 struct Variant {
   Motion* motion;
   Maintenance mode;
   const char* mode_name;
-  double slack;
+  double extra_radius;
   int batch_dents;
 
   std::vector<double> total_us, move_us;  // per moved vertex; the latter in move_vertices() alone
@@ -97,11 +97,12 @@ struct Variant {
   double query_node_tests = 0, query_triangle_tests = 0;
 
   std::string name() const {
-    return fmt::format("{} motion, {}, slack {}, {} dents per commit", motion->name, mode_name, slack, batch_dents);
+    return fmt::format("{} motion, {}, extra radius {}, {} dents per commit", motion->name, mode_name, extra_radius,
+                       batch_dents);
   }
 };
 
-/// The fast engine, whose only mode is its own.
+/// Variants of the fast engine, which has one mode only.
 std::vector<Variant> fast_variants_of(std::vector<Motion>& motions) {
   std::vector<Variant> variants;
   for (Motion& motion : motions) {
@@ -122,10 +123,10 @@ DistanceResult ask(const Model& sheet, const Model& ball, const Transform& pose)
 std::vector<Variant> variants_of(std::vector<Motion>& motions) {
   std::vector<Variant> variants;
   for (Motion& motion : motions) {
-    for (const double slack : slacks) {
+    for (const double extra_radius : extra_radii) {
       for (const auto& [mode, mode_name] : modes) {
         for (const int batch_dents : batch_sizes) {
-          variants.push_back({&motion, mode, mode_name, slack, batch_dents, {}, {}, 0, 0, 0, 0, 0});
+          variants.push_back({&motion, mode, mode_name, extra_radius, batch_dents, {}, {}, 0, 0, 0, 0, 0});
         }
       }
     }
@@ -133,7 +134,7 @@ std::vector<Variant> variants_of(std::vector<Motion>& motions) {
   return variants;
 }
 
-/// Moves what the motion moves, in batches, and notes the times.
+/// Plays the dents of the motion in batches, and notes the times.
 template <typename AnyModel>
 void run_dents(Checker& checker, Variant& v, AnyModel& sheet) {
   double move_us = 0, commit_us = 0;
@@ -158,7 +159,7 @@ void run_dents(Checker& checker, Variant& v, AnyModel& sheet) {
   checker.check(accepted, "{}: an update was refused", v.name());
 }
 
-/// Notes the counters, which are the same in every round, and looks at what the variant has left behind.
+/// Notes the counters, which are the same in every round, and checks the final state of the sheet.
 template <typename AnyModel>
 void check_sheet(Checker& checker, Variant& v, const AnyModel& sheet) {
   const auto stats = sheet.maintenance_stats();
@@ -195,11 +196,11 @@ void check_by_brute_force(Checker& checker, const std::vector<Motion>& motions, 
   }
 }
 
-/// Tight spheres only: loose ones may be spared in one mode and not in another.
+/// Tight spheres only: a loose sphere may absorb motion in one mode and be refitted in another.
 void check_order_of_modes(Checker& checker, const std::vector<Variant>& variants) {
   const std::size_t batches = batch_sizes.size();
   for (std::size_t i = 0; i < variants.size(); i += modes.size() * batches) {
-    for (std::size_t k = i; k < i + batches && variants[k].slack == 0; ++k) {
+    for (std::size_t k = i; k < i + batches && variants[k].extra_radius == 0; ++k) {
       const double immediate = variants[k].refits;
       const double batched = variants[k + batches].refits;
       const double by_depth = variants[k + 2 * batches].refits;
@@ -238,16 +239,17 @@ std::vector<WholeSheet> move_whole_sheet(Checker& checker, const Mesh& target, i
 
 void report(const Options& options, const std::vector<Variant>& variants, const std::vector<WholeSheet>& sheets) {
   CsvFile csv(options, "thesis_updates.csv",
-              "motion,mode,slack,batch_dents,moved_vertices,min_us,median_us,max_us,move_us,refits,absorbed,"
+              "motion,mode,extra_radius,batch_dents,moved_vertices,min_us,median_us,max_us,move_us,refits,absorbed,"
               "query_node_tests,query_triangle_tests,query_us");
   for (const Variant& v : variants) {
     const Summary us = summarize(v.total_us);
     if (v.batch_dents == batch_sizes.front()) {
-      fmt::print("\n{} motion, slack {}, {}: us per moved vertex (refits)\n ", v.motion->name, v.slack, v.mode_name);
+      fmt::print("\n{} motion, extra radius {}, {}: us per moved vertex (refits)\n ", v.motion->name, v.extra_radius,
+                 v.mode_name);
     }
     fmt::print(" {}: {:.3f} ({:.2f})", v.batch_dents, us.median, v.refits);
     csv.row("{},{},{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.1f},{:.1f},{:.1f}", v.motion->name,
-            v.mode_name, v.slack, v.batch_dents, v.motion->moved_vertices, us.min, us.median, us.max,
+            v.mode_name, v.extra_radius, v.batch_dents, v.motion->moved_vertices, us.min, us.median, us.max,
             summarize(v.move_us).median, v.refits, v.absorbed, v.query_node_tests, v.query_triangle_tests, v.query_us);
   }
   fmt::print("\n\nall vertices moved at once: us per moved vertex (refits)\n ");
@@ -274,7 +276,8 @@ int run(const Options& options) {
   Checker checker;
   for (int round = 0; round < rounds && checker.all_right(); ++round) {
     for (Variant& v : variants) {
-      classic::Model sheet(scenes::thesis_sheet(), {.maintenance = v.mode, .looseness = {.slack = v.slack}});
+      classic::Model sheet(scenes::thesis_sheet(),
+                           {.maintenance = v.mode, .looseness = {.extra_radius = v.extra_radius}});
       run_dents(checker, v, sheet);
       if (round > 0) continue;
       check_sheet(checker, v, sheet);

@@ -26,6 +26,7 @@ enum class ErrorCode {
   too_large,             ///< a coordinate above `max_coordinate`, or more elements than ids can count
   index_out_of_range,    ///< a triangle or an update names a vertex that does not exist
   size_mismatch,         ///< two lists that belong together differ in length
+  not_rigid,             ///< a matrix that is no rigid motion
   unreadable_file,       ///< missing, a folder, or no permission
   malformed_file,        ///< truncated, or not what its name says
   unsupported_format,    ///< the file's extension is not one of those read

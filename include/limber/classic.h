@@ -24,7 +24,7 @@ enum class Maintenance {
 struct Looseness {
   /// Extra radius as a fraction of the tight radius; 0 keeps every sphere tight and never absorbs.
   /// Between 0 and 100; it compounds from level to level.
-  double slack = 0;
+  double extra_radius = 0;
   /// A sphere that still contains its content is kept while its radius is at most this many times the one it would be
   /// given now; above that it has grown stale and is recomputed. Between 1 and 1e6.
   double stale_ratio = 1.5;
@@ -113,10 +113,17 @@ class Model {
   std::unique_ptr<Tree> tree_;
 };
 
-/// A model and where it stands. Keeps a reference: the model must outlive it.
-struct Placed {
-  const Model& model;
-  Transform pose{};  ///< world_from_model
+/// A model and where it stands. Keeps a pointer: the model must outlive it.
+class Placed {
+ public:
+  Placed(const Model& model, const Transform& world_from_model = {}) : pose(world_from_model), model_(&model) {}
+  Placed(const Model&&, const Transform& = {}) = delete;  // would point to a temporary
+
+  const Model& model() const { return *model_; }
+  Transform pose;  ///< world_from_model
+
+ private:
+  const Model* model_;
 };
 
 /// Whether two placed models meet; stops at the first intersecting pair found.

@@ -27,6 +27,11 @@ struct Triangle {
   constexpr const Vec3& operator[](std::size_t i) const { return i == 0 ? v0 : i == 1 ? v1 : v2; }
 };
 
+/// An axis-aligned box: the points p with low <= p <= high in each coordinate.
+struct Box {
+  Vec3 low, high;
+};
+
 /// Two points and the distance between the sets they lie on.
 struct ClosestPoints {
   double distance = 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -10,13 +11,13 @@
 #include "limber/geometry.h"
 #include "limber/math.h"
 
-/// Triangle meshes as the engine sees them: positions and index triples, any soup welcome.
+/// Triangle meshes: positions and index triples, any triangle soup.
 namespace limber {
 
 /// Three corners of a triangle as indices into a mesh's positions.
 using Corners = std::array<VertexId, 3>;
 
-/// Somebody else's mesh, looked at and not kept.
+/// A non-owning view of a mesh.
 ///
 /// Pre      Every corner names one of the positions; positions are finite and at most `max_coordinate` in size.
 struct MeshView {
@@ -38,6 +39,37 @@ Result<void> check_mesh(MeshView mesh);
 /// The same test for positions alone; `where` is the index of the first bad one.
 Result<void> check_positions(std::span<const Vec3> positions);
 
+/// Positions as other programs keep them: float32 or float64, packed or with a stride. Does not own them.
+///
+/// Alias    Coordinates need no alignment.
+class PositionsView {
+ public:
+  /// The coordinates x, y, z of each vertex one after the other. Throws std::invalid_argument unless there are three a
+  /// vertex.
+  static PositionsView packed(std::span<const float> coordinates);
+  static PositionsView packed(std::span<const double> coordinates);
+  /// x, y, z of vertex i start at `first` + i * `stride_bytes` bytes.
+  static PositionsView strided(const float* first, std::size_t count, std::size_t stride_bytes);
+  static PositionsView strided(const double* first, std::size_t count, std::size_t stride_bytes);
+
+  std::size_t size() const { return count_; }
+  /// Pre: i < size().
+  Vec3 operator[](std::size_t i) const;
+  /// Writes them to `positions`. Pre: as many as size().
+  void copy_to(std::span<Vec3> positions) const;
+
+ private:
+  PositionsView(const void* first, std::size_t count, std::size_t stride_bytes, bool is_float32)
+      : first_(static_cast<const unsigned char*>(first)),
+        count_(count),
+        stride_bytes_(stride_bytes),
+        is_float32_(is_float32) {}
+
+  const unsigned char* first_;
+  std::size_t count_, stride_bytes_;
+  bool is_float32_;
+};
+
 /// A mesh that owns its arrays and is known to be sound.
 ///
 /// Shape    n >= 1 triangles over v positions. Degenerate, duplicate, coplanar and intersecting triangles, unreferenced
@@ -49,6 +81,7 @@ class Mesh {
   ///
   /// Errors   As check_mesh().
   static Result<Mesh> create(std::vector<Vec3> positions, std::vector<Corners> triangles);
+  static Result<Mesh> create(const PositionsView& positions, std::vector<Corners> triangles);
 
   const std::vector<Vec3>& positions() const { return positions_; }
   const std::vector<Corners>& triangles() const { return triangles_; }

@@ -13,34 +13,27 @@
 /// The engine: models and the queries between them.
 namespace limber {
 
-namespace tree {
-struct Tree;
-}  // namespace tree
-namespace query {
-class Front;
-}
-class Following;
-
-/// What becomes of a tree whose triangles have come to lie in another order.
-enum class Restructuring {
-  off,         ///< who is where stays as it was built
-  in_commits,  ///< commits put the worst parts right, a little each
-  on_worker,   ///< a thread of its own does, and a commit takes over the result; when is up to the scheduler
+/// When a tree is rebuilt in part, because motion has degraded it.
+enum class RebuildPolicy {
+  off,        ///< never: leaves keep their triangles
+  in_commit,  ///< commits rebuild the subtrees that have degraded most, a little each
+  on_worker,  ///< a worker thread does, and a commit takes over its result; which one depends on the scheduler
 };
 
 struct ModelOptions {
   static constexpr double automatic = -1;
 
-  /// How far vertices may go before the tree follows them, a length in the model's frame. Finite and >= 0, or
-  /// `automatic`: the model tries what costs least, repairs and what queries pay for the slack together. With 0, every
-  /// commit() repairs all. Answers do not depend on it beyond rounding.
-  double slack = 0;
+  /// How far a vertex may move before its bounds are refitted, like the margin of a fat bounding box; queries allow for
+  /// the largest distance that occurs. A length in the model's frame, finite and >= 0, or `automatic`: the model
+  /// balances the cost of refits against what queries lose. With 0, every commit() refits all that has moved. Answers
+  /// do not depend on it beyond rounding.
+  double motion_margin = 0;
 
-  Restructuring restructuring = Restructuring::in_commits;
-  /// Microseconds that one commit may spend on sorting triangles anew, as estimated from counts; a step, of up to 10 ns
-  /// a triangle, is always ended. Finite and >= 0, where 0 leaves the tree as it is, or `automatic`: in proportion to
-  /// what else the commit has to do.
-  double restructuring_us = automatic;
+  RebuildPolicy rebuild_policy = RebuildPolicy::in_commit;
+  /// Microseconds that one commit may spend on rebuilding, as estimated from counts; the step under way, of up to 10 ns
+  /// a triangle, is always completed. Finite and >= 0, where 0 means no time at all, or `automatic`: in proportion to
+  /// the refits of the commit.
+  double rebuild_budget_us = automatic;
 };
 
 struct TreeStats {
@@ -52,33 +45,33 @@ struct TreeStats {
 
 /// Work done on the tree since the model was built.
 struct MaintenanceStats {
-  std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
-  std::uint64_t refits = 0;          ///< blocks of up to eight nodes recomputed
-  std::uint64_t absorbed = 0;        ///< moves that the slack made it unnecessary to repair for
-  double extra_steps = 0;            ///< steps of queries that were due to the slack
-  double slack = 0;                  ///< how far vertices may go now
-  std::uint64_t restructured = 0;    ///< triangles put into leaves anew, to the next multiple of 8
+  std::uint64_t moved_vertices = 0;     ///< vertices named by updates, repetitions included
+  std::uint64_t refits = 0;             ///< 8-wide nodes whose bounds were recomputed
+  std::uint64_t absorbed = 0;           ///< vertex moves that stayed within the motion margin and needed no refit
+  double margin_steps = 0;              ///< node and triangle tests of queries that the motion margin has added
+  double motion_margin = 0;             ///< the margin in use
+  std::uint64_t rebuilt_triangles = 0;  ///< triangles assigned to leaves anew, to the next multiple of 8
 };
 
-/// A mesh and its bounding volume hierarchy. Vertices may move; triangles, and who belongs to whom, may not.
+/// A mesh and its bounding volume hierarchy. Vertices may move; connectivity is fixed.
 ///
 /// Threads  Const functions, queries included, may run concurrently on one model; updates need it alone.
 /// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
 ///          A model that has been moved from may be destroyed, assigned to and reset(); is_valid() and is_committed()
 ///          are false, every other function throws std::invalid_argument.
-/// Source   docs/algorithms/bounds.md, docs/algorithms/bending.md.
+/// Source   docs/algorithms/bounds.md, docs/algorithms/deforming.md.
 class Model {
  public:
   /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
   /// Throws   std::invalid_argument if an option is not what its comment says, or `mesh` has been moved from.
   explicit Model(Mesh mesh, const ModelOptions& options = {});
   Model(Model&&) noexcept;
-  /// Waits, as the destructor does, until a worker that sorts for the replaced model has stopped.
+  /// Waits, as the destructor does, until a worker of the replaced model has stopped.
   Model& operator=(Model&&) noexcept;
   ~Model();
 
   /// Whether there is a mesh: false only once the model has been moved from.
-  bool is_valid() const noexcept { return tree_ != nullptr; }
+  bool is_valid() const noexcept { return impl_ != nullptr; }
 
   /// Moves vertex `ids[i]` to `positions[i]`; later entries win where an id is repeated. The tree is repaired by
   /// commit().
@@ -87,49 +80,56 @@ class Model {
   /// Alias    `positions` may be a part of the model's own: they are read before any vertex moves.
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
-  /// Cost     O(entries); the first time, and the next after triangles have been put into leaves anew, also O(n).
+  /// Cost     O(entries), plus O(n) for the first call and the first after each rebuild.
   Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
+
+  Result<void> move_vertices(std::span<const VertexId> ids, const PositionsView& positions);
 
   /// Moves every vertex. Errors as move_vertices().
   Result<void> move_all(std::span<const Vec3> positions);
+  Result<void> move_all(const PositionsView& positions);
 
   /// Repairs the tree; afterwards the model may be queried. Does nothing when nothing has moved.
   ///
-  /// Throws   No std::bad_alloc of its own: where memory or threads are missing, restructuring and slack wait for later
-  ///          commits. If oneTBB throws, the model is not committed, and another commit() repairs what is left.
-  /// Cost     O(what has moved and what lies above it), at most that of one pass over everything, on the threads of the
-  ///          calling oneTBB arena. Restructuring, where motion has made it worthwhile, takes what its options say.
+  /// Throws   No std::bad_alloc of its own: where memory or threads are missing, rebuilding and the motion margin wait
+  ///          for later commits. If oneTBB throws, the model is not committed, and another commit() repairs what is
+  ///          left.
+  /// Cost     O(nodes above moved vertices), at most that of one pass over the whole tree, on the threads of the
+  ///          calling oneTBB arena. Rebuilding, where motion has made it worthwhile, takes what the options say.
   void commit();
   /// Whether nothing has moved since the last commit().
   bool is_committed() const;
 
-  /// A commit() after which the tree is as if just built, whatever the options say.
+  /// Commits, and rebuilds the whole tree whatever the options say; it is then as if just built.
   ///
   /// Cost     O(n log n), on the threads of the calling oneTBB arena.
-  void restructure();
+  void rebuild();
 
-  /// Replaces ModelOptions::slack, from the next move or commit on.
+  /// Replaces ModelOptions::motion_margin, from the next move or commit on.
   ///
-  /// Throws   std::invalid_argument if `slack` is not what the option's comment says.
-  void set_slack(double slack);
+  /// Throws   std::invalid_argument if the margin is not what the option's comment says.
+  void set_motion_margin(double motion_margin);
 
-  /// Starts over with another mesh, whatever its triangles, as a new model with the same options.
+  /// Starts over with another mesh, whatever its triangles, as a new model with the same options; with the default ones
+  /// if the model has been moved from.
   ///
   /// Cost     As the constructor.
   /// Throws   As the constructor; the model is then exactly as before.
   void reset(Mesh mesh);
 
-  const ModelOptions& options() const {
-    require_valid("options");
-    return options_;
-  }
+  const ModelOptions& options() const;
   MaintenanceStats maintenance_stats() const;
-
-  const Mesh& mesh() const {
-    require_valid("mesh");
-    return mesh_;
-  }
+  const Mesh& mesh() const;
   TreeStats tree_stats() const;
+
+  /// A box along the axes of the model's frame, and a sphere, that contain the model: to feed a broad phase. Both are
+  /// slightly larger than the smallest ones. Under a pose, place the center and keep the radius.
+  ///
+  /// Frame    The model's own frame.
+  /// Throws   std::invalid_argument unless the model is committed.
+  /// Cost     O(1).
+  Box bounding_box() const;
+  Sphere bounding_sphere() const;
 
   /// Checks every invariant of the tree against the positions.
   ///
@@ -137,63 +137,65 @@ class Model {
   /// Cost     O(n log n).
   Result<void> validate() const;
 
-  /// The library's own view of the tree; its type is private.
-  const tree::Tree& tree() const {
-    require_valid("tree");
-    return *tree_;
+  /// For the library's own use.
+  struct Impl;
+  const Impl& impl() const {
+    require_valid("impl");
+    return *impl_;
   }
 
  private:
-  void require_valid(const char* function) const {
-    if (!is_valid()) throw_moved_from(function);
-  }
-  [[noreturn]] static void throw_moved_from(const char* function);
+  void require_valid(const char* function) const;
 
-  Following& following();
-
-  Mesh mesh_;
-  ModelOptions options_;
-  std::unique_ptr<tree::Tree> tree_;
-  std::unique_ptr<Following> following_;  // once a vertex has moved
-  MaintenanceStats maintenance_;
+  std::unique_ptr<Impl> impl_;
 };
 
-/// A model and where it stands. Keeps a reference: the model must outlive it.
-struct Placed {
-  const Model& model;
-  Transform pose{};  ///< world_from_model
+/// A model and where it stands. Keeps a pointer: the model must outlive it.
+class Placed {
+ public:
+  Placed(const Model& model, const Transform& world_from_model = {}) : pose(world_from_model), model_(&model) {}
+  Placed(const Model&&, const Transform& = {}) = delete;  // would point to a temporary
+
+  const Model& model() const { return *model_; }
+  Transform pose;  ///< world_from_model
+
+ private:
+  const Model* model_;
 };
 
-/// What one query of two models found, for the next one of the same two to start from: the triangles it ended with, and
-/// what it ruled out, which stays ruled out while the models have moved little. Answers never depend on it beyond what
-/// the asked error and rounding allow; a pair that belongs to other models only costs time.
+/// What a query of two models has found, for the next query of the same two to start from: the triangles it ended with,
+/// and the pairs of nodes that it pruned, which stay pruned while the models have moved little. Answers do not depend
+/// on it beyond the asked error and rounding; a cache that was filled by other models only costs time.
 ///
 /// Cost     25 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.
-class Pair {
+/// Source   docs/algorithms/traversal.md, "Warm start".
+class QueryCache {
  public:
-  Pair();
-  Pair(Pair&&) noexcept;
-  Pair& operator=(Pair&&) noexcept;
-  ~Pair();
+  QueryCache();
+  QueryCache(QueryCache&&) noexcept;
+  QueryCache& operator=(QueryCache&&) noexcept;
+  ~QueryCache();
 
   /// Makes the next query start from nothing.
-  void forget() { *this = Pair(); }
+  void clear();
+
+  /// For the library's own use: allocated when it is first asked for.
+  struct Impl;
+  Impl& impl();
 
  private:
-  friend class Start;
-  TriangleId triangle_a_ = no_id, triangle_b_ = no_id;
-  std::unique_ptr<query::Front> front_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Whether two placed models meet; stops at the first intersecting pair found.
 ///
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a Pair's memory.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
 CollideResult collide(const Placed& a, const Placed& b);
-CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
+CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
@@ -203,11 +205,11 @@ CollideResult collide(const Placed& a, const Placed& b, Pair& pair);
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a Pair's memory.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, Pair& pair);
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache);
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
@@ -218,6 +220,6 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 ///          query.h, either answer may come.
 /// Cost     As collide(), which is within() of 0.
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
-WithinResult within(const Placed& a, const Placed& b, double max_distance, Pair& pair);
+WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache);
 
 }  // namespace limber

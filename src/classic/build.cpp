@@ -109,16 +109,16 @@ bool sphere_holds(const Tree& tree, const Node& node) {
          geometry::contains(node.sphere, tree.nodes[node.first_child + 1].sphere);
 }
 
-Sphere with_slack(Sphere tight, const Looseness& looseness) {
-  tight.radius *= 1 + looseness.slack;  // monotone in rounding: never below the tight radius
+Sphere with_extra_radius(Sphere tight, const Looseness& looseness) {
+  tight.radius *= 1 + looseness.extra_radius;  // monotone in rounding: never below the tight radius
   return tight;
 }
 
 Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
   const core::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::classic::Model: the mesh has been moved from");
-  LIMBER_REQUIRE(options.looseness.slack >= 0 && options.looseness.slack <= 100,
-                 "limber::classic::Model: options.looseness.slack is not between 0 and 100");
+  LIMBER_REQUIRE(options.looseness.extra_radius >= 0 && options.looseness.extra_radius <= 100,
+                 "limber::classic::Model: options.looseness.extra_radius is not between 0 and 100");
   LIMBER_REQUIRE(options.looseness.stale_ratio >= 1 && options.looseness.stale_ratio <= 1e6,
                  "limber::classic::Model: options.looseness.stale_ratio is not between 1 and 1e6");
   build_nodes(*this);
@@ -127,7 +127,7 @@ Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move
   is_queued.assign(nodes.size(), 0);
   make_room_for_repairs(*this);
   for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-    node->sphere = with_slack(tight_sphere(*this, *node), options.looseness);
+    node->sphere = with_extra_radius(tight_sphere(*this, *node), options.looseness);
   }
 }
 

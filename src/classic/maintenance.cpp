@@ -14,7 +14,7 @@
 #include "classic/tree.h"
 #include "core/check.h"
 #include "core/float_environment.h"
-#include "model/mesh.h"
+#include "mesh/updates.h"
 
 namespace limber::classic {
 namespace {
@@ -22,8 +22,9 @@ namespace {
 /// Repairs one node; false when its loose sphere absorbed the change, so that nothing above it needs repair.
 bool refit(Tree& tree, Node& node) {
   const Looseness& looseness = tree.options.looseness;
-  const Sphere fresh = with_slack(tight_sphere(tree, node), looseness);
-  if (looseness.slack > 0 && node.sphere.radius <= looseness.stale_ratio * fresh.radius && sphere_holds(tree, node)) {
+  const Sphere fresh = with_extra_radius(tight_sphere(tree, node), looseness);
+  if (looseness.extra_radius > 0 && node.sphere.radius <= looseness.stale_ratio * fresh.radius &&
+      sphere_holds(tree, node)) {
     ++tree.stats.absorbed;
     return false;
   }

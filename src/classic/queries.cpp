@@ -27,7 +27,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What all queries require of models and poses.
 void check_placed(const Placed& a, const Placed& b) {
   for (const Placed* placed : {&a, &b}) {
-    LIMBER_REQUIRE(placed->model.is_committed(),
+    LIMBER_REQUIRE(placed->model().is_committed(),
                    "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
     LIMBER_REQUIRE(math::is_rigid(placed->pose),
                    "limber::classic: a query needs rigid poses; one of a model is not (see is_rigid())");
@@ -38,7 +38,7 @@ void check_placed(const Placed& a, const Placed& b) {
 class PlacedTree {
  public:
   explicit PlacedTree(const Placed& placed)
-      : tree_(placed.model.tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {}
+      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {}
 
   const Node& node(std::uint32_t n) const { return tree_.nodes[n]; }
   Sphere sphere(std::uint32_t n) const {

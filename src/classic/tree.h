@@ -55,13 +55,13 @@ struct Tree {
   Tree(Mesh mesh_to_own, const ModelOptions& model_options);
 };
 
-/// The sphere a node would be given now, without slack.
+/// The sphere a node would be given now, without extra radius.
 Sphere tight_sphere(const Tree& tree, const Node& node);
 
 /// Whether the node's sphere contains its triangle or both children's spheres, judged so that rounding can only say no.
 bool sphere_holds(const Tree& tree, const Node& node);
 
-/// Adds the slack that the looseness settings ask for.
-Sphere with_slack(Sphere tight, const Looseness& looseness);
+/// Adds the extra radius that the looseness settings ask for.
+Sphere with_extra_radius(Sphere tight, const Looseness& looseness);
 
 }  // namespace limber::classic

@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "limber/base.h"
+
 namespace limber::core {
 
 /// Hands a violated precondition to the process's handler.
 void report_violation(const char* expression, const char* file, int line);
+
+/// The same for the error of a whole-structure check, which says what is broken.
+inline void report_violation(const Result<void>& result, const char* file, int line) {
+  if (!result) report_violation(result.error().text.c_str(), file, line);
+}
 
 /// Throws std::invalid_argument.
 [[noreturn]] void throw_invalid_argument(const char* text);
@@ -22,7 +29,7 @@ void report_violation(const char* expression, const char* file, int line);
 #if defined(LIMBER_CHECKS)
 #define LIMBER_ASSERT(condition) \
   ((condition) ? static_cast<void>(0) : ::limber::core::report_violation(#condition, __FILE__, __LINE__))
-#define LIMBER_VALIDATE(result) LIMBER_ASSERT(static_cast<bool>(result))
+#define LIMBER_VALIDATE(result) ::limber::core::report_violation(result, __FILE__, __LINE__)
 #else
 #define LIMBER_ASSERT(condition) static_cast<void>(sizeof(!(condition)))
 #define LIMBER_VALIDATE(result) static_cast<void>(sizeof(!(result)))

@@ -4,41 +4,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/check.h"
+#include "core/error_bounds.h"
 #include "core/float_environment.h"
-#include "model/following.h"
-#include "model/mesh.h"
-#include "tree/node.h"
+#include "mesh/updates.h"
+#include "model/model_impl.h"
 
 namespace limber {
 namespace {
 
 bool is_automatic_or_length(double x) { return x == ModelOptions::automatic || (std::isfinite(x) && x >= 0); }
 
-Mesh with_triangles(Mesh mesh) {
+void check(const Mesh& mesh, const ModelOptions& options) {
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::Model: the mesh has been moved from");
-  return mesh;
+  LIMBER_REQUIRE(is_automatic_or_length(options.motion_margin),
+                 "limber::Model: options.motion_margin is neither a length nor automatic");
+  LIMBER_REQUIRE(is_automatic_or_length(options.rebuild_budget_us),
+                 "limber::Model: options.rebuild_budget_us is neither a time nor automatic");
 }
 
-ModelOptions checked(const ModelOptions& options) {
-  LIMBER_REQUIRE(is_automatic_or_length(options.slack),
-                 "limber::Model: options.slack is neither a length nor automatic");
-  LIMBER_REQUIRE(is_automatic_or_length(options.restructuring_us),
-                 "limber::Model: options.restructuring_us is neither a time nor automatic");
-  return options;
+update::TreeUpdater& updater_of(Model::Impl& impl) {
+  if (!impl.updater) impl.updater.emplace(impl.tree, impl.mesh, impl.options);
+  return *impl.updater;
 }
 
-std::unique_ptr<tree::Tree> tree_of(const Mesh& mesh) {
-  const core::DefaultFloatEnvironment environment;
-  return std::make_unique<tree::Tree>(tree::build(mesh));
+/// What rounding can change the root's center and extent by.
+double rounding(const bvh::Tree& tree) {
+  const bvh::WideNode& root = tree.nodes[0];
+  const double extent = tree.unit * (static_cast<double>(root.radius) + static_cast<double>(root.bounds.radius[0]));
+  return core::offset_error * (max_abs(root.origin) + extent) + std::numeric_limits<double>::min();
 }
 
-/// validate() for builds with checks; nothing is known where there is no memory for it.
+/// validate() for builds with checks; says nothing where there is no memory for it.
 [[maybe_unused]] Result<void> validate_if_possible(const Model& model) {
   try {
     return model.validate();
@@ -49,111 +53,147 @@ std::unique_ptr<tree::Tree> tree_of(const Mesh& mesh) {
 
 }  // namespace
 
-Model::Model(Mesh mesh, const ModelOptions& options)
-    : mesh_(with_triangles(std::move(mesh))), options_(checked(options)), tree_(tree_of(mesh_)) {
+Model::Model(Mesh mesh, const ModelOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  check(mesh, options);
+  bvh::Tree tree = bvh::build(mesh);
+  impl_.reset(new Impl{std::move(mesh), options, std::move(tree)});
   LIMBER_VALIDATE(validate_if_possible(*this));
 }
 Model::Model(Model&&) noexcept = default;
+Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
-Model& Model::operator=(Model&& other) noexcept {
-  if (this == &other) return *this;
-  following_ = std::move(other.following_);  // first: it works on the tree
-  tree_ = std::move(other.tree_);
-  mesh_ = std::move(other.mesh_);
-  options_ = other.options_;
-  maintenance_ = other.maintenance_;
-  return *this;
-}
-
-void Model::throw_moved_from(const char* function) {
+void Model::require_valid(const char* function) const {
+  if (is_valid()) return;
   throw std::invalid_argument(std::string("limber::Model::") + function + ": the model has been moved from");
 }
 
-Following& Model::following() {
-  if (following_ == nullptr) following_ = std::make_unique<Following>(*tree_, mesh_, options_);
-  return *following_;
+const Mesh& Model::mesh() const {
+  require_valid("mesh");
+  return impl_->mesh;
 }
 
-void Model::restructure() {
-  const core::DefaultFloatEnvironment environment;
-  require_valid("restructure");
-  following().restructure_all(mesh_);
-  commit();
+const ModelOptions& Model::options() const {
+  require_valid("options");
+  return impl_->options;
 }
-
-void Model::set_slack(double slack) {
-  const core::DefaultFloatEnvironment environment;
-  require_valid("set_slack");
-  LIMBER_REQUIRE(is_automatic_or_length(slack), "limber::Model::set_slack: slack is neither a length nor automatic");
-  if (following_ != nullptr) following_->set_slack(mesh_, slack);
-  options_.slack = slack;
-}
-
-void Model::reset(Mesh mesh) { *this = Model(std::move(mesh), options_); }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
   const core::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
-  if (overlaps(mesh_, positions)) {
+  Impl& impl = *impl_;
+  if (overlaps(impl.mesh, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
     return move_vertices(ids, copy);
   }
-  if (auto sound = check_update(mesh_, ids, positions); !sound) return sound;
+  if (auto sound = check_update(impl.mesh, ids, positions); !sound) return sound;
   if (ids.empty()) return {};
-  following().move(mesh_, ids, positions);
-  maintenance_.moved_vertices += ids.size();
+  updater_of(impl).move(impl.mesh, ids, positions);
+  impl.stats.moved_vertices += ids.size();
   return {};
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
   const core::DefaultFloatEnvironment environment;
   require_valid("move_all");
-  const Result<double> furthest_sq = check_steps_of_all(mesh_, positions);
-  if (!furthest_sq) return furthest_sq.error();
-  following().move_all(mesh_, positions, *furthest_sq);
-  maintenance_.moved_vertices += positions.size();
+  Impl& impl = *impl_;
+  const Result<double> farthest_sq = check_displacements(impl.mesh, positions);
+  if (!farthest_sq) return farthest_sq.error();
+  updater_of(impl).move_all(impl.mesh, positions, *farthest_sq);
+  impl.stats.moved_vertices += positions.size();
   return {};
+}
+
+Result<void> Model::move_vertices(std::span<const VertexId> ids, const PositionsView& positions) {
+  require_valid("move_vertices");
+  return move_vertices(ids, impl_->copied(positions));
+}
+
+Result<void> Model::move_all(const PositionsView& positions) {
+  require_valid("move_all");
+  return move_all(impl_->copied(positions));
 }
 
 void Model::commit() {
   const core::DefaultFloatEnvironment environment;
   require_valid("commit");
-  if (following_ == nullptr) return;
-  following_->commit(mesh_, maintenance_);
+  if (!impl_->updater) return;
+  impl_->updater->commit(impl_->mesh, impl_->stats);
   LIMBER_VALIDATE(validate_if_possible(*this));
 }
 
-bool Model::is_committed() const { return is_valid() && (following_ == nullptr || following_->is_up_to_date()); }
+bool Model::is_committed() const { return is_valid() && (!impl_->updater || impl_->updater->is_up_to_date()); }
+
+void Model::rebuild() {
+  const core::DefaultFloatEnvironment environment;
+  require_valid("rebuild");
+  updater_of(*impl_).rebuild_all(impl_->mesh);
+  commit();
+}
+
+void Model::set_motion_margin(double motion_margin) {
+  const core::DefaultFloatEnvironment environment;
+  require_valid("set_motion_margin");
+  LIMBER_REQUIRE(is_automatic_or_length(motion_margin),
+                 "limber::Model::set_motion_margin: the margin is neither a length nor automatic");
+  if (impl_->updater) impl_->updater->set_motion_margin(impl_->mesh, motion_margin);
+  impl_->options.motion_margin = motion_margin;
+}
+
+void Model::reset(Mesh mesh) { *this = Model(std::move(mesh), is_valid() ? impl_->options : ModelOptions{}); }
 
 MaintenanceStats Model::maintenance_stats() const {
   require_valid("maintenance_stats");
-  MaintenanceStats stats = maintenance_;
-  stats.slack = following_ != nullptr ? following_->slack() : std::max(0.0, options_.slack);
+  MaintenanceStats stats = impl_->stats;
+  stats.motion_margin = impl_->updater ? impl_->updater->motion_margin() : std::max(0.0, impl_->options.motion_margin);
   return stats;
 }
 
 TreeStats Model::tree_stats() const {
   require_valid("tree_stats");
+  const bvh::Tree& tree = impl_->tree;
   TreeStats stats;
-  stats.levels = static_cast<std::uint32_t>(tree_->level_begin.size() - 1);
-  for (const tree::Block& block : tree_->blocks) stats.nodes += block.count;
-  stats.leaves = tree_->leaves.size();
-  stats.bytes = sizeof(tree::Tree) + tree_->blocks.capacity() * sizeof(tree::Block) +
-                tree_->leaves.capacity() * sizeof(tree::Leaf) + tree_->level_begin.capacity() * sizeof(std::uint32_t);
+  stats.levels = static_cast<std::uint32_t>(tree.level_begin.size() - 1);
+  for (const bvh::WideNode& node : tree.nodes) stats.nodes += node.child_count;
+  stats.leaves = tree.leaves.size();
+  stats.bytes = sizeof(bvh::Tree) + tree.nodes.capacity() * sizeof(bvh::WideNode) +
+                tree.leaves.capacity() * sizeof(bvh::Leaf) + tree.level_begin.capacity() * sizeof(std::uint32_t);
   return stats;
+}
+
+Box Model::bounding_box() const {
+  const core::DefaultFloatEnvironment environment;
+  require_valid("bounding_box");
+  LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_box: the model has moves that are not committed");
+  const bvh::Tree& tree = impl_->tree;
+  const bvh::ChildBounds& n = tree.nodes[0].bounds;
+  const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
+  const Vec3 center = bvh::slot_center(tree, bvh::root),
+             reach = half + Vec3{1, 1, 1} * (tree.motion_margin + rounding(tree));
+  return {center - reach, center + reach};
+}
+
+Sphere Model::bounding_sphere() const {
+  const core::DefaultFloatEnvironment environment;
+  require_valid("bounding_sphere");
+  LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
+  const bvh::Tree& tree = impl_->tree;
+  const double radius = tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]);
+  return {bvh::slot_center(tree, bvh::root), (radius + tree.motion_margin + rounding(tree)) * core::outward};
 }
 
 Result<void> Model::validate() const {
   const core::DefaultFloatEnvironment environment;
   require_valid("validate");
-  if (following_ == nullptr) return tree::validate(*tree_, mesh_);
-  const MeshView anchored = following_->anchored(mesh_);
-  for (VertexId v = 0; v < anchored.positions.size(); ++v) {
-    if (length(mesh_.positions()[v] - anchored.positions[v]) <= tree_->slack) continue;
-    return Error{ErrorCode::broken_invariant, "I4: beyond the slack is vertex " + std::to_string(v), v};
+  const Impl& impl = *impl_;
+  if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);
+  const MeshView fitted = impl.updater->fitted(impl.mesh);
+  for (VertexId v = 0; v < fitted.positions.size(); ++v) {
+    if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.motion_margin) continue;
+    return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};
   }
-  return tree::validate(*tree_, anchored);
+  return bvh::validate(impl.tree, fitted);
 }
 
 }  // namespace limber

@@ -8,115 +8,125 @@
 #include <span>
 
 #include "core/check.h"
-#include "query/placed_pair.h"
+#include "core/error_bounds.h"
+#include "query/placed_models.h"
 
 namespace limber::query {
 
-/// What a traversal has ruled out, and how far the models may move before that has to be looked at again.
+/// What a traversal has pruned, and how far the models may move before that has to be compared again.
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
-/// Differs   The front is not looked at as a whole. All motion is summed up, as an upper bound of what two points can
-///           have come closer by; what was found to be far apart is left alone until that sum has used up its distance.
+/// Differs   The front is not compared as a whole. displacement() sums up all motion, as an upper bound of what two
+///           points can have come closer by; a pruned pair is not compared again until that sum has used up its
+///           distance.
 ///
-/// A record is one opening: a block, the node it was compared with, the lanes that were ruled out, and a lower bound of
-/// their distance. The other lanes have been opened and have records of their own, so all records together account for
-/// every pair of triangles.
+/// A record is one expansion: the wide node that was expanded, the slot of the other tree that its children were
+/// compared with, the children that were pruned, and a lower bound of their distance. The other children have been
+/// expanded and have records of their own, so all records together account for every pair of triangles.
+///
+/// States   Empty, recording or complete. start() empties it and starts to record; resume() continues to record on a
+///          complete front; finish() completes it, or empties it if that is not worthwhile. An exception leaves it
+///          recording, and only a complete front can be resumed.
 class Front {
  public:
   struct Record {
-    double lasts;  ///< its lanes are ruled out while moved() + cut is at most that
-    tree::NodeId node[2];
-    bool opens_a;
-    std::uint8_t lanes;
+    double valid_until;  ///< its children stay pruned while displacement() + prune distance is at most that
+    bvh::SlotId slot[2];
+    bool expands_a;
+    std::uint8_t pruned;  ///< bit mask of children
   };
   static constexpr std::uint16_t none = 0xffff;
 
-  /// Whether it says something about these models: the last traversal that it recorded was one of them and has ended.
-  /// One that an exception broke off has not recorded all pairs.
-  bool is_about(const PlacedPair& placed) const {
-    return is_complete_ && count_ > 0 && id_[0] == placed.tree(Side::a).id && id_[1] == placed.tree(Side::b).id;
+  /// Whether the last traversal that it recorded was one of these models, and has ended.
+  bool can_resume(const PlacedModels& placed) const {
+    return is_complete_ && count_ > 0 && assignment_id_[0] == placed.tree(Side::a).assignment_id &&
+           assignment_id_[1] == placed.tree(Side::b).assignment_id;
   }
 
-  /// Starts over, with the models as they are placed.
-  void start(PlacedPair& placed) {
-    forget();
-    for (const Side s : {Side::a, Side::b}) id_[index(s)] = placed.tree(s).id;
-    bent_ = bent(placed);
-    pose_ = placed.a_from_b();
-    error_ = placed.error();
+  /// Starts to record a traversal of the models as they are placed.
+  void start(const PlacedModels& placed, const Transform& a_from_b) {
+    clear();
+    for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
+    set_place(placed, a_from_b);
   }
 
-  /// Adds the way from where the models were to where they are. Pre: is_about(placed).
-  void move(PlacedPair& placed) {
-    LIMBER_ASSERT(is_about(placed));
-    const Transform pose = placed.a_from_b();
-    moved_ += placed.most_moved(pose_, error_, pose) + (bent(placed) - bent_) + bent_ * 0x1p-50;
-    moved_ *= 1 + 0x1p-50;  // sums of many steps are rounded many times
-    bent_ = bent(placed);
-    pose_ = pose;
-    error_ = placed.error();
-    openings_ = 0;
+  /// Adds the motion from where the models were to where they are. Pre: can_resume(placed).
+  void resume(const PlacedModels& placed, const Transform& a_from_b) {
+    LIMBER_ASSERT(can_resume(placed));
+    const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (core::sum_up - 1);
+    displacement_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    displacement_ *= core::sum_up;
+    set_place(placed, a_from_b);
+    expansions_ = 0;
     is_complete_ = false;
   }
-  double moved() const { return moved_; }
+  double displacement() const { return displacement_; }
 
-  void forget() {
-    count_ = 0, openings_ = 0, first_openings_ = 0;
-    moved_ = 0;
+  void clear() {
+    count_ = 0, expansions_ = 0, first_expansions_ = 0;
+    displacement_ = 0;
     is_complete_ = false;
   }
 
-  /// Ends a traversal, complete if everything was compared or ruled out, and recorded. A front that costs nearly as
-  /// much to go over as a new one is forgotten.
+  /// Ends a traversal; `complete` says whether every pair was compared or pruned, and recorded. A front that saves
+  /// little next to a new traversal is dropped.
   void finish(bool complete) {
-    if (first_openings_ == 0) first_openings_ = openings_;
-    const bool pays = openings_ == first_openings_ || 5 * openings_ < 3 * first_openings_;
-    if (!complete || !pays) return forget();
+    if (first_expansions_ == 0) first_expansions_ = expansions_;
+    const bool is_new = expansions_ == first_expansions_;
+    const bool is_worthwhile = is_new || 5 * expansions_ < 3 * first_expansions_;  // (bench/peers/more.cpp)
+    if (!complete || !is_worthwhile) return clear();
     is_complete_ = true;
   }
 
-  /// An opening; none when there is no room.
-  std::uint16_t add(const tree::NodeId (&node)[2], Side opened) {
-    ++openings_;
+  /// Records an expansion. Returns `none` when there is no room.
+  std::uint16_t add(const bvh::SlotId (&slot)[2], Side expanded) {
+    ++expansions_;
     if (count_ == capacity) return none;
-    records_[count_] = {std::numeric_limits<double>::infinity(), {node[0], node[1]}, opened == Side::a, 0};
+    records_[count_] = {std::numeric_limits<double>::infinity(), {slot[0], slot[1]}, expanded == Side::a, 0};
     return static_cast<std::uint16_t>(count_++);
   }
 
-  /// Lanes of a record that are at least `apart` from the node they were compared with.
-  void rule_out(std::uint16_t record, unsigned lanes, double apart) {
-    LIMBER_ASSERT(record < count_ && apart > 0);
+  /// Records that children are pruned, being at least `distance` from what they were compared with.
+  void prune(std::uint16_t record, unsigned children, double distance) {
+    LIMBER_ASSERT(record < count_ && distance > 0);
     Record& r = records_[record];
-    r.lanes = static_cast<std::uint8_t>(r.lanes | lanes);
-    r.lasts = std::min(r.lasts, apart + moved_);
+    r.pruned = static_cast<std::uint8_t>(r.pruned | children);
+    r.valid_until = std::min(r.valid_until, distance + displacement_);
   }
 
-  /// Takes what a record has ruled out, to be looked at again.
-  unsigned reopen(std::uint16_t record) {
+  /// Takes the pruned children from a record, to be compared again.
+  unsigned take(std::uint16_t record) {
     LIMBER_ASSERT(record < count_);
-    ++openings_;
+    ++expansions_;
     Record& r = records_[record];
-    const unsigned lanes = r.lanes;
-    r.lanes = 0;
-    r.lasts = std::numeric_limits<double>::infinity();
-    return lanes;
+    const unsigned children = r.pruned;
+    r.pruned = 0;
+    r.valid_until = std::numeric_limits<double>::infinity();
+    return children;
   }
 
   std::span<const Record> records() const { return {records_, count_}; }
 
  private:
-  /// At least the ways that any vertex of either model has gone within its model, together.
-  static double bent(const PlacedPair& placed) { return placed.tree(Side::a).motion + placed.tree(Side::b).motion; }
+  /// At least what all vertices of both models together have moved within their models.
+  static double deformation_of(const PlacedModels& placed) {
+    return placed.tree(Side::a).displacement + placed.tree(Side::b).displacement;
+  }
+  void set_place(const PlacedModels& placed, const Transform& a_from_b) {
+    deformation_ = deformation_of(placed);
+    a_from_b_ = a_from_b;
+    error_ = placed.error();
+  }
 
   static constexpr std::uint32_t capacity = 1024;
 
-  std::uint64_t id_[2] = {0, 0};
-  Transform pose_;
-  double error_ = 0;  // of placed points there
-  double bent_ = 0;
-  double moved_ = 0;
+  std::uint64_t assignment_id_[2] = {0, 0};
+  // Where the models were in the last traversal.
+  Transform a_from_b_;
+  double error_ = 0, deformation_ = 0;
+  double displacement_ = 0;
   bool is_complete_ = false;
-  std::uint32_t count_ = 0, openings_ = 0, first_openings_ = 0;
+  std::uint32_t count_ = 0, expansions_ = 0, first_expansions_ = 0;
   Record records_[capacity];
 };
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "query/placed_pair.h"
+#include "query/placed_models.h"
 
 namespace limber::query {
 
@@ -17,25 +17,26 @@ struct PlacedTriangle {
 /// The triangles of a leaf in the world, each placed when it is first asked for.
 class PlacedLeaf {
  public:
-  PlacedLeaf(const PlacedPair& placed, Side side, const tree::Leaf& leaf) : placed_(placed), side_(side), leaf_(leaf) {}
+  PlacedLeaf(const PlacedModels& placed, Side side, const bvh::Leaf& leaf)
+      : placed_(placed), side_(side), leaf_(leaf) {}
 
-  TriangleId id(std::uint32_t lane) const { return leaf_.triangle[lane]; }
-  const PlacedTriangle& at(std::uint32_t lane) {
-    PlacedTriangle& triangle = placed_triangles[lane];
-    if ((placed_lanes_ >> lane & 1) == 0) {
-      placed_lanes_ |= 1U << lane;
-      triangle = {leaf_.triangle[lane], placed_.triangle(side_, leaf_.triangle[lane])};
+  TriangleId id(std::uint32_t slot) const { return leaf_.triangle[slot]; }
+  const PlacedTriangle& at(std::uint32_t slot) {
+    PlacedTriangle& triangle = triangles_[slot];
+    if ((placed_slots_ >> slot & 1) == 0) {
+      placed_slots_ |= 1U << slot;
+      triangle = {leaf_.triangle[slot], placed_.triangle(side_, leaf_.triangle[slot])};
     }
     return triangle;
   }
 
  private:
-  const PlacedPair& placed_;
+  const PlacedModels& placed_;
   Side side_;
-  const tree::Leaf& leaf_;
-  unsigned placed_lanes_ = 0;  // bits
+  const bvh::Leaf& leaf_;
+  unsigned placed_slots_ = 0;  // bit mask
   union {
-    PlacedTriangle placed_triangles[simd::width];  // left as they are until they are placed
+    PlacedTriangle triangles_[bvh::width];  // uninitialized until they are placed
   };
 };
 

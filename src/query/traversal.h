@@ -5,336 +5,348 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include "core/check.h"
+#include "core/error_bounds.h"
+#include "query/bucket_queue.h"
+#include "query/frames.h"
 #include "query/front.h"
-#include "query/pending.h"
 #include "query/placed_leaf.h"
-#include "query/placed_pair.h"
+#include "query/placed_models.h"
+#include "query/pruning.h"
+
+namespace limber::query {
 
 /// The one loop of all queries between two models.
 ///
-/// Based on  [Quinlan1994]: pairs of nodes are compared, those that cannot matter are dropped, the others opened.
-/// Differs   Eight children are compared at once, against one node: the thicker side is opened, the other stays as it
-///           is. Pairs are taken nearest first. Bounds also use the direction in which the best pair so far was apart.
-namespace limber::query {
-
-/// What is sought. A pair of triangles at least `cut` apart cannot matter; `cut` only shrinks.
+/// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
+///           expanded.
+/// Differs   One node of a pair is expanded at a time, the one with the thicker volume; its eight children are compared
+///           with the other node at once. Pairs are taken nearest first. Bounds also use the search direction, in which
+///           the closest pair so far is apart.
 ///
-/// Needs    double cut() const              > 0
-///          bool finished() const           nothing that is left can matter
-///          bool is_apart(PlacedLeaf& a, std::uint32_t lane_a, PlacedLeaf& b, std::uint32_t lane_b)
-///                                          a quick no, before compare()
-///          void compare(const PlacedTriangle& a, const PlacedTriangle& b)
-///          static constexpr bool any       whether any pair will do; otherwise the nearest is sought
-///
-/// With `records` a front is kept, or gone on from.
+/// `Goal` is described in query/goals/improvement.h. With `records` a front is recorded, or resumed. The traversal owns
+/// what is pruned, and nothing else changes while it runs: goals return improvements, placed models are constant.
 template <typename Goal, bool records>
 class Traversal {
  public:
-  Traversal(PlacedPair& placed, Goal& goal, QueryStats& stats)
-      : placed_(placed), goal_(goal), stats_(stats), kernels_(simd::kernels()) {
+  Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, QueryStats& stats)
+      : placed_(placed), pruning_(pruning), goal_(goal), stats_(stats), kernels_(simd::kernels()), frames_(placed) {
     const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
-    to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, 0x1p126));
+    to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
 
-  /// Begins with the two roots, or where the front ends if it is about them. `front` is null unless it is kept.
+  /// Begins with the two roots, or where the front ended if it can be resumed. `front` is null unless one is recorded.
   void start(double root_bound, Front* front) {
-    pending_.clear();
+    queue_.clear();
     if constexpr (records) {
       front_ = front;
       is_recording_ = true;
-      if (front_->is_about(placed_)) {
-        front_->move(placed_);
+      const Transform a_from_b = frames_.a_from_b();
+      if (front_->can_resume(placed_)) {
+        front_->resume(placed_, a_from_b);
         records_left_ = front_->records().size();
-        return drop();
+        has_pruned_ = true;
+        return;
       }
-      front_->start(placed_);
+      front_->start(placed_, a_from_b);
     }
     const double units = root_bound / placed_.tree(Side::a).unit;
-    least_sq_ = static_cast<float>(std::min(units * units * (1 - 0x1p-20), double{Pending::largest_bound}));
-    pending_.push_first({least_sq_, {tree::root, tree::root}, Front::none, 0});
+    least_sq_ =
+        static_cast<float>(std::min(units * units * double{core::squares_down}, double{BucketQueue::largest_bound}));
+    queue_.push_first({least_sq_, {bvh::root, bvh::root}, Front::none, 0});
   }
 
-  /// Looks at one more pair. False when none that matters is left.
+  /// Takes one more pair. False when none that matters is left.
   bool step() {
-    if (goal_.finished()) return false;
+    if (goal_.is_done()) return false;
     update_limits();
-    Opening o;
-    if (records && records_left_ > 0 && !pending_.is_crowded()) {
-      if (!reopen(static_cast<std::uint16_t>(--records_left_), o)) return true;
+    Expansion e;
+    if (records && records_left_ > 0 && !queue_.is_crowded()) {
+      if (!expand_again(static_cast<std::uint16_t>(--records_left_), e)) return true;
     } else {
-      if (pending_.empty()) return false;
-      o.pair = pending_.pop();
-      if (!open(o)) return true;
+      if (queue_.empty()) return false;
+      e.pair = queue_.pop();
+      if (!expand(e)) return true;
     }
-    compare_lanes(o);
+    compare_children(e);
     return true;
   }
 
   /// Ends the traversal, wherever it is.
   void finish() {
-    if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.finished());
+    if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.is_done());
   }
+
+  /// Whether some pair was not compared.
+  bool has_pruned() const { return has_pruned_; }
 
   /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
-  double due_to_slack() const { return due_to_slack_; }
-
-  /// Whether something at least cut() away was left out.
-  bool dropped() const { return dropped_; }
+  double margin_cost() const { return margin_cost_; }
 
  private:
-  /// A node being opened against another.
-  struct Opening {
-    Side side;  // of the one that is opened
+  /// The expansion of one node of a pair: its children are compared with the other node.
+  struct Expansion {
+    Side side;  // of the node that is expanded
     NodePair pair;
-    std::uint32_t block;
+    std::uint32_t node;  // that has its children
     std::uint16_t record;
-    unsigned lanes;        // what is compared
-    simd::KeptLanes kept;  // what matters
-    alignas(32) float order[simd::width];
+    unsigned children;     // to be compared, a bit mask
+    simd::KeptSlots kept;  // not pruned
+    alignas(32) float order[bvh::width];
   };
 
-  /// Whether a node is not expanded: a leaf, or one whose triangles are all at one place, so that any leaf below stands
-  /// for it and no bound could tell them apart. Vertices within the slack may be elsewhere than the mark says.
+  /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
+  /// for it and no bound could tell them apart. With a motion margin vertices may be elsewhere than the mark says.
   bool is_leaf(Side s, const NodePair& pair) const {
-    const tree::NodeId node = pair.node[index(s)];
-    const tree::Tree& tree = placed_.tree(s);
-    const bool is_coincident = (tree.blocks[tree::block_of(node)].coincident >> tree::lane_of(node) & 1) != 0;
-    return tree::block_of(node) >= tree.lowest_level() || (is_coincident && tree.slack == 0);
+    const bvh::SlotId slot = pair.slot[index(s)];
+    const bvh::Tree& tree = placed_.tree(s);
+    const std::uint32_t n = bvh::node_of(slot);
+    const bool is_coincident = (tree.nodes[n].coincident_slots >> bvh::slot_of(slot) & 1) != 0;
+    return n >= tree.first_lowest_node() || (is_coincident && tree.motion_margin == 0);
   }
-  /// The leaf that such a node is or stands for, as a node. Pre: is_leaf().
-  tree::NodeId leaf_of(Side s, const NodePair& pair) const {
-    return tree::first_leaf_below(placed_.tree(s), pair.node[index(s)]);
+  /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
+  bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
+    return bvh::first_leaf_slot(placed_.tree(s), pair.slot[index(s)]);
   }
-  std::uint32_t child_of(Side s, tree::NodeId node) const {
-    return placed_.tree(s).blocks[tree::block_of(node)].first_child + tree::lane_of(node);
+  std::uint32_t child_of(Side s, bvh::SlotId slot) const {
+    return placed_.tree(s).nodes[bvh::node_of(slot)].first_child + bvh::slot_of(slot);
   }
-  simd::Seen seen_node(Side s, const NodePair& pair) const {
-    const tree::NodeId node = pair.node[index(s)];
-    return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node), nullptr};
+  simd::OtherNode as_node(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = pair.slot[index(s)];
+    return {&placed_.tree(s).nodes[bvh::node_of(slot)], bvh::slot_of(slot), nullptr};
   }
-  simd::Seen seen_leaf(Side s, const NodePair& pair) const {
-    const tree::NodeId node = leaf_of(s, pair);
-    return {&placed_.tree(s).blocks[tree::block_of(node)], tree::lane_of(node),
-            &placed_.tree(s).leaves[child_of(s, node)].corners};
+  simd::OtherNode as_leaf(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = leaf_slot(s, pair);
+    const bvh::Tree& tree = placed_.tree(s);
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &tree.leaves[child_of(s, slot)].corners};
   }
-  /// What a node adds to the looseness of bounds: half the thickness of its slab, and a little of its ball.
-  double looseness(Side s, tree::NodeId node) const {
-    const tree::Tree& tree = placed_.tree(s);
-    const simd::NodeBounds& n = tree.blocks[tree::block_of(node)].bounds;
-    const std::uint32_t k = tree::lane_of(node);
-    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + ball_share * n.radius[k]);
+
+  /// How loose the bound of a slot makes a pair: half the thickness of its slab, and a little of its radius.
+  double looseness(Side s, bvh::SlotId slot) const {
+    const bvh::Tree& tree = placed_.tree(s);
+    const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
+    const std::uint32_t k = bvh::slot_of(slot);
+    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + share_of_radius * n.radius[k]);
   }
-  /// Whether to open the node of a: it can be, and the other cannot or is no looser.
-  bool opens_a(const NodePair& pair) const {
-    const bool looser = looseness(Side::a, pair.node[0]) >= looseness(Side::b, pair.node[1]);
+  /// Whether to expand the node of a: it can be, and the other cannot or is no looser.
+  bool expands_a(const NodePair& pair) const {
+    const bool is_looser = looseness(Side::a, pair.slot[0]) >= looseness(Side::b, pair.slot[1]);
     // Bitwise: nobody could predict the branches.
-    const bool closed_a = is_leaf(Side::a, pair), closed_b = is_leaf(Side::b, pair);
-    return (static_cast<int>(looser) | static_cast<int>(closed_b)) > static_cast<int>(closed_a);
+    const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
+    return (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
   }
 
-  /// How likely a pair that no tight bound is known to keep would have been dropped by one: where everything closer
-  /// than the slack is kept, that depends on how large it is next to the bounds.
-  double chance_of_slack(const NodePair& pair) const {
+  /// How likely a tight bound would have pruned a pair, if no tight bound is known to keep it: where everything closer
+  /// than the margin is kept, that depends on how large the margin is next to the bounds.
+  double chance_of_margin_cost(const NodePair& pair) const {
     if (tight_sq_ > 0) return 1;
-    const double loose = looseness(Side::a, pair.node[0]) + looseness(Side::b, pair.node[1]);
-    return placed_.slack() / (placed_.slack() + loose);
+    const double loose = looseness(Side::a, pair.slot[0]) + looseness(Side::b, pair.slot[1]);
+    return placed_.motion_margin() / (placed_.motion_margin() + loose);
   }
-
-  void drop() { dropped_ = true; }
 
   /// A lower bound as a length.
   double length_of(Side s, float bound_sq) const {
-    return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * (1 - 0x1p-20);
+    return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * double{core::squares_down};
   }
-  /// Nothing in this pair is nearer than `apart`, or it has been compared.
-  void close(const NodePair& pair, double apart) {
-    LIMBER_ASSERT(apart >= 0);
-    drop();
+  /// Nothing in this pair is nearer than `distance`, or it has been compared.
+  void close(const NodePair& pair, double distance) {
+    LIMBER_ASSERT(distance >= 0);
+    has_pruned_ = true;
     if (records && is_recording_ && pair.record != Front::none) {
-      front_->rule_out(pair.record, 1U << pair.lane, std::max(apart, goal_.cut()));
+      front_->prune(pair.record, 1U << pair.child, std::max(distance, pruning_.distance()));
     }
   }
 
+  /// Brings what is derived from the prune distance up to date.
   void update_limits() {
-    if (goal_.cut() == limits_for_) return;
-    limits_for_ = goal_.cut();
-    placed_.set_cut(limits_for_);
-    const double tight = std::max(0.0, limits_for_ - placed_.slack()) / placed_.tree(Side::a).unit;
-    tight_sq_ = static_cast<float>(std::min(tight * tight, double{Pending::no_bound}));
+    if (pruning_.distance() == limits_for_) return;
+    limits_for_ = pruning_.distance();
+    const double tight = std::max(0.0, limits_for_ - placed_.motion_margin()) / placed_.tree(Side::a).unit;
+    tight_sq_ = static_cast<float>(std::min(tight * tight, double{BucketQueue::no_bound}));
     for (const Side s : {Side::a, Side::b}) {
       const double units = limits_for_ / placed_.tree(s).unit;
-      const double limit =
-          std::min(units * units * (1 + 0x1p-22), double{Pending::no_bound});  // rounding to float32 included
-      // A positive limit never drops a pair whose bound is 0.
+      const double limit = std::min(units * units * (1 + core::storage_error), double{BucketQueue::no_bound});
+      // A positive limit never prunes a pair whose bound is 0.
       limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::min());
     }
-    if (limit_sq_[0] - least_sq_ > 0.5F * (focus_sq_ - least_sq_)) return;
+    if (limit_sq_[0] - least_sq_ > worth_refocusing * (focus_sq_ - least_sq_)) return;
     focus_sq_ = limit_sq_[0];
-    pending_.focus(least_sq_, focus_sq_);
+    queue_.focus(least_sq_, focus_sq_);
   }
 
-  /// Opens one node of a pair. False if there is nothing to be opened.
-  bool open(Opening& o) {
-    const NodePair& pair = o.pair;
+  /// Expands a pair from the queue. False if it is pruned, or a pair of leaves.
+  bool expand(Expansion& e) {
+    const NodePair& pair = e.pair;
     if (pair.bound_sq >= limit_sq_[0]) {
       close(pair, length_of(Side::a, pair.bound_sq));
-      if (!records && pending_.all_beyond(limit_sq_[0])) pending_.clear();
+      if (!records && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
     }
-    if (placed_.slack() > 0 && pair.bound_sq >= tight_sq_) due_to_slack_ += chance_of_slack(pair);
+    if (placed_.motion_margin() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       compare_leaves(pair);
-      close(pair, goal_.cut());
+      close(pair, pruning_.distance());
       return false;
     }
-    o.side = opens_a(pair) ? Side::a : Side::b;
-    o.block = child_of(o.side, pair.node[index(o.side)]);
-    o.lanes = (1U << placed_.tree(o.side).blocks[o.block].count) - 1;
-    o.record = Front::none;
+    e.side = expands_a(pair) ? Side::a : Side::b;
+    e.node = child_of(e.side, pair.slot[index(e.side)]);
+    e.children = (1U << placed_.tree(e.side).nodes[e.node].child_count) - 1;
+    e.record = Front::none;
     if (records && is_recording_) {
-      o.record = front_->add(pair.node, o.side);
-      is_recording_ = o.record != Front::none;
+      e.record = front_->add(pair.slot, e.side);
+      is_recording_ = e.record != Front::none;
     }
     return true;
   }
 
-  /// The same for what a record has ruled out. False if that still holds.
-  bool reopen(std::uint16_t record, Opening& o) {
+  /// Expands what a record has pruned. False if that is still pruned.
+  bool expand_again(std::uint16_t record, Expansion& e) {
     const Front::Record& r = front_->records()[record];
-    if (r.lasts >= (front_->moved() + goal_.cut()) * (1 + 0x1p-50)) return false;
-    o.side = r.opens_a ? Side::a : Side::b;
-    o.pair = {0, {r.node[0], r.node[1]}, Front::none, 0};
-    o.block = child_of(o.side, r.node[index(o.side)]);
-    o.record = record;
-    o.lanes = front_->reopen(record);
+    if (r.valid_until >= (front_->displacement() + pruning_.distance()) * core::sum_up) return false;
+    e.side = r.expands_a ? Side::a : Side::b;
+    e.pair = {0, {r.slot[0], r.slot[1]}, Front::none, 0};
+    e.node = child_of(e.side, r.slot[index(e.side)]);
+    e.record = record;
+    e.children = front_->take(record);
     return true;
   }
 
-  /// Compares the children of the node that is opened with the other as it is.
-  void compare_lanes(Opening& o) {
-    LIMBER_ASSERT(o.lanes != 0);
-    const Side closed = other(o.side);
-    const simd::Seen seen = is_leaf(closed, o.pair) ? seen_leaf(closed, o.pair) : seen_node(closed, o.pair);
-    const tree::Block& block = placed_.tree(o.side).blocks[o.block];
-    stats_.node_tests += block.count;
-    alignas(32) float bound_sq[simd::width];
-    o.kept = kernels_.bound_lanes(block, seen, placed_.view(o.side), limit_sq_[index(o.side)], o.order,
-                                  records ? bound_sq : nullptr);
-    o.kept.all &= o.lanes, o.kept.meeting &= o.lanes;
-    const unsigned ruled_out = o.lanes & ~o.kept.all;
-    if (ruled_out != 0) {
-      drop();
-      if (records && is_recording_) rule_out(o, ruled_out, bound_sq);
+  /// Compares the children of the expanded node with the other node.
+  void compare_children(Expansion& e) {
+    LIMBER_ASSERT(e.children != 0);
+    const Side s = other(e.side);
+    const simd::OtherNode other_node = is_leaf(s, e.pair) ? as_leaf(s, e.pair) : as_node(s, e.pair);
+    const bvh::WideNode& node = placed_.tree(e.side).nodes[e.node];
+    stats_.node_tests += node.child_count;
+    alignas(32) float bound_sq[bvh::width];
+    e.kept = kernels_.bound_children(node, other_node, frames_.of(e.side), pruning_.of(e.side),
+                                     limit_sq_[index(e.side)], e.order, records ? bound_sq : nullptr);
+    e.kept.all &= e.children, e.kept.overlapping &= e.children;
+    const unsigned pruned = e.children & ~e.kept.all;
+    if (pruned != 0) {
+      has_pruned_ = true;
+      if (records && is_recording_) record_pruned(e, pruned, bound_sq);
     }
-    if (o.kept.all != 0) keep(o);
+    if (e.kept.all != 0) keep(e);
   }
 
-  void rule_out(const Opening& o, unsigned lanes, const float* bound_sq) {
-    float least = Pending::no_bound;
-    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) least = std::min(least, bound_sq[std::countr_zero(rest)]);
-    front_->rule_out(o.record, lanes, std::max(length_of(o.side, least), goal_.cut()));
+  void record_pruned(const Expansion& e, unsigned children, const float* bound_sq) {
+    float least = BucketQueue::no_bound;
+    for (unsigned rest = children; rest != 0; rest &= rest - 1) {
+      least = std::min(least, bound_sq[std::countr_zero(rest)]);
+    }
+    front_->prune(e.record, children, std::max(length_of(e.side, least), pruning_.distance()));
   }
 
-  /// Puts the lanes that matter where they will be taken in the right order.
-  void keep(const Opening& o) {
-    unsigned meeting = o.kept.meeting;
-    if (meeting == 0) {
-      if (Goal::any || placed_.is_aimed()) return push_rest(o, o.kept.all);
-      return descend(o);
+  /// Puts the children that are kept where they will be taken in the right order.
+  void keep(const Expansion& e) {
+    unsigned overlapping = e.kept.overlapping;
+    if (overlapping == 0) {
+      if (Goal::takes_any || pruning_.has_direction()) return push(e, e.kept.all);
+      return descend(e);
     }
-    push_rest(o, o.kept.all & ~meeting);
+    push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
-    while (meeting != 0) {
-      auto shallowest = static_cast<std::uint32_t>(std::countr_zero(meeting));
-      for (unsigned rest = meeting & (meeting - 1); rest != 0; rest &= rest - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-        if (o.order[lane] >= o.order[shallowest]) shallowest = lane;
+    while (overlapping != 0) {
+      auto shallowest = static_cast<std::uint32_t>(std::countr_zero(overlapping));
+      for (unsigned rest = overlapping & (overlapping - 1); rest != 0; rest &= rest - 1) {
+        const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
+        if (e.order[child] >= e.order[shallowest]) shallowest = child;
       }
-      meeting &= ~(1U << shallowest);
-      pending_.push_first(child_pair(o, shallowest));
+      overlapping &= ~(1U << shallowest);
+      queue_.push_first(child_pair(e, shallowest));
     }
   }
 
-  /// Straight down, by the nearest lane, while nothing has been found.
-  void descend(const Opening& o) {
-    auto nearest = static_cast<std::uint32_t>(std::countr_zero(o.kept.all));
-    for (unsigned rest = o.kept.all; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-      if (o.order[lane] < o.order[nearest]) nearest = lane;
+  /// Straight down, to the nearest child, as long as no triangles have been compared.
+  void descend(const Expansion& e) {
+    auto nearest = static_cast<std::uint32_t>(std::countr_zero(e.kept.all));
+    for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
+      const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
+      if (e.order[child] < e.order[nearest]) nearest = child;
     }
-    push_rest(o, o.kept.all & ~(1U << nearest));
-    pending_.push_first(child_pair(o, nearest));
+    push(e, e.kept.all & ~(1U << nearest));
+    queue_.push_first(child_pair(e, nearest));
   }
 
-  void push_rest(const Opening& o, unsigned lanes) {
-    for (; lanes != 0; lanes &= lanes - 1) {
-      pending_.push(child_pair(o, static_cast<std::uint32_t>(std::countr_zero(lanes))));
+  void push(const Expansion& e, unsigned children) {
+    for (; children != 0; children &= children - 1) {
+      queue_.push(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
     }
   }
 
-  NodePair child_pair(const Opening& o, std::uint32_t lane) const {
+  NodePair child_pair(const Expansion& e, std::uint32_t child) const {
     // Below any limit that stands for none, even where the units of the trees are worlds apart.
-    const float bound_sq = std::min(std::max(o.order[lane], 0.0F) * to_a_sq_[index(o.side)], Pending::largest_bound);
-    const tree::NodeId child = o.block * simd::width + lane;
-    const bool of_a = o.side == Side::a;
+    const float bound_sq =
+        std::min(std::max(e.order[child], 0.0F) * to_a_sq_[index(e.side)], BucketQueue::largest_bound);
+    const bvh::SlotId slot = e.node * bvh::width + child;
+    const bool of_a = e.side == Side::a;
     return {bound_sq,
-            {of_a ? child : o.pair.node[0], of_a ? o.pair.node[1] : child},
-            o.record,
-            static_cast<std::uint16_t>(lane)};
+            {of_a ? slot : e.pair.slot[0], of_a ? e.pair.slot[1] : slot},
+            e.record,
+            static_cast<std::uint16_t>(child)};
   }
 
   void compare_leaves(const NodePair& pair) {
-    const simd::Seen seen_a = seen_leaf(Side::a, pair), seen_b = seen_leaf(Side::b, pair);
     simd::Candidates found;
-    kernels_.leaf_candidates(seen_a, seen_b, placed_.view(Side::a), found);
-    if (found.count != simd::width * simd::width) drop();
+    kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
+                             found);
+    if (found.count != bvh::width * bvh::width) has_pruned_ = true;
     if (found.count == 0) return;
-    // The nearest first: it may rule the others out.
+    // The nearest first: it may prune the others.
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 1; i < found.count; ++i) {
       if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
     std::swap(found.pairs[0], found.pairs[nearest]);
-    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, leaf_of(Side::a, pair))]);
-    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, leaf_of(Side::b, pair))]);
-    for (std::uint32_t i = 0; i < found.count && !goal_.finished(); ++i) {
-      const double reach = goal_.cut() * found.scale + static_cast<double>(found.error);
+    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, leaf_slot(Side::a, pair))]);
+    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, leaf_slot(Side::b, pair))]);
+    for (std::uint32_t i = 0; i < found.count && !goal_.is_done(); ++i) {
+      const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
-      if (bound_sq >= reach * reach * (1 + 0x1p-20)) {
-        drop();
+      if (bound_sq >= limit * limit * double{core::squares_up}) {
+        has_pruned_ = true;
         continue;
       }
-      const double tight = reach - placed_.slack() * found.scale;
-      if (placed_.slack() > 0 && bound_sq >= tight * tight) due_to_slack_ += 1;
-      const std::uint32_t lane_a = found.pairs[i].lane_a, lane_b = found.pairs[i].lane_b;
-      if (goal_.is_apart(a, lane_a, b, lane_b)) {
-        drop();
+      const double tight = limit - placed_.motion_margin() * found.scale;
+      if (placed_.motion_margin() > 0 && bound_sq >= tight * tight) margin_cost_ += 1;
+      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (pruning_.prunes(a, slot_a, b, slot_b)) {
+        has_pruned_ = true;
         continue;
       }
       ++stats_.triangle_tests;
-      goal_.compare(a.at(lane_a), b.at(lane_b));
+      if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) pruning_.improve(*improvement);
     }
   }
 
-  static constexpr float ball_share = 0.01F;
+  // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
+  static constexpr float share_of_radius = 0.01F;
+  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
+  static constexpr float worth_refocusing = 0.5F;
+  // Larger squared ratios of units leave the range of float32.
+  static constexpr double largest_unit_ratio_sq = 0x1p126;
 
-  PlacedPair& placed_;
+  const PlacedModels& placed_;
+  Pruning& pruning_;
   Goal& goal_;
   QueryStats& stats_;
   const simd::Kernels& kernels_;
-  double limits_for_ = -1;
-  float limit_sq_[2] = {0, 0};                         // of what matters, in squared units of either tree
-  float to_a_sq_[2] = {1, 1};                          // squared units of either tree in those of a
-  float least_sq_ = 0, focus_sq_ = Pending::no_bound;  // what pending_ was told to focus on
-  float tight_sq_ = 0;  // what is nearer would be looked at without slack too, in squared units of a
-  double due_to_slack_ = 0;
-  bool dropped_ = false;
+  Frames frames_;
+  double limits_for_ = -1;                                 // prune distance that what follows was derived from
+  float limit_sq_[2] = {0, 0};                             // the same squared, in units of either tree
+  float tight_sq_ = 0;                                     // what it would be without a margin, in squared units of a
+  float to_a_sq_[2] = {1, 1};                              // squared units of either tree in those of a
+  float least_sq_ = 0, focus_sq_ = BucketQueue::no_bound;  // the focus of the queue
+  double margin_cost_ = 0;
+  bool has_pruned_ = false;
   Front* front_ = nullptr;
-  bool is_recording_ = false;     // whether front_ will account for everything
-  std::size_t records_left_ = 0;  // of front_, still to be looked at
-  Pending pending_;
+  bool is_recording_ = false;     // whether the front will account for every pair
+  std::size_t records_left_ = 0;  // of the front, still to be checked
+  BucketQueue queue_;
 };
 
 }  // namespace limber::query

@@ -1,120 +1,18 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The kernels one lane at a time: what every instruction set is compared with, bit by bit.
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstring>
-
-#include "core/rounding.h"
+// The kernels one SIMD lane at a time: what every instruction set is compared with, bit by bit.
+#define LIMBER_SCALAR_KERNELS
+#include "simd/bound_children-inl.h"
+#include "simd/find_candidates-inl.h"
+#include "simd/fit_leaves-inl.h"
 #include "simd/kernels.h"
+#include "simd/max_displacement-inl.h"
+#include "simd/merge_bounds-inl.h"
 
 namespace limber::simd {
-namespace scalar {
-namespace {
 
-#define LIMBER_KERNEL inline
-
-struct Mask {
-  bool m;
-};
-
-/// A vector of one number.
-struct Packet {
-  static constexpr std::uint32_t lanes = 1;
-  float v;
-
-  static Packet set(float x) { return {x}; }
-  static Packet load(const float* p) { return {*p}; }
-  static Packet from_int16(const std::int16_t* p) { return {static_cast<float>(*p)}; }
-  void store(float* p) const { *p = v; }
-};
-
-inline Packet operator+(Packet a, Packet b) { return {a.v + b.v}; }
-inline Packet operator-(Packet a, Packet b) { return {a.v - b.v}; }
-inline Packet operator*(Packet a, Packet b) { return {a.v * b.v}; }
-inline Packet operator/(Packet a, Packet b) { return {a.v / b.v}; }
-inline Packet sqrt(Packet a) { return {std::sqrt(a.v)}; }
-inline Packet abs(Packet a) { return {std::abs(a.v)}; }
-inline Packet max(Packet a, Packet b) { return {a.v > b.v ? a.v : b.v}; }
-inline Packet min(Packet a, Packet b) { return {a.v < b.v ? a.v : b.v}; }
-inline Mask operator>(Packet a, Packet b) { return {a.v > b.v}; }
-inline Mask operator<(Packet a, Packet b) { return {a.v < b.v}; }
-inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
-inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
-inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
-inline Packet flipped_as(Packet a, Packet sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
-inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
-
-using WidePacket = Packet;
-inline constexpr std::uint32_t corners_at_once = 1;
-inline Packet twice(Packet a) { return a; }
-inline Packet first_of(Packet a) { return a; }
-inline Packet last_of(Packet a) { return a; }
-inline Packet larger_half(Packet a) { return a; }
-inline Packet smaller_half(Packet a) { return a; }
-
-/// A number in float64.
-struct Doubles {
-  static constexpr std::uint32_t lanes = 1;
-  double v;
-
-  static Doubles set(double x) { return {x}; }
-  static Doubles load(const double* p) { return {*p}; }
-  static Doubles from_floats(const float* p) { return {static_cast<double>(*p)}; }
-  void store_rounded(float* p) const { *p = static_cast<float>(v); }
-};
-
-inline Doubles operator+(Doubles a, Doubles b) { return {a.v + b.v}; }
-inline Doubles operator-(Doubles a, Doubles b) { return {a.v - b.v}; }
-inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
-inline Doubles abs(Doubles a) { return {std::abs(a.v)}; }
-inline Doubles max(Doubles a, Doubles b) { return {a.v > b.v ? a.v : b.v}; }
-inline double largest(Doubles a) { return a.v; }
-
-struct DoublesMask {
-  bool m;
-};
-inline DoublesMask operator<=(Doubles a, Doubles b) { return {a.v <= b.v}; }
-inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}; }
-inline bool all_of(DoublesMask a) { return a.m; }
-
-inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
-inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }
-
-struct Placing {
-  const double* origin;
-  double scale;
-
-  using Points = const double* const[1];
-  Placing(const Points& from, double per_length) : origin(from[0]), scale(per_length) {}
-  void place(const Points& points, float* placed) const {
-    for (int axis = 0; axis < 3; ++axis) placed[axis] = static_cast<float>((points[0][axis] - origin[axis]) * scale);
-  }
-};
-
-inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
-
-struct Square {
-  std::int16_t v[width * width];
-
-  void put(std::uint32_t at, Packet p) { v[at] = static_cast<std::int16_t>(std::lrint(p.v)); }
-  void store_columns(std::int16_t* const (&columns)[width]) const {
-    for (std::uint32_t i = 0; i < width * width; ++i) columns[i % width][i / width] = v[i];
-  }
-};
-inline float largest(Packet a) { return a.v; }
-inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
-
-#include "simd/kernels-inl.h"
-
-#undef LIMBER_KERNEL
-
-}  // namespace
-}  // namespace scalar
-
-const Kernels scalar_kernels{"scalar",           scalar::bound_lanes, scalar::leaf_candidates,
-                             scalar::fit_leaves, scalar::enclose,     scalar::measure_motion};
+const Kernels scalar_kernels{"scalar",           scalar::bound_children, scalar::find_candidates,
+                             scalar::fit_leaves, scalar::merge_bounds,   scalar::max_displacement};
 
 }  // namespace limber::simd

@@ -12,17 +12,17 @@ namespace limber::testing {
 namespace {
 
 /// One of each query at every separation, near, touching and overlapping included.
-void ask_everything(const Model& square, const Model& ball, Pair& pair) {
+void ask_everything(const Model& square, const Model& ball, QueryCache& cache) {
   for (const double separation : {8.0, 1.0, 0.01, 0.0, -0.5}) {
     const Placed a{square}, b{ball, scenes::ball_over_square(ball.mesh(), separation, 0)};
     distance(a, b);
     distance(a, b, {.relative_error = 0.1, .absolute_error = 0.01});
     distance(a, b, {.max_distance = 0.5});
-    distance(a, b, {}, pair);
+    distance(a, b, {}, cache);
     collide(a, b);
-    collide(a, b, pair);
+    collide(a, b, cache);
     within(a, b, 0.5);
-    within(a, b, 0.5, pair);
+    within(a, b, 0.5, cache);
   }
 }
 
@@ -34,10 +34,10 @@ TEST(Allocation, IsSeenByThisTest) {
 
 TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  Pair pair;
-  ask_everything(square, ball, pair);
+  QueryCache cache;
+  ask_everything(square, ball, cache);
   const std::uint64_t before = allocation_count();
-  ask_everything(square, ball, pair);
+  ask_everything(square, ball, cache);
   EXPECT_EQ(allocation_count(), before);
 }
 

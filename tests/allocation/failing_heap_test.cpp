@@ -23,22 +23,23 @@ namespace {
 
 using scenes::Rng;
 
-/// Of nearly all lengths here, which are about 1 to 10.
+/// Of distances in these tests, which are about 1 to 10.
 constexpr double tolerance = 1e-14 * 16;
 
 Mesh some_mesh() { return scenes::wave_sheet(10, 10, 0); }
 
-std::vector<Vec3> shaken(const std::vector<Vec3>& positions, double reach, std::uint64_t seed) {
+std::vector<Vec3> shaken(const std::vector<Vec3>& positions, double amplitude, std::uint64_t seed) {
   Rng rng(seed);
   std::vector<Vec3> result = positions;
   for (Vec3& p : result) {
-    const double x = rng.uniform(-reach, reach), y = rng.uniform(-reach, reach), z = rng.uniform(-reach, reach);
+    const double x = rng.uniform(-amplitude, amplitude), y = rng.uniform(-amplitude, amplitude),
+                 z = rng.uniform(-amplitude, amplitude);
     p += Vec3{x, y, z};
   }
   return result;
 }
 
-/// A few triangles in the middle of a model and above it.
+/// A few triangles at the center of a model and above it.
 template <typename Model>
 const Model& probe() {
   static const Model model(
@@ -73,7 +74,7 @@ bool throws_bad_alloc(const Call& call) {
   return false;
 }
 
-/// Something done to a model, after some preparation.
+/// A call on a model, after some preparation.
 template <typename Model>
 struct Step {
   std::string name;
@@ -81,29 +82,29 @@ struct Step {
   std::function<void(Model&)> call;
 };
 
-/// What a caller can see of a model without asking it for distances.
-struct Seen {
+/// The state of a model that a caller can see without a query.
+struct VisibleState {
   std::vector<Vec3> positions;
   std::size_t triangle_count;
   std::uint64_t moved_vertices;
   bool is_committed;
 
   template <typename Model>
-  explicit Seen(const Model& model)
+  explicit VisibleState(const Model& model)
       : positions(model.mesh().positions()),
         triangle_count(model.mesh().triangles().size()),
         moved_vertices(model.maintenance_stats().moved_vertices),
         is_committed(model.is_committed()) {}
-  bool operator==(const Seen&) const = default;
+  bool operator==(const VisibleState&) const = default;
 };
 
-/// What a caller has chosen; while the model tunes itself, nothing has been.
-double slack_of(const Model& model) {
-  return model.options().slack == ModelOptions::automatic ? 0 : model.maintenance_stats().slack;
+/// The margin that the caller has chosen, or 0 while the model tunes it.
+double margin_of(const Model& model) {
+  return model.options().motion_margin == ModelOptions::automatic ? 0 : model.maintenance_stats().motion_margin;
 }
-double slack_of(const classic::Model& model) { return model.options().looseness.slack; }
+double margin_of(const classic::Model& model) { return model.options().looseness.extra_radius; }
 
-/// Ordinary use of a model, whatever has happened to it.
+/// Uses a model as usual, and checks its answers.
 template <typename Placed, typename Model>
 void use(Model& model) {
   model.commit();
@@ -120,8 +121,8 @@ void use(Model& model) {
   expect_right_answers<Placed>(model);
 }
 
-/// Fails each allocation of a step twice; after the first time the step is taken again. Returns how many allocations
-/// there are.
+/// Fails each allocation of a step in two runs; in the first of them the step is tried again. Returns the number of
+/// allocations.
 template <typename Placed, typename Model, typename Options>
 int fail_each_allocation(const Step<Model>& step, const Options& options, Failing failing) {
   for (int i = 0;; ++i) {
@@ -129,8 +130,8 @@ int fail_each_allocation(const Step<Model>& step, const Options& options, Failin
     const bool tries_again = i % 2 == 0;
     Model model(some_mesh(), options);
     step.prepare(model);
-    const Seen before(model);
-    const double slack_before = slack_of(model);
+    const VisibleState before(model);
+    const double margin_before = margin_of(model);
     bool threw = false, failed = false;
     {
       const FailingHeap heap(k, failing);
@@ -138,14 +139,14 @@ int fail_each_allocation(const Step<Model>& step, const Options& options, Failin
       failed = heap.has_failed();
     }
     if (threw) {
-      EXPECT_TRUE(Seen(model) == before) << k;
-      EXPECT_EQ(slack_of(model), slack_before) << k;
+      EXPECT_TRUE(VisibleState(model) == before) << k;
+      EXPECT_EQ(margin_of(model), margin_before) << k;
       if (tries_again) step.call(model);
     }
     Model untroubled(some_mesh(), options);
     step.prepare(untroubled);
     if (!threw || tries_again) step.call(untroubled);
-    EXPECT_TRUE(Seen(model) == Seen(untroubled)) << k;
+    EXPECT_TRUE(VisibleState(model) == VisibleState(untroubled)) << k;
     use<Placed>(model);
     if (!failed || ::testing::Test::HasFailure()) return k;
   }
@@ -169,7 +170,7 @@ void commit(Model& model) {
 template <typename Model>
 void nothing(Model&) {}
 
-/// Each vertex to where its neighbour is.
+/// Moves each vertex to the position of its neighbour.
 template <typename Model>
 void move_to_own_positions(Model& model) {
   const std::vector<Vec3>& own = model.mesh().positions();
@@ -207,28 +208,29 @@ std::vector<Step<Model>> steps() {
   const auto moved_little = [](Model& model) {
     ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(model.mesh().positions(), 0.01, 7))));
     model.commit();
-    model.set_slack(1e-3);
+    model.set_motion_margin(1e-3);
   };
   const std::vector<Step<Model>> own{
-      {"move_vertices after restructure",
+      {"move_vertices after rebuild",
        [](Model& model) {
          move_few(model);
-         model.restructure();
+         model.rebuild();
        },
        move_few<Model>},
-      {"commit after the slack has become less", moved_little, commit<Model>},
-      {"restructure, the first time", nothing<Model>, [](Model& model) { model.restructure(); }},
-      {"restructure of what has moved",
+      {"commit after the motion margin has been reduced", moved_little, commit<Model>},
+      {"rebuild, the first time", nothing<Model>, [](Model& model) { model.rebuild(); }},
+      {"rebuild of what has moved",
        [](Model& model) {
          move_few(model);
          model.commit();
          move_all(model);
        },
-       [](Model& model) { model.restructure(); }},
-      {"set_slack before anything moves", nothing<Model>, [](Model& model) { model.set_slack(0.25); }},
-      {"set_slack to a length", move_few<Model>, [](Model& model) { model.set_slack(0.25); }},
-      {"set_slack to automatic", move_few<Model>, [](Model& model) { model.set_slack(ModelOptions::automatic); }},
-      {"set_slack to 0", move_few<Model>, [](Model& model) { model.set_slack(0); }},
+       [](Model& model) { model.rebuild(); }},
+      {"set_motion_margin before anything moves", nothing<Model>, [](Model& model) { model.set_motion_margin(0.25); }},
+      {"set_motion_margin to a length", move_few<Model>, [](Model& model) { model.set_motion_margin(0.25); }},
+      {"set_motion_margin to automatic", move_few<Model>,
+       [](Model& model) { model.set_motion_margin(ModelOptions::automatic); }},
+      {"set_motion_margin to 0", move_few<Model>, [](Model& model) { model.set_motion_margin(0); }},
       {"reset", move_few<Model>, [](Model& model) { model.reset(some_mesh()); }},
   };
   all.insert(all.end(), own.begin(), own.end());
@@ -236,13 +238,13 @@ std::vector<Step<Model>> steps() {
 }
 
 TEST(FailingHeap, LeavesAModelAsItWas) {
-  for (const double slack : {0.0, 0.5, ModelOptions::automatic}) {
+  for (const double motion_margin : {0.0, 0.5, ModelOptions::automatic}) {
     for (const Step<Model>& step : steps()) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(step.name + ", slack " + std::to_string(slack));
-        const int count = fail_each_allocation<Placed>(step, ModelOptions{.slack = slack}, failing);
+        SCOPED_TRACE(step.name + ", motion_margin " + std::to_string(motion_margin));
+        const int count = fail_each_allocation<Placed>(step, ModelOptions{.motion_margin = motion_margin}, failing);
         if (HasFailure()) return;
-        const bool takes_memory = step.name == "reset" || step.name == "restructure, the first time";
+        const bool takes_memory = step.name == "reset" || step.name == "rebuild, the first time";
         EXPECT_GT(count, takes_memory ? 5 : -1);
       }
     }
@@ -256,7 +258,7 @@ TEST(FailingHeap, LeavesAClassicModelAsItWas) {
       for (const Failing failing : {Failing::once, Failing::always}) {
         SCOPED_TRACE(step.name);
         const int count = fail_each_allocation<classic::Placed>(
-            step, classic::ModelOptions{.maintenance = maintenance, .looseness = {.slack = 0.1}}, failing);
+            step, classic::ModelOptions{.maintenance = maintenance, .looseness = {.extra_radius = 0.1}}, failing);
         if (HasFailure()) return;
         EXPECT_LE(count, step.name.starts_with("commit") ? 0 : 10);
       }
@@ -264,7 +266,7 @@ TEST(FailingHeap, LeavesAClassicModelAsItWas) {
   }
 }
 
-/// How many allocations a constructor cannot do without.
+/// The number of allocations without which a constructor throws.
 template <typename Model>
 int needed_by_constructor() {
   int needed = 0;
@@ -282,14 +284,14 @@ TEST(FailingHeap, IsReportedByConstructors) {
 }
 
 TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
-  // Whatever has to be allocated for later commits is not needed for this one.
-  for (const double slack : {0.0, 0.1, ModelOptions::automatic}) {
-    Model model(some_mesh(), {.slack = slack});
+  // A commit does without the memory that would only make later commits cheaper.
+  for (const double motion_margin : {0.0, 0.1, ModelOptions::automatic}) {
+    Model model(some_mesh(), {.motion_margin = motion_margin});
     move_few(model);
     for (int i = 0; i < 20; ++i) {
       if (i % 3 == 0) move_all(model);
       if (i % 3 != 0) move_few(model);
-      if (i == 10 && slack > 0) model.set_slack(slack / 4);
+      if (i == 10 && motion_margin > 0) model.set_motion_margin(motion_margin / 4);
       const FailingHeap heap(0, Failing::always);
       EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
       EXPECT_TRUE(model.is_committed());
@@ -298,11 +300,11 @@ TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
   }
 }
 
-/// Plays a motion in which triangles change places on a heap whose allocation `k` fails. Returns whether it did.
+/// Plays a motion in which triangles change places, on a heap whose allocation `k` fails. Returns whether it has.
 bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Failing failing,
-          std::uint64_t& restructured) {
+          std::uint64_t& rebuilt_triangles) {
   Model model(motion.mesh, options);
-  Pair pair;
+  QueryCache cache;
   bool failed = false;
   int checks = 0;
   for (int frame = 1; frame <= 16; ++frame) {
@@ -323,45 +325,45 @@ bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Fail
       model.commit();
     }
     if (failing == Failing::always && failed) k = frame % 2 == 0 ? 0 : 1 << 20;  // memory comes and goes
-    const double warm = distance({model}, {probe<Model>()}, {}, pair).upper;
+    const double warm = distance({model}, {probe<Model>()}, {}, cache).upper;
     if (checks-- > 0 || frame == 16) {
       expect_right_answers<Placed>(model);
       EXPECT_NEAR(warm, distance({model}, {probe<Model>()}).upper, tolerance);
     }
     if (::testing::Test::HasFailure()) return false;
-    if (options.restructuring == Restructuring::on_worker) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    if (options.rebuild_policy == RebuildPolicy::on_worker) std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  // A worker takes as long as it takes.
-  for (int frame = 17; !failed && frame < 2000 && model.maintenance_stats().restructured == 0; ++frame) {
+  // A worker may need any number of further frames.
+  for (int frame = 17; !failed && frame < 2000 && model.maintenance_stats().rebuilt_triangles == 0; ++frame) {
     EXPECT_TRUE(static_cast<bool>(model.move_all(motion.positions(25 * frame))));
     model.commit();
   }
-  restructured = model.maintenance_stats().restructured;
+  rebuilt_triangles = model.maintenance_stats().rebuilt_triangles;
   return failed;
 }
 
-TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRestructured) {
+TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRebuilt) {
   const scenes::Motion soup = scenes::shuffled_soup(256);
-  for (const Restructuring policy : {Restructuring::in_commits, Restructuring::on_worker}) {
-    for (const double slack : {0.0, ModelOptions::automatic}) {
+  for (const RebuildPolicy policy : {RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
+    for (const double motion_margin : {0.0, ModelOptions::automatic}) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", slack " + std::to_string(slack));
-        const ModelOptions options{.slack = slack, .restructuring = policy, .restructuring_us = 5};
-        std::uint64_t restructured = 0;
+        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", motion_margin " + std::to_string(motion_margin));
+        const ModelOptions options{.motion_margin = motion_margin, .rebuild_policy = policy, .rebuild_budget_us = 5};
+        std::uint64_t rebuilt_triangles = 0;
         int k = 0;
-        while (play(soup, options, k, failing, restructured)) ++k;
+        while (play(soup, options, k, failing, rebuilt_triangles)) ++k;
         if (HasFailure()) FAIL() << "after allocation " << k;
         EXPECT_GT(k, 10);
-        EXPECT_GT(restructured, 0U);  // in the last run, which nothing has disturbed
+        EXPECT_GT(rebuilt_triangles, 0U);  // in the last run, in which no allocation has failed
       }
     }
   }
 }
 
-TEST(FailingHeap, LeavesModelsThatGrowFromAPointWithoutSlackForATime) {
+TEST(FailingHeap, LeavesModelsThatGrowFromAPointWithoutAMarginForATime) {
   const Mesh mesh = some_mesh();
   const Mesh point = Mesh::create(std::vector<Vec3>(mesh.positions().size()), mesh.triangles()).value();
-  Model model(point, {.slack = ModelOptions::automatic});
+  Model model(point, {.motion_margin = ModelOptions::automatic});
   for (int i = 0; i < 40; ++i) {
     ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(mesh.positions(), 1e-3, 8 + static_cast<std::uint64_t>(i)))));
     {
@@ -372,25 +374,25 @@ TEST(FailingHeap, LeavesModelsThatGrowFromAPointWithoutSlackForATime) {
   }
 }
 
-TEST(FailingHeap, LeavesAPairThatKnowsNothing) {
+TEST(FailingHeap, LeavesAnEmptyCache) {
   const Model model(some_mesh());
   const Placed a{model}, b{probe<Model>(), {{}, {0, 0, 2}}};
   const double truth = reference::distance({model.mesh()}, {probe<Model>().mesh(), b.pose}).upper;
-  Pair pair;
+  QueryCache cache;
   for (int k = 0;; ++k) {
     bool threw = false, failed = false;
     {
       const FailingHeap heap(k, Failing::once);
-      threw = throws_bad_alloc([&] { distance(a, b, {}, pair); });
+      threw = throws_bad_alloc([&] { distance(a, b, {}, cache); });
       failed = heap.has_failed();
     }
     EXPECT_EQ(threw, failed);
-    EXPECT_EQ(distance(a, b, {}, pair).upper, distance(a, b).upper);
-    EXPECT_NEAR(distance(a, b, {}, pair).upper, truth, tolerance);
-    EXPECT_FALSE(collide(a, b, pair).collision);
-    EXPECT_TRUE(within(a, b, truth * 1.01, pair).within);
+    EXPECT_EQ(distance(a, b, {}, cache).upper, distance(a, b).upper);
+    EXPECT_NEAR(distance(a, b, {}, cache).upper, truth, tolerance);
+    EXPECT_FALSE(collide(a, b, cache).collision);
+    EXPECT_TRUE(within(a, b, truth * 1.01, cache).within);
     if (!failed) break;
-    pair.forget();
+    cache.clear();
   }
 }
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The heap of this executable: operator new counts allocations and can be told to fail. oneTBB has a heap of its own,
-/// which nothing here sees.
+/// The heap of this executable: operator new counts allocations and can be told to fail. The heap of oneTBB is not
+/// included.
 namespace limber::testing {
 
 /// Allocations by all threads so far, failed ones included.
@@ -17,7 +17,8 @@ enum class Failing {
   always,  ///< it and all that follow fail
 };
 
-/// While it lives, allocation `first` (0 is the next one) by any thread throws std::bad_alloc. One at a time.
+/// While an object lives, allocation `first` (0 is the next one) by any thread throws std::bad_alloc. There may be one
+/// object at a time.
 class FailingHeap {
  public:
   FailingHeap(std::int64_t first, Failing failing);

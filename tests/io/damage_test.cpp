@@ -9,7 +9,7 @@ namespace {
 
 using Damage = FilesTest;
 
-/// Formats that say how much they hold, so that no truncation can go unnoticed but that of trailing blanks.
+/// Formats that state their length, so that every truncation is noticed, except one of trailing blanks.
 bool states_its_length(const std::string& name) { return !name.ends_with(".obj"); }
 
 TEST_F(Damage, every_truncation_is_refused_with_one_line) {
@@ -19,9 +19,9 @@ TEST_F(Damage, every_truncation_is_refused_with_one_line) {
       if (!file) {
         EXPECT_TRUE(is_one_line_about(path(name), file.error().text)) << file.error().text;
       } else if (states_its_length(name)) {
-        // What is left out may be the last line's end, a solid's name after "endsolid", or digits of the last index.
+        // A truncation may leave out the last line's end, a solid's name after "endsolid", or digits of the last index.
         const bool keeps_all = size + 1 == bytes.size() || bytes.substr(0, size).find("endsolid") != std::string::npos;
-        EXPECT_TRUE(keeps_all) << name << " cut at " << size << " of " << bytes.size();
+        EXPECT_TRUE(keeps_all) << name << " truncated at " << size << " of " << bytes.size();
       } else {
         EXPECT_LE(file->face_count, 4U);
       }

@@ -20,7 +20,7 @@
 
 #include "limber/io.h"
 
-/// Mesh files made on the spot, in a folder of each test's own.
+/// Mesh files that tests write, each test in a folder of its own.
 namespace limber {
 
 class FilesTest : public ::testing::Test {

@@ -151,7 +151,7 @@ constexpr long memory_factor = 8;  // freed memory is kept for a while
 constexpr long memory_factor = 1;
 #endif
 
-/// Files of nearly a megabyte, made of what takes most memory for its length in each format.
+/// Files of nearly a megabyte whose content takes the most memory for its length in each format.
 std::vector<std::pair<std::string, std::string>> dense_files() {
   constexpr std::size_t bytes = 1'000'000;
   const std::string corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

@@ -84,7 +84,7 @@ TEST_F(Sequence, first_face_that_differs_is_named) {
   ASSERT_TRUE(frames);
   for (const auto& [faces, differing] : std::vector<std::pair<std::string, std::string>>{
            {"f 1 2 3\nf 4 3 2\nf 1 2 4 3\nf 1 4 3\n", "face 1"},
-           {"f 1 2 3\nf 2 4 3\nf 1 2 4\nf 3 1 4 3\n", "face 2"},  // the same corners, cut elsewhere
+           {"f 1 2 3\nf 2 4 3\nf 1 2 4\nf 3 1 4 3\n", "face 2"},  // the same corners, split elsewhere
            {"f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 2\n", "face 3"}}) {
     const Result<Positions> frame = frames->read_positions(write("2.obj", vertices + faces), 2);
     ASSERT_FALSE(frame);

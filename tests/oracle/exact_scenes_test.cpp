@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Distances and decisions against exact arithmetic, with no tolerance but the one that docs/algorithms/numerics.md
+// Distances and decisions compared with exact arithmetic, within the tolerance that docs/algorithms/numerics.md
 // states. The numbers of pairs, scenes and sequences come from LIMBER_EXACT_PAIRS, _SCENES and _SEQUENCES.
 #include <gtest/gtest.h>
 
@@ -58,13 +58,13 @@ std::vector<Triangle> placed(const Mesh& mesh, const Transform& pose) {
   return triangles;
 }
 
-/// The exact squared distance of placed meshes, and what an answer may be off by.
+/// The exact squared distance of placed meshes, and the error that an answer may have.
 struct Truth {
   exact::Fraction squared;
   double tolerance;  // of a distance of `distance`
 };
 
-/// Looks at all pairs in float64, whose error ExactPairs bounds, and at those that may be closest in exact arithmetic.
+/// Compares all pairs in float64, whose error ExactPairs bounds, and those that may be closest in exact arithmetic too.
 Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, const Transform& pose_b,
                const Witness* witness) {
   struct Pair {
@@ -73,7 +73,7 @@ Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, 
   };
   const std::vector<Triangle> a = placed(mesh_a, pose_a), b = placed(mesh_b, pose_b);
   std::vector<Pair> pairs;
-  double nearest = std::numeric_limits<double>::infinity(), reach = 0;
+  double nearest = std::numeric_limits<double>::infinity(), largest_coordinate = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
       const double distance = closest_points(a[i], b[j]).distance, extent = extent_of(a[i], b[j]);
@@ -84,7 +84,7 @@ Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, 
   }
   std::erase_if(pairs, [&](const Pair& p) { return p.lower > nearest; });
   std::sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.upper < q.upper; });
-  // Where many are equally near, all but a few are so by construction.
+  // Where many pairs are equally near, they are so by construction, and a few of them are enough.
   if (pairs.size() > 12) pairs.resize(12);
   Truth truth{exact::squared_distance(a[pairs[0].a], b[pairs[0].b]), 0};
   double extent = 0;
@@ -95,25 +95,28 @@ Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, 
   if (witness != nullptr) extent = std::max(extent, extent_of(a[witness->triangle_a], b[witness->triangle_b]));
   const bool is_still = pose_a == Transform{} && pose_b == Transform{};
   for (const auto& [mesh, pose] : {std::pair(&mesh_a, &pose_a), std::pair(&mesh_b, &pose_b)}) {
-    for (const Vec3& p : mesh->positions()) reach = std::max(reach, max_abs(p) + max_abs(pose->translation));
+    for (const Vec3& p : mesh->positions())
+      largest_coordinate = std::max(largest_coordinate, max_abs(p) + max_abs(pose->translation));
   }
-  truth.tolerance = 0x1p-46 * extent + 0x1p-44 * nearest + (is_still ? 0 : 0x1p-45 * reach) + 0x1p-1021;
+  truth.tolerance = 0x1p-46 * extent + 0x1p-44 * nearest + (is_still ? 0 : 0x1p-45 * largest_coordinate) + 0x1p-1021;
   return truth;
 }
 
-/// Meshes of one scale or of two up to 2^400 apart, the smaller at a vertex of the larger; points, also far from their
-/// origin; poses or none.
+/// Meshes of one scale, or of two scales up to 2^400 apart with the smaller mesh at a vertex of the larger one; meshes
+/// that are points, some far from their origin; with poses and without.
 Scene scene_of_any_scales(Rng& rng) {
   if (rng.below(2) == 0) return arbitrary_scene(rng);
   const double large = std::ldexp(1.0, static_cast<int>(rng.below(300)) - 160);
   const double small = std::ldexp(large, -static_cast<int>(rng.below(400)));
   const Vec3 offset = rng.below(3) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{};
-  // Enough triangles for trees of two levels and more: only there are nodes of one model seen from the other.
+  // Enough triangles for trees of two levels and more: only they have nodes that are projected in the other's frame.
   Mesh a = arbitrary_mesh(rng, rng.below(2) == 0 ? 300 : 12, offset, large), b = arbitrary_mesh(rng, 100, {}, small);
   const Vec3 vertex = a.positions()[rng.below(a.positions().size())];
-  // At the vertex, near it, or so far away that float64 hardly resolves the small one.
-  const double away = rng.below(3) == 0 ? 0 : rng.below(2) == 0 ? 4 : std::ldexp(1, static_cast<int>(rng.below(55)));
-  const Vec3 at = vertex + small * away * uniform_point(rng);
+  // At the vertex, near it, or so far from it that float64 hardly resolves the small mesh.
+  const double separation = rng.below(3) == 0   ? 0
+                            : rng.below(2) == 0 ? 4
+                                                : std::ldexp(1, static_cast<int>(rng.below(55)));
+  const Vec3 at = vertex + small * separation * uniform_point(rng);
   Transform pose_b;
   if (rng.below(4) == 0) {  // a mesh that is a point
     b = Mesh::create(std::vector<Vec3>(b.positions().size(), at), b.triangles()).value();
@@ -126,11 +129,11 @@ Scene scene_of_any_scales(Rng& rng) {
   return {std::move(a), std::move(b), {}, pose_b, 0, 0};
 }
 
-/// Every answer about two models against the exact truth.
+/// Compares all answers about two models with the exact distance.
 void check(const Model& model_a, const Transform& pose_a, const Model& model_b, const Transform& pose_b, Rng& rng,
-           Pair* pair) {
+           QueryCache* cache) {
   const Placed a{model_a, pose_a}, b{model_b, pose_b};
-  const DistanceResult found = pair != nullptr ? distance(a, b, {}, *pair) : distance(a, b);
+  const DistanceResult found = cache != nullptr ? distance(a, b, {}, *cache) : distance(a, b);
   const Truth truth = truth_of(model_a.mesh(), pose_a, model_b.mesh(), pose_b, &found.witness);
   const bool meets = truth.squared == 0;
   ASSERT_EQ(found.status, meets ? Status::collision : Status::exact);
@@ -140,7 +143,7 @@ void check(const Model& model_a, const Transform& pose_a, const Model& model_b, 
   ASSERT_TRUE(exact::is_at_least(found.upper, truth.squared, truth.tolerance)) << found.upper;
   ASSERT_EQ(collide(a, b).collision, meets);
   ASSERT_EQ(within(a, b, 0).within, meets);
-  // A limit that an answer met is met again.
+  // The models are within the distance that the query has returned.
   ASSERT_TRUE(within(a, b, found.upper).within);
   ASSERT_NE(distance(a, b, {.max_distance = found.upper}).status, Status::beyond_limit);
   ASSERT_NE(distance(b, a, {.max_distance = found.upper + truth.tolerance}).status, Status::beyond_limit);
@@ -176,7 +179,7 @@ TEST(ExactScenes, OfAnyScalesAreAnsweredWithinTheStatedError) {
   EXPECT_GT(meeting, scenes / 50);
 }
 
-/// A model that collapses to a point, a line or a plane, shrinks or grows by powers of two, and comes back.
+/// Positions that collapse to a point, a line or a plane, shrink or grow by powers of two, or are those of `home`.
 std::vector<Vec3> deformed(Rng& rng, const std::vector<Vec3>& home) {
   std::vector<Vec3> positions = home;
   const Vec3 at = rng.below(2) == 0 ? home[rng.below(home.size())] : uniform_point(rng, -2, 2);
@@ -199,28 +202,28 @@ TEST(ExactScenes, OfDeformingModelsAreAnsweredWithinTheStatedError) {
   std::uint64_t i = 0;
   for (; i < sequences && !HasFatalFailure(); ++i) {
     SCOPED_TRACE("sequence " + std::to_string(i));
-    const double slack = rng.below(2) == 0 ? 0 : rng.below(2) == 0 ? ModelOptions::automatic : 0.05;
-    Model bent(arbitrary_mesh(rng, rng.below(2) == 0 ? 100 : 12, {}, 1), {.slack = slack});
+    const double motion_margin = rng.below(2) == 0 ? 0 : rng.below(2) == 0 ? ModelOptions::automatic : 0.05;
+    Model deforming(arbitrary_mesh(rng, rng.below(2) == 0 ? 100 : 12, {}, 1), {.motion_margin = motion_margin});
     const Model still(arbitrary_mesh(rng, rng.below(2) == 0 ? 100 : 8, {}, 1));
-    const std::vector<Vec3> home = bent.mesh().positions();
-    Pair pair;
+    const std::vector<Vec3> home = deforming.mesh().positions();
+    QueryCache cache;
     for (int frame = 0; frame < 8 && !HasFatalFailure(); ++frame) {
       const std::vector<Vec3> positions = deformed(rng, home);
       if (rng.below(2) == 0) {
-        ASSERT_TRUE(static_cast<bool>(bent.move_all(positions)));
+        ASSERT_TRUE(static_cast<bool>(deforming.move_all(positions)));
       } else {
         std::vector<VertexId> ids;
         std::vector<Vec3> some_positions;
         for (VertexId v = 0; v < positions.size(); v += 1 + static_cast<VertexId>(rng.below(3))) {
           ids.push_back(v), some_positions.push_back(positions[v]);
         }
-        ASSERT_TRUE(static_cast<bool>(bent.move_vertices(ids, some_positions)));
+        ASSERT_TRUE(static_cast<bool>(deforming.move_vertices(ids, some_positions)));
       }
-      bent.commit();
-      const Result<void> valid = bent.validate();
+      deforming.commit();
+      const Result<void> valid = deforming.validate();
       ASSERT_TRUE(static_cast<bool>(valid)) << valid.error().text;
-      const double away = rng.below(2) == 0 ? 2 : std::ldexp(1, static_cast<int>(rng.below(50)));
-      check(bent, {}, still, rng.below(2) == 0 ? Transform{} : random_pose(rng, away), rng, &pair);
+      const double range = rng.below(2) == 0 ? 2 : std::ldexp(1, static_cast<int>(rng.below(50)));
+      check(deforming, {}, still, rng.below(2) == 0 ? Transform{} : random_pose(rng, range), rng, &cache);
     }
   }
   std::cout << i << " sequences\n";

@@ -62,10 +62,10 @@ TEST(ProgramBadInput, Numbers) {
     return Words{"track", "--a", "scene:ball", "--b", "scene:ball", "--engine", "classic", option, value};
   };
   for (const std::string value : {"-0.1", "nan", "inf", "automatic", ""}) {
-    expect_refused(track_with("--slack", value), "--slack: must be a finite number >= 0, or auto");
+    expect_refused(track_with("--motion-margin", value), "--motion-margin: must be a finite number >= 0, or auto");
   }
-  expect_refused(classic_with("--slack", "1e9"), "--slack: must be a number from 0");
-  expect_refused(classic_with("--slack", "auto"), "--slack: must be a number from 0");
+  expect_refused(classic_with("--extra-radius", "1e9"), "--extra-radius: must be a number from 0");
+  expect_refused(classic_with("--extra-radius", "auto"), "--extra-radius: must be a number from 0");
   expect_refused(track_with("--mode", "batched"), "--mode: belongs to --engine classic");
   expect_refused(track_with("--stale-ratio", "2"), "--stale-ratio: belongs to --engine classic");
   expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--engine", "reference"},

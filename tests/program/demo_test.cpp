@@ -19,7 +19,7 @@ std::string page_at(const std::string& path) {
   return text.str();
 }
 
-/// What the page's tags leave open at its end, or the first tag that closes another than the last opened one.
+/// The last tag without an end tag, or the first end tag that does not match the last start tag.
 std::string unbalanced_tag(const std::string& page) {
   std::vector<std::string> open;
   const std::regex tag("<(/?)([a-z0-9]+)[^>]*?(/?)>");
@@ -84,16 +84,16 @@ TEST(ProgramDemo, SummaryAsJson) {
   }
 }
 
-TEST(ProgramDemo, IsTheSameForEveryModeAndEverySlack) {
+TEST(ProgramDemo, IsTheSameForEveryModeAndEveryMargin) {
   const Folder folder;
   const auto play = [&](std::vector<std::string> options) {
     options.insert(options.begin(), {"demo", "--frames", "20", "--no-check", "--json", "--out", folder.path("x.html")});
     return json_of(run(options));
   };
-  const nlohmann::json fast = play({}), tuned = play({"--slack", "auto"});
+  const nlohmann::json fast = play({}), tuned = play({"--motion-margin", "auto"});
   const nlohmann::json by_depth = play({"--engine", "classic"});
   const nlohmann::json immediate = play({"--engine", "classic", "--mode", "immediate"});
-  const nlohmann::json loose = play({"--engine", "classic", "--slack", "0.2"});
+  const nlohmann::json loose = play({"--engine", "classic", "--extra-radius", "0.2"});
   EXPECT_NEAR(fast["min_distance"].get<double>(), by_depth["min_distance"].get<double>(), 1e-12);
   EXPECT_NEAR(tuned["min_distance"].get<double>(), by_depth["min_distance"].get<double>(), 1e-12);
   EXPECT_EQ(by_depth["brute_force"], "skipped");

@@ -10,7 +10,7 @@ namespace {
 TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
   const Folder folder;
   // A unit square of two triangles, a copy of one turned over, a third triangle at their common edge, one segment-like
-  // triangle away from all, a stray vertex; the last vertex repeats the first.
+  // triangle apart from all others, a stray vertex. The last vertex repeats the first.
   const std::string file = folder.store("odd.obj",
                                         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 2\n"
                                         "v 5 5 5\nv 6 6 6\nv 7 7 7\nv 100 0 0\nv 0 0 0\n"

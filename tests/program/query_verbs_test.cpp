@@ -144,7 +144,7 @@ TEST(ProgramDistance, QuaternionsMayHaveAnyLength) {
   const auto upper = [](const std::string& pose) {
     return json_of(run({"distance", "scene:square", "scene:ball", "--json", "--pose-a", pose}))["upper"].get<double>();
   };
-  // A quarter turn about x makes the square upright, 3 units away from the ball's middle.
+  // A quarter turn about x makes the square upright, 3 units from the center of the ball.
   EXPECT_NEAR(upper("0,3,0,1,1,0,0"), 2, 0.02);
   EXPECT_EQ(upper("0,3,0,1,1,0,0"), upper("0,3,0,1e-200,1e-200,0,0"));
   EXPECT_EQ(upper("0,3,0,1,1,0,0"), upper(" 0, +3, 0,\t-8e100,-8e100,0,0"));

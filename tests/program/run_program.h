@@ -9,7 +9,7 @@
 
 #include "limber/mesh.h"
 
-/// The built program as its users meet it: arguments in, standard output, standard error and exit code out.
+/// Runs the built program as users do: arguments in; standard output, standard error and exit code out.
 namespace limber::program_tests {
 
 struct Outcome {

@@ -80,7 +80,7 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   }
   EXPECT_EQ(rows[0].at("moved_vertices"), "0");
   EXPECT_EQ(rows[1].at("moved_vertices"), "81");
-  EXPECT_EQ(rows[1].at("refits"), "4");  // blocks: two of leaves, and what lies above them
+  EXPECT_EQ(rows[1].at("refits"), "4");  // 8-wide nodes: two above leaves, and their ancestors
   EXPECT_EQ(classic_rows[1].at("refits"), "255");
   EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
 }
@@ -113,7 +113,7 @@ TEST(ProgramTrack, MaintenanceModesDoDifferentWorkForTheSameDistances) {
   }
   const auto loose = json_lines_of(
       run(track(waves, {"scene:ball"},
-                {"--poses-b", poses, "--json", "--engine", "classic", "--slack", "0.3", "--stale-ratio", "3"})));
+                {"--poses-b", poses, "--json", "--engine", "classic", "--extra-radius", "0.3", "--stale-ratio", "3"})));
   std::uint64_t absorbed = 0;
   for (std::size_t f = 0; f < 4; ++f) {
     for (const std::string mode : {"immediate", "batched"}) {
@@ -131,20 +131,20 @@ TEST(ProgramTrack, MaintenanceModesDoDifferentWorkForTheSameDistances) {
   EXPECT_GT(absorbed, 0U);
 }
 
-TEST(ProgramTrack, SlackOfTheFastEngineAbsorbsAndChangesNoDistance) {
+TEST(ProgramTrack, MotionMarginOfTheFastEngineAbsorbsAndChangesNoDistance) {
   const Folder folder;
   const Words waves = stored_waves(folder, 4, true);
   const std::string poses = folder.store("pose.csv", ball_above);
   const auto tight = json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
-  for (const std::string slack : {"0.5", "auto"}) {
+  for (const std::string margin : {"0.5", "auto"}) {
     const auto loose =
-        json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--slack", slack})));
+        json_lines_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--motion-margin", margin})));
     std::uint64_t absorbed = 0;
     for (std::size_t f = 0; f < 4; ++f) {
       EXPECT_NEAR(loose[f]["upper"].get<double>(), tight[f]["upper"].get<double>(), 1e-14);
       absorbed += loose[f]["absorbed"].get<std::uint64_t>();
     }
-    EXPECT_GT(absorbed, 0U) << slack;
+    EXPECT_GT(absorbed, 0U) << margin;
   }
 }
 
@@ -164,7 +164,7 @@ TEST(ProgramTrack, PosesMoveRigidModels) {
   EXPECT_EQ(rows[3].at("status"), "collision");
 }
 
-TEST(ProgramTrack, BothModelsMayBend) {
+TEST(ProgramTrack, BothModelsMayDeform) {
   const auto rows = json_lines_of(
       run({"track", "--a", "scene:wave:0", "scene:wave:1", "--b", "scene:wave:5", "scene:wave:6", "--json"}));
   ASSERT_EQ(rows.size(), 2U);
@@ -207,7 +207,7 @@ TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
   EXPECT_EQ(lines_of(outcome.err).size(), 1U);
 }
 
-TEST(ProgramTrack, OneModelMayBendWhileTheOtherMoves) {
+TEST(ProgramTrack, OneModelMayDeformWhileTheOtherMoves) {
   const Folder folder;
   const Words waves = stored_waves(folder, 2, false);
   const std::string poses = folder.store("poses.csv", "2,2,3,1,0,0,0\n2,2,2,1,0,0,0\n");

@@ -31,9 +31,9 @@ void require_witness(const Scene& s, const Witness& w, double distance) {
 
 /// `a` and `b` are models of the scene's meshes; `truth` is the reference's distance.
 void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Placed& b, double truth) {
-  const double slack = s.tolerance;
+  const double tolerance = s.tolerance;
   const DistanceResult exact = distance(a, b);
-  RC_ASSERT(std::abs(exact.upper - truth) <= slack);
+  RC_ASSERT(std::abs(exact.upper - truth) <= tolerance);
   RC_ASSERT(exact.lower == exact.upper);
   RC_ASSERT((exact.upper == 0) == (truth == 0));
   RC_ASSERT(exact.status == (truth == 0 ? Status::collision : Status::exact));
@@ -47,21 +47,21 @@ void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Plac
   const double relative = rng.uniform(0, 1), absolute = rng.below(2) == 0 ? 0 : rng.uniform(0, 1) * s.size / 20;
   const DistanceResult rough = distance(a, b, {.relative_error = relative, .absolute_error = absolute});
   RC_ASSERT((rough.upper == 0) == (truth == 0));
-  RC_ASSERT(rough.lower <= truth + slack);
-  RC_ASSERT(rough.upper >= truth - slack);
-  RC_ASSERT(rough.upper <= std::max(truth * (1 + relative), truth + absolute) + slack);
+  RC_ASSERT(rough.lower <= truth + tolerance);
+  RC_ASSERT(rough.upper >= truth - tolerance);
+  RC_ASSERT(rough.upper <= std::max(truth * (1 + relative), truth + absolute) + tolerance);
   require_witness(s, rough.witness, rough.upper);
 
   const double limit = rng.below(4) == 0 ? truth : truth * (0.5 + 0.5 * static_cast<double>(rng.below(3)));
-  if (std::abs(limit - truth) > slack || limit == 0) {
+  if (std::abs(limit - truth) > tolerance || limit == 0) {
     const WithinResult near = within(a, b, limit);
     RC_ASSERT(near.within == (truth <= limit));
     RC_ASSERT(near.witness.has_value() == near.within);
     const DistanceResult limited = distance(a, b, {.max_distance = limit});
     RC_ASSERT((limited.status == Status::beyond_limit) == (truth > limit));
-    RC_ASSERT(limited.lower <= truth + slack);
+    RC_ASSERT(limited.lower <= truth + tolerance);
     if (truth > limit) RC_ASSERT(limited.upper == infinity && limited.lower >= limit);
-    if (truth <= limit) RC_ASSERT(std::abs(limited.upper - truth) <= slack);
+    if (truth <= limit) RC_ASSERT(std::abs(limited.upper - truth) <= tolerance);
   }
 }
 
@@ -74,16 +74,16 @@ RC_GTEST_PROP(FastEngine, IsRightOnAnySceneAtAnySetting, (std::uint64_t seed)) {
   const double truth = reference::distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).upper;
   require_right_answers(rng, s, a, b, truth);
 
-  Pair pair;
-  distance(a, {model_b, random_pose(rng, 1)}, {}, pair);  // a start that is no help
-  const DistanceResult warm = distance(a, b, {}, pair);
+  QueryCache cache;
+  distance(a, {model_b, random_pose(rng, 1)}, {}, cache);  // a start that does not help
+  const DistanceResult warm = distance(a, b, {}, cache);
   RC_ASSERT(std::abs(warm.upper - truth) <= s.tolerance);
-  RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+  RC_ASSERT(collide(a, b, cache).collision == (truth == 0));
   const DistanceResult swapped = distance(b, a);
   RC_ASSERT(std::abs(swapped.upper - truth) <= s.tolerance);
 }
 
-/// A step of a motion: usually small, sometimes none, a jump, or one far away; from there back home.
+/// One step of a motion: usually small, sometimes none, a jump, or a jump far away, after which it is back to `home`.
 Transform step_from(Rng& rng, const Transform& pose, const Transform& home, double size) {
   if (rng.below(8) == 0) return pose;
   if (length(pose.translation - home.translation) > 100 * size) return home;
@@ -95,40 +95,40 @@ Transform step_from(Rng& rng, const Transform& pose, const Transform& home, doub
   return {turn.rotation * pose.rotation, pose.translation + (most * size) * uniform_point(rng)};
 }
 
-RC_GTEST_PROP(FastEngine, PairsAreRightAlongAnyMotion, (std::uint64_t seed)) {
+RC_GTEST_PROP(FastEngine, CachesAreRightAlongAnyMotion, (std::uint64_t seed)) {
   Rng rng(seed);
   Scene s = arbitrary_scene(rng);
   const Model model_a(s.mesh_a), model_b(s.mesh_b);
   const Transform home_a = s.pose_a, home_b = s.pose_b;
-  const double tolerance = s.tolerance;
-  Pair pair;
+  const double tolerance_at_home = s.tolerance;
+  QueryCache cache;
   for (int frame = 0; frame < 20; ++frame) {
     if (rng.below(4) == 0) s.pose_a = step_from(rng, s.pose_a, home_a, s.size);
     s.pose_b = step_from(rng, s.pose_b, home_b, s.size);
-    s.tolerance = tolerance + 1e-14 * (length(s.pose_a.translation) + length(s.pose_b.translation));
+    s.tolerance = tolerance_at_home + 1e-14 * (length(s.pose_a.translation) + length(s.pose_b.translation));
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
-    const double truth = distance(a, b).upper, slack = s.tolerance;
-    if (rng.below(20) == 0) distance(b, a, {}, pair);  // the other way round is another pair
+    const double truth = distance(a, b).upper, tolerance = s.tolerance;
+    if (rng.below(20) == 0) distance(b, a, {}, cache);  // the cache does not fit the models in this order
     switch (rng.below(5)) {
       case 0:
-        RC_ASSERT(collide(a, b, pair).collision == (truth == 0));
+        RC_ASSERT(collide(a, b, cache).collision == (truth == 0));
         break;
       case 1: {
         const double limit = truth * rng.uniform(0, 2);
-        if (std::abs(limit - truth) > slack) RC_ASSERT(within(a, b, limit, pair).within == (truth <= limit));
+        if (std::abs(limit - truth) > tolerance) RC_ASSERT(within(a, b, limit, cache).within == (truth <= limit));
         break;
       }
       case 2: {
         const double error = rng.uniform(0, 1);
-        const DistanceResult rough = distance(a, b, {.relative_error = error}, pair);
+        const DistanceResult rough = distance(a, b, {.relative_error = error}, cache);
         RC_ASSERT((rough.upper == 0) == (truth == 0));
-        RC_ASSERT(rough.lower <= truth + slack && rough.upper >= truth - slack);
-        RC_ASSERT(rough.upper <= truth * (1 + error) + slack);
+        RC_ASSERT(rough.lower <= truth + tolerance && rough.upper >= truth - tolerance);
+        RC_ASSERT(rough.upper <= truth * (1 + error) + tolerance);
         break;
       }
       default: {
-        const DistanceResult exact = distance(a, b, {}, pair);
-        RC_ASSERT(std::abs(exact.upper - truth) <= slack);
+        const DistanceResult exact = distance(a, b, {}, cache);
+        RC_ASSERT(std::abs(exact.upper - truth) <= tolerance);
         RC_ASSERT((exact.upper == 0) == (truth == 0));
         require_witness(s, exact.witness, exact.upper);
       }

@@ -83,9 +83,9 @@ bool lies_on(const Vec3& point, const Triangle& model_triangle, const Transform&
   return closest_points(point, t).distance <= tolerance;
 }
 
-/// Everything the two engines promise about one pair of placed models.
+/// All promises of the classic engine about two placed models, compared with brute force.
 void require_right_answers(Rng& rng, const classic::Placed& a, const classic::Placed& b) {
-  const reference::Placed brute_a{a.model.mesh(), a.pose}, brute_b{b.model.mesh(), b.pose};
+  const reference::Placed brute_a{a.model().mesh(), a.pose}, brute_b{b.model().mesh(), b.pose};
   const double size = 16 + length(a.pose.translation) + length(b.pose.translation);
   const double tolerance = 1e-14 * size;
 
@@ -107,12 +107,12 @@ void require_right_answers(Rng& rng, const classic::Placed& a, const classic::Pl
     RC_ASSERT(found.upper >= truth.upper);
     RC_ASSERT(found.upper <= truth.upper * (1 + error) * (1 + 1e-15));
     if (error == 0) RC_ASSERT(found.upper == truth.upper && found.lower == found.upper);
-    RC_ASSERT(lies_on(w.point_a, a.model.mesh().triangle(w.triangle_a), a.pose, tolerance));
-    RC_ASSERT(lies_on(w.point_b, b.model.mesh().triangle(w.triangle_b), b.pose, tolerance));
+    RC_ASSERT(lies_on(w.point_a, a.model().mesh().triangle(w.triangle_a), a.pose, tolerance));
+    RC_ASSERT(lies_on(w.point_b, b.model().mesh().triangle(w.triangle_b), b.pose, tolerance));
     RC_ASSERT(std::abs(length(w.point_b - w.point_a) - found.upper) <= tolerance);
     if (found.upper == 0) {
       RC_ASSERT(w.point_a == w.point_b);
-      const Triangle ta = a.model.mesh().triangle(w.triangle_a), tb = b.model.mesh().triangle(w.triangle_b);
+      const Triangle ta = a.model().mesh().triangle(w.triangle_a), tb = b.model().mesh().triangle(w.triangle_b);
       RC_ASSERT(
           intersects({a.pose(ta.v0), a.pose(ta.v1), a.pose(ta.v2)}, {b.pose(tb.v0), b.pose(tb.v1), b.pose(tb.v2)}));
     }

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Sequences of everything that can be done to a model that deforms, against brute force: 100 000 from one generator
-// (LIMBER_UPDATE_SEQUENCES takes another number), and a few thousand that are made smaller when they fail, so that what
-// is printed is short.
+// Random sequences of all operations on a deforming model, compared with brute force: 100 000 from one generator
+// (LIMBER_UPDATE_SEQUENCES sets another number), and a few thousand that are shrunk when they fail, so that the printed
+// sequence is short.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -23,12 +23,12 @@ Shape drawn_shape(Rng& rng, std::uint32_t most) {
 }
 
 Start drawn_start(Rng& rng) {
-  const double slacks[] = {0, ModelOptions::automatic, std::pow(10.0, rng.uniform(-4, 0.5))};
+  const double margins[] = {0, ModelOptions::automatic, std::pow(10.0, rng.uniform(-4, 0.5))};
   const Shape shape = drawn_shape(rng, rng.below(8) == 0 ? 150 : 12), still = drawn_shape(rng, 5);
-  return {shape, still, slacks[rng.below(3)], static_cast<Restructuring>(rng.below(3))};
+  return {shape, still, margins[rng.below(3)], static_cast<RebuildPolicy>(rng.below(3))};
 }
 
-/// Moves more often than anything else.
+/// Kinds that are drawn more often than the others.
 constexpr Update::Kind often[] = {Update::Kind::move, Update::Kind::move, Update::Kind::move_all, Update::Kind::check,
                                   Update::Kind::check};
 
@@ -43,7 +43,7 @@ Update drawn_update(Rng& rng) {
 TEST(UpdateSequences, LeaveEveryModelSoundAndEveryAnswerRight) {
   Rng rng(91);
   const std::uint64_t all = count_from("LIMBER_UPDATE_SEQUENCES", 100'000);
-  std::uint64_t sequences = 0, steps = 0, restructured = 0;
+  std::uint64_t sequences = 0, steps = 0, rebuilt_triangles = 0;
   for (; sequences < all; ++sequences) {
     const Start start = drawn_start(rng);
     Subject subject(start);
@@ -54,11 +54,11 @@ TEST(UpdateSequences, LeaveEveryModelSoundAndEveryAnswerRight) {
       const std::string wrong = subject.apply(done.back());
       ASSERT_EQ(wrong, "") << "in sequence " << sequences << ": " << start << ::testing::PrintToString(done);
     }
-    restructured += subject.model().maintenance_stats().restructured;
+    rebuilt_triangles += subject.model().maintenance_stats().rebuilt_triangles;
   }
-  std::printf("%.0f sequences, %.0f steps, %.0f triangles put into other leaves\n", static_cast<double>(sequences),
-              static_cast<double>(steps), static_cast<double>(restructured));
-  EXPECT_GT(restructured, all);
+  std::printf("%.0f sequences, %.0f steps, %.0f triangles assigned to leaves anew\n", static_cast<double>(sequences),
+              static_cast<double>(steps), static_cast<double>(rebuilt_triangles));
+  EXPECT_GT(rebuilt_triangles, all);
 }
 
 rc::Gen<Shape> shapes(std::uint32_t most) {
@@ -71,9 +71,9 @@ rc::Gen<Shape> shapes(std::uint32_t most) {
 rc::Gen<Start> starts() {
   return rc::gen::build<Start>(
       rc::gen::set(&Start::shape, shapes(80)), rc::gen::set(&Start::still, shapes(5)),
-      rc::gen::set(&Start::slack, rc::gen::element(0.0, 1e-3, 0.1, 3.0, ModelOptions::automatic)),
-      rc::gen::set(&Start::restructuring,
-                   rc::gen::element(Restructuring::off, Restructuring::in_commits, Restructuring::on_worker)));
+      rc::gen::set(&Start::motion_margin, rc::gen::element(0.0, 1e-3, 0.1, 3.0, ModelOptions::automatic)),
+      rc::gen::set(&Start::rebuild_policy,
+                   rc::gen::element(RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker)));
 }
 
 rc::Gen<Update> updates() {

@@ -16,9 +16,10 @@ namespace limber::testing {
 namespace {
 
 constexpr const char* shape_names[] = {"ball", "sheet", "uniform soup", "lattice soup", "small soup", "needles"};
-constexpr const char* update_names[] = {"move",   "move_to_own", "move_all",    "stay",  "collapse", "regrow", "scale",
-                                        "reject", "set_slack",   "restructure", "reset", "commit",   "check"};
-constexpr const char* policy_names[] = {"off", "in_commits", "on_worker"};
+constexpr const char* update_names[] = {"move",  "move_to_own", "move_all",          "stay",    "collapse", "regrow",
+                                        "scale", "reject",      "set_motion_margin", "rebuild", "reset",    "commit",
+                                        "check"};
+constexpr const char* policy_names[] = {"off", "in_commit", "on_worker"};
 
 double power_of_ten(int exponent) { return std::pow(10.0, exponent); }
 
@@ -63,8 +64,8 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape) {
 }
 
 std::ostream& operator<<(std::ostream& out, const Start& start) {
-  return out << start.shape << "; beside it a " << start.still << "; slack " << start.slack << "; "
-             << policy_names[static_cast<std::size_t>(start.restructuring)];
+  return out << start.shape << "; beside it a " << start.still << "; motion margin " << start.motion_margin << "; "
+             << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
 }
 
 std::ostream& operator<<(std::ostream& out, const Update& update) {
@@ -75,7 +76,7 @@ std::ostream& operator<<(std::ostream& out, const Update& update) {
 Subject::Subject(const Start& start)
     : mesh_(start.shape.mesh()),
       first_(mesh_.positions()),
-      model_(mesh_, {.slack = start.slack, .restructuring = start.restructuring}),
+      model_(mesh_, {.motion_margin = start.motion_margin, .rebuild_policy = start.rebuild_policy}),
       still_(start.still.mesh()) {}
 
 std::string Subject::apply(const Update& update) {
@@ -105,12 +106,12 @@ std::string Subject::apply(const Update& update) {
       return move_all_to(positions);
     case Update::Kind::reject:
       return reject(rng);
-    case Update::Kind::set_slack:
-      model_.set_slack(update.count == 1 ? 0 : update.count == 2 ? ModelOptions::automatic : step);
+    case Update::Kind::set_motion_margin:
+      model_.set_motion_margin(update.count == 1 ? 0 : update.count == 2 ? ModelOptions::automatic : step);
       return "";
-    case Update::Kind::restructure:
-      model_.restructure();
-      return model_.is_committed() ? "" : "restructure left the model uncommitted";
+    case Update::Kind::rebuild:
+      model_.rebuild();
+      return model_.is_committed() ? "" : "rebuild left the model uncommitted";
     case Update::Kind::reset:
       for (Vec3& p : positions) p += step * uniform_point(rng);
       mesh_.set_positions(positions);
@@ -170,7 +171,7 @@ std::string Subject::reject(Rng& rng) {
 std::string Subject::check(std::uint32_t draw) {
   model_.commit();
   if (!model_.is_committed()) return "the model is not committed";
-  if (model_.mesh().positions() != mesh_.positions()) return "vertices are not where they were sent";
+  if (model_.mesh().positions() != mesh_.positions()) return "vertices are not where they were moved to";
   if (const Result<void> valid = model_.validate(); !valid) return valid.error().text;
   // The number of levels: docs/algorithms/bounds.md.
   const std::size_t leaves = (mesh_.triangles().size() + 7) / 8;
@@ -182,20 +183,20 @@ std::string Subject::check(std::uint32_t draw) {
 }
 
 std::string Subject::compare(const Transform& pose) {
-  // Of what is compared: the coordinates that placing and subtracting round.
+  // The size of the coordinates that are rounded when triangles are placed and compared.
   const double extent = largest_coordinate(mesh_) + largest_coordinate(still_.mesh()) + max_abs(pose.translation);
   const double tolerance = 0x1p-45 * extent;  // docs/algorithms/numerics.md
   const Placed a{model_}, b{still_, pose};
   const double truth = reference::distance({mesh_}, {still_.mesh(), pose}).upper;
-  const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, pair_);
+  const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, cache_);
   for (const auto& [name, found] : {std::pair("cold", &cold), std::pair("warm", &warm)}) {
     const bool is_right = std::abs(found->upper - truth) <= tolerance && found->lower <= truth + tolerance &&
                           (found->upper == 0) == (truth == 0);
     if (!is_right) return text_of(name, " distance ", found->lower, " to ", found->upper, " but it is ", truth);
   }
   if (collide(a, b).collision != (truth == 0)) return text_of("cold collide is wrong at distance ", truth);
-  if (collide(a, b, pair_).collision != (truth == 0)) return text_of("warm collide is wrong at distance ", truth);
-  if (!within(a, b, truth + tolerance, pair_).within) return text_of("within denies ", truth);
+  if (collide(a, b, cache_).collision != (truth == 0)) return text_of("warm collide is wrong at distance ", truth);
+  if (!within(a, b, truth + tolerance, cache_).within) return text_of("within denies ", truth);
   if (truth > 4 * tolerance && within(a, b, 0.5 * truth).within) return text_of("within half of ", truth);
   return "";
 }

@@ -10,10 +10,10 @@
 #include "limber/model.h"
 #include "support/random_scene.h"
 
-/// Everything that can be done to a model that deforms, as data: drawn at random, printed, and made smaller.
+/// All operations on a deforming model as data, so that they can be drawn at random, printed, and shrunk.
 namespace limber::testing {
 
-/// A mesh that is the same for the same numbers.
+/// A mesh, determined by a kind and two numbers.
 struct Shape {
   enum class Kind { ball, sheet, uniform_soup, lattice_soup, small_soup, needles, count };
   Kind kind = Kind::ball;
@@ -24,27 +24,27 @@ struct Shape {
 };
 std::ostream& operator<<(std::ostream& out, const Shape& shape);
 
-/// What a Subject is made of.
+/// The initial state of a Subject.
 struct Start {
   Shape shape, still;
-  double slack = 0;
-  Restructuring restructuring = Restructuring::off;
+  double motion_margin = 0;
+  RebuildPolicy rebuild_policy = RebuildPolicy::off;
 };
 std::ostream& operator<<(std::ostream& out, const Start& start);
 
 struct Update {
   enum class Kind {
-    move,         ///< `count` vertices by up to 10^exponent, some of them twice
-    move_to_own,  ///< `count` vertices to positions that are the model's own
-    move_all,     ///< by up to 10^exponent
-    stay,         ///< all, to the model's own positions
-    collapse,     ///< all to one point, 10^exponent or 10^(4 exponent) from the origin
-    regrow,       ///< all to where they were at first
-    scale,        ///< all to 2^(draw % 121 - 60) times where they were at first
-    reject,       ///< updates that are refused
-    set_slack,    ///< to nothing, automatic, or 10^exponent
-    restructure,
-    reset,   ///< to the present mesh, by up to 10^exponent away
+    move,               ///< `count` vertices by up to 10^exponent, some of them twice
+    move_to_own,        ///< `count` vertices to positions that are the model's own
+    move_all,           ///< by up to 10^exponent
+    stay,               ///< all, to the model's own positions
+    collapse,           ///< all to one point, 10^exponent or 10^(4 exponent) from the origin
+    regrow,             ///< all to where they were at first
+    scale,              ///< all to 2^(draw % 121 - 60) times where they were at first
+    reject,             ///< updates that are refused
+    set_motion_margin,  ///< to 0, automatic, or 10^exponent
+    rebuild,
+    reset,   ///< to the present mesh, moved by up to 10^exponent
     commit,  ///< and give a worker time
     check,   ///< commit and compare
     count
@@ -52,11 +52,11 @@ struct Update {
   Kind kind = Kind::check;
   std::uint32_t count = 1;  ///< 1 to 5
   std::int32_t exponent = 0;
-  std::uint32_t draw = 0;  ///< of all that is random
+  std::uint32_t draw = 0;  ///< seed of all random choices
 };
 std::ostream& operator<<(std::ostream& out, const Update& update);
 
-/// A model, and what it should be.
+/// A model under test, and the mesh that it should have.
 class Subject {
  public:
   explicit Subject(const Start& start);
@@ -75,10 +75,10 @@ class Subject {
   std::string reject(Rng& rng);
   std::string compare(const Transform& pose);
 
-  Mesh mesh_;  // what the model should be
+  Mesh mesh_;  // the mesh that the model should have
   std::vector<Vec3> first_;
   Model model_, still_;
-  Pair pair_;
+  QueryCache cache_;
 };
 
 }  // namespace limber::testing

@@ -12,7 +12,7 @@
 namespace limber::scenes {
 namespace {
 
-/// The rounding of a vertex placed some units away.
+/// Rounding of vertices that are placed within a hundred units.
 constexpr double tolerance = 1e-14;
 
 TEST(BallOverSquare, LowestVertexIsAtTheSeparationOverTheSquare) {
@@ -47,7 +47,7 @@ TEST(BallOverSquare, PosesDifferInPlaceAndTurn) {
 }
 
 TEST(BallOverSquare, ExactDistanceIsTheSeparation) {
-  const Mesh plane = grid(8, 8, -4, -4, 1, 1);  // the square's plane, cut coarser
+  const Mesh plane = grid(8, 8, -4, -4, 1, 1);  // the plane of the square, in larger squares
   const Mesh mesh = thesis_ball();
   for (const std::uint32_t index : {0U, 1U, 2U}) {
     for (const double separation : {64.0, 1.0, 0.001}) {

@@ -8,7 +8,7 @@
 #include "limber/model.h"
 #include "limber/reference.h"
 
-/// The three engines behind one face, for tests that hold for all of them.
+/// The three engines behind one interface, for tests that hold for all of them.
 namespace limber::testing {
 
 struct FastEngine {

@@ -55,7 +55,7 @@ enum class PairKind {
   count
 };
 
-/// How a test with a kind as its parameter is called.
+/// The name of a test that has a kind as its parameter.
 inline void PrintTo(PairKind kind, std::ostream* out) {
   constexpr const char* names[] = {"uniform",  "lattice",     "near_lattice", "touching", "sliver",
                                    "coplanar", "shared_edge", "mixed_scale",  "far_away", "tiny_coordinates"};
@@ -159,9 +159,9 @@ inline Mesh soup(const std::vector<Triangle>& triangles) {
   return Mesh::create(std::move(positions), std::move(corners)).value();
 }
 
-inline Transform random_pose(Rng& rng, double reach) {
+inline Transform random_pose(Rng& rng, double range) {
   const Mat3 rotation = scenes::random_rotation(rng);
-  return {rotation, uniform_point(rng, -reach, reach)};
+  return {rotation, uniform_point(rng, -range, range)};
 }
 
 }  // namespace limber::testing

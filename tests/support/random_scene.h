@@ -9,7 +9,7 @@
 
 #include "support/random_geometry.h"
 
-/// Two random meshes and where they stand: soups of every kind, surfaces, huge offsets, any scale.
+/// Two random meshes and their poses: soups of every kind, surfaces, huge offsets, any scale.
 namespace limber::testing {
 
 inline Triangle arbitrary_triangle(Rng& rng, std::uint64_t kind) {
@@ -64,7 +64,7 @@ inline Mesh arbitrary_mesh(Rng& rng, std::size_t most, const Vec3& offset, doubl
 struct Scene {
   Mesh mesh_a, mesh_b;
   Transform pose_a, pose_b;
-  double size;       // what rounding is relative to
+  double size;       // the length that rounding is relative to
   double tolerance;  // 1e-14 of it
 };
 

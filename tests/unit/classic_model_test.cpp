@@ -198,7 +198,7 @@ TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
 
 TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
   for (const Maintenance mode : {Maintenance::immediate, Maintenance::batched, Maintenance::by_depth}) {
-    Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.slack = 0.2}});
+    Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.extra_radius = 0.2}});
     const auto raise = [&](double height) {
       model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, height}}).value();
       model.commit();
@@ -212,7 +212,7 @@ TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
 }
 
 TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
-  Model model(triangles_in_a_row(16), {.looseness = {.slack = 0.1, .stale_ratio = 1.5}});
+  Model model(triangles_in_a_row(16), {.looseness = {.extra_radius = 0.1, .stale_ratio = 1.5}});
   const double radius = model.tree_stats().root_radius;
   std::vector<Vec3> positions = model.mesh().positions();
   for (Vec3& p : positions) p *= 0.01;
@@ -221,7 +221,7 @@ TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
   EXPECT_LT(model.tree_stats().root_radius, 0.02 * radius);
 }
 
-TEST(ClassicLooseness, NoSlackNeverAbsorbs) {
+TEST(ClassicLooseness, NoExtraRadiusNeverAbsorbs) {
   Model model(triangles_in_a_row(16));
   model.move_all(model.mesh().positions()).value();
   model.commit();
@@ -231,8 +231,9 @@ TEST(ClassicLooseness, NoSlackNeverAbsorbs) {
 
 #if defined(LIMBER_CHECKS)
 TEST(ClassicModel, PreconditionsAreChecked) {
-  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.slack = -1}}), std::logic_error);
-  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.slack = 0.1, .stale_ratio = 0.5}}), std::logic_error);
+  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.extra_radius = -1}}), std::logic_error);
+  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.extra_radius = 0.1, .stale_ratio = 0.5}}),
+               std::logic_error);
   Model stale(triangles_in_a_row(2));
   const Model other(triangles_in_a_row(2));
   EXPECT_THROW(static_cast<void>(classic::distance({other}, {other}, {.relative_error = -0.1})), std::logic_error);

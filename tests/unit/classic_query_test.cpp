@@ -30,9 +30,9 @@ TEST(ClassicDistance, OfSingleTrianglesIsThatOfThePrimitive) {
   EXPECT_EQ(r.stats.triangle_tests, 1U);
 }
 
-TEST(ClassicDistance, AContactIsFoundEvenWhenTheCutUnderflows) {
-  // The pair that is looked at first is 1e-20 apart; divided by the error that is 0, yet the contact must not be
-  // dropped.
+TEST(ClassicDistance, AContactIsFoundEvenWhenThePruneDistanceUnderflows) {
+  // The first pair that the query compares is 1e-20 apart. Its distance divided by 1 + the error underflows to 0. The
+  // contact must not be pruned all the same.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
   const Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
   const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
@@ -75,8 +75,8 @@ TEST(ClassicCollide, FarModelsCostOneTest) {
 }
 
 TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
-  // The counts are the same on every machine; a change here is a change of the descent and belongs into the
-  // experiments.
+  // The counts are the same on every machine. Other counts mean another traversal, and then the experiments have to be
+  // run again.
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
   const QueryStats collide = classic::collide({square}, {ball, pose}).stats;

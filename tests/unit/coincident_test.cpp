@@ -15,7 +15,7 @@
 namespace limber::testing {
 namespace {
 
-/// A triangle so many times, with vertices of their own or common ones.
+/// A mesh of `count` equal triangles, which share their vertices or have their own.
 Mesh repeated(const Triangle& t, std::uint32_t count, bool shares_vertices) {
   if (!shares_vertices) return soup(std::vector<Triangle>(count, t));
   return Mesh::create({t.v0, t.v1, t.v2}, std::vector<Corners>(count, Corners{0, 1, 2})).value();
@@ -41,7 +41,7 @@ TEST(Coincident, TrianglesAmongOthersAreFoundAsBefore) {
     std::vector<Triangle> triangles;
     while (triangles.size() < 600) {
       const Triangle t = uniform_triangle(rng);
-      // 64 to 200 times, or once: whole nodes of equal ones, and parts of nodes.
+      // 64 to 200 times, or once: equal triangles fill whole nodes and parts of nodes.
       triangles.insert(triangles.end(), rng.below(2) == 0 ? 64 + rng.below(137) : 1, t);
     }
     const Mesh mesh = soup(triangles), other = soup({uniform_triangle(rng), uniform_triangle(rng)});
@@ -56,17 +56,17 @@ TEST(Coincident, TrianglesAmongOthersAreFoundAsBefore) {
 }
 
 TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
-  // One vertex of a collapsed mesh leaves; its triangles are among those that one leaf stood for.
-  for (const double slack : {0.0, 0.5}) {
+  // One vertex of a collapsed mesh moves out. Its triangles are below slots that were marked coincident.
+  for (const double motion_margin : {0.0, 0.5}) {
     const Mesh home = scenes::ball(24, 13);
-    Model a(home, {.slack = slack});
+    Model a(home, {.motion_margin = motion_margin});
     const Model probe(soup({{{0, 0, 5}, {1, 0, 6}, {0, 1, 6}}}));
-    Pair pair;
+    QueryCache cache;
     const std::vector<Vec3> point(home.positions().size());
     for (VertexId v = 0; v < home.positions().size(); v += 7) {
       a.move_all(point).value();
       a.commit();
-      ASSERT_EQ(distance({a}, {probe}, {}, pair).upper, 5);
+      ASSERT_EQ(distance({a}, {probe}, {}, cache).upper, 5);
       for (const double height : {0.25, 3.0}) {
         const std::vector<VertexId> ids{v};
         const std::vector<Vec3> place{{0, 0, height}};
@@ -74,23 +74,23 @@ TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
         a.commit();
         ASSERT_TRUE(static_cast<bool>(a.validate())) << "vertex " << v;
         ASSERT_EQ(distance({a}, {probe}).upper, 5 - height) << "vertex " << v;
-        ASSERT_EQ(distance({a}, {probe}, {}, pair).upper, 5 - height) << "vertex " << v;
+        ASSERT_EQ(distance({a}, {probe}, {}, cache).upper, 5 - height) << "vertex " << v;
       }
     }
     a.move_all(home.positions()).value();
     a.commit();
-    ASSERT_NEAR(distance({a}, {probe}, {}, pair).upper, reference::distance({home}, {probe.mesh()}).upper, 1e-14);
+    ASSERT_NEAR(distance({a}, {probe}, {}, cache).upper, reference::distance({home}, {probe.mesh()}).upper, 1e-14);
   }
 }
 
 TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
-  // The last of many equal triangles comes down to the other model, by a distance whose square is 0 in float64.
+  // The last of many equal triangles moves to the other model, by a displacement whose square is 0 in float64.
   constexpr double little = 0x1p-600;
   const Triangle high{{0, 0, little}, {1, 0, little}, {0, 1, little}}, low{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   constexpr std::uint32_t count = 200;
   const std::vector<VertexId> last{3 * count - 3, 3 * count - 2, 3 * count - 1};
   for (const bool moves_all : {false, true}) {
-    Model many(repeated(high, count, false), {.slack = 0.5});
+    Model many(repeated(high, count, false), {.motion_margin = 0.5});
     const Model probe(soup({low}));
     ASSERT_FALSE(collide({many}, {probe}).collision);
     std::vector<Vec3> positions = many.mesh().positions();

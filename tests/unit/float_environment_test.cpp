@@ -14,12 +14,13 @@
 #include <thread>
 #include <vector>
 
+#include "bvh/tree.h"
 #include "limber/classic.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
-#include "tree/node.h"
+#include "unit/internals.h"
 
 #if defined(__x86_64__)
 #include <xmmintrin.h>
@@ -28,7 +29,7 @@
 namespace limber::testing {
 namespace {
 
-/// What a calling program may have set: rounding modes, and flushing of subnormal numbers.
+/// A floating-point environment that a calling program may have set: a rounding mode, or flushing of subnormal numbers.
 struct Environment {
   std::string name;
   std::function<void()> enter, leave;
@@ -48,7 +49,7 @@ std::vector<Environment> foreign_environments() {
   return all;
 }
 
-/// Bits of everything the library answers about a scene; what must not depend on the caller's environment.
+/// The bits of all answers of the library about a scene. They must not depend on the environment of the caller.
 std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   std::vector<std::uint64_t> bits;
   const auto put = [&bits](const auto& value) {
@@ -65,7 +66,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put_distance(distance(a, b));
   put_distance(distance(a, b, {.relative_error = 0.25}));
   put(collide(a, b).collision), put(within(a, b, 0).within);
-  Pair first, second, third;
+  QueryCache first, second, third;
   put_distance(distance(a, b, {}, first)), put_distance(distance(a, b, {}, first));
   const double limit = distance(a, b, {}, first).upper;
   put(collide(a, b, second).collision), put(collide(a, b, second).stats.node_tests);
@@ -88,11 +89,11 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put_distance(distance(a, b));
   const std::vector<VertexId> ids{0};
   const std::vector<Vec3> to{s.mesh_b.positions().back()};
-  model_a.set_slack(0.25 * s.size);
+  model_a.set_motion_margin(0.25 * s.size);
   model_a.move_vertices(ids, to).value();
   model_a.commit();
-  put(model_a.tree().motion), put(model_a.tree().slack), put(static_cast<bool>(model_a.validate()));
-  model_a.restructure();
+  put(tree_of(model_a).displacement), put(tree_of(model_a).motion_margin), put(static_cast<bool>(model_a.validate()));
+  model_a.rebuild();
   put_distance(distance(a, b, {}, first));
   const Triangle t = s.mesh_a.triangle(0), u = s.mesh_b.triangle(0);
   put(intersects(t, u)), put(closest_points(t, u).distance), put(orient3d(t.v0, t.v1, t.v2, u.v0));
@@ -122,7 +123,7 @@ TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
 }
 
 TEST(FloatEnvironment, OfTheCallerChangesNoTreeBuiltByManyThreads) {
-  // Large enough for the pool's threads to take part.
+  // The mesh is large enough for the threads of the pool to take part.
   const Mesh mesh = scenes::wave_sheet(200, 200, 0), moved = scenes::wave_sheet(200, 200, 3);
   const Model ball(scenes::thesis_ball());
   const auto distance_and_work = [&] {
@@ -157,23 +158,23 @@ Mesh speck_between_far_ends() {
 }
 
 TEST(FloatEnvironment, OfAPoolOfThreadsChangesNoTree) {
-  // A pool keeps the environment in which a thread has first used it.
+  // A pool of threads keeps the environment of the thread that used it first.
   const Mesh speck = speck_between_far_ends(), sheet = scenes::wave_sheet(200, 200, 0);
-  const tree::Tree speck_tree = tree::build(speck), sheet_tree = tree::build(sheet);
-  const auto equal = [](const tree::Tree& a, const tree::Tree& b) {
+  const bvh::Tree speck_tree = bvh::build(speck), sheet_tree = bvh::build(sheet);
+  const auto equal = [](const bvh::Tree& a, const bvh::Tree& b) {
     if (a.leaves.size() != b.leaves.size()) return false;
-    for (std::size_t i = 0; i < a.blocks.size(); ++i) {
-      if (std::memcmp(&a.blocks[i].bounds, &b.blocks[i].bounds, sizeof(simd::NodeBounds)) != 0) return false;
+    for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+      if (std::memcmp(&a.nodes[i].bounds, &b.nodes[i].bounds, sizeof(bvh::ChildBounds)) != 0) return false;
     }
-    return std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size() * sizeof(tree::Leaf)) == 0;
+    return std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size() * sizeof(bvh::Leaf)) == 0;
   };
   for (const Environment& environment : foreign_environments()) {
     std::thread([&] {
       environment.enter();
       oneapi::tbb::parallel_for(0, 1000, [](int) {});
       const Model model(speck), other(sheet);
-      EXPECT_TRUE(equal(model.tree(), speck_tree)) << environment.name;
-      EXPECT_TRUE(equal(other.tree(), sheet_tree)) << environment.name;
+      EXPECT_TRUE(equal(tree_of(model), speck_tree)) << environment.name;
+      EXPECT_TRUE(equal(tree_of(other), sheet_tree)) << environment.name;
     }).join();
   }
 }
@@ -197,7 +198,7 @@ TEST(FloatEnvironment, OfTheCallerIsAsItWasAfterACall) {
 
 #if defined(__x86_64__)
 TEST(FloatEnvironment, WithTrapsSetIsNotTrapped) {
-  // Kernels compute infinities and what is not a number on the way to right answers.
+  // Intermediate results of the kernels are infinite or NaN even where the answers are right.
   const Model ball(scenes::thesis_ball()), square(scenes::thesis_square());
   const unsigned before = _mm_getcsr();
   constexpr unsigned masks_of_traps = 0x1f80, inexact = 0x1000, subnormal = 0x100;

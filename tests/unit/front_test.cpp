@@ -8,17 +8,21 @@
 #include <vector>
 
 #include "limber/model.h"
+#include "query/frames.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
 namespace {
 
+using query::Frames;
 using query::Front;
-using query::PlacedPair;
+using query::PlacedModels;
 using query::Side;
 
-TEST(Front, BoundsWhatAnyMotionChanges) {
+Transform a_from_b(const PlacedModels& placed) { return Frames(placed).a_from_b(); }
+
+TEST(Front, BoundsTheChangeOfDistanceByAnyMotion) {
   Rng rng(300);
   const Model a(scenes::thesis_square()), b(scenes::thesis_ball());
   double tightest = 0;
@@ -28,8 +32,8 @@ TEST(Front, BoundsWhatAnyMotionChanges) {
     const Vec3 axis = step * uniform_point(rng);
     const Transform turn = transform_from_quaternion({}, 1, axis.x, axis.y, axis.z).value();
     const Transform after{turn.rotation * before.rotation, before.translation + step * uniform_point(rng)};
-    PlacedPair first({a, pose_a}, {b, before}), second({a, pose_a}, {b, after});
-    const double bound = second.most_moved(first.a_from_b(), first.error(), second.a_from_b());
+    const PlacedModels first({a, pose_a}, {b, before}), second({a, pose_a}, {b, after});
+    const double bound = second.max_displacement(a_from_b(first), first.error(), a_from_b(second));
     for (int k = 0; k < 20; ++k) {
       const Vec3& on_a = a.mesh().positions()[rng.below(a.mesh().positions().size())];
       const Vec3& on_b = b.mesh().positions()[rng.below(b.mesh().positions().size())];
@@ -41,25 +45,25 @@ TEST(Front, BoundsWhatAnyMotionChanges) {
   EXPECT_GT(tightest, 0.5);
 }
 
-TEST(Front, IsGoneThroughToItsEndHoweverManyPairsWait) {
-  // Slack larger than the triangles keeps so many pairs that the queue has once been full.
+TEST(Front, IsTraversedToItsEndHoweverManyPairsAreQueued) {
+  // The motion margin is larger than the triangles, so that few pairs are pruned and the bucket queue can become full.
   const scenes::Motion waves = scenes::waving_sheet(158, 158);
-  Model sheet(waves.mesh, {.slack = 0.07});
+  Model sheet(waves.mesh, {.motion_margin = 0.07});
   std::vector<Vec3> positions = scenes::thesis_ball().positions();
   for (Vec3& p : positions) p *= 0.25;
   const Model ball(Mesh::create(positions, scenes::thesis_ball().triangles()).value());
-  Pair pair;
+  QueryCache cache;
   for (int frame = 1; frame <= 30; ++frame) {
     ASSERT_TRUE(static_cast<bool>(sheet.move_all(waves.positions(frame))));
     sheet.commit();
     const double angle = 0.01 * frame;
     const Placed placed{ball, {{}, {2 + 1.2 * scenes::cosine(angle), 2 + 1.2 * scenes::sine(angle), 0.5}}};
-    ASSERT_NEAR(distance({sheet}, placed, {}, pair).upper, distance({sheet}, placed).upper, 1e-14) << frame;
+    ASSERT_NEAR(distance({sheet}, placed, {}, cache).upper, distance({sheet}, placed).upper, 1e-14) << frame;
   }
 }
 
-TEST(Front, SurvivesJumpsFromFarAwayToNextToEachOther) {
-  // The way is so long that its rounding is larger than what is left.
+TEST(Front, SurvivesJumpsFromFarApartToCloseTogether) {
+  // The motion is so long that its rounding exceeds the distance that remains.
   Rng rng(301);
   for (int i = 0; i < 300; ++i) {
     const double scale = std::ldexp(1.0, -20 - static_cast<int>(rng.below(60)));
@@ -67,80 +71,80 @@ TEST(Front, SurvivesJumpsFromFarAwayToNextToEachOther) {
     for (Vec3& p : positions) p *= scale;
     const Model a(Mesh::create(positions, scenes::ball(8, 5).triangles()).value());
     const Model b(Mesh::create(positions, scenes::ball(8, 5).triangles()).value());
-    Pair pair;
+    QueryCache cache;
     const Transform far = random_pose(rng, 1), offset = random_pose(rng, 1e6);
-    distance({a}, {b, far}, {}, pair);
-    distance({a, offset}, {b, offset * far}, {}, pair);
+    distance({a}, {b, far}, {}, cache);
+    distance({a, offset}, {b, offset * far}, {}, cache);
     const Transform near{random_pose(rng, 1).rotation, 4 * scale * uniform_point(rng)};
-    ASSERT_NEAR(distance({a}, {b, near}, {}, pair).upper, distance({a}, {b, near}).upper, 1e-13 * scale) << i;
+    ASSERT_NEAR(distance({a}, {b, near}, {}, cache).upper, distance({a}, {b, near}).upper, 1e-13 * scale) << i;
   }
 }
 
-TEST(Front, RulesOutUntilTheMotionIsUsedUp) {
+TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  PlacedPair here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
+  const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
   Front front;
-  EXPECT_FALSE(front.is_about(here));
-  front.start(here);
+  EXPECT_FALSE(front.can_resume(here));
+  front.start(here, a_from_b(here));
   const std::uint16_t record = front.add({1, 2}, Side::b);
-  front.rule_out(record, 0b101, 3.0);
-  front.rule_out(record, 0b010, 2.0);
-  EXPECT_EQ(front.records()[record].lanes, 0b111);
-  EXPECT_EQ(front.records()[record].lasts, 2.0);
-  EXPECT_FALSE(front.is_about(here));  // not all is recorded yet, and never will be if an exception breaks it off
+  front.prune(record, 0b101, 3.0);
+  front.prune(record, 0b010, 2.0);
+  EXPECT_EQ(front.records()[record].pruned, 0b111);
+  EXPECT_EQ(front.records()[record].valid_until, 2.0);
+  EXPECT_FALSE(front.can_resume(here));  // still recording, as it would be after an exception
   front.finish(true);
-  EXPECT_TRUE(front.is_about(here));
-  front.move(there);
-  EXPECT_FALSE(front.is_about(there));
-  EXPECT_NEAR(front.moved(), 0.1, 1e-6);
-  EXPECT_GE(front.moved(), 0.1);
-  EXPECT_EQ(front.reopen(record), 0b111U);
-  EXPECT_EQ(front.records()[record].lanes, 0);
-  front.rule_out(record, 0b001, 1.0);
-  EXPECT_DOUBLE_EQ(front.records()[record].lasts, 1 + front.moved());
+  EXPECT_TRUE(front.can_resume(here));
+  front.resume(there, a_from_b(there));
+  EXPECT_FALSE(front.can_resume(there));
+  EXPECT_NEAR(front.displacement(), 0.1, 1e-6);
+  EXPECT_GE(front.displacement(), 0.1);
+  EXPECT_EQ(front.take(record), 0b111U);
+  EXPECT_EQ(front.records()[record].pruned, 0);
+  front.prune(record, 0b001, 1.0);
+  EXPECT_DOUBLE_EQ(front.records()[record].valid_until, 1 + front.displacement());
 }
 
-TEST(Front, IsForgottenWhenIncompleteOrOfOtherModels) {
+TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball()), twin(scenes::thesis_ball());
-  PlacedPair placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
+  const PlacedModels placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
   Front front;
-  front.start(placed);
+  front.start(placed, a_from_b(placed));
   front.add({0, 0}, Side::a);
   front.finish(true);
-  EXPECT_TRUE(front.is_about(placed));
-  EXPECT_FALSE(front.is_about(other));
-  EXPECT_FALSE(front.is_about(turned));
+  EXPECT_TRUE(front.can_resume(placed));
+  EXPECT_FALSE(front.can_resume(other));
+  EXPECT_FALSE(front.can_resume(turned));
   front.finish(false);
-  EXPECT_FALSE(front.is_about(placed));
-  front.start(placed);
+  EXPECT_FALSE(front.can_resume(placed));
+  front.start(placed, a_from_b(placed));
   for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), Front::none);
   EXPECT_EQ(front.add({0, 0}, Side::a), Front::none);
 }
 
 TEST(Front, SavesTestsAlongASlowMotion) {
   const Model sheet(scenes::wave_sheet(100, 100, 0)), ball(scenes::thesis_ball());
-  Pair pair;
+  QueryCache cache;
   std::uint64_t cold = 0, warm = 0;
   for (int frame = 0; frame < 200; ++frame) {
     const double t = 1e-3 * frame;
     const Transform pose = transform_from_quaternion({2 + t, 2 - t, 1.5 - t}, 1, t, 0, t).value();
-    const DistanceResult fresh = distance({sheet}, {ball, pose}), kept = distance({sheet}, {ball, pose}, {}, pair);
-    ASSERT_NEAR(kept.upper, fresh.upper, 1e-14) << frame;
-    cold += fresh.stats.node_tests, warm += kept.stats.node_tests;
+    const DistanceResult fresh = distance({sheet}, {ball, pose}), cached = distance({sheet}, {ball, pose}, {}, cache);
+    ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
+    cold += fresh.stats.node_tests, warm += cached.stats.node_tests;
   }
   EXPECT_LT(2 * warm, cold);
 }
 
-TEST(Front, DoesWithoutWhenThereIsNotEnoughRoom) {
-  // Two sheets one on the other, nowhere far from each other: thousands of openings.
+TEST(Front, IsDroppedWhenItsCapacityIsExceeded) {
+  // Two sheets lie on each other and are close everywhere, so that the query needs thousands of expansions.
   const Model lower(scenes::wave_sheet(150, 150, 0)), upper(scenes::wave_sheet(150, 150, 0));
-  Pair pair;
+  QueryCache cache;
   std::uint64_t most = 0;
   for (int frame = 0; frame < 10; ++frame) {
     const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * frame}};
-    const DistanceResult fresh = distance({lower}, {upper, pose}), kept = distance({lower}, {upper, pose}, {}, pair);
-    ASSERT_NEAR(kept.upper, fresh.upper, 1e-14) << frame;
-    most = std::max(most, kept.stats.node_tests);
+    const DistanceResult fresh = distance({lower}, {upper, pose}), cached = distance({lower}, {upper, pose}, {}, cache);
+    ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
+    most = std::max(most, cached.stats.node_tests);
   }
   EXPECT_GT(most, 8U * 1024);
 }

@@ -11,16 +11,21 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/placed_pair.h"
+#include "query/frames.h"
+#include "query/placed_models.h"
+#include "query/pruning.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
 
-using query::PlacedPair;
+using bvh::WideNode;
+using query::Frames;
+using query::PlacedModels;
+using query::Pruning;
 using query::Side;
-using tree::Block;
 
 constexpr float all = 1e38F;
 
@@ -49,7 +54,7 @@ std::vector<Triangle> placed_triangles(const Mesh& mesh, const Transform& pose) 
   return placed;
 }
 
-double closest(const tree::Leaf& a, const std::vector<Triangle>& world_a, const tree::Leaf& b,
+double closest(const bvh::Leaf& a, const std::vector<Triangle>& world_a, const bvh::Leaf& b,
                const std::vector<Triangle>& world_b) {
   double best = std::numeric_limits<double>::infinity();
   for (const TriangleId s : a.triangle) {
@@ -58,7 +63,7 @@ double closest(const tree::Leaf& a, const std::vector<Triangle>& world_a, const 
   return best;
 }
 
-/// Two models of a few leaves each, somewhere in the world.
+/// Two models of a few leaves each, at random poses.
 struct Case {
   Model a, b;
   Transform pose_a, pose_b;
@@ -80,95 +85,111 @@ TEST(Kernels, ScalarIsAmongThemAndLast) {
   EXPECT_STREQ(simd::kernels().name, sets.front().name);
 }
 
-/// Lane `lane` of the leaves' block, as a node or as a leaf.
-simd::Seen seen(const Model& model, std::uint32_t lane, bool as_leaf) {
-  return {&model.tree().blocks[1], lane, as_leaf ? &model.tree().leaves[lane].corners : nullptr};
+/// A slot of the leaves' node, as a node or as a leaf.
+simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_leaf) {
+  return {&tree_of(model).nodes[1], slot, as_leaf ? &tree_of(model).leaves[slot].corners : nullptr};
+}
+
+/// Prunes by a distance, and along a direction unless that is 0.
+Pruning pruning_along(const PlacedModels& placed, double prune_distance, const Vec3& direction) {
+  Pruning pruning(placed, prune_distance);
+  const double infinity = std::numeric_limits<double>::infinity();
+  pruning.improve({infinity, infinity, direction});
+  return pruning;
 }
 
 TEST(Kernels, BoundsNeverExceedDistances) {
   Rng rng(200);
-  int told_apart = 0;
+  int tight_bounds = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    const Block& lanes = c.a.tree().blocks[1];
-    const auto facing = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    alignas(32) float order[simd::width], bound_sq[simd::width];
-    const unsigned kept =
-        simd::kernels().bound_lanes(lanes, seen(c.b, facing, false), placed.view(Side::a), all, order, bound_sq).all;
-    ASSERT_EQ(kept, (1U << lanes.count) - 1);
-    for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
-      const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
-      const double bound = order[lane] > 0 ? std::sqrt(static_cast<double>(order[lane])) * c.a.tree().unit : 0;
+    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    const WideNode& node = tree_of(c.a).nodes[1];
+    const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
+    alignas(32) float order[bvh::width], bound_sq[bvh::width];
+    const Pruning pruning(placed, 1);
+    const unsigned kept = simd::kernels()
+                              .bound_children(node, at_slot(c.b, slot_b, false), frames.of(Side::a),
+                                              pruning.of(Side::a), all, order, bound_sq)
+                              .all;
+    ASSERT_EQ(kept, (1U << node.child_count) - 1);
+    for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
+      const double true_distance =
+          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b);
+      const double bound = order[slot] > 0 ? std::sqrt(static_cast<double>(order[slot])) * tree_of(c.a).unit : 0;
       ASSERT_LE(bound, true_distance) << "case " << i;
-      ASSERT_EQ(bound_sq[lane], std::max(order[lane], 0.0F));
-      told_apart += bound > 0.5 * true_distance ? 1 : 0;
+      ASSERT_EQ(bound_sq[slot], std::max(order[slot], 0.0F));
+      tight_bounds += bound > 0.5 * true_distance ? 1 : 0;
     }
   }
-  EXPECT_GT(told_apart, 3000);
+  EXPECT_GT(tight_bounds, 3000);
 }
 
-TEST(Kernels, DirectionsNeverRuleOutWhatMatters) {
+TEST(Kernels, DirectionsNeverPruneWhatMatters) {
   Rng rng(201);
-  int ruled_out = 0, sharper = 0;
+  int pruned_count = 0, sharper = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    const Block& lanes = c.a.tree().blocks[1];
-    const auto facing = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    // From the middle of one to that of the other, more or less.
-    const Vec3 way = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    placed.aim(way * (1 / length(way)));
-    const simd::Seen other = seen(c.b, facing, rng.below(2) == 0);
-    alignas(32) float order[simd::width] = {}, bound_sq[simd::width] = {};
-    const auto kept = [&](double cut) {
-      placed.set_cut(cut);
-      return simd::kernels().bound_lanes(lanes, other, placed.view(Side::a), all, order, bound_sq).all;
+    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    const WideNode& node = tree_of(c.a).nodes[1];
+    const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
+    // Roughly from one model to the other.
+    const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
+    const simd::OtherNode other = at_slot(c.b, slot_b, rng.below(2) == 0);
+    alignas(32) float order[bvh::width] = {}, bound_sq[bvh::width] = {};
+    const auto kept = [&](double prune_distance) {
+      const Pruning pruning = pruning_along(placed, prune_distance, direction);
+      return simd::kernels()
+          .bound_children(node, other, frames.of(Side::a), pruning.of(Side::a), all, order, bound_sq)
+          .all;
     };
-    for (std::uint32_t lane = 0; lane < lanes.count; ++lane) {
-      const double true_distance = closest(c.a.tree().leaves[lane], c.world_a, c.b.tree().leaves[facing], c.world_b);
-      const double cut = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the lane matters
-      for (const double any_cut : {cut, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
-        const bool is_kept = (kept(any_cut) >> lane & 1) != 0;
-        ASSERT_TRUE(is_kept || any_cut != cut) << "case " << i;
-        ruled_out += is_kept ? 0 : 1;
-        const double bound = std::sqrt(static_cast<double>(bound_sq[lane])) * c.a.tree().unit;
+    for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
+      const double true_distance =
+          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b);
+      const double prune_distance = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the child is kept
+      for (const double any_distance : {prune_distance, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
+        const bool is_kept = (kept(any_distance) >> slot & 1) != 0;
+        ASSERT_TRUE(is_kept || any_distance != prune_distance) << "case " << i;
+        pruned_count += is_kept ? 0 : 1;
+        const double bound = std::sqrt(static_cast<double>(bound_sq[slot])) * tree_of(c.a).unit;
         ASSERT_LE(bound, true_distance) << "case " << i;
-        ASSERT_GE(bound_sq[lane], std::max(order[lane], 0.0F));
-        sharper += bound_sq[lane] > std::max(order[lane], 0.0F) ? 1 : 0;
+        ASSERT_GE(bound_sq[slot], std::max(order[slot], 0.0F));
+        sharper += bound_sq[slot] > std::max(order[slot], 0.0F) ? 1 : 0;
       }
     }
   }
-  EXPECT_GT(ruled_out, 10000);
+  EXPECT_GT(pruned_count, 10000);
   EXPECT_GT(sharper, 3000);
 }
 
 TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   Rng rng(202);
-  int left_out = 0;
+  int not_candidates = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c(rng);
-    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    const auto ka = static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count));
-    const auto kb = static_cast<std::uint32_t>(rng.below(c.b.tree().blocks[1].count));
-    const tree::Leaf &la = c.a.tree().leaves[ka], &lb = c.b.tree().leaves[kb];
-    if (rng.below(2) == 0) {
-      const Vec3 way = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-      placed.aim(way * (1 / length(way)));
-    }
-    const double cut = closest(la, c.world_a, lb, c.world_b) * rng.uniform(1, 1.2) + 1e-12;
-    placed.set_cut(cut);
+    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
+    const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
+    const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
+    const bool has_direction = rng.below(2) == 0;
+    const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
+    const double prune_distance = closest(la, c.world_a, lb, c.world_b) * rng.uniform(1, 1.2) + 1e-12;
+    const Pruning pruning = pruning_along(placed, prune_distance, has_direction ? direction : Vec3{});
     simd::Candidates found;
-    simd::kernels().leaf_candidates(seen(c.a, ka, true), seen(c.b, kb, true), placed.view(Side::a), found);
-    for (std::uint8_t s = 0; s < simd::width; ++s) {
-      for (std::uint8_t t = 0; t < simd::width; ++t) {
+    simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
+                                    pruning.of(Side::a), found);
+    for (std::uint8_t s = 0; s < bvh::width; ++s) {
+      for (std::uint8_t t = 0; t < bvh::width; ++t) {
         const double true_distance = closest_points(c.world_a[la.triangle[s]], c.world_b[lb.triangle[t]]).distance;
         const simd::Candidate *const begin = found.pairs, *const end = found.pairs + found.count;
         const auto* const it =
-            std::find_if(begin, end, [&](const simd::Candidate& f) { return f.lane_a == s && f.lane_b == t; });
+            std::find_if(begin, end, [&](const simd::Candidate& f) { return f.slot_a == s && f.slot_b == t; });
         if (it == end) {
-          ASSERT_GE(true_distance, cut * (1 - 1e-15)) << "case " << i;
-          ++left_out;
+          ASSERT_GE(true_distance, prune_distance * (1 - 1e-15)) << "case " << i;
+          ++not_candidates;
         } else {
           const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(found.error);
           ASSERT_LE(least, true_distance * found.scale * (1 + 1e-6)) << "case " << i;
@@ -176,7 +197,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
       }
     }
   }
-  EXPECT_GT(left_out, 50000);
+  EXPECT_GT(not_candidates, 50000);
 }
 
 TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
@@ -184,38 +205,37 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   const auto sets = simd::all_kernels();
   for (int i = 0; i < 2000; ++i) {
     const Case c(rng);
-    PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    const Block& lanes = c.b.tree().blocks[1];
-    const auto facing = static_cast<std::uint32_t>(rng.below(c.a.tree().blocks[1].count));
-    const double cut = rng.uniform(0, 4);
-    placed.set_cut(cut);
-    if (rng.below(4) != 0) {
-      const Vec3 way = uniform_point(rng);
-      placed.aim(way * (1 / length(way)));
-    }
-    const auto limit_sq = static_cast<float>(cut * cut);
-    const simd::Seen node = seen(c.a, facing, rng.below(2) == 0);
-    const simd::Seen leaf_a = seen(c.a, facing, true), leaf_b = seen(c.b, 0, true);
+    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    const WideNode& node = tree_of(c.b).nodes[1];
+    const auto slot = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
+    const double prune_distance = rng.uniform(0, 4);
+    const Pruning pruning = pruning_along(placed, prune_distance, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
+    const auto limit_sq = static_cast<float>(prune_distance * prune_distance);
+    const simd::OtherNode other = at_slot(c.a, slot, rng.below(2) == 0);
+    const simd::OtherNode leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
+    const simd::FrameTransform &in_a = frames.of(Side::a), &in_b = frames.of(Side::b);
+    const simd::Pruning &of_a = pruning.of(Side::a), &of_b = pruning.of(Side::b);
 
-    alignas(32) float order0[simd::width], order[simd::width], bound_sq0[simd::width], bound_sq[simd::width];
+    alignas(32) float order0[bvh::width], order[bvh::width], bound_sq0[bvh::width], bound_sq[bvh::width];
     simd::Candidates found0, found;
     const simd::Kernels& first = simd::scalar_kernels;
-    const simd::KeptLanes kept0 = first.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order0, bound_sq0);
-    first.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found0);
+    const simd::KeptSlots kept0 = first.bound_children(node, other, in_b, of_b, limit_sq, order0, bound_sq0);
+    first.find_candidates(leaf_a, leaf_b, in_a, of_a, found0);
     for (const simd::Kernels& set : sets) {
-      const simd::KeptLanes kept = set.bound_lanes(lanes, node, placed.view(Side::b), limit_sq, order, bound_sq);
+      const simd::KeptSlots kept = set.bound_children(node, other, in_b, of_b, limit_sq, order, bound_sq);
       ASSERT_EQ(kept.all, kept0.all) << set.name;
-      ASSERT_EQ(kept.meeting, kept0.meeting) << set.name;
-      ASSERT_EQ(std::memcmp(order, order0, lanes.count * sizeof(float)), 0) << set.name;
-      ASSERT_EQ(std::memcmp(bound_sq, bound_sq0, lanes.count * sizeof(float)), 0) << set.name;
-      set.leaf_candidates(leaf_a, leaf_b, placed.view(Side::a), found);
+      ASSERT_EQ(kept.overlapping, kept0.overlapping) << set.name;
+      ASSERT_EQ(std::memcmp(order, order0, node.child_count * sizeof(float)), 0) << set.name;
+      ASSERT_EQ(std::memcmp(bound_sq, bound_sq0, node.child_count * sizeof(float)), 0) << set.name;
+      set.find_candidates(leaf_a, leaf_b, in_a, of_a, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
       ASSERT_EQ(std::memcmp(&found.scale, &found0.scale, sizeof(double)), 0) << set.name;
       for (std::uint32_t k = 0; k < found0.count; ++k) {
         ASSERT_EQ(std::memcmp(&found.pairs[k].bound_sq, &found0.pairs[k].bound_sq, sizeof(float)), 0) << set.name;
-        ASSERT_EQ(found.pairs[k].lane_a, found0.pairs[k].lane_a) << set.name;
-        ASSERT_EQ(found.pairs[k].lane_b, found0.pairs[k].lane_b) << set.name;
+        ASSERT_EQ(found.pairs[k].slot_a, found0.pairs[k].slot_a) << set.name;
+        ASSERT_EQ(found.pairs[k].slot_b, found0.pairs[k].slot_b) << set.name;
       }
     }
   }
@@ -225,26 +245,26 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
   Rng rng(204);
   for (int i = 0; i < 500; ++i) {
     const Mesh mesh = some_soup(rng, 1 + rng.below(64));
-    const tree::Tree tree = tree::build(mesh);
-    // The lanes beyond the last leaf hold copies of it.
-    const auto fitted = [&](const simd::Kernels& set, tree::Tree& copy, simd::WholeBound& whole) {
+    const bvh::Tree tree = bvh::build(mesh);
+    // The slots beyond the last leaf hold copies of it.
+    const auto fitted = [&](const simd::Kernels& set, bvh::Tree& copy, bvh::MergedBounds& whole) {
       copy = tree;
-      Block& block = copy.blocks.back();
-      std::memset(&block.bounds, 0, sizeof(block.bounds));
-      whole = set.fit_leaves(mesh.positions().data(), copy.unit, block, copy.leaves);
+      WideNode& node = copy.nodes.back();
+      std::memset(&node.bounds, 0, sizeof(node.bounds));
+      whole = set.fit_leaves(mesh.positions().data(), copy.unit, node, copy.leaves);
     };
-    tree::Tree first, other;
-    simd::WholeBound first_whole, other_whole;
+    bvh::Tree first, other;
+    bvh::MergedBounds first_whole, other_whole;
     fitted(simd::scalar_kernels, first, first_whole);
     for (const simd::Kernels& set : simd::all_kernels()) {
       fitted(set, other, other_whole);
-      const Block &a = first.blocks.back(), &b = other.blocks.back();
+      const WideNode &a = first.nodes.back(), &b = other.nodes.back();
       ASSERT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(a.bounds)), 0) << set.name << " " << i;
       ASSERT_EQ(a.origin, b.origin) << set.name;
-      ASSERT_EQ(a.reach, b.reach) << set.name;
+      ASSERT_EQ(a.radius, b.radius) << set.name;
       ASSERT_EQ(std::memcmp(&first_whole, &other_whole, sizeof(first_whole)), 0) << set.name << " " << i;
-      ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(tree::Leaf)), 0);
-      const simd::WholeBound around = simd::scalar_kernels.enclose(a), other_around = set.enclose(b);
+      ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(bvh::Leaf)), 0);
+      const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a), other_around = set.merge_bounds(b);
       ASSERT_EQ(std::memcmp(&around, &other_around, sizeof(around)), 0) << set.name << " " << i;
     }
   }
@@ -255,20 +275,20 @@ TEST(Kernels, MeasureMotionAlikeOnEveryInstructionSet) {
   const double most = 1000;
   for (std::size_t count = 0; count < 40; ++count) {
     std::vector<Vec3> from(count), to(count);
-    double furthest_sq = 0;
+    double farthest_sq = 0;
     for (std::size_t i = 0; i < count; ++i) {
       from[i] = 900 * uniform_point(rng), to[i] = from[i] + uniform_point(rng);
-      furthest_sq = std::max(furthest_sq, length_sq(to[i] - from[i]));
+      farthest_sq = std::max(farthest_sq, length_sq(to[i] - from[i]));
     }
     const auto expect = [&](double wanted_sq, bool is_bounded) {
       for (const simd::Kernels& set : simd::all_kernels()) {
-        const simd::Motion found = set.measure_motion(from.data(), to.data(), count, most);
-        EXPECT_EQ(found.furthest_sq, wanted_sq) << set.name << " " << count;
+        const simd::Displacement found = set.max_displacement(from.data(), to.data(), count, most);
+        EXPECT_EQ(found.farthest_sq, wanted_sq) << set.name << " " << count;
         EXPECT_EQ(found.is_bounded, is_bounded) << set.name << " " << count;
       }
     };
-    expect(furthest_sq, true);
-    // Every number counts, wherever it is.
+    expect(farthest_sq, true);
+    // Each coordinate of each point is checked.
     for (std::size_t i = 0; i < 3 * count; ++i) {
       double& number = (&to[i / 3].x)[i % 3];
       const double before = number;
@@ -278,7 +298,7 @@ TEST(Kernels, MeasureMotionAlikeOnEveryInstructionSet) {
         expect(0, false);
       }
       number = -most;
-      expect(std::max(furthest_sq, length_sq(to[i / 3] - from[i / 3])), true);
+      expect(std::max(farthest_sq, length_sq(to[i / 3] - from[i / 3])), true);
       number = before;
     }
   }

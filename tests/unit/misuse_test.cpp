@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What callers get wrong is refused in every build: never a wrong answer, a hang or a crash.
+// Mistakes of callers are refused in every build. They never cause a wrong answer, a hang or a crash.
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a caller may get wrong, for both engines: models and meshes that have been moved from, options that are no
+// Mistakes and unusual calls, for both engines: models and meshes that have been moved from, options that are no
 // numbers, positions that are the model's own.
 #include <gtest/gtest.h>
 
@@ -14,11 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/tree.h"
 #include "limber/reference.h"
 #include "scenes/motions.h"
 #include "support/engines.h"
 #include "support/random_geometry.h"
-#include "tree/node.h"
+#include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
@@ -72,13 +73,12 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromIsRefused) {
     EXPECT_TRUE(is_refused([&] { model.commit(); }, this->name("commit")));
     EXPECT_TRUE(is_refused([&] { (void)gone.mesh(); }, this->name("mesh")));
     EXPECT_TRUE(is_refused([&] { (void)gone.options(); }, this->name("options")));
-    EXPECT_TRUE(is_refused([&] { (void)gone.tree(); }, this->name("tree")));
     EXPECT_TRUE(is_refused([&] { (void)gone.maintenance_stats(); }, this->name("maintenance_stats")));
     EXPECT_TRUE(is_refused([&] { (void)gone.tree_stats(); }, this->name("tree_stats")));
     EXPECT_TRUE(is_refused([&] { (void)gone.validate(); }, this->name("validate")));
     if constexpr (std::is_same_v<TypeParam, FastEngine>) {
-      EXPECT_TRUE(is_refused([&] { model.restructure(); }, this->name("restructure")));
-      EXPECT_TRUE(is_refused([&] { model.set_slack(1); }, this->name("set_slack")));
+      EXPECT_TRUE(is_refused([&] { model.rebuild(); }, this->name("rebuild")));
+      EXPECT_TRUE(is_refused([&] { model.set_motion_margin(1); }, this->name("set_motion_margin")));
     }
   }
 }
@@ -90,12 +90,12 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
   EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.mesh().triangles().size(), 72U);
   EXPECT_TRUE(static_cast<bool>(model.validate()));
-  // Both ways, and from a model that has nothing.
+  // In the other direction, and from a model that has been moved from.
   other = std::move(model);
   EXPECT_EQ(other.mesh().triangles().size(), 72U);
   other = std::move(model);
   EXPECT_FALSE(other.is_valid());
-  // What is still to be committed comes along.
+  // Moves that are not committed yet are taken along.
   Model moved(scenes::ball(12, 7));
   const std::vector<Vec3> to{{3, 0, 0}};
   ASSERT_TRUE(static_cast<bool>(moved.move_vertices(std::vector<VertexId>{7}, to)));
@@ -107,11 +107,11 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
 }
 
 TEST(Misuse, OfAModelThatWasMovedFromEndsWithReset) {
-  Model model(scenes::ball(12, 7), {.slack = 0.5});
+  Model model(scenes::ball(12, 7), {.motion_margin = 0.5});
   const Model other(std::move(model));
   model.reset(scenes::grid(6, 6, -3, -3, 1, 1));
   EXPECT_TRUE(model.is_committed());
-  EXPECT_EQ(model.options().slack, 0.5);
+  EXPECT_EQ(model.options().motion_margin, 0);  // the default: the options were moved away too
   EXPECT_EQ(model.mesh().triangles().size(), 72U);
   EXPECT_TRUE(static_cast<bool>(model.validate()));
 }
@@ -145,30 +145,32 @@ TYPED_TEST(Misuse, OfAMeshThatWasMovedFromIsRefused) {
 TEST(Misuse, OfOptionsIsRefused) {
   const Mesh mesh = scenes::ball(12, 7);
   for (const double bad : {nan, -0.5, -2.0, double{INFINITY}, double{-INFINITY}}) {
-    EXPECT_TRUE(is_refused([&] { Model(mesh, {.slack = bad}); }, "limber::Model: options.slack"));
-    EXPECT_TRUE(is_refused([&] { Model(mesh, {.restructuring_us = bad}); }, "limber::Model: options.restructuring_us"));
+    EXPECT_TRUE(is_refused([&] { Model(mesh, {.motion_margin = bad}); }, "limber::Model: options.motion_margin"));
+    EXPECT_TRUE(
+        is_refused([&] { Model(mesh, {.rebuild_budget_us = bad}); }, "limber::Model: options.rebuild_budget_us"));
     for (const bool has_moved : {false, true}) {
-      Model model(mesh, {.slack = 0.25});
+      Model model(mesh, {.motion_margin = 0.25});
       if (has_moved) {
         ASSERT_TRUE(static_cast<bool>(model.move_all(mesh.positions())));
       }
-      EXPECT_TRUE(is_refused([&] { model.set_slack(bad); }, "limber::Model::set_slack: slack"));
-      EXPECT_EQ(model.options().slack, 0.25);
-      EXPECT_EQ(model.maintenance_stats().slack, 0.25);
+      EXPECT_TRUE(is_refused([&] { model.set_motion_margin(bad); }, "limber::Model::set_motion_margin: the margin"));
+      EXPECT_EQ(model.options().motion_margin, 0.25);
+      EXPECT_EQ(model.maintenance_stats().motion_margin, 0.25);
       EXPECT_EQ(model.is_committed(), !has_moved);
     }
     const auto classic_with = [&](const classic::Looseness& looseness) {
       return [&mesh, looseness] { classic::Model(mesh, {.looseness = looseness}); };
     };
-    EXPECT_TRUE(is_refused(classic_with({.slack = bad}), "options.looseness.slack"));
+    EXPECT_TRUE(is_refused(classic_with({.extra_radius = bad}), "options.looseness.extra_radius"));
     EXPECT_TRUE(is_refused(classic_with({.stale_ratio = bad}), "options.looseness.stale_ratio"));
   }
-  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.slack = 101}}); }, "options.looseness.slack"));
+  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.extra_radius = 101}}); },
+                         "options.looseness.extra_radius"));
   EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.stale_ratio = 0.5}}); }, "stale_ratio"));
 }
 
-/// Ids and positions of an update in which every vertex but the first goes where its neighbour is, or the other way
-/// round.
+/// Ids and positions of an update that moves every vertex but one to the position of its neighbour, the previous one or
+/// the next one.
 struct Shift {
   std::vector<VertexId> ids;
   std::span<const Vec3> own;
@@ -213,9 +215,9 @@ TEST(Misuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
   }
 }
 
-TEST(Misuse, OfAliasesDoesNotMakePairsTrustWhatHasMoved) {
-  // Every vertex moves by 0.01 along a row. Were each to be read after its neighbour was written, all would end up in
-  // one place, as far away as the row is long, and no pair would know.
+TEST(Misuse, OfAliasesDoesNotHideMotionFromCaches) {
+  // Every vertex moves by 0.01 along a row. If each position were read after its neighbour was written, all vertices
+  // would end at one place, up to the length of the row away, and no cache would notice.
   constexpr std::uint32_t count = 2000;
   std::vector<Vec3> positions;
   std::vector<Corners> triangles;
@@ -223,17 +225,17 @@ TEST(Misuse, OfAliasesDoesNotMakePairsTrustWhatHasMoved) {
   for (std::uint32_t i = count / 2; i + 2 < count; ++i) triangles.push_back({i, i + 1, i + 2});
   Model row(Mesh::create(positions, triangles).value());
   const Model probe(soup({{{0, 0, 1}, {0.01, 0, 1}, {0, 0.01, 1}}, {{0, 5, 0}, {0.1, 5, 0}, {0, 5.1, 0}}}));
-  Pair pair;
-  distance({row}, {probe}, {}, pair);
+  QueryCache cache;
+  distance({row}, {probe}, {}, cache);
   const Shift shift(row.mesh(), true);
   ASSERT_TRUE(static_cast<bool>(row.move_vertices(shift.ids, shift.own)));
   row.commit();
   EXPECT_EQ(row.mesh().positions(), shift.expected);
   const double truth = reference::distance({row.mesh()}, {probe.mesh()}).upper;
-  EXPECT_NEAR(distance({row}, {probe}, {}, pair).upper, truth, 1e-13);
-  // At least what the furthest vertex has gone, at most that and rounding.
-  EXPECT_GE(row.tree().motion, 0.01);
-  EXPECT_LE(row.tree().motion, 0.011);
+  EXPECT_NEAR(distance({row}, {probe}, {}, cache).upper, truth, 1e-13);
+  // At least the longest displacement of a vertex, at most that and rounding.
+  EXPECT_GE(tree_of(row).displacement, 0.01);
+  EXPECT_LE(tree_of(row).displacement, 0.011);
 }
 
 }  // namespace

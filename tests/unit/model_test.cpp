@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Models of the fast engine that move.
+// Models of the fast engine whose vertices move.
 #include "limber/model.h"
 
 #include <gtest/gtest.h>
@@ -12,11 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/tree.h"
+#include "bvh/tree_cost.h"
 #include "limber/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
-#include "tree/node.h"
-#include "tree/restructuring.h"
+#include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
@@ -48,7 +49,7 @@ TEST(Model, RefusesWhatItCannotTakeAndStaysAsItWas) {
   EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
 }
 
-TEST(Model, RefitsEveryBlockAboveAVertexOnceHoweverOftenItMoves) {
+TEST(Model, RefitsEveryNodeAboveAVertexOnceHoweverOftenItMoves) {
   Model model(scenes::wave_sheet(100, 100, 0));
   const std::vector<VertexId> ids{5000, 5000, 5001, 5000};
   const std::vector<Vec3> positions(4, {2, 2, 3});
@@ -58,7 +59,7 @@ TEST(Model, RefitsEveryBlockAboveAVertexOnceHoweverOftenItMoves) {
   EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.mesh().positions()[5000], (Vec3{2, 2, 3}));
   EXPECT_EQ(model.maintenance_stats().moved_vertices, 4U);
-  // At most the blocks of the triangles at two neighbours, and one path each.
+  // At most the nodes of the triangles at two neighbours, and a path to the root for each.
   EXPECT_GE(model.maintenance_stats().refits, model.tree_stats().levels);
   EXPECT_LE(model.maintenance_stats().refits, 4 * model.tree_stats().levels);
   ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
@@ -74,24 +75,25 @@ TEST(Model, StopsWhereNothingChanges) {
   EXPECT_LE(model.maintenance_stats().refits, 4U);
 }
 
-TEST(Model, IsAfterRestructuringAsIfJustBuilt) {
+TEST(Model, IsAfterRebuildAsIfJustBuilt) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
-  for (const double slack : {0.0, 10.0}) {
-    Model moved(soup.mesh, {.slack = slack, .restructuring = Restructuring::off});
+  for (const double motion_margin : {0.0, 10.0}) {
+    Model moved(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::off});
     ASSERT_TRUE(static_cast<bool>(moved.move_all(soup.positions(400))));
     moved.commit();
-    moved.restructure();
+    moved.rebuild();
     const Model built(Mesh::create(soup.positions(400), soup.mesh.triangles()).value());
     ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
-    ASSERT_EQ(moved.tree().slack, 0);
-    // The middles the triangles are sorted by are rounded relative to another place, so only nearly all lie the same
-    // way.
-    EXPECT_NEAR(tree::Quality::sum(moved.tree(), tree::subtree_of(moved.tree(), tree::root)),
-                tree::Quality::sum(built.tree(), tree::subtree_of(built.tree(), tree::root)), 0.02);
+    ASSERT_EQ(tree_of(moved).motion_margin, 0);
+    // The centers by which triangles are sorted are rounded relative to another origin, so a few triangles may be in
+    // other leaves.
+    EXPECT_NEAR(bvh::TreeCost::of(tree_of(moved), bvh::subtree_of(tree_of(moved), bvh::root)),
+                bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root)), 0.02);
   }
 }
 
-/// Plays a motion in which triangles change places, and looks at every frame; returns visits compared with new trees.
+/// Plays a motion in which triangles change places, and checks every frame. Returns the ratio of node tests to those
+/// with newly built trees.
 double play(const scenes::Motion& motion, Model& model, int frames) {
   std::vector<Vec3> small = scenes::ball(8, 5).positions();
   for (Vec3& p : small) p *= 0.05;
@@ -118,20 +120,20 @@ double play(const scenes::Motion& motion, Model& model, int frames) {
 
 TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
   const scenes::Motion soup = scenes::shuffled_soup(4000);
-  Model left_alone(soup.mesh, {.restructuring = Restructuring::off}), no_time(soup.mesh, {.restructuring_us = 0});
-  for (Model* model : {&left_alone, &no_time}) {
+  Model never_rebuilt(soup.mesh, {.rebuild_policy = RebuildPolicy::off}), no_time(soup.mesh, {.rebuild_budget_us = 0});
+  for (Model* model : {&never_rebuilt, &no_time}) {
     EXPECT_GT(play(soup, *model, 150), 2);
-    EXPECT_EQ(model->maintenance_stats().restructured, 0U);
+    EXPECT_EQ(model->maintenance_stats().rebuilt_triangles, 0U);
   }
-  Model in_commits(soup.mesh), slowly(soup.mesh, {.restructuring_us = 100});
-  Model on_worker(soup.mesh, {.restructuring = Restructuring::on_worker});
-  for (Model* model : {&in_commits, &slowly, &on_worker}) {
+  Model in_commit(soup.mesh), slowly(soup.mesh, {.rebuild_budget_us = 100});
+  Model on_worker(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker});
+  for (Model* model : {&in_commit, &slowly, &on_worker}) {
     EXPECT_LT(play(soup, *model, 150), 1.3);
-    EXPECT_GT(model->maintenance_stats().restructured, 4000U);
+    EXPECT_GT(model->maintenance_stats().rebuilt_triangles, 4000U);
   }
 }
 
-TEST(Model, RestructuresOnlyWhatHasBecomeBad) {
+TEST(Model, RebuildsOnlyWhatHasDegraded) {
   // Eight soups in a row, of which one is shuffled.
   constexpr std::uint32_t count = 1024, soups = 8;
   const scenes::Motion soup = scenes::shuffled_soup(count);
@@ -143,7 +145,7 @@ TEST(Model, RestructuresOnlyWhatHasBecomeBad) {
     for (const Corners& c : soup.mesh.triangles()) triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
   }
   Model model(Mesh::create(positions, triangles).value());
-  for (int frame = 1; model.maintenance_stats().restructured == 0; ++frame) {
+  for (int frame = 1; model.maintenance_stats().rebuilt_triangles == 0; ++frame) {
     ASSERT_LT(frame, 32);
     const std::vector<Vec3> shuffled = soup.positions(4 * frame);
     std::copy(shuffled.begin(), shuffled.end(), positions.begin());
@@ -151,27 +153,27 @@ TEST(Model, RestructuresOnlyWhatHasBecomeBad) {
     model.commit();
     ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
   }
-  EXPECT_LE(model.maintenance_stats().restructured, count);
+  EXPECT_LE(model.maintenance_stats().rebuilt_triangles, count);
 }
 
 TEST(Model, StartsOverWithAnotherMesh) {
-  Model model(scenes::thesis_ball(), {.slack = 0.25});
+  Model model(scenes::thesis_ball(), {.motion_margin = 0.25});
   ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 2, 3}})));
   model.reset(scenes::thesis_square());
   EXPECT_TRUE(model.is_committed());
-  EXPECT_EQ(model.options().slack, 0.25);
+  EXPECT_EQ(model.options().motion_margin, 0.25);
   EXPECT_EQ(model.mesh().triangles().size(), 8192U);
   EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
   EXPECT_TRUE(static_cast<bool>(model.validate()));
 }
 
 TEST(Model, IsAfterMovingAllPieceByPieceAsIfJustFitted) {
-  // One tree is refitted in hundreds of commits, each of a few blocks and what lies above them; the other, which had
-  // the same leaves at the start, is fitted once at the end.
+  // One tree is refitted in hundreds of commits, each of a few nodes and their ancestors. The other tree had the same
+  // leaves at the start and is fitted once at the end.
   const Mesh start = scenes::wave_sheet(60, 60, 0), end = scenes::wave_sheet(60, 60, 0.4);
-  Model moved(start, {.restructuring = Restructuring::off});
-  tree::Tree fitted = moved.tree();
-  tree::fit(fitted, end);
+  Model moved(start, {.rebuild_policy = RebuildPolicy::off});
+  bvh::Tree fitted = tree_of(moved);
+  bvh::fit(fitted, end);
   constexpr std::size_t at_once = 10;
   const std::size_t count = start.positions().size();
   for (std::size_t first = 0; first < count; first += at_once) {
@@ -180,29 +182,28 @@ TEST(Model, IsAfterMovingAllPieceByPieceAsIfJustFitted) {
     ASSERT_TRUE(static_cast<bool>(moved.move_vertices(ids, std::span(end.positions()).subspan(first, ids.size()))));
     moved.commit();
   }
-  ASSERT_LT(moved.maintenance_stats().refits, count / at_once * fitted.blocks.size() / 4);
+  ASSERT_LT(moved.maintenance_stats().refits, count / at_once * fitted.nodes.size() / 4);
   ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
-  const tree::Tree& tree = moved.tree();
+  const bvh::Tree& tree = tree_of(moved);
   ASSERT_EQ(tree.unit, fitted.unit);
-  for (std::uint32_t b = 0; b < fitted.blocks.size(); ++b) {
-    const simd::NodeBounds &n = tree.blocks[b].bounds, &m = fitted.blocks[b].bounds;
-    for (std::uint32_t k = 0; k < fitted.blocks[b].count; ++k) {
-      // Origins of blocks are corners of either sheet, so float32 rounds differently.
+  for (std::uint32_t i = 0; i < fitted.nodes.size(); ++i) {
+    const bvh::ChildBounds &n = tree.nodes[i].bounds, &m = fitted.nodes[i].bounds;
+    for (std::uint32_t k = 0; k < fitted.nodes[i].child_count; ++k) {
+      // Origins of nodes are corners of either sheet, so float32 rounds differently.
       const float rounding = 1e-5F * m.radius[k];
-      const Vec3 apart =
-          tree::model_center(tree, b * tree::width + k) - tree::model_center(fitted, b * tree::width + k);
-      ASSERT_LE(length(apart), static_cast<double>(rounding) * tree.unit) << b;
+      const Vec3 apart = bvh::slot_center(tree, i * bvh::width + k) - bvh::slot_center(fitted, i * bvh::width + k);
+      ASSERT_LE(length(apart), static_cast<double>(rounding) * tree.unit) << i;
       for (const auto& [now, wanted] :
            {std::pair(n.radius, m.radius), std::pair(n.half_x, m.half_x), std::pair(n.half_y, m.half_y),
             std::pair(n.half_z, m.half_z), std::pair(n.low, m.low), std::pair(n.high, m.high)}) {
-        ASSERT_NEAR(now[k], wanted[k], rounding) << b;
+        ASSERT_NEAR(now[k], wanted[k], rounding) << i;
       }
     }
   }
 }
 
-TEST(Model, FollowsWhereverItsVerticesGo) {
-  // Far away, back, into a point, very large and very small: units and origins have to keep up.
+TEST(Model, StaysSoundWhereverItsVerticesMove) {
+  // The mesh moves far away and back, collapses to a point, grows and shrinks. Units and origins have to adapt.
   Rng rng(310);
   Model model(scenes::ball(12, 7));
   const std::vector<Vec3> start = model.mesh().positions();
@@ -216,7 +217,7 @@ TEST(Model, FollowsWhereverItsVerticesGo) {
       ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text << " at scale " << scale;
       const double truth = reference::distance({model.mesh()}, {other.mesh()}).upper;
       ASSERT_NEAR(distance({model}, {other}).upper, truth, 1e-14 * (scale + length(at) + 10)) << scale;
-      // The same one vertex after the other.
+      // The same with one vertex at a time.
       for (int i = 0; i < 20; ++i) {
         const auto v = static_cast<VertexId>(rng.below(start.size()));
         ASSERT_TRUE(static_cast<bool>(
@@ -238,9 +239,9 @@ TEST(Model, GrowsFromAPointAndByAnyFactor) {
     ASSERT_NEAR(distance({model}, {other, {{}, {0, 0, -3}}}).upper, truth, 1e-14 * size);
   };
   const std::vector<Vec3> nowhere(ball.positions().size());
-  for (const double slack : {0.0, 0.1, ModelOptions::automatic}) {
+  for (const double motion_margin : {0.0, 0.1, ModelOptions::automatic}) {
     // A placeholder that becomes a shape, collapses, and comes back.
-    Model model(Mesh::create(nowhere, ball.triangles()).value(), {.slack = slack});
+    Model model(Mesh::create(nowhere, ball.triangles()).value(), {.motion_margin = motion_margin});
     for (int i = 0; i < 3; ++i) {
       ASSERT_TRUE(static_cast<bool>(model.move_all(ball.positions())));
       model.commit();
@@ -261,49 +262,49 @@ TEST(Model, GrowsFromAPointAndByAnyFactor) {
   }
 }
 
-TEST(Model, RestructuresByWhereTrianglesAreNow) {
+TEST(Model, RebuildsFromThePresentPositions) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
   Model model(soup.mesh);
   std::vector<Vec3> positions = soup.positions(400);
   for (Vec3& p : positions) p += Vec3{1e9, 1e9, 1e9};
   ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
-  model.restructure();
+  model.rebuild();
   const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
-  EXPECT_NEAR(tree::Quality::sum(model.tree(), tree::subtree_of(model.tree(), tree::root)),
-              tree::Quality::sum(built.tree(), tree::subtree_of(built.tree(), tree::root)), 0.02);
+  EXPECT_NEAR(bvh::TreeCost::of(tree_of(model), bvh::subtree_of(tree_of(model), bvh::root)),
+              bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root)), 0.02);
 }
 
-TEST(Model, ValidateNamesAVertexBeyondTheSlackInUse) {
-  Model model(scenes::thesis_ball(), {.slack = 0.5});
+TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
+  Model model(scenes::thesis_ball(), {.motion_margin = 0.5});
   const Vec3 at = model.mesh().positions()[7];
   ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{7}, std::vector<Vec3>{at * 1.25})));
   model.commit();
   ASSERT_TRUE(static_cast<bool>(model.validate()));
-  // Queries would go by that.
-  const_cast<tree::Tree&>(model.tree()).slack *= 0.5;
+  // Queries rely on this margin.
+  const_cast<bvh::Tree&>(tree_of(model)).motion_margin *= 0.5;
   const Result<void> result = model.validate();
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().where, 7U);
 }
 
-TEST(Model, MakesPairsForgetWhatTheyKnewOfIt) {
+TEST(Model, InvalidatesCachesWhenItMoves) {
   Model ball(scenes::thesis_ball());
   const Model square(scenes::thesis_square());
   const Placed there{ball, {{}, {0, 0, 3}}};
-  Pair pair;
-  EXPECT_NEAR(distance({square}, there, {}, pair).upper, 2, 1e-2);
+  QueryCache cache;
+  EXPECT_NEAR(distance({square}, there, {}, cache).upper, 2, 1e-2);
   std::vector<Vec3> positions = ball.mesh().positions();
   for (Vec3& p : positions) p.z -= 1.5;
   ASSERT_TRUE(static_cast<bool>(ball.move_all(positions)));
   ball.commit();
-  EXPECT_EQ(distance({square}, there, {}, pair).upper, distance({square}, there).upper);
-  // The closest triangles stay where they are, and one that the pair has ruled out comes closer.
+  EXPECT_EQ(distance({square}, there, {}, cache).upper, distance({square}, there).upper);
+  // The closest triangles stay where they are, and a triangle in a node that the cache has pruned comes closer.
   const auto top =
       std::max_element(positions.begin(), positions.end(), [](const Vec3& p, const Vec3& q) { return p.z < q.z; });
   const std::vector<VertexId> ids{static_cast<VertexId>(top - positions.begin())};
   ASSERT_TRUE(static_cast<bool>(ball.move_vertices(ids, std::vector<Vec3>{{0.5, 0.5, -2.75}})));
   ball.commit();
-  EXPECT_NEAR(distance({square}, there, {}, pair).upper, 0.25, 1e-12);
+  EXPECT_NEAR(distance({square}, there, {}, cache).upper, 0.25, 1e-12);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What every engine promises about its queries.
+// Promises of every engine about its queries.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -85,8 +85,8 @@ TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
 }
 
 TYPED_TEST(Query, FindsAContactBehindANearMiss) {
-  // What is looked at first is 1e-20 apart; divided by the error, or less the absolute one, that leaves nothing, yet
-  // the contact must not be dropped.
+  // The first pair compared is 1e-20 apart. Divided by 1 + the relative error, or less the absolute error, that leaves
+  // no prune distance. The contact must not be pruned all the same.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
   const typename TestFixture::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
   EXPECT_EQ(this->distance(a, b, {}, {.relative_error = 1e308}).status, Status::collision);
@@ -116,9 +116,9 @@ TYPED_TEST(Query, LimitIsClosed) {
 }
 
 TYPED_TEST(Query, AnErrorDoesNotHideWhatIsWithinTheLimit) {
-  // The first pair found may be beyond the limit and yet within the error of the closest, which is not.
-  const Triangle further{{0, 0, 1.05}, {1, 0, 1.05}, {0, 1, 1.05}}, closer{{5, 0, 1}, {6, 0, 1}, {5, 1, 1}};
-  for (const auto& triangles : {std::vector{further, closer}, std::vector{closer, further}}) {
+  // The first pair found may be beyond the limit but within the error of the closest pair, which is within the limit.
+  const Triangle farther{{0, 0, 1.05}, {1, 0, 1.05}, {0, 1, 1.05}}, closer{{5, 0, 1}, {6, 0, 1}, {5, 1, 1}};
+  for (const auto& triangles : {std::vector{farther, closer}, std::vector{closer, farther}}) {
     const typename TestFixture::Model a(scenes::grid(8, 8, -1, -1, 1, 1)), b(soup(triangles));
     const DistanceResult r = this->distance(a, b, {}, {.relative_error = 0.1, .max_distance = 1.01});
     EXPECT_EQ(r.upper, 1);
@@ -176,8 +176,7 @@ TYPED_TEST(Query, HoldsFarFromTheOrigin) {
 }
 
 TYPED_TEST(Query, RoundingOfThePlacementNeverHidesAContact) {
-  // A corner of a is the point b, so they touch wherever both are placed together; the bounds' gap is pure rounding
-  // there.
+  // A corner of a is the point b, so the models touch at every pose that they share. Any gap of the bounds is rounding.
   Rng rng(72);
   for (int i = 0; i < 500; ++i) {
     const Vec3 corner = uniform_point(rng), other = uniform_point(rng);
@@ -211,7 +210,7 @@ TYPED_TEST(Query, WorksAtEveryScale) {
 }
 
 TYPED_TEST(Query, ComparesModelsOfVeryDifferentSize) {
-  // A speck over a plane 2^40 times its size, and a speck next to another far away.
+  // A speck over a plane 2^40 times its size, and two specks that are far apart next to their size.
   Rng rng(74);
   const double tiny = 0x1p-40;
   std::vector<Vec3> positions = scenes::ball(8, 5).positions();
@@ -252,7 +251,7 @@ TYPED_TEST(Query, ComparesModelsWorldsApart) {
 }
 
 TYPED_TEST(Query, FindsWhatIsCloseToOneSideOfALopsidedModel) {
-  // The smallest ball around a shallow dome has its centre on the rim's plane, so all of the dome is on one side of it.
+  // The smallest sphere around a shallow dome has its center in the plane of the rim, so the dome is on one side of it.
   Rng rng(41);
   for (int i = 0; i < 40; ++i) {
     const int rings = 6, sectors = 12;
@@ -280,7 +279,7 @@ TYPED_TEST(Query, FindsWhatIsCloseToOneSideOfALopsidedModel) {
     const double truth = this->distance(dome, point).upper;
     ASSERT_LE(truth, 0.11);
     ASSERT_TRUE(this->within(dome, point, truth).within) << i;
-    ASSERT_TRUE(this->within(point, dome, truth * (1 + 1e-14)).within) << i;  // rounded otherwise
+    ASSERT_TRUE(this->within(point, dome, truth * (1 + 1e-14)).within) << i;  // the other order rounds differently
   }
 }
 

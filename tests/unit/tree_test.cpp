@@ -9,16 +9,16 @@
 #include <functional>
 #include <vector>
 
+#include "bvh/tree.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
-#include "tree/node.h"
 
 namespace limber::testing {
 namespace {
 
-using tree::Tree;
+using bvh::Tree;
 
 TEST(Tree, ShapeDependsOnTheNumberOfTrianglesAlone) {
   Rng rng(210);
@@ -26,7 +26,7 @@ TEST(Tree, ShapeDependsOnTheNumberOfTrianglesAlone) {
     const Model a(scenes::random_soup(rng, triangles, 1)), b(scenes::lattice_soup(rng, triangles, 2));
     const std::size_t leaves = (triangles + 7) / 8;
     std::size_t levels = 1;
-    for (std::size_t reach = 1; reach < leaves; reach *= 8) ++levels;
+    for (std::size_t leaves_below = 1; leaves_below < leaves; leaves_below *= 8) ++levels;
     for (const Model* model : {&a, &b}) {
       EXPECT_TRUE(static_cast<bool>(model->validate())) << triangles;
       EXPECT_EQ(model->tree_stats().leaves, leaves);
@@ -44,14 +44,14 @@ TEST(Tree, StaysWithinItsMemory) {
 }
 
 TEST(Tree, UnitIsTheNextPowerOfTwo) {
-  EXPECT_EQ(tree::unit_for(1024, 0), 1024);
-  EXPECT_EQ(tree::unit_for(std::nextafter(1024, 2000), 0), 2048);
-  EXPECT_EQ(tree::unit_for(std::nextafter(1024, 0), 0), 1024);
-  EXPECT_EQ(tree::unit_for(0, 0x1p60), 0x1p10);
+  EXPECT_EQ(bvh::unit_for(1024, 0), 1024);
+  EXPECT_EQ(bvh::unit_for(std::nextafter(1024, 2000), 0), 2048);
+  EXPECT_EQ(bvh::unit_for(std::nextafter(1024, 0), 0), 1024);
+  EXPECT_EQ(bvh::unit_for(0, 0x1p60), 0x1p10);
 }
 
 TEST(Tree, HoldsLeavesOfAnySize) {
-  // Triangles so small that their squares, or all but their places, are no float32 numbers, next to as many large ones.
+  // Triangles so small that float32 has no squares of their sizes, or not even their sizes, next to as many large ones.
   Rng rng(213);
   for (const int count : {8, 64, 512}) {
     for (double small = 1e-10; small > 1e-40; small *= 0.3) {
@@ -63,59 +63,59 @@ TEST(Tree, HoldsLeavesOfAnySize) {
         triangles.push_back({corner(), corner(), corner()});
       }
       const Mesh mesh = soup(triangles);
-      const auto sound = tree::validate(tree::build(mesh), mesh);
+      const auto sound = bvh::validate(bvh::build(mesh), mesh);
       ASSERT_TRUE(static_cast<bool>(sound)) << count << ", " << small << ": " << sound.error().text;
     }
   }
 }
 
 TEST(Tree, RootIsHardlyLargerThanABall) {
-  // A ball of radius 1: queries far enough from it should not have to go below the root.
-  const Tree tree = tree::build(scenes::ball(160, 80));
-  EXPECT_LT(tree.unit * static_cast<double>(tree.blocks[0].bounds.radius[0]), 1.2);
+  // The mesh is a ball of radius 1. Queries that are far enough from it should not have to expand the root.
+  const Tree tree = bvh::build(scenes::ball(160, 80));
+  EXPECT_LT(tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]), 1.2);
 }
 
 TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
   const Mesh mesh = scenes::thesis_sheet();  // 20 000 triangles: enough to be built on several threads
   const auto built_on = [&](std::size_t threads) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-    return tree::build(mesh);
+    return bvh::build(mesh);
   };
   const Tree one = built_on(1), many = built_on(4);
-  ASSERT_EQ(one.blocks.size(), many.blocks.size());
+  ASSERT_EQ(one.nodes.size(), many.nodes.size());
   ASSERT_EQ(one.leaves.size(), many.leaves.size());
-  for (std::size_t i = 0; i < one.blocks.size(); ++i) {
-    ASSERT_EQ(std::memcmp(&one.blocks[i].bounds, &many.blocks[i].bounds, sizeof(simd::NodeBounds)), 0) << i;
-    ASSERT_EQ(one.blocks[i].origin, many.blocks[i].origin) << i;
+  for (std::size_t i = 0; i < one.nodes.size(); ++i) {
+    ASSERT_EQ(std::memcmp(&one.nodes[i].bounds, &many.nodes[i].bounds, sizeof(bvh::ChildBounds)), 0) << i;
+    ASSERT_EQ(one.nodes[i].origin, many.nodes[i].origin) << i;
   }
-  EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(tree::Leaf)), 0);
+  EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(bvh::Leaf)), 0);
 }
 
-/// Whether a corner lies in all volumes of a lane, in exact arithmetic.
-bool holds_exactly(const Tree& tree, std::uint32_t b, std::uint32_t lane, const Vec3& corner) {
-  const tree::Block& block = tree.blocks[b];
-  const simd::NodeBounds& n = block.bounds;
+/// Whether a corner lies in all volumes of a slot, in exact arithmetic.
+bool holds_exactly(const Tree& tree, std::uint32_t node_id, std::uint32_t slot, const Vec3& corner) {
+  const bvh::WideNode& node = tree.nodes[node_id];
+  const bvh::ChildBounds& n = node.bounds;
   const auto exact = [](float x) { return Rational(static_cast<double>(x)); };
   const Rational unit(tree.unit);
-  const RationalVec out = minus(rational(corner), rational(block.origin));
-  const Rational x = out[0] / unit - exact(n.center_x[lane]), y = out[1] / unit - exact(n.center_y[lane]),
-                 z = out[2] / unit - exact(n.center_z[lane]);
-  const Rational r = exact(n.radius[lane]);
-  const Rational h = x * exact(n.normal_x[lane]) + y * exact(n.normal_y[lane]) + z * exact(n.normal_z[lane]);
+  const RationalVec out = minus(rational(corner), rational(node.origin));
+  const Rational x = out[0] / unit - exact(n.center_x[slot]), y = out[1] / unit - exact(n.center_y[slot]),
+                 z = out[2] / unit - exact(n.center_z[slot]);
+  const Rational r = exact(n.radius[slot]);
+  const Rational h = x * exact(n.normal_x[slot]) + y * exact(n.normal_y[slot]) + z * exact(n.normal_z[slot]);
   const auto within = [](const Rational& value, const Rational& limit) { return value <= limit && -value <= limit; };
-  return x * x + y * y + z * z <= r * r && within(x, exact(n.half_x[lane])) && within(y, exact(n.half_y[lane])) &&
-         within(z, exact(n.half_z[lane])) && h >= exact(n.low[lane]) && h <= exact(n.high[lane]);
+  return x * x + y * y + z * z <= r * r && within(x, exact(n.half_x[slot])) && within(y, exact(n.half_y[slot])) &&
+         within(z, exact(n.half_z[slot])) && h >= exact(n.low[slot]) && h <= exact(n.high[slot]);
 }
 
-/// Leaves below a lane.
-void visit_leaves(const Tree& tree, std::uint32_t b, std::uint32_t lane,
-                  const std::function<void(const tree::Leaf&)>& visit) {
-  const std::uint32_t child = tree.blocks[b].first_child + lane;
-  if (b >= tree.lowest_level()) return visit(tree.leaves[child]);
-  for (std::uint32_t k = 0; k < tree.blocks[child].count; ++k) visit_leaves(tree, child, k, visit);
+/// Calls `visit` for the leaves below a slot.
+void visit_leaves(const Tree& tree, std::uint32_t node_id, std::uint32_t slot,
+                  const std::function<void(const bvh::Leaf&)>& visit) {
+  const std::uint32_t child = tree.nodes[node_id].first_child + slot;
+  if (node_id >= tree.first_lowest_node()) return visit(tree.leaves[child]);
+  for (std::uint32_t k = 0; k < tree.nodes[child].child_count; ++k) visit_leaves(tree, child, k, visit);
 }
 
-/// Every triangle by another power of two, so that specks lie next to large ones.
+/// The mesh with each triangle scaled by another power of two, so that specks lie next to large triangles.
 Mesh shrunk(Rng& rng, const Mesh& mesh) {
   std::vector<Triangle> triangles;
   for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
@@ -141,14 +141,15 @@ Mesh crowds(Rng& rng, int count, int each) {
 }
 
 void require_exact_bounds(const Mesh& mesh, int which) {
-  const Tree tree = tree::build(mesh);
-  ASSERT_TRUE(static_cast<bool>(tree::validate(tree, mesh))) << tree::validate(tree, mesh).error().text;
-  for (std::uint32_t b = 0; b < tree.blocks.size(); ++b) {
-    for (std::uint32_t lane = 0; lane < tree.blocks[b].count; ++lane) {
-      visit_leaves(tree, b, lane, [&](const tree::Leaf& leaf) {
+  const Tree tree = bvh::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(bvh::validate(tree, mesh))) << bvh::validate(tree, mesh).error().text;
+  for (std::uint32_t node_id = 0; node_id < tree.nodes.size(); ++node_id) {
+    for (std::uint32_t slot = 0; slot < tree.nodes[node_id].child_count; ++slot) {
+      visit_leaves(tree, node_id, slot, [&](const bvh::Leaf& leaf) {
         for (const TriangleId t : leaf.triangle) {
           for (std::size_t k = 0; k < 3; ++k) {
-            ASSERT_TRUE(holds_exactly(tree, b, lane, mesh.triangle(t)[k])) << "case " << which << " block " << b;
+            ASSERT_TRUE(holds_exactly(tree, node_id, slot, mesh.triangle(t)[k]))
+                << "case " << which << " node " << node_id;
           }
         }
       });
@@ -174,53 +175,53 @@ TEST(Tree, BoundsHoldInExactArithmetic) {
 
 TEST(Tree, ValidateNamesWhatIsBroken) {
   const Mesh mesh = scenes::ball(16, 9);
-  const Tree sound = tree::build(mesh);
-  ASSERT_TRUE(static_cast<bool>(tree::validate(sound, mesh)));
+  const Tree sound = bvh::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(bvh::validate(sound, mesh)));
   const auto complaint = [&](const std::function<void(Tree&)>& damage) {
     Tree tree = sound;
     damage(tree);
-    const auto result = tree::validate(tree, mesh);
+    const auto result = bvh::validate(tree, mesh);
     return result ? std::string("nothing") : result.error().text.substr(0, 2);
   };
-  const std::size_t last = sound.blocks.size() - 1;
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[0].count = 2; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].first_child += 1; }), "I1");
+  const std::size_t last = sound.nodes.size() - 1;
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[0].child_count = 2; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].first_child += 1; }), "I1");
   EXPECT_EQ(complaint([](Tree& t) { t.level_begin.back() -= 1; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[2].parent += 1; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].count = 0; }), "I1");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].count = tree::width + 1; }), "I1");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].first_child -= 1; }), "I2");
-  // One lane too many, which the next block has one less of: all sums are right.
-  ASSERT_EQ(sound.blocks[last - 1].count, tree::width);
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[2].parent += 1; }), "I1");
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].child_count = 0; }), "I1");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].child_count = bvh::width + 1; }), "I1");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].first_child -= 1; }), "I2");
+  // One slot too many in a node and one too few in the next: all sums are right.
+  ASSERT_EQ(sound.nodes[last - 1].child_count, bvh::width);
   EXPECT_EQ(complaint([&](Tree& t) {
-              t.blocks[last - 1].count += 1;
-              t.blocks[last].count -= 1;
-              t.blocks[last].first_child += 1;
+              t.nodes[last - 1].child_count += 1;
+              t.nodes[last].child_count -= 1;
+              t.nodes[last].first_child += 1;
             }),
             "I1");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = 100000; }), "I2");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[2].vertices[5][1] ^= 1; }), "I2");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.radius[0] *= 0.99F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[0].bounds.half_y[0] *= 0.99F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.high[1] -= 1e-3F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].bounds.low[1] += 1e-3F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.radius[0] *= 0.99F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[0].bounds.half_y[0] *= 0.99F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.high[1] -= 1e-3F; }), "I4");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.low[1] += 1e-3F; }), "I4");
   EXPECT_EQ(complaint([](Tree& t) { t.leaves[1].corners.corner[4][5] += 2; }), "I5");
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[1].reach *= 0.9F; }), "I6");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].reach *= 0.9F; }), "I6");
-  EXPECT_EQ(complaint([](Tree& t) { t.blocks[0].coincident = 1; }), "I7");
-  EXPECT_EQ(complaint([&](Tree& t) { t.blocks[last].coincident = 1; }), "I7");
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].radius *= 0.9F; }), "I6");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].radius *= 0.9F; }), "I6");
+  EXPECT_EQ(complaint([](Tree& t) { t.nodes[0].coincident_slots = 1; }), "I7");
+  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].coincident_slots = 1; }), "I7");
 }
 
 TEST(Tree, ValidateCountsLevels) {
-  // A leaf below two nodes, each of which is sound, where one would do.
+  // A leaf below two nodes where one is enough. Each node by itself is sound.
   const Mesh mesh = scenes::grid(2, 2, 0, 0, 1, 1);
-  Tree tree = tree::build(mesh);
-  ASSERT_TRUE(static_cast<bool>(tree::validate(tree, mesh)));
-  tree.blocks.push_back(tree.blocks[0]);
-  tree.blocks[0].first_child = 1;
+  Tree tree = bvh::build(mesh);
+  ASSERT_TRUE(static_cast<bool>(bvh::validate(tree, mesh)));
+  tree.nodes.push_back(tree.nodes[0]);
+  tree.nodes[0].first_child = 1;
   tree.level_begin = {0, 1, 2};
-  const auto result = tree::validate(tree, mesh);
+  const auto result = bvh::validate(tree, mesh);
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().text.substr(0, 2), "I3") << result.error().text;
 }

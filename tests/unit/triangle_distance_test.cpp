@@ -41,9 +41,9 @@ TEST(SegmentDistance, NearlyParallelSegmentsKeepTheirDigits) {
   for (int i = 0; i < 400; ++i) {
     const double angle = std::pow(10.0, -1 - (i % 16));
     const Vec3 direction = uniform_point(rng), off = uniform_point(rng);
-    const Vec3 middle = uniform_point(rng);
-    const Segment a{middle - direction, middle + direction};
-    const Segment b{middle - direction - angle * off, middle + direction + angle * off};
+    const Vec3 center = uniform_point(rng);
+    const Segment a{center - direction, center + direction};
+    const Segment b{center - direction - angle * off, center + direction + angle * off};
     const double exact = true_distance({a.p0, a.p1, a.p1}, {b.p0, b.p1, b.p1});
     EXPECT_NEAR(closest_points(a, b).distance, exact, 1e-15) << "angle " << angle;
   }
@@ -74,7 +74,7 @@ TEST(TriangleDistance, LargePerpendicularTriangles) {  // GammaUNC/PQP issue 4
 }
 
 TEST(TriangleDistance, TinyTrianglesKeepTheirFaces) {
-  // Corner above the middle of a face; edge lengths from 1 to 1e-30, where an absolute threshold would drop the face.
+  // Corner above the center of a face; edge lengths from 1 to 1e-30, where an absolute threshold would drop the face.
   for (int exponent = 0; exponent >= -100; exponent -= 5) {
     const double s = std::ldexp(1.0, exponent);
     const Triangle flat{{0, 0, 0}, {4 * s, 0, 0}, {0, 4 * s, 0}};
@@ -187,7 +187,7 @@ TEST(TriangleDistance, PointsLieOnTrianglesOfAnyScaleAnywhere) {
 }
 
 TEST(TriangleDistance, PointsLieOnSliversThatArePierced) {
-  // The plane of a sliver is known to rounding over its height, and no point is further than half of that from an edge.
+  // The plane of a sliver is known up to rounding / height, and no point is farther than height / 2 from an edge.
   Rng rng(132);
   const auto direction = [&] {
     const Vec3 v = uniform_point(rng);

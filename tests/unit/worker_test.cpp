@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Models whose triangles are sorted anew by a thread of their own: while it runs, and when there is none. Names with
-// SharesModels are run under the thread sanitizer, on meshes too small for oneTBB's threads, which it cannot follow.
+// Models that are rebuilt on a worker thread: while the worker runs, and when no thread can be started. Tests with
+// SharesModels in their names are run under the thread sanitizer too, on meshes too small for oneTBB's threads, which
+// the sanitizer cannot follow.
 #include <gtest/gtest.h>
 #include <pthread.h>
 
@@ -24,7 +25,7 @@ namespace {
 
 constexpr double tolerance = 1e-13;
 
-/// As long as it lives, no thread can be started: each would need a stack larger than any address space.
+/// While an object lives, no thread can be started: each would need a stack larger than any address space.
 class NoThreads {
  public:
   NoThreads() {
@@ -72,7 +73,7 @@ TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
   const scenes::Motion soup = scenes::shuffled_soup(600);
   const Model probe = some_probe();
   for (const double us : {ModelOptions::automatic, 3.0, 0.0}) {
-    Model model(soup.mesh, {.restructuring = Restructuring::on_worker, .restructuring_us = us});
+    Model model(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker, .rebuild_budget_us = us});
     {
       const NoThreads no_threads;
       ASSERT_FALSE(can_start_a_thread());
@@ -83,12 +84,12 @@ TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
         expect_right_distance(model, probe);
       }
     }
-    // Commits sort instead, unless they have no time for it.
-    EXPECT_EQ(model.maintenance_stats().restructured > 0, us != 0);
-    // Once there are threads, all goes on.
+    // Commits rebuild instead, unless their budget is 0.
+    EXPECT_EQ(model.maintenance_stats().rebuilt_triangles > 0, us != 0);
+    // Once threads can be started again, the worker rebuilds.
     ASSERT_TRUE(can_start_a_thread());
-    const std::uint64_t before = model.maintenance_stats().restructured;
-    for (int frame = 41; model.maintenance_stats().restructured == before; ++frame) {
+    const std::uint64_t before = model.maintenance_stats().rebuilt_triangles;
+    for (int frame = 41; model.maintenance_stats().rebuilt_triangles == before; ++frame) {
       ASSERT_LT(frame, 2000);
       show(soup, model, 10 * frame);
       std::this_thread::yield();
@@ -97,14 +98,14 @@ TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
   }
 }
 
-/// Shows frames until a worker is likely to be sorting.
+/// Shows frames until a worker is likely to be rebuilding.
 void keep_busy(const scenes::Motion& soup, Model& model, int first) {
   for (int frame = first; frame < first + 6; ++frame) show(soup, model, 10 * frame);
 }
 
 TEST(Worker, SharesModelsSafelyWhenTheyAreMovedReplacedOrDestroyed) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
-  const ModelOptions options{.slack = 0.01, .restructuring = Restructuring::on_worker};
+  const ModelOptions options{.motion_margin = 0.01, .rebuild_policy = RebuildPolicy::on_worker};
   const Model probe = some_probe();
   for (int round = 0; round < 4; ++round) {
     Model model(soup.mesh, options);
@@ -116,26 +117,26 @@ TEST(Worker, SharesModelsSafelyWhenTheyAreMovedReplacedOrDestroyed) {
     model = std::move(taken);
     keep_busy(soup, model, 13 + round);
     expect_right_distance(model, probe);
-    model.restructure();
+    model.rebuild();
     expect_right_distance(model, probe);
     keep_busy(soup, model, 19 + round);
     model.reset(soup.mesh);
     keep_busy(soup, model, 1 + round);
     expect_right_distance(model, probe);
-    model.set_slack(0);
+    model.set_motion_margin(0);
     keep_busy(soup, model, 7 + round);
   }
 }
 
 TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
-  // One model is updated, with slack and a worker, while other threads query others; then all of them query it at once,
-  // and add what its slack has cost them.
+  // One model is updated, with a motion margin and a worker, while other threads query other models. Then all threads
+  // query this model at once and add to its margin cost.
   const scenes::Motion soup = scenes::shuffled_soup(2000);
   const Model probe = some_probe(), ball(scenes::ball(16, 9)), square(scenes::grid(16, 16, -4, -4, 0.5, 0.5));
   const Transform above = scenes::ball_over_square(ball.mesh(), 0.75, 0);
   constexpr std::size_t thread_count = 4;
-  for (const double slack : {0.05, ModelOptions::automatic}) {
-    Model model(soup.mesh, {.slack = slack, .restructuring = Restructuring::on_worker});
+  for (const double motion_margin : {0.05, ModelOptions::automatic}) {
+    Model model(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::on_worker});
     for (int frame = 1; frame <= 30; ++frame) {
       std::vector<std::jthread> threads;
       std::vector<double> found(thread_count);
@@ -148,16 +149,16 @@ TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
       const double alone = distance({model}, {probe}).upper;
       for (std::size_t i = 0; i < thread_count; ++i) {
         threads.emplace_back([&, i] {
-          Pair pair;
-          const bool hit = collide({model}, {probe}, pair).collision;
-          found[i] = hit ? 0 : distance({model}, {probe}, {}, pair).upper;
+          QueryCache cache;
+          const bool hit = collide({model}, {probe}, cache).collision;
+          found[i] = hit ? 0 : distance({model}, {probe}, {}, cache).upper;
         });
       }
       threads.clear();
       for (const double d : found) ASSERT_EQ(d, alone);
     }
     expect_right_distance(model, probe);
-    EXPECT_GT(model.maintenance_stats().extra_steps, 0);
+    EXPECT_GT(model.maintenance_stats().margin_steps, 0);
   }
 }
 

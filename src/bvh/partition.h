@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "bvh/tree.h"
+
+/// Partitions triangles into the leaves of a tree.
+///
+/// Based on  [Quinlan1994]: a median split across the longest side of the bounding box of the centers.
+/// Differs   Eight children instead of two: halves of halves. The number of triangles alone decides the topology: every
+///           subtree gets whole leaves, as few levels as possible, and children of equal size, so leaves and nodes are
+///           full nearly everywhere and all leaves are on one level.
+namespace limber::bvh {
+
+/// A triangle to be put into a leaf.
+struct PrimitiveRef {
+  std::array<float, 3> center;  // of its bounding box, in units, relative to an origin that all share
+  TriangleId triangle;
+};
+
+std::uint32_t leaf_count(std::size_t triangles);
+
+/// The number of children of a node over that many leaves, with as few levels below it as possible.
+std::uint32_t child_count(std::uint32_t leaves);
+
+/// How many of `leaves` leaves the first half of the children gets.
+std::uint32_t first_half_leaves(std::uint32_t leaves, std::uint32_t children);
+
+/// A range of primitives, in the order of the leaves, still to be partitioned among `children` nodes.
+struct BuildRange {
+  std::size_t begin, end;
+  std::uint32_t children;
+};
+
+/// Moves the primitives of the first half of the children before those of the second. Returns the two halves.
+///
+/// Pre      range.children > 1.
+/// Cost     O(primitives in the range).
+std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range);
+
+/// The range of a node over these primitives.
+BuildRange build_range(std::size_t begin, std::size_t end);
+
+/// Partitions a range down to leaves, on the threads of the calling oneTBB arena.
+///
+/// Cost     O(n log n).
+void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range);
+
+/// The bounding box of some triangles.
+class BoundingBox {
+ public:
+  void add(const Triangle& t) {
+    low_ = min(low_, min(min(t.v0, t.v1), t.v2));
+    high_ = max(high_, max(max(t.v0, t.v1), t.v2));
+  }
+  Vec3 center() const { return low_ * 0.5 + high_ * 0.5; }
+  /// The unit of a tree over these triangles.
+  double unit() const {
+    const double size = length(high_ - low_);
+    return unit_for(size > 0x1p-450 ? size : 2 * max_abs(high_ - low_), max_abs(low_));  // squares may vanish
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low_{infinity, infinity, infinity}, high_{-infinity, -infinity, -infinity};
+};
+BoundingBox bounding_box_of(MeshView mesh);
+
+/// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.
+PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
+
+/// Writes primitives into leaves, from leaf `first` on; slots beyond the last primitive repeat it.
+void write_leaves(Tree& tree, MeshView mesh, std::uint32_t first, std::span<const PrimitiveRef> primitives);
+
+/// An assignment id that no tree has had.
+std::uint64_t new_assignment_id();
+
+}  // namespace limber::bvh

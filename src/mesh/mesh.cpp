@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/updates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/check.h"
+#include "simd/kernels.h"
+
+namespace limber {
+namespace {
+
+// Ids and node indices are 32-bit; a binary tree over n triangles has 2 n - 1 nodes.
+constexpr std::size_t max_elements = std::size_t{1} << 31;
+
+Error at_vertex(ErrorCode code, std::size_t vertex, const char* what) {
+  return {code, "vertex " + std::to_string(vertex) + " " + what, vertex};
+}
+
+Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
+  return {code, "entry " + std::to_string(entry) + " of the update " + what, entry};
+}
+
+Error size_mismatch(const std::string& given, std::size_t given_count, const std::string& wanted, std::size_t count) {
+  return {ErrorCode::size_mismatch,
+          std::to_string(given_count) + " " + given + " for " + std::to_string(count) + " " + wanted,
+          {}};
+}
+
+Result<void> check_new_positions(std::span<const Vec3> positions) {
+  if (auto sound = check_positions(positions); !sound) {
+    const Error& error = sound.error();
+    return at_entry(
+        error.code, error.where.value_or(0),
+        error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
+  }
+  return {};
+}
+
+simd::Displacement displacements(std::span<const Vec3> from, std::span<const Vec3> to) {
+  return simd::kernels().max_displacement(from.data(), to.data(), to.size(), max_coordinate);
+}
+
+}  // namespace
+
+Result<void> check_positions(std::span<const Vec3> positions) {
+  // All at once, since nearly always all are sound.
+  if (displacements(positions, positions).is_bounded) return {};
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (!is_finite(positions[v])) return at_vertex(ErrorCode::non_finite, v, "is not finite");
+    if (max_abs(positions[v]) > max_coordinate) {
+      return at_vertex(ErrorCode::too_large, v, "has a coordinate above the limit of 2^200");
+    }
+  }
+  return {};
+}
+
+Result<void> check_mesh(MeshView mesh) {
+  if (mesh.triangles.empty()) return Error{ErrorCode::empty_mesh, "the mesh has no triangle", {}};
+  if (mesh.positions.size() >= max_elements || mesh.triangles.size() >= max_elements) {
+    return Error{ErrorCode::too_large, "the mesh has 2^31 or more vertices or triangles", {}};
+  }
+  if (auto positions = check_positions(mesh.positions); !positions) return positions;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const VertexId v : mesh.triangles[t]) {
+      if (v < mesh.positions.size()) continue;
+      return Error{ErrorCode::index_out_of_range,
+                   "triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + ", but there are only " +
+                       std::to_string(mesh.positions.size()) + " vertices",
+                   t};
+    }
+  }
+  return {};
+}
+
+Result<Mesh> Mesh::create(std::vector<Vec3> positions, std::vector<Corners> triangles) {
+  if (auto sound = check_mesh({positions, triangles}); !sound) return sound.error();
+  return Mesh(std::move(positions), std::move(triangles));
+}
+
+PositionsView PositionsView::packed(std::span<const float> coordinates) {
+  LIMBER_REQUIRE(coordinates.size() % 3 == 0, "limber::PositionsView::packed: not three coordinates a vertex");
+  return strided(coordinates.data(), coordinates.size() / 3, 3 * sizeof(float));
+}
+
+PositionsView PositionsView::packed(std::span<const double> coordinates) {
+  LIMBER_REQUIRE(coordinates.size() % 3 == 0, "limber::PositionsView::packed: not three coordinates a vertex");
+  return strided(coordinates.data(), coordinates.size() / 3, 3 * sizeof(double));
+}
+
+PositionsView PositionsView::strided(const float* first, std::size_t count, std::size_t stride_bytes) {
+  return {first, count, stride_bytes, true};
+}
+
+PositionsView PositionsView::strided(const double* first, std::size_t count, std::size_t stride_bytes) {
+  return {first, count, stride_bytes, false};
+}
+
+Vec3 PositionsView::operator[](std::size_t i) const {
+  LIMBER_ASSERT(i < count_);
+  const unsigned char* const at = first_ + i * stride_bytes_;
+  if (is_float32_) {
+    float v[3];
+    std::memcpy(v, at, sizeof(v));
+    return {v[0], v[1], v[2]};
+  }
+  double v[3];
+  std::memcpy(v, at, sizeof(v));
+  return {v[0], v[1], v[2]};
+}
+
+void PositionsView::copy_to(std::span<Vec3> positions) const {
+  LIMBER_ASSERT(positions.size() == count_);
+  for (std::size_t i = 0; i < count_; ++i) positions[i] = (*this)[i];
+}
+
+Result<Mesh> Mesh::create(const PositionsView& positions, std::vector<Corners> triangles) {
+  std::vector<Vec3> copy(positions.size());
+  positions.copy_to(copy);
+  return create(std::move(copy), std::move(triangles));
+}
+
+Mesh::Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles)
+    : positions_(std::move(positions)), triangles_(std::move(triangles)) {}
+
+void Mesh::set_position(VertexId id, const Vec3& position) {
+  LIMBER_ASSERT(id < positions_.size());
+  LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
+  positions_[id] = position;
+}
+
+void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
+  if (overlaps(*this, positions)) {
+    const std::vector<Vec3> copy(positions.begin(), positions.end());
+    return set_positions(ids, copy);
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
+}
+
+void Mesh::set_positions(std::span<const Vec3> positions) {
+  LIMBER_ASSERT(positions.size() == positions_.size());
+  LIMBER_ASSERT(static_cast<bool>(check_positions(positions)));
+  if (positions.data() == positions_.data()) return;
+  std::copy(positions.begin(), positions.end(), positions_.begin());
+}
+
+bool overlaps(const Mesh& mesh, std::span<const Vec3> positions) {
+  const std::vector<Vec3>& own = mesh.positions();
+  const std::less<> before;  // a total order of pointers into different arrays, unlike <
+  return before(positions.data(), own.data() + own.size()) && before(own.data(), positions.data() + positions.size());
+}
+
+Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  if (ids.size() != positions.size()) return size_mismatch("positions", positions.size(), "ids", ids.size());
+  const std::size_t vertex_count = mesh.positions().size();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] < vertex_count) continue;
+    return at_entry(ErrorCode::index_out_of_range, i,
+                    "names vertex " + std::to_string(ids[i]) + ", but there are only " + std::to_string(vertex_count));
+  }
+  return check_new_positions(positions);
+}
+
+Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positions) {
+  const std::size_t vertex_count = mesh.positions().size();
+  if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
+  return check_new_positions(positions);
+}
+
+Result<double> check_displacements(const Mesh& mesh, std::span<const Vec3> positions) {
+  if (positions.size() == mesh.positions().size()) {
+    const simd::Displacement displacement = displacements(mesh.positions(), positions);
+    if (displacement.is_bounded) return displacement.farthest_sq;
+  }
+  const auto sound = check_update_of_all(mesh, positions);
+  LIMBER_ASSERT(!sound);
+  return sound.error();
+}
+
+}  // namespace limber

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bvh/tree.h"
+#include "limber/model.h"
+#include "update/tree_updater.h"
+
+namespace limber {
+
+struct Model::Impl {
+  Mesh mesh;
+  ModelOptions options;
+  bvh::Tree tree;
+  std::optional<update::TreeUpdater> updater{};  // once a vertex has moved
+  MaintenanceStats stats{};
+  std::vector<Vec3> scratch{};
+
+  /// Positions as the library keeps them, until the next call.
+  std::span<const Vec3> copied(const PositionsView& positions) {
+    scratch.resize(positions.size());
+    positions.copy_to(scratch);
+    return scratch;
+  }
+};
+
+}  // namespace limber

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "geometry/primitives.h"
+#include "limber/query.h"
+#include "query/goals/improvement.h"
+
+namespace limber::query {
+
+/// The goal of collide(): any pair of triangles that intersects.
+class AnyContact {
+ public:
+  static constexpr bool takes_any = true;
+
+  double initial_prune_distance() const { return std::numeric_limits<double>::min(); }
+  bool is_done() const { return witness.has_value(); }
+
+  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    if (geometry::intersects(a.corners, b.corners)) {
+      const Vec3 shared = geometry::closest_points(a.corners, b.corners).point_a;
+      witness = Witness{shared, shared, a.id, b.id};
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Witness> witness;
+};
+
+}  // namespace limber::query

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/check.h"
+#include "geometry/primitives.h"
+#include "limber/query.h"
+#include "query/goals/improvement.h"
+
+namespace limber::query {
+
+/// The goal of distance() and within(): the closest pair of triangles, or one that is close enough.
+class ClosestPair {
+ public:
+  static constexpr bool takes_any = false;
+
+  /// A pair at most `close_enough` apart ends the query.
+  ClosestPair(const DistanceOptions& options, double close_enough) : options_(options), close_enough_(close_enough) {}
+
+  /// Just above the limit: a pair exactly max_distance apart is an answer.
+  double initial_prune_distance() const { return std::nextafter(options_.max_distance, infinity); }
+  bool is_done() const { return upper <= close_enough_; }
+
+  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    const ClosestPoints closest = geometry::closest_points(a.corners, b.corners);
+    LIMBER_ASSERT(closest.distance >= 0);
+    if (closest.distance >= upper) return std::nullopt;
+    upper = closest.distance;
+    witness = {closest.point_a, closest.point_b, a.id, b.id};
+    Improvement improvement{upper, infinity, closest.point_b - closest.point_a};
+    // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
+    if (upper <= options_.max_distance) {
+      const double relative = upper / (1 + options_.relative_error) * rounded_down();
+      improvement.prune_distance = std::min(relative, upper - options_.absolute_error);
+    }
+    return improvement;
+  }
+
+  double upper = infinity;
+  Witness witness{};
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  double rounded_down() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
+
+  DistanceOptions options_;
+  double close_enough_;
+};
+
+}  // namespace limber::query

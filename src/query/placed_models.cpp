@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "query/placed_models.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+#include "core/error_bounds.h"
+#include "core/rounding.h"
+#include "math/rigid.h"
+#include "model/model_impl.h"
+
+namespace limber::query {
+namespace {
+
+double sum_of_coordinates(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+/// Radius of a sphere around the model, about the center of its root.
+double root_radius(const bvh::Tree& tree) {
+  return tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]) + tree.motion_margin;
+}
+
+/// A lower bound of the distance of a point from a model, by the box or the slab of its root. The point is relative to
+/// the root's center, in the model's frame.
+double root_gap(const bvh::Tree& tree, const Vec3& point) {
+  const bvh::ChildBounds& n = tree.nodes[0].bounds;
+  const Vec3 out = max(abs(point) - tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]}, Vec3{});
+  const double height = dot(Vec3{n.normal_x[0], n.normal_y[0], n.normal_z[0]}, point);
+  const double above = height - tree.unit * static_cast<double>(n.high[0]);
+  const double below = tree.unit * static_cast<double>(n.low[0]) - height;
+  return std::max({length(out), above, below}) - tree.motion_margin;
+}
+
+/// At least the distance of any point of the placed model from the world's origin. A model that has drifted may be many
+/// radii away from the origin of its root.
+double reach(const bvh::Tree& tree, const Transform& pose) {
+  const double from_origin = tree.unit * static_cast<double>(tree.nodes[0].radius) + tree.motion_margin;
+  return sum_of_coordinates(pose.translation) +
+         (sum_of_coordinates(tree.nodes[0].origin) + std::max(2 * root_radius(tree), from_origin)) * core::reach_up;
+}
+
+}  // namespace
+
+PlacedModels::PlacedModels(const Placed& a, const Placed& b)
+    : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
+  LIMBER_REQUIRE(a.model().is_committed(),
+                 "limber: a query needs committed models; model a has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(b.model().is_committed(),
+                 "limber: a query needs committed models; model b has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(math::is_rigid(a.pose),
+                 "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
+  LIMBER_REQUIRE(math::is_rigid(b.pose),
+                 "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
+  const Model::Impl &model_a = a.model().impl(), &model_b = b.model().impl();
+  sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
+  sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
+  error_ = core::placement_error * (reach(model_a.tree, a.pose) + reach(model_b.tree, b.pose));
+}
+
+Triangle PlacedModels::triangle(Side s, TriangleId t) const {
+  const Triangle local = local_triangle(s, t);
+  const Transform& pose = at(s).pose;
+  return {pose(local.v0), pose(local.v1), pose(local.v2)};
+}
+
+double PlacedModels::root_bound() const {
+  const PlacedTree &a = at(Side::a), &b = at(Side::b);
+  const Vec3 between = b.pose(bvh::slot_center(*b.tree, bvh::root)) - a.pose(bvh::slot_center(*a.tree, bvh::root));
+  const double radius_a = root_radius(*a.tree), radius_b = root_radius(*b.tree);
+  double best = length(between) - radius_a - radius_b;
+  // The sphere of one next to the box and the slab of the other.
+  best = std::max(best, root_gap(*a.tree, transpose(a.pose.rotation) * between) - radius_b);
+  best = std::max(best, root_gap(*b.tree, transpose(b.pose.rotation) * -between) - radius_a);
+  const double rounding = (sum_of_coordinates(between) + radius_a + radius_b) * core::root_error + error_;
+  return std::max(0.0, best - rounding);
+}
+
+void PlacedModels::add_margin_cost(double steps) const {
+  for (const Side s : {Side::a, Side::b}) {
+    const bvh::Tree& t = tree(s);
+    if (t.margin_cost == nullptr || t.motion_margin == 0) continue;
+    const double share = steps * (t.motion_margin / motion_margin());
+    t.margin_cost->fetch_add(static_cast<std::uint64_t>(share / bvh::margin_cost_unit), std::memory_order_relaxed);
+  }
+}
+
+double PlacedModels::max_displacement(const Transform& before, double error_before, const Transform& after) const {
+  const bvh::Tree &a = tree(Side::a), &b = tree(Side::b);
+  const Vec3 center = bvh::slot_center(b, bvh::root), center_a = bvh::slot_center(a, bvh::root);
+  const Mat3 &from = before.rotation, &to = after.rotation;
+  const Vec3 center_before = before(center), center_after = after(center);
+  // The difference of two rotations stretches a vector by at most its Frobenius norm over the root of 2.
+  const double turned = std::sqrt(
+      0.5 * (length_sq(to.row0 - from.row0) + length_sq(to.row1 - from.row1) + length_sq(to.row2 - from.row2)));
+  const double size = length(center_before - center_a) + length(center_after - center_a) + sum_of_coordinates(center) +
+                      root_radius(a) + root_radius(b);
+  return core::distance_up(center_before, center_after) + turned * root_radius(b) + core::rigidity_error * size +
+         2 * (error_before + error_);
+}
+
+}  // namespace limber::query

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "bvh/tree.h"
+#include "limber/model.h"
+
+namespace limber::query {
+
+enum class Side { a, b };
+inline Side other(Side s) { return s == Side::a ? Side::b : Side::a; }
+inline std::size_t index(Side s) { return s == Side::a ? 0 : 1; }
+
+/// The two models of a query and where they are. Constant while the query runs.
+class PlacedModels {
+ public:
+  /// Throws   std::invalid_argument unless both models are committed and both poses are rigid.
+  PlacedModels(const Placed& a, const Placed& b);
+
+  const bvh::Tree& tree(Side s) const { return *sides_[index(s)].tree; }
+  const Transform& pose(Side s) const { return sides_[index(s)].pose; }
+
+  bool has_triangle(Side s, TriangleId t) const { return t < sides_[index(s)].mesh.triangles.size(); }
+  /// A triangle in the frame of its model, and in the world.
+  Triangle local_triangle(Side s, TriangleId t) const { return sides_[index(s)].mesh.triangle(t); }
+  Triangle triangle(Side s, TriangleId t) const;
+
+  /// A lower bound of the distance of the models, from the bounds of their roots.
+  double root_bound() const;
+
+  /// What float64 rounding can change a length between placed points by.
+  double error() const { return error_; }
+  /// Whether both poses are the identity, so that placing does not round.
+  bool is_placed_exactly() const { return is_placed_exactly_; }
+
+  /// How far vertices of both models together may be outside of the bounds.
+  double motion_margin() const { return tree(Side::a).motion_margin + tree(Side::b).motion_margin; }
+  /// Notes traversal steps that the motion margin has added.
+  void add_margin_cost(double steps) const;
+
+  /// An upper bound of what a motion of b, seen from a, can change the distance of any two points by: from the pose
+  /// `before`, where error() was `error_before`, to the pose `after`.
+  double max_displacement(const Transform& before, double error_before, const Transform& after) const;
+
+ private:
+  struct PlacedTree {
+    const bvh::Tree* tree;
+    MeshView mesh;
+    Transform pose;
+  };
+  const PlacedTree& at(Side s) const { return sides_[index(s)]; }
+
+  PlacedTree sides_[2];
+  double error_;
+  bool is_placed_exactly_;
+};
+
+}  // namespace limber::query

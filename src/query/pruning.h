@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "core/check.h"
+#include "core/error_bounds.h"
+#include "query/goals/improvement.h"
+#include "query/placed_leaf.h"
+#include "query/placed_models.h"
+#include "simd/kernels.h"
+
+namespace limber::query {
+
+/// What a query prunes: pairs at least the prune distance apart. Once two triangles have been compared, it knows the
+/// direction in which they are apart, the search direction; most pairs are at least as far apart along it.
+///
+/// States   The prune distance only shrinks. There is a search direction once a pair that is apart has been compared.
+class Pruning {
+ public:
+  Pruning(const PlacedModels& placed, double prune_distance) : placed_(placed) {
+    of_[0].has_direction = of_[1].has_direction = false;
+    set_distance(prune_distance);
+  }
+
+  double distance() const { return of_[0].distance; }
+  bool has_direction() const { return of_[0].has_direction; }
+
+  /// As the kernels need it, in the frame of either model.
+  const simd::Pruning& of(Side s) const { return of_[index(s)]; }
+
+  /// Takes over what a goal has learnt.
+  void improve(const Improvement& improvement) {
+    if (improvement.prune_distance < infinity) {
+      set_distance(std::min(distance(), improvement.prune_distance));
+      skips_ties_ = distance() == improvement.distance;
+    }
+    const double length = limber::length(improvement.separation);
+    if (length > shortest_separation) set_direction(improvement.separation * (1 / length));
+  }
+
+  /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
+  /// pruned.
+  ///
+  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the
+  /// best up to rounding. They are many, and can improve the answer by no more than that, so where the distance itself
+  /// is looked for they are pruned. A pair that may be within a limit is always compared.
+  bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
+    if (!has_direction()) return false;
+    const double gap = local_gap(a.id(slot_a), b.id(slot_b));
+    const double rounding = core::local_gap_error * placed_.error();
+    if (gap >= distance() + rounding) return gap > rounding;
+    if (gap < distance() - rounding) return false;
+    // As far apart as the best, or as the limit allows.
+    const double tolerated = std::max(placed_.is_placed_exactly() ? 0 : rounding, core::tie_error * distance());
+    if (skips_ties_ && rounding <= tolerated && gap >= distance() - core::usual_part * rounding) return gap > rounding;
+    return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  // Contacts matter at any setting, so the prune distance stays above 0.
+  static constexpr double smallest = std::numeric_limits<double>::min();
+  // A shorter one has no direction.
+  static constexpr double shortest_separation = 0x1p-500;
+
+  void set_distance(double distance) { of_[0].distance = of_[1].distance = std::max(distance, smallest); }
+
+  /// `direction` has length 1, in the world, from a to b.
+  void set_direction(const Vec3& direction) {
+    LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 0x1p-40);
+    direction_ = direction;
+    out_of_a_ = transpose(placed_.pose(Side::a).rotation) * direction;
+    out_of_b_ = transpose(placed_.pose(Side::b).rotation) * -direction;
+    simd::Pruning &a = of_[0], &b = of_[1];
+    a.has_direction = b.has_direction = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      a.direction[k] = out_of_a_[k], b.direction[k] = out_of_b_[k];
+      a.normal[k] = b.other_normal[k] = static_cast<float>(out_of_a_[k]);
+      b.normal[k] = a.other_normal[k] = static_cast<float>(out_of_b_[k]);
+    }
+    offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
+  }
+
+  /// The gap of two triangles along the search direction, negative where they overlap. It is computed from the vertices
+  /// before they are placed, and off by at most local_gap_error times the error of placing.
+  double local_gap(TriangleId a, TriangleId b) const {
+    const auto support = [](const Triangle& t, const Vec3& d) {
+      return std::max({dot(d, t.v0), dot(d, t.v1), dot(d, t.v2)});
+    };
+    return offset_ - support(placed_.local_triangle(Side::a, a), out_of_a_) -
+           support(placed_.local_triangle(Side::b, b), out_of_b_);
+  }
+
+  /// The same as prunes() for placed triangles, relative to a corner of one of them: an offset that they share costs no
+  /// precision.
+  bool prunes_placed(const Triangle& a, const Triangle& b) const {
+    const Vec3& d = direction_;
+    const Vec3 a1 = a.v1 - a.v0, a2 = a.v2 - a.v0, b0 = b.v0 - a.v0, b1 = b.v1 - a.v0, b2 = b.v2 - a.v0;
+    const double gap = std::min({dot(d, b0), dot(d, b1), dot(d, b2)}) - std::max({0.0, dot(d, a1), dot(d, a2)});
+    const double extent = max_abs(max(max(max(abs(a1), abs(a2)), max(abs(b0), abs(b1))), abs(b2)));
+    const double rounding = core::gap_error * extent;
+    return gap > rounding && gap >= (skips_ties_ ? distance() - core::usual_gap_error * extent : distance() + rounding);
+  }
+
+  const PlacedModels& placed_;
+  simd::Pruning of_[2];
+  bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
+  Vec3 direction_, out_of_a_, out_of_b_;
+  double offset_ = 0;  // of b's origin from a's along the search direction
+};
+
+}  // namespace limber::query

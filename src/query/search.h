@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "limber/model.h"
+#include "query/placed_models.h"
+#include "query/pruning.h"
+#include "query/query_cache_impl.h"
+#include "query/traversal.h"
+
+namespace limber::query {
+
+/// How a search has ended.
+struct SearchEnd {
+  bool has_pruned;        ///< whether some pairs were not compared
+  double prune_distance;  ///< those are at least that far apart
+};
+
+template <bool records, typename Goal>
+SearchEnd traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal& goal, QueryStats& stats) {
+  ++stats.node_tests;
+  const double root_bound = placed.root_bound();
+  if (root_bound >= pruning.distance()) return {true, pruning.distance()};
+  Traversal<Goal, records> traversal(placed, pruning, goal, stats);
+  traversal.start(root_bound, front);
+  while (traversal.step()) {
+  }
+  traversal.finish();
+  if (placed.motion_margin() > 0) placed.add_margin_cost(traversal.margin_cost());
+  return {traversal.has_pruned(), pruning.distance()};
+}
+
+/// Looks for what a goal wants, first where the last query ended if there is a cache.
+template <typename Goal>
+SearchEnd search(const PlacedModels& placed, QueryCache* cache, Goal& goal, QueryStats& stats) {
+  Pruning pruning(placed, goal.initial_prune_distance());
+  if (cache == nullptr) return traverse<false>(placed, pruning, nullptr, goal, stats);
+  QueryCache::Impl& last = cache->impl();
+  if (placed.has_triangle(Side::a, last.triangle_a) && placed.has_triangle(Side::b, last.triangle_b)) {
+    ++stats.triangle_tests;
+    const auto improvement = goal.compare({last.triangle_a, placed.triangle(Side::a, last.triangle_a)},
+                                          {last.triangle_b, placed.triangle(Side::b, last.triangle_b)});
+    if (improvement) pruning.improve(*improvement);
+    if (goal.is_done()) return {true, pruning.distance()};
+  }
+  return traverse<true>(placed, pruning, &last.front, goal, stats);
+}
+
+/// Notes an answer for the next query.
+inline void remember(QueryCache* cache, const Witness& witness) {
+  if (cache == nullptr) return;
+  cache->impl().triangle_a = witness.triangle_a;
+  cache->impl().triangle_b = witness.triangle_b;
+}
+
+}  // namespace limber::query

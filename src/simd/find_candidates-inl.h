@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Kernels::find_candidates.
+
+#if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#undef LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#else
+#define LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#endif
+
+#include <bit>
+
+#include "core/error_bounds.h"
+#include "simd/kernels.h"
+#include "simd/leaf_support-inl.h"
+#include "simd/packets-inl.h"
+#include "simd/project-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+// Directions shorter than the root of this have lost too many digits.
+inline constexpr float smallest_direction_sq = 1e-20F;
+
+/// The corners of the triangles of a leaf: [3 * corner + axis][slot].
+struct alignas(64) LeafCorners {
+  float v[9][width];
+
+  /// Those of the slots from `i` on.
+  LIMBER_KERNEL Packet3 at(int corner, std::uint32_t i) const {
+    return {Packet::load(v[3 * corner] + i), Packet::load(v[3 * corner + 1] + i), Packet::load(v[3 * corner + 2] + i)};
+  }
+  /// That of one slot, in every lane.
+  LIMBER_KERNEL Packet3 repeated(int corner, std::uint32_t slot) const {
+    return {Packet::set(v[3 * corner][slot]), Packet::set(v[3 * corner + 1][slot]),
+            Packet::set(v[3 * corner + 2][slot])};
+  }
+};
+
+/// The interval of three numbers, one for each corner.
+struct Interval {
+  Packet low, high;
+};
+LIMBER_KERNEL Interval interval(Packet x, Packet y, Packet z) { return {min(min(x, y), z), max(max(x, y), z)}; }
+
+/// Squared gap of two triangles along a direction of squared length `w_sq`, times `w_sq`.
+LIMBER_KERNEL Packet gap_along_sq(const Interval& a, const Interval& b) {
+  const Packet gap = max(max(b.low - a.high, a.low - b.high), zero());
+  return gap * gap;
+}
+
+/// Whether such a gap prunes a pair. Directions too short for float32 prune nothing.
+LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
+  return (gap >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
+}
+
+/// Compares triangles `b` with one triangle of the other leaf, which `rows` has in every lane. Returns those of
+/// `wanted` that are not pruned, and leaves in `bound_sq` the best bound that was computed.
+LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
+                                   Packet& bound_sq) {
+  // Along the line of the centroids: best where the triangles are small next to their distance.
+  const Packet3 w{b[0].x + b[1].x + b[2].x - (rows[0].x + rows[1].x + rows[2].x),
+                  b[0].y + b[1].y + b[2].y - (rows[0].y + rows[1].y + rows[2].y),
+                  b[0].z + b[1].z + b[2].z - (rows[0].z + rows[1].z + rows[2].z)};
+  const Packet w_sq = dot(w, w);
+  const Packet gap_w = gap_along_sq(interval(dot(w, rows[0]), dot(w, rows[1]), dot(w, rows[2])),
+                                    interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
+  unsigned kept = wanted & ~bits(is_pruned(gap_w, w_sq, limit_sq));
+  if (kept == 0) return 0;
+  // Along the normal of either triangle, from a corner of a so that the numbers are small.
+  const Packet3 r0[3] = {b[0] - rows[0], b[1] - rows[0], b[2] - rows[0]};
+  const Packet3 e1 = rows[1] - rows[0], e2 = rows[2] - rows[0];
+  const Packet3 n = cross(e1, e2);
+  const Packet n_sq = dot(n, n);
+  const Packet gap_n =
+      gap_along_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
+  const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
+  const Packet m_sq = dot(m, m);
+  const Packet gap_m =
+      gap_along_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
+  kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
+  const Packet least = Packet::set(smallest_direction_sq);
+  bound_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
+  return kept;
+}
+
+/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
+LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
+                                       const ProjectedLeaves& pair, const Pruning& pruning) {
+  alignas(64) float high[width];
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
+  }
+  std::uint64_t wanted = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet other = farthest_corners(b, i, broadcast(pruning.other_normal)) * Packet::set(pair.step_b);
+    for (std::uint32_t row = 0; row < width; ++row) {
+      wanted |= std::uint64_t{bits(Packet::set(high[row]) + other > Packet::set(pair.gap))} << (8 * row + i);
+    }
+  }
+  return wanted;
+}
+
+/// The bounding boxes of the triangles of a leaf.
+struct alignas(64) Boxes {
+  float low[3][width], high[3][width];
+};
+
+LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 p = c.at(0, i), q = c.at(1, i), r = c.at(2, i);
+    const Interval x = interval(p.x, q.x, r.x), y = interval(p.y, q.y, r.y), z = interval(p.z, q.z, r.z);
+    x.low.store(boxes.low[0] + i), x.high.store(boxes.high[0] + i);
+    y.low.store(boxes.low[1] + i), y.high.store(boxes.high[1] + i);
+    z.low.store(boxes.low[2] + i), z.high.store(boxes.high[2] + i);
+  }
+}
+
+/// The pairs that bounding boxes do not prune.
+LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      Packet sum = zero();
+      for (int axis = 0; axis < 3; ++axis) {
+        const Packet above = Packet::load(boxes_b.low[axis] + i) - Packet::set(boxes_a.high[axis][row]);
+        const Packet below = Packet::set(boxes_a.low[axis][row]) - Packet::load(boxes_b.high[axis] + i);
+        const Packet gap = max(max(above, below), zero());
+        sum = sum + gap * gap;
+      }
+      wanted |= std::uint64_t{bits(sum < limit_sq)} << (8 * row + i);
+    }
+  }
+  return wanted;
+}
+
+/// Transposes a matrix of 8 by 8 bits.
+LIMBER_KERNEL std::uint64_t transpose(std::uint64_t m) {
+  std::uint64_t t = (m ^ (m >> 7)) & 0x00aa00aa00aa00aaU;
+  m ^= t ^ (t << 7);
+  t = (m ^ (m >> 14)) & 0x0000cccc0000ccccU;
+  m ^= t ^ (t << 14);
+  t = (m ^ (m >> 28)) & 0x00000000f0f0f0f0U;
+  return m ^ t ^ (t << 28);
+}
+/// How many rows are not 0.
+LIMBER_KERNEL int rows_in_use(std::uint64_t m) {
+  m |= m >> 4;
+  m |= m >> 2;
+  m |= m >> 1;
+  return std::popcount(m & 0x0101010101010101U);
+}
+
+/// The corners of a leaf about its center; or in the frame and about the center of the other leaf.
+LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, LeafCorners& c) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::from_int16(leaf.corner[k] + i) * Packet::set(step)).store(c.v[k] + i);
+  }
+}
+LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const FrameTransform& transform,
+                          const float* offset, LeafCorners& c) {
+  const Packet3 x = broadcast(transform.rotation[0]), y = broadcast(transform.rotation[1]),
+                z = broadcast(transform.rotation[2]);
+  const Packet3 shift = broadcast(offset);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; k += 3) {
+      const Packet px = Packet::from_int16(leaf.corner[k] + i) * Packet::set(step);
+      const Packet py = Packet::from_int16(leaf.corner[k + 1] + i) * Packet::set(step);
+      const Packet pz = Packet::from_int16(leaf.corner[k + 2] + i) * Packet::set(step);
+      (x.x * px + y.x * py + z.x * pz + shift.x).store(c.v[k] + i);
+      (x.y * px + y.y * py + z.y * pz + shift.y).store(c.v[k + 1] + i);
+      (x.z * px + y.z * py + z.z * pz + shift.z).store(c.v[k + 2] + i);
+    }
+  }
+}
+
+LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                   const Pruning& pruning, Candidates& candidates) {
+  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
+  candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
+  std::uint64_t wanted =
+      pruning.has_direction ? near_along(*a.triangles, *b.triangles, pair, pruning) : ~std::uint64_t{0};
+  if (wanted == 0) return;
+  LeafCorners ca, cb;
+  unpack(*a.triangles, pair.step_a, ca);
+  unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+
+  const float limit = pair.prune_distance + pair.error;
+  const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
+  // Boxes prune something only where triangles that matter are closer than they are large.
+  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) wanted &= near_by_box(ca, cb, limit_sq);
+
+  // One triangle of `rows` at a time is compared with all of `columns`: the fewer rows the better.
+  const std::uint64_t transposed = transpose(wanted);
+  const bool swaps = rows_in_use(transposed) < rows_in_use(wanted);
+  if (swaps) wanted = transposed;
+  const LeafCorners &rows = swaps ? cb : ca, &columns = swaps ? ca : cb;
+  while (wanted != 0) {
+    const auto row = static_cast<std::uint32_t>(std::countr_zero(wanted)) / 8;
+    const auto these = static_cast<unsigned>(wanted >> (8 * row) & 0xff);
+    wanted &= ~(std::uint64_t{0xff} << (8 * row));
+    const Packet3 corners[3] = {rows.repeated(0, row), rows.repeated(1, row), rows.repeated(2, row)};
+    alignas(64) float bounds[width];
+    unsigned kept = 0;
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 others[3] = {columns.at(0, i), columns.at(1, i), columns.at(2, i)};
+      Packet bound_sq = zero();
+      kept |= compare_row(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq) << i;
+      bound_sq.store(bounds + i);
+    }
+    for (; kept != 0; kept &= kept - 1) {
+      const auto column = static_cast<std::uint32_t>(std::countr_zero(kept));
+      const auto slot_a = static_cast<std::uint8_t>(swaps ? column : row);
+      const auto slot_b = static_cast<std::uint8_t>(swaps ? row : column);
+      candidates.pairs[candidates.count++] = {bounds[column], slot_a, slot_b};
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

@@ -1,0 +1,296 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Packets of numbers in Highway's vectors; see packets-inl.h.
+
+#if defined(LIMBER_SIMD_HIGHWAY_PACKETS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_HIGHWAY_PACKETS_INL_H
+#undef LIMBER_SIMD_HIGHWAY_PACKETS_INL_H
+#else
+#define LIMBER_SIMD_HIGHWAY_PACKETS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+
+#include "layout/wide_node.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace limber::simd::HWY_NAMESPACE {
+namespace {
+
+using bvh::width;
+namespace hn = hwy::HWY_NAMESPACE;
+using Lanes = hn::CappedTag<float, width>;
+
+struct Mask {
+  hn::Mask<Lanes> m;
+};
+
+/// A vector of at most `width` numbers.
+struct Packet {
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Lanes());
+  hn::Vec<Lanes> v;
+
+  static HWY_INLINE Packet set(float x) { return {hn::Set(Lanes(), x)}; }
+  static HWY_INLINE Packet load(const float* p) { return {hn::Load(Lanes(), p)}; }
+  static HWY_INLINE Packet from_int16(const std::int16_t* p) {
+    const hn::RebindToSigned<Lanes> wide;
+    const hn::Rebind<std::int16_t, Lanes> narrow;
+    return {hn::ConvertTo(Lanes(), hn::PromoteTo(wide, hn::Load(narrow, p)))};
+  }
+  HWY_INLINE void store(float* p) const { hn::StoreU(v, Lanes(), p); }
+};
+
+HWY_INLINE Packet operator+(Packet a, Packet b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE Packet operator-(Packet a, Packet b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE Packet operator*(Packet a, Packet b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Packet operator/(Packet a, Packet b) { return {hn::Div(a.v, b.v)}; }
+HWY_INLINE Packet sqrt(Packet a) { return {hn::Sqrt(a.v)}; }
+HWY_INLINE Packet abs(Packet a) { return {hn::Abs(a.v)}; }
+HWY_INLINE Packet max(Packet a, Packet b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE Packet min(Packet a, Packet b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE Mask operator>(Packet a, Packet b) { return {hn::Gt(a.v, b.v)}; }
+HWY_INLINE Mask operator<(Packet a, Packet b) { return {hn::Lt(a.v, b.v)}; }
+HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
+HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+/// a, or -a where `sign` is negative.
+HWY_INLINE Packet flipped_as(Packet a, Packet sign) { return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Lanes(), -0.0F)))}; }
+HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+
+/// Two packets at once where there is room, otherwise one.
+#if HWY_MAX_BYTES == 64
+struct WidePacket {
+  using Tag = hn::CappedTag<float, 2 * width>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  hn::Vec<Tag> v;
+
+  static HWY_INLINE WidePacket load(const float* p) { return {hn::Load(Tag(), p)}; }
+  HWY_INLINE void store(float* p) const { hn::StoreU(v, Tag(), p); }
+};
+
+HWY_INLINE WidePacket operator+(WidePacket a, WidePacket b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE WidePacket operator-(WidePacket a, WidePacket b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE WidePacket operator*(WidePacket a, WidePacket b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE WidePacket max(WidePacket a, WidePacket b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE WidePacket min(WidePacket a, WidePacket b) { return {hn::Min(a.v, b.v)}; }
+HWY_INLINE WidePacket flipped_as(WidePacket a, WidePacket sign) {
+  return {hn::Xor(a.v, hn::And(sign.v, hn::Set(WidePacket::Tag(), -0.0F)))};
+}
+HWY_INLINE WidePacket twice(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
+HWY_INLINE Packet first_of(WidePacket a) { return {hn::LowerHalf(Lanes(), a.v)}; }
+HWY_INLINE Packet last_of(WidePacket a) { return {hn::UpperHalf(Lanes(), a.v)}; }
+HWY_INLINE Packet larger_half(WidePacket a) {
+  return {hn::Max(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
+}
+HWY_INLINE Packet smaller_half(WidePacket a) {
+  return {hn::Min(hn::LowerHalf(Lanes(), a.v), hn::UpperHalf(Lanes(), a.v))};
+}
+inline constexpr std::uint32_t corners_at_once = 2;  // in a WidePacket
+#else
+using WidePacket = Packet;
+inline constexpr std::uint32_t corners_at_once = 1;
+HWY_INLINE Packet twice(Packet a) { return a; }
+HWY_INLINE Packet first_of(Packet a) { return a; }
+HWY_INLINE Packet last_of(Packet a) { return a; }
+HWY_INLINE Packet larger_half(Packet a) { return a; }
+HWY_INLINE Packet smaller_half(Packet a) { return a; }
+#endif
+
+/// A vector of at most `width` numbers in float64.
+struct Doubles {
+  using Tag = hn::CappedTag<double, width>;
+  using Narrow = hn::Rebind<float, Tag>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  hn::Vec<Tag> v;
+
+  static HWY_INLINE Doubles set(double x) { return {hn::Set(Tag(), x)}; }
+  static HWY_INLINE Doubles load(const double* p) { return {hn::Load(Tag(), p)}; }
+  static HWY_INLINE Doubles from_floats(const float* p) { return {hn::PromoteTo(Tag(), hn::Load(Narrow(), p))}; }
+  HWY_INLINE void store_rounded(float* p) const { hn::Store(hn::DemoteTo(Narrow(), v), Narrow(), p); }
+};
+
+HWY_INLINE Doubles operator+(Doubles a, Doubles b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE Doubles operator-(Doubles a, Doubles b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE Doubles operator*(Doubles a, Doubles b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Doubles abs(Doubles a) { return {hn::Abs(a.v)}; }
+HWY_INLINE Doubles max(Doubles a, Doubles b) { return {hn::Max(a.v, b.v)}; }
+HWY_INLINE double largest(Doubles a) { return hn::GetLane(hn::MaxOfLanes(Doubles::Tag(), a.v)); }
+
+struct DoublesMask {
+  hn::Mask<Doubles::Tag> m;
+};
+HWY_INLINE DoublesMask operator<=(Doubles a, Doubles b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE DoublesMask operator&(DoublesMask a, DoublesMask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE bool all_of(DoublesMask a) { return hn::AllTrue(Doubles::Tag(), a.m); }
+
+/// As many points as there are numbers in a packet.
+HWY_INLINE void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) {
+  hn::LoadInterleaved3(Doubles::Tag(), p, x.v, y.v, z.v);
+}
+/// x where it is at least `least` in size, 0 elsewhere.
+HWY_INLINE Doubles or_zero(Doubles x, Doubles size_of, double least) {
+  return {hn::IfThenElseZero(hn::Ge(hn::Abs(size_of.v), hn::Set(Doubles::Tag(), least)), x.v)};
+}
+
+/// Moves `corners_at_once` points to an origin and scales them: (p - origin) * factor. Four numbers are written for
+/// each.
+struct PointScaler {
+  using Tag = hn::CappedTag<double, 4 * corners_at_once>;
+  static constexpr std::size_t parts = 4 * corners_at_once / hn::MaxLanes(Tag());
+  struct Numbers {
+    hn::Vec<Tag> part[parts];
+  };
+  using Points = const double* const[corners_at_once];
+  Numbers origin;
+  hn::Vec<Tag> factor;
+
+  HWY_INLINE PointScaler(const Points& from, double per_length)
+      : origin(load(from)), factor(hn::Set(Tag(), per_length)) {}
+  HWY_INLINE void scale(const Points& points, float* scaled) const {
+    const hn::Rebind<float, Tag> narrow;
+    const Numbers p = load(points);
+    for (std::size_t i = 0; i < parts; ++i) {
+      const auto from_origin = hn::Mul(hn::Sub(p.part[i], origin.part[i]), factor);
+      hn::Store(hn::DemoteTo(narrow, from_origin), narrow, scaled + i * hn::MaxLanes(Tag()));
+    }
+  }
+
+ private:
+  static HWY_INLINE Numbers load(const Points& points) {
+    const Tag all;
+#if HWY_TARGET == HWY_SCALAR
+    const double* const p = points[0];
+    return {hn::Set(all, p[0]), hn::Set(all, p[1]), hn::Set(all, p[2]), hn::Zero(all)};
+#elif HWY_MAX_BYTES == 16
+    return {hn::LoadU(all, points[0]), hn::Set(all, points[0][2])};
+#elif HWY_MAX_BYTES == 32
+    return {load_three(all, points[0])};
+#elif HWY_MAX_BYTES == 64
+    const hn::Half<Tag> one;
+    return {hn::Combine(all, load_three(one, points[1]), load_three(one, points[0]))};
+#endif
+  }
+#if HWY_MAX_BYTES >= 32
+  template <typename Four>
+  static HWY_INLINE hn::Vec<Four> load_three(Four four, const double* p) {
+#if HWY_MEM_OPS_MIGHT_FAULT
+    const hn::Half<Four> two;
+    return hn::Combine(four, hn::Set(two, p[2]), hn::LoadU(two, p));
+#else
+    return hn::MaskedLoad(hn::FirstN(four, 3), four, p);
+#endif
+  }
+#endif
+};
+
+/// As many points as there are numbers in a packet, each written as above.
+HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePacket& z) {
+#if HWY_MAX_BYTES == 64
+  // Pairs of points, first those of one row, then those of the other. 4 x 4 of each 128-bit block of four vectors, then
+  // the blocks in the middle change places.
+  const WidePacket::Tag d;
+  const hn::Half<WidePacket::Tag> pair;
+  const hn::Repartition<double, WidePacket::Tag> twos;
+  const auto load = [&](const float* p) { return hn::Combine(d, hn::Load(pair, p + 32), hn::Load(pair, p)); };
+  const auto a = load(p), b = load(p + 8), c = load(p + 16), e = load(p + 24);
+  const auto xy_ab = hn::BitCast(twos, hn::InterleaveLower(d, a, b));
+  const auto xy_ce = hn::BitCast(twos, hn::InterleaveLower(d, c, e));
+  const auto z_ab = hn::BitCast(twos, hn::InterleaveUpper(d, a, b));
+  const auto z_ce = hn::BitCast(twos, hn::InterleaveUpper(d, c, e));
+  alignas(64) static constexpr std::int64_t swapped[8] = {0, 1, 4, 5, 2, 3, 6, 7};
+  const auto in_order = [&](auto v) {
+    return hn::BitCast(d, hn::TableLookupLanes(v, hn::SetTableIndices(twos, swapped)));
+  };
+  x.v = in_order(hn::InterleaveLower(twos, xy_ab, xy_ce));
+  y.v = in_order(hn::InterleaveUpper(twos, xy_ab, xy_ce));
+  z.v = in_order(hn::InterleaveLower(twos, z_ab, z_ce));
+#else
+  hn::Vec<Lanes> rest;
+  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+#endif
+}
+/// `width` rows of as many numbers, rounded to int16, in which they fit.
+struct Int16Tile {
+#if HWY_TARGET == HWY_SCALAR
+  std::int16_t v[width * width];
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) {
+    v[at] = static_cast<std::int16_t>(hn::GetLane(hn::NearestInt(p.v)));
+  }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    for (std::uint32_t i = 0; i < width * width; ++i) columns[i % width][i / width] = v[i];
+  }
+#elif HWY_MAX_BYTES == 64
+  using Wide = hn::Full512<std::int32_t>;
+  using Narrow = hn::Full512<std::int16_t>;
+  hn::Vec<Wide> v[width / 2];  // two rows each
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) { v[at / (2 * width)] = hn::NearestInt(p.v); }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    const Narrow d;
+    const Wide pairs;
+    // By 128-bit blocks, digits being rows: 0|4 0|4 1|5 1|5 and 2|6 2|6 3|7 3|7; then 02 02 13 13 and 46 46 57 57, of
+    // four columns each; then 0246 0246 1357 1357, of two; then one column each.
+    const auto first = hn::ReorderDemote2To(d, v[0], v[2]), second = hn::ReorderDemote2To(d, v[1], v[3]);
+    const auto upper_rows = hn::BitCast(pairs, hn::InterleaveLower(d, first, second));
+    const auto lower_rows = hn::BitCast(pairs, hn::InterleaveUpper(d, first, second));
+    const auto left = hn::BitCast(d, hn::InterleaveLower(pairs, upper_rows, lower_rows));
+    const auto right = hn::BitCast(d, hn::InterleaveUpper(pairs, upper_rows, lower_rows));
+    const auto even = hn::ConcatLowerLower(d, right, left), odd = hn::ConcatUpperUpper(d, right, left);
+    store_four(hn::InterleaveLower(d, even, odd), columns[0], columns[4], columns[2], columns[6]);
+    store_four(hn::InterleaveUpper(d, even, odd), columns[1], columns[5], columns[3], columns[7]);
+  }
+
+ private:
+  static HWY_INLINE void store_four(hn::Vec<Narrow> four, std::int16_t* a, std::int16_t* b, std::int16_t* c,
+                                    std::int16_t* e) {
+    const hn::Half<Narrow> two;
+    const hn::Half<hn::Half<Narrow> > one;
+    const auto lower = hn::LowerHalf(two, four), upper = hn::UpperHalf(two, four);
+    hn::Store(hn::LowerHalf(one, lower), one, a), hn::Store(hn::UpperHalf(one, lower), one, b);
+    hn::Store(hn::LowerHalf(one, upper), one, c), hn::Store(hn::UpperHalf(one, upper), one, e);
+  }
+#else
+  alignas(64) std::int32_t v[width * width];
+
+  HWY_INLINE void put(std::uint32_t at, WidePacket p) {
+    const hn::RebindToSigned<Lanes> whole;
+    hn::Store(hn::NearestInt(p.v), whole, v + at);
+  }
+  HWY_INLINE void store_columns(std::int16_t* const (&columns)[width]) const {
+    const hn::Full128<std::int16_t> narrow;
+    const hn::Full128<std::int32_t> wide;
+    hn::Vec<decltype(narrow)> rows[width], mixed[width];
+    for (std::uint32_t i = 0; i < width; ++i) {
+      // In vectors of 16 bytes there is nothing to be reordered.
+      const std::int32_t* const row = v + i * width;
+      rows[i] = hn::ReorderDemote2To(narrow, hn::Load(wide, row), hn::Load(wide, row + width / 2));
+    }
+    // Interleaving the first half with the second three times brings every number to its mirror image's place.
+    for (int round = 0; round < 3; ++round) {
+      for (std::uint32_t i = 0; i < width; i += 2) {
+        mixed[i] = hn::InterleaveLower(narrow, rows[i / 2], rows[i / 2 + 4]);
+        mixed[i + 1] = hn::InterleaveUpper(narrow, rows[i / 2], rows[i / 2 + 4]);
+      }
+      for (std::uint32_t i = 0; i < width; ++i) rows[i] = mixed[i];
+    }
+    for (std::uint32_t i = 0; i < width; ++i) hn::Store(rows[i], narrow, columns[i]);
+  }
+#endif
+};
+
+HWY_INLINE float largest(Packet a) { return hn::GetLane(hn::MaxOfLanes(Lanes(), a.v)); }
+HWY_INLINE unsigned bits(Mask m) {
+  std::uint8_t byte = 0;
+  hn::StoreMaskBits(Lanes(), m.m, &byte);
+  return byte;
+}
+
+}  // namespace
+}  // namespace limber::simd::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

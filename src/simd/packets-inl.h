@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What kernels are written with: packets of as many numbers as a SIMD register holds, at most `width`, and vectors of
+// three packets. A kernel is compiled once per instruction set, in that set's namespace, and once in plain C++ by
+// scalar_kernels.cpp, which defines LIMBER_SCALAR_KERNELS.
+
+#if defined(LIMBER_SIMD_PACKETS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_PACKETS_INL_H
+#undef LIMBER_SIMD_PACKETS_INL_H
+#else
+#define LIMBER_SIMD_PACKETS_INL_H
+#endif
+
+#if defined(LIMBER_SCALAR_KERNELS)
+#include "simd/scalar_packets.h"
+#define LIMBER_BEFORE_KERNELS static_assert(true)
+#define LIMBER_AFTER_KERNELS static_assert(true)
+#define LIMBER_TARGET scalar
+#define LIMBER_KERNEL inline
+#else
+#include "simd/highway_packets-inl.h"
+#undef LIMBER_BEFORE_KERNELS
+#undef LIMBER_AFTER_KERNELS
+#undef LIMBER_TARGET
+#undef LIMBER_KERNEL
+#define LIMBER_BEFORE_KERNELS HWY_BEFORE_NAMESPACE()
+#define LIMBER_AFTER_KERNELS HWY_AFTER_NAMESPACE()
+#define LIMBER_TARGET HWY_NAMESPACE
+#define LIMBER_KERNEL HWY_INLINE
+#endif
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+// Beyond all lengths in units, so minima and maxima may start there.
+inline constexpr float far_off = 0x1p100F;
+
+/// A vector of three packets.
+template <typename P>
+struct Triple {
+  P x, y, z;
+};
+using Packet3 = Triple<Packet>;
+
+template <typename P>
+LIMBER_KERNEL Triple<P> operator-(const Triple<P>& a, const Triple<P>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+LIMBER_KERNEL Packet3 broadcast(const float* v) { return {Packet::set(v[0]), Packet::set(v[1]), Packet::set(v[2])}; }
+template <typename P>
+LIMBER_KERNEL P dot(const Triple<P>& a, const Triple<P>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> cross(const Triple<P>& a, const Triple<P>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+LIMBER_KERNEL Packet zero() { return Packet::set(0); }
+
+template <typename P>
+LIMBER_KERNEL Triple<P> min3(const Triple<P>& a, const Triple<P>& b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> max3(const Triple<P>& a, const Triple<P>& b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> operator+(const Triple<P>& a, const Triple<P>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <typename P>
+LIMBER_KERNEL Triple<P> operator*(const Triple<P>& a, P s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+/// A vector or its opposite, whichever is on the side of another.
+template <typename P>
+LIMBER_KERNEL Triple<P> aligned(const Triple<P>& v, const Triple<P>& side) {
+  const P cosine = dot(v, side);
+  return {flipped_as(v.x, cosine), flipped_as(v.y, cosine), flipped_as(v.z, cosine)};
+}
+LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
+  return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
+}
+LIMBER_KERNEL Packet largest_abs(const Packet3& a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
+LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
+  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
+}
+LIMBER_KERNEL Triple<WidePacket> twice(const Packet3& p) { return {twice(p.x), twice(p.y), twice(p.z)}; }
+LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
+  return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

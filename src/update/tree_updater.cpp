@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "update/tree_updater.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "bvh/partition.h"
+#include "core/check.h"
+#include "core/error_bounds.h"
+
+namespace limber::update {
+namespace {
+
+// What things cost, in ns: only the ratios matter, and those are much the same on all machines (measured by
+// bench/develop/motion_margin.cpp; docs/design/deforming.md).
+constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225, ns_per_step = 110;
+
+// Vertices that have moved that many units may be where float32 has no numbers in the unit of the tree.
+constexpr double outgrown = 0x1p40;
+
+// The largest useful margin, as a part of the mean radius of the leaves.
+constexpr double useful_part_of_radius = 0.5;
+
+// A batch that moves this part of the vertices is cheaper to treat as one that moves all.
+constexpr std::size_t batches_for_all = 4;
+
+// Avoided refits are counted in one commit of these: counting costs as much as a tenth of a refit.
+constexpr std::uint64_t counted_commits = 4;
+
+}  // namespace
+
+TreeUpdater::TreeUpdater(bvh::Tree& tree, const Mesh& mesh, const ModelOptions& options)
+    : tree_(tree),
+      dirty_(tree),
+      tuner_(largest_useful_margin()),
+      rebuilds_(tree, options.rebuild_policy, options.rebuild_budget_us),
+      chosen_margin_(options.motion_margin) {
+  if (motion_margin() > 0) start_margin(mesh);
+}
+
+void TreeUpdater::start_margin(const Mesh& mesh) {
+  margin_.start(mesh.positions());
+  tree_.margin_cost = &margin_cost_;
+}
+
+double TreeUpdater::largest_useful_margin() const {
+  double sum = 0;
+  for (std::size_t n = tree_.first_lowest_node(); n < tree_.nodes.size(); ++n) {
+    const bvh::WideNode& node = tree_.nodes[n];
+    for (std::uint32_t k = 0; k < node.child_count; ++k) sum += static_cast<double>(node.bounds.radius[k]);
+  }
+  return useful_part_of_radius * tree_.unit * sum / static_cast<double>(tree_.leaves.size());
+}
+
+bool TreeUpdater::counts_avoided() const { return is_tuned() && tuned_commits_ % counted_commits == 0; }
+
+void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
+  LIMBER_ASSERT(margin >= 0 || margin == ModelOptions::automatic);
+  const bool starts_tuning = margin == ModelOptions::automatic && !is_tuned();
+  const MarginTuner tuner = starts_tuning ? MarginTuner(largest_useful_margin()) : tuner_;
+  // The only step that may fail comes first.
+  if (!margin_.is_on() && (margin == ModelOptions::automatic ? tuner.margin() : margin) > 0) start_margin(mesh);
+  tuner_ = tuner;
+  if (starts_tuning) tuned_commits_ = 0;
+  chosen_margin_ = margin;
+  has_shrunk_margin_ = margin_.is_on();
+}
+
+void TreeUpdater::note_displacement(double length_sq) {
+  LIMBER_ASSERT(std::isfinite(length_sq));
+  const double displacement = std::sqrt(std::max(length_sq, smallest_square));
+  longest_displacement_ = std::max(longest_displacement_, displacement);
+  sum_of_displacements_ = (sum_of_displacements_ + displacement) * core::sum_up;
+  has_moved_ = true;
+}
+
+void TreeUpdater::mark(const Mesh& mesh, std::span<const VertexId> ids) {
+  const std::size_t vertex_count = mesh.positions().size();
+  if (batches_for_all * ids.size() >= vertex_count || !dirty_.try_index_vertices(tree_, vertex_count)) {
+    return dirty_.add_all();
+  }
+  for (const VertexId id : ids) {
+    if (dirty_.covers_most_of(tree_)) return dirty_.add_all();
+    dirty_.add(id);
+  }
+}
+
+void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  // Measured from the positions before the batch, however often an id is in it.
+  double farthest_sq = 0;
+  constexpr std::size_t prefetched = 32;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + prefetched < ids.size()) __builtin_prefetch(&mesh.positions()[ids[i + prefetched]]);
+    farthest_sq = std::max(farthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
+  }
+  mesh.set_positions(ids, positions);
+  note_displacement(farthest_sq);
+  if (!margin_.is_on()) return mark(mesh, ids);
+  if (!dirty_.try_index_vertices(tree_, mesh.positions().size())) {
+    margin_.count_refitted(ids.size());
+    return margin_.refit_all(mesh, dirty_);
+  }
+  margin_.absorb(mesh, ids, motion_margin(), dirty_, counts_avoided());
+}
+
+void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
+  mesh.set_positions(positions);
+  note_displacement(farthest_sq);
+  if (!margin_.is_on()) return dirty_.add_all();
+  margin_.count_absorbed(positions.size() - margin_.absorb_all(mesh, motion_margin(), tree_, dirty_));
+  moved_all_ = true;
+}
+
+void TreeUpdater::rebuild_all(const Mesh& mesh) {
+  rebuilds_.rebuild_all(tree_, mesh);
+  has_moved_ = true;
+}
+
+double TreeUpdater::expected_refit_ns() const {
+  if (dirty_.covers_most_of(tree_)) return ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
+  return ns_per_refit * static_cast<double>(dirty_.nodes(tree_.level_begin.size() - 2).size());
+}
+
+void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
+  if (!has_moved_ && !has_shrunk_margin_) return;
+  has_moved_ = true;  // in case a step throws
+  update_margin(mesh);
+  adapt_unit(mesh);
+  const bool has_rebuilt = advance_rebuild(mesh);
+  const Refits refits = refit(mesh);
+  if (has_rebuilt) rebuilds_.judge(tree_, stats);
+  const bool ends_pass = rebuilds_.count_refits(tree_, refits.count);
+  if (ends_pass) rebuilds_.schedule(tree_, mesh);
+  const double margin_cost = publish(refits, stats);
+  if (is_tuned()) tune(mesh, refits, margin_cost, ends_pass);
+  begin_next_interval();
+}
+
+void TreeUpdater::update_margin(const Mesh& mesh) {
+  if (has_shrunk_margin_ || margin_.is_stale()) {
+    if (margin_.is_on()) margin_.absorb_all(mesh, motion_margin(), tree_, dirty_);
+  }
+  has_shrunk_margin_ = false;
+}
+
+void TreeUpdater::adapt_unit(const Mesh& mesh) {
+  // Bounds may follow a vertex by as much as it has moved, and as it was away from its fitted position.
+  if (sum_of_displacements_ + tree_.motion_margin <= outgrown * tree_.unit) return;
+  tree_.unit = bvh::bounding_box_of(mesh).unit();
+  margin_.refit_all(mesh, dirty_);
+}
+
+bool TreeUpdater::advance_rebuild(const Mesh& mesh) {
+  const std::optional<bvh::Subtree> rebuilt = rebuilds_.advance(tree_, mesh, expected_refit_ns());
+  if (!rebuilt) return false;
+  dirty_.drop_vertex_index();
+  if (rebuilt->slot == bvh::root) {
+    margin_.refit_all(mesh, dirty_);
+  } else {
+    dirty_.add_leaves(tree_, rebuilt->first_leaf, rebuilt->end_leaf);
+  }
+  return true;
+}
+
+TreeUpdater::Refits TreeUpdater::refit(const Mesh& mesh) {
+  const bool in_pass = dirty_.covers_most_of(tree_);
+  const std::size_t avoided = dirty_.avoided_count();
+  return {bvh::refit(tree_, margin_.fitted(mesh), dirty_), avoided, in_pass};
+}
+
+/// Returns the steps that queries have spent on the margin since the last commit.
+double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
+  tree_.displacement = (tree_.displacement + sum_of_displacements_) * core::outward;
+  stats.refits += refits.count;
+  stats.absorbed += margin_.absorbed_count();
+  double margin_cost = 0;
+  if (margin_.is_on()) {
+    tree_.motion_margin = margin_.largest_displacement();
+    margin_cost = static_cast<double>(margin_cost_.exchange(0, std::memory_order_relaxed)) * bvh::margin_cost_unit;
+    stats.margin_steps += margin_cost;
+  }
+  if (motion_margin() == 0 && margin_.is_on()) {
+    // All fitted positions are the present ones.
+    margin_.stop();
+    tree_.margin_cost = nullptr;
+  }
+  return margin_cost;
+}
+
+void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool ends_pass) {
+  const double margin_before = tuner_.margin();
+  const double pass_ns = ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
+  const double refit_ns = refits.in_pass ? pass_ns : ns_per_refit * static_cast<double>(refits.count);
+  std::optional<double> without_margin_ns;
+  if (moved_all_) {
+    without_margin_ns = pass_ns;
+  } else if (counts_avoided()) {
+    without_margin_ns = std::min(pass_ns, refit_ns + ns_per_refit * static_cast<double>(refits.avoided));
+  }
+  const bool all_absorbed = margin_.is_on() && margin_.refitted_count() == 0;
+  tuner_.add({refit_ns, without_margin_ns, margin_cost * ns_per_step, longest_displacement_, all_absorbed});
+  ++tuned_commits_;
+  if (ends_pass) tuner_.set_largest(largest_useful_margin());
+  has_shrunk_margin_ = tuner_.margin() < margin_before;
+  if (margin_.is_on() || tuner_.margin() == 0) return;
+  try {
+    start_margin(mesh);
+  } catch (const std::bad_alloc&) {
+    LIMBER_ASSERT(!margin_.is_on());  // a later commit tries again; until then there is no margin
+  }
+}
+
+void TreeUpdater::begin_next_interval() {
+  LIMBER_ASSERT(margin_.is_on() || tree_.motion_margin == 0);
+  has_moved_ = moved_all_ = false;
+  longest_displacement_ = sum_of_displacements_ = 0;
+  margin_.clear_counts();
+}
+
+}  // namespace limber::update

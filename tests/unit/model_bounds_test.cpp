@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "limber/model.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+void expect_bounds_hold(const Model& model) {
+  const Box box = model.bounding_box();
+  const Sphere sphere = model.bounding_sphere();
+  Vec3 low = model.mesh().triangle(0).v0, high = low;
+  for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 p = model.mesh().triangle(t)[i];
+      low = min(low, p), high = max(high, p);
+      ASSERT_LE(length(p - sphere.center), sphere.radius);
+    }
+  }
+  EXPECT_EQ(min(box.low, low), box.low);
+  EXPECT_EQ(max(box.high, high), box.high);
+  const double size = length(high - low), margin = model.maintenance_stats().motion_margin;
+  const double tolerance = 1e-5 * size + 2 * margin + 1e-12 * max_abs(high) + 1e-300;
+  EXPECT_LE(max_abs(box.high - high), tolerance);
+  EXPECT_LE(max_abs(box.low - low), tolerance);
+  EXPECT_LE(sphere.radius, 0.75 * size + tolerance);
+}
+
+TEST(ModelBounds, ContainEveryVertexWhateverTheScale) {
+  Rng rng(710);
+  for (const double scale : {1e-300, 1e-3, 1.0, 1e6, 1e50}) {
+    for (const double offset : {0.0, 1.0, 1e9}) {
+      std::vector<Triangle> triangles;
+      for (std::size_t i = 0; i < 1 + rng.below(200); ++i) {
+        const Vec3 at = scale * (offset * Vec3{1, -1, 1} + uniform_point(rng));
+        triangles.push_back({at, at + 0.1 * scale * uniform_point(rng), at + 0.1 * scale * uniform_point(rng)});
+      }
+      Model model(soup(triangles), {.motion_margin = rng.below(2) == 0 ? 0 : 0.1 * scale});
+      expect_bounds_hold(model);
+      for (int frame = 0; frame < 4; ++frame) {
+        std::vector<Vec3> positions = model.mesh().positions();
+        for (Vec3& p : positions) p += 0.05 * scale * uniform_point(rng);
+        ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+        model.commit();
+        expect_bounds_hold(model);
+      }
+    }
+  }
+}
+
+TEST(ModelBounds, OfAPointAreThatPoint) {
+  const Vec3 p{3, 4, 5};
+  const Model model(soup({{p, p, p}}));
+  expect_bounds_hold(model);
+  EXPECT_LE(model.bounding_sphere().radius, 1e-9);
+}
+
+TEST(ModelBounds, NeedACommit) {
+  Model model(scenes::ball(6, 4));
+  ASSERT_TRUE(static_cast<bool>(model.move_all(model.mesh().positions())));
+  EXPECT_THROW(static_cast<void>(model.bounding_box()), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(model.bounding_sphere()), std::invalid_argument);
+  model.commit();
+  expect_bounds_hold(model);
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "query/placed_models.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "limber/model.h"
+#include "scenes/scenes.h"
+
+namespace limber::testing {
+namespace {
+
+TEST(PlacedModels, ErrorCoversTheCoordinatesOfModelsThatDriftVertexByVertex) {
+  // Few vertices at a time, so the tree is never fitted whole, and its root keeps its origin for long.
+  Model model(scenes::ball(60, 31), {.rebuild_policy = RebuildPolicy::off});
+  const Model still(scenes::ball(6, 4));
+  const std::vector<Vec3> home = model.mesh().positions();
+  for (int step = 1; step <= 8; ++step) {
+    for (std::size_t first = 0; first < home.size(); first += 8) {
+      std::vector<VertexId> ids;
+      std::vector<Vec3> to;
+      for (std::size_t v = first; v < std::min(first + 8, home.size()); ++v) {
+        ids.push_back(static_cast<VertexId>(v)), to.push_back(home[v] + Vec3{10.0 * step, 5.0 * step, 0});
+      }
+      ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, to)));
+      model.commit();
+    }
+    double largest = 0;
+    for (const Vec3& p : model.mesh().positions()) largest = std::max(largest, max_abs(p));
+    ASSERT_GE(query::PlacedModels({model}, {still}).error(), 0x1p-45 * largest) << step;
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

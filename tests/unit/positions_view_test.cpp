@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include "limber/model.h"
+#include "scenes/scenes.h"
+
+namespace limber::testing {
+namespace {
+
+const std::vector<Corners> triangle{{0, 1, 2}};
+
+TEST(PositionsView, ReadsPackedCoordinatesOfEitherPrecision) {
+  const std::vector<float> floats{0, 0, 0, 0.1F, 0, 0, 0, 0.5F, 0};
+  const std::vector<double> doubles{0, 0, 0, 0.1, 0, 0, 0, 0.5, 0};
+  const Mesh of_floats = Mesh::create(PositionsView::packed(floats), triangle).value();
+  const Mesh of_doubles = Mesh::create(PositionsView::packed(doubles), triangle).value();
+  EXPECT_EQ(of_floats.positions()[1], (Vec3{double{0.1F}, 0, 0}));
+  EXPECT_EQ(of_doubles.positions()[1], (Vec3{0.1, 0, 0}));
+  EXPECT_EQ(of_floats.positions()[2], of_doubles.positions()[2]);
+  EXPECT_THROW(PositionsView::packed(std::span(floats).first(8)), std::invalid_argument);
+}
+
+TEST(PositionsView, ReadsStridedCoordinatesWithoutAlignment) {
+  struct Vertex {
+    float normal[3], position[3];
+    unsigned char color[4];
+  };
+  const std::vector<Vertex> vertices{{{}, {1, 2, 3}, {}}, {{}, {4, 5, 6}, {}}, {{}, {7, 8, 9}, {}}};
+  const PositionsView view = PositionsView::strided(vertices[0].position, vertices.size(), sizeof(Vertex));
+  EXPECT_EQ(view[1], (Vec3{4, 5, 6}));
+  // One byte off, and a stride that is no multiple of anything.
+  std::vector<unsigned char> bytes(1 + 3 * 29);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double p[3] = {1.0 * static_cast<double>(i), 2, 3};
+    std::memcpy(bytes.data() + 1 + 29 * i, p, sizeof(p));
+  }
+  const PositionsView odd = PositionsView::strided(reinterpret_cast<const double*>(bytes.data() + 1), 3, 29);
+  EXPECT_EQ(odd[2], (Vec3{2, 2, 3}));
+}
+
+TEST(PositionsView, MovesModels) {
+  Model model(scenes::grid(4, 4, 0, 0, 1, 1)), same(scenes::grid(4, 4, 0, 0, 1, 1));
+  std::vector<Vec3> positions = model.mesh().positions();
+  std::vector<float> floats;
+  for (Vec3& p : positions) {
+    p.z = 0.25 * p.x;
+    for (std::size_t k = 0; k < 3; ++k) floats.push_back(static_cast<float>(p[k]));
+  }
+  model.move_all(PositionsView::packed(floats)).value();
+  same.move_all(positions).value();
+  EXPECT_EQ(model.mesh().positions(), same.mesh().positions());
+  const std::vector<VertexId> ids{3};
+  const std::vector<double> to{9, 8, 7};
+  model.move_vertices(ids, PositionsView::packed(to)).value();
+  EXPECT_EQ(model.mesh().positions()[3], (Vec3{9, 8, 7}));
+  floats.pop_back(), floats.pop_back(), floats.pop_back();
+  EXPECT_EQ(model.move_all(PositionsView::packed(floats)).error().code, ErrorCode::size_mismatch);
+}
+
+}  // namespace
+}  // namespace limber::testing
