@@ -13,7 +13,7 @@ int main() {
 
   const limber::Transform above = limber::transform_from_quaternion({0.5, 0, 2}, 1, 0, 0, 0.2).value();
   const limber::DistanceResult near = limber::distance({table}, {tray, above});
-  const limber::Witness& w = near.witness;
+  const limber::Witness& w = *near.witness;
   std::printf("%g apart: (%g, %g, %g) on triangle %u and (%g, %g, %g) on triangle %u\n", near.upper, w.point_a.x,
               w.point_a.y, w.point_a.z, w.triangle_a, w.point_b.x, w.point_b.y, w.point_b.z, w.triangle_b);
 

@@ -48,9 +48,7 @@ double distance_to(const Vec3& p, const Triangle& t) {
 void check_witness(const Placed& a, const Placed& b, const Witness& witness, double tolerance) {
   require(witness.triangle_a < a.model().mesh().triangles().size(), "the witness names a triangle of the first model");
   require(witness.triangle_b < b.model().mesh().triangles().size(), "the witness names a triangle of the second model");
-  const auto is_on = [&](const Vec3& p, const Triangle& t) {
-    return is_finite(p) && distance_to(p, t) <= tolerance;
-  };
+  const auto is_on = [&](const Vec3& p, const Triangle& t) { return is_finite(p) && distance_to(p, t) <= tolerance; };
   require(is_on(witness.point_a, placed_triangle(a, witness.triangle_a)),
           "the witness's first point lies on its triangle");
   require(is_on(witness.point_b, placed_triangle(b, witness.triangle_b)),
@@ -99,7 +97,7 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
   if (found.status == Status::beyond_limit) {
     require(truth.distance > options.max_distance - tolerance, "models beyond the limit are that far apart", detail);
     require(found.lower >= options.max_distance && found.upper == infinity, "bounds beyond the limit", detail);
-    require(found.witness.triangle_a == no_id && found.witness.triangle_b == no_id, "no witness beyond the limit");
+    require(!found.witness, "no witness beyond the limit");
     return;
   }
   require(truth.distance <= options.max_distance + tolerance, "models within the limit are that close", detail);
@@ -112,9 +110,10 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
                           : found.lower == found.upper ? Status::exact
                                                        : Status::within_error;
   require(found.status == expected, "the status says what the bounds say", detail);
-  if (found.upper == 0) return check_contact(a, b, found.witness, tolerance);
-  check_witness(a, b, found.witness, tolerance);
-  const double between = distance_between(found.witness.point_a, found.witness.point_b);
+  require(found.witness.has_value(), "a witness within the limit");
+  if (found.upper == 0) return check_contact(a, b, *found.witness, tolerance);
+  check_witness(a, b, *found.witness, tolerance);
+  const double between = distance_between(found.witness->point_a, found.witness->point_b);
   require(std::abs(between - found.upper) <= tolerance, "upper is the distance of the witness's points", detail);
 }
 

@@ -37,7 +37,7 @@ std::string word_of(const std::vector<std::pair<std::string, T>>& words, T wante
   throw std::logic_error("a choice has no word");
 }
 
-double read_margin(const std::string& text) {
+std::optional<double> read_margin(const std::string& text) {
   if (text == "auto") return ModelOptions::automatic;
   const std::optional<double> number = parsed_number(text);
   if (!number || !(*number >= 0 && *number <= std::numeric_limits<double>::max())) {
@@ -91,8 +91,8 @@ std::string words_of(const DeformingOptions& options) {
     return fmt::format("classic, {}, extra radius {:g}", word_of(mode_words, options.classic.maintenance),
                        options.classic.looseness.extra_radius);
   }
-  const double margin = options.fast.motion_margin;
-  return margin == ModelOptions::automatic ? "fast, tuned margin" : fmt::format("fast, motion margin {:g}", margin);
+  const std::optional<double> margin = options.fast.motion_margin;
+  return margin ? fmt::format("fast, motion margin {:g}", *margin) : "fast, tuned margin";
 }
 
 DeformingWork& DeformingWork::operator+=(const DeformingWork& other) {

@@ -27,7 +27,7 @@ Json found(const DistanceResult& result, const T& value) {
 
 Json as_json(const TimedAnswer<DistanceResult>& timed, const MeshFile& a, const MeshFile& b) {
   const DistanceResult& result = timed.answer;
-  const Witness& witness = result.witness;
+  const Witness witness = result.witness.value_or(Witness{});
   Json json = {
       {"query", "distance"},
       {"lower", result.lower},
@@ -51,7 +51,7 @@ Json as_json(const TimedAnswer<DistanceResult>& timed, const MeshFile& a, const 
 
 void write_lines(const TimedAnswer<DistanceResult>& timed, const MeshFile& a, const MeshFile& b) {
   const DistanceResult& result = timed.answer;
-  const Witness& witness = result.witness;
+  const Witness witness = result.witness.value_or(Witness{});
   write_line("status    {}", to_text(result.status));
   write_line("lower     {}", to_text(result.lower));
   if (result.status != Status::beyond_limit) {

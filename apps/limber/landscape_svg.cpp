@@ -202,7 +202,7 @@ std::string sheet_svg(const DemoRun& run) {
 
 std::string close_up_svg(const DemoRun& run) {
   constexpr double width = 960, height = 420;
-  const Witness& witness = run.frames.back().answer.witness;
+  const Witness& witness = *run.frames.back().answer.witness;
   const double scale = std::min(72.0, height / (4.5 + run.frames.back().answer.upper));
   const View view(width, height, scale, (witness.point_a + run.ball_pose.translation) * 0.5);
 

@@ -120,7 +120,7 @@ constexpr const char* csv_header =
     "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,triangle_tests\n";
 
 std::string csv_line(const Row& row) {
-  const Witness& witness = row.result.witness;
+  const Witness witness = row.result.witness.value_or(Witness{});
   return fmt::format("{},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.frame, row.update.elapsed_us,
                      row.query_us, to_text(row.result.status), to_text(row.result.lower), to_text(row.result.upper),
                      to_text(witness.point_a, ","), to_text(witness.point_b, ","), witness.triangle_a,
@@ -129,7 +129,7 @@ std::string csv_line(const Row& row) {
 }
 
 std::string json_line(const Row& row) {
-  const Witness& witness = row.result.witness;
+  const Witness witness = row.result.witness.value_or(Witness{});
   return to_line({
       {"frame", row.frame},
       {"update_us", row.update.elapsed_us},
@@ -158,8 +158,8 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   const Stopwatch asking;
   row.result = DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
   row.query_us = asking.microseconds();
-  row.face_a = a.face_of(row.result.witness.triangle_a);
-  row.face_b = b.face_of(row.result.witness.triangle_b);
+  row.face_a = a.face_of(row.result.witness->triangle_a);
+  row.face_b = b.face_of(row.result.witness->triangle_b);
   return row;
 }
 

@@ -329,7 +329,7 @@ void measure(const char* scene, const Mesh& mesh_a, const Mesh& mesh_b, bool ali
       const Transform pose = placed_at_gap(a, b, start, outward, gaps[g] * size);
       const DistanceResult truth = classic::distance({a}, {b, pose});
       if (truth.upper == 0) continue;
-      const Vec3 witness = (truth.witness.point_b - truth.witness.point_a) * (1 / truth.upper);
+      const Vec3 witness = (truth.witness->point_b - truth.witness->point_a) * (1 / truth.upper);
       for (std::size_t v = 0; v < std::size(variants); ++v) {
         const std::size_t tree = variants[v].leaf_size == 4 ? 0 : 1;
         const PairBound bound(variants[v].parts, pose, witness);

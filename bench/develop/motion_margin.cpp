@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,7 +54,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Variant {
   std::string name;
-  double motion_margin;
+  std::optional<double> motion_margin;
   double update_us = 0, query_us = 0;
   MaintenanceStats stats;
   std::vector<double> distances;
@@ -132,8 +133,9 @@ int run(const Options& options) {
         table.line("| {} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {} | {} | {:.2g} | {:.0f} |", v.name, v.update_us,
                    v.query_us, total, total / best, v.stats.refits, v.stats.absorbed, v.stats.motion_margin,
                    v.stats.margin_steps / static_cast<double>(v.distances.size()));
-        csv.row("{}{},{},{:.2f},{:.2f},{:.2f},{},{},{:.0f}", scene.name, uses_cache ? " cached" : "", v.motion_margin,
-                v.update_us, v.query_us, total, v.stats.refits, v.stats.absorbed, v.stats.margin_steps);
+        csv.row("{}{},{},{:.2f},{:.2f},{:.2f},{},{},{:.0f}", scene.name, uses_cache ? " cached" : "",
+                v.motion_margin ? fmt::format("{}", *v.motion_margin) : "automatic", v.update_us, v.query_us, total,
+                v.stats.refits, v.stats.absorbed, v.stats.margin_steps);
       }
     }
   }

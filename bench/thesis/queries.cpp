@@ -96,7 +96,7 @@ std::vector<Case> cases_of_pose(const Scene& scene, std::uint32_t pose_index) {
 }
 
 void check_witness(Checker& checker, const Scene& scene, const Case& c) {
-  const Witness& w = c.answer.distance.witness;
+  const Witness& w = *c.answer.distance.witness;
   const Triangle on_square = scene.square.mesh().triangle(w.triangle_a);
   const Triangle model = scene.ball.mesh().triangle(w.triangle_b);
   const Triangle on_ball{c.pose(model.v0), c.pose(model.v1), c.pose(model.v2)};

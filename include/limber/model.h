@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "limber/mesh.h"
@@ -21,19 +22,19 @@ enum class RebuildPolicy {
 };
 
 struct ModelOptions {
-  static constexpr double automatic = -1;
+  static constexpr std::nullopt_t automatic = std::nullopt;
 
   /// How far a vertex may move before its bounds are refitted, like the margin of a fat bounding box; queries allow for
   /// the largest distance that occurs. A length in the model's frame, finite and >= 0, or `automatic`: the model
   /// balances the cost of refits against what queries lose. With 0, every commit() refits all that has moved. Answers
   /// do not depend on it beyond rounding.
-  double motion_margin = 0;
+  std::optional<double> motion_margin = 0;
 
   RebuildPolicy rebuild_policy = RebuildPolicy::in_commit;
   /// Microseconds that one commit may spend on rebuilding, as estimated from counts; the step under way, of up to 10 ns
   /// a triangle, is always completed. Finite and >= 0, where 0 means no time at all, or `automatic`: in proportion to
   /// the refits of the commit.
-  double rebuild_budget_us = automatic;
+  std::optional<double> rebuild_budget_us = automatic;
 };
 
 struct TreeStats {
@@ -108,7 +109,7 @@ class Model {
   /// Replaces ModelOptions::motion_margin, from the next move or commit on.
   ///
   /// Throws   std::invalid_argument if the margin is not what the option's comment says.
-  void set_motion_margin(double motion_margin);
+  void set_motion_margin(std::optional<double> motion_margin);
 
   /// Starts over with another mesh, whatever its triangles, as a new model with the same options; with the default ones
   /// if the model has been moved from.

@@ -54,7 +54,7 @@ struct DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to the rounding stated above
   double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
-  Witness witness{};
+  std::optional<Witness> witness;  ///< none exactly when `beyond_limit`
   QueryStats stats{};
 };
 

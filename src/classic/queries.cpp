@@ -140,19 +140,19 @@ struct CollisionQuery {
 
 struct DistanceQuery {
   DistanceOptions options;
-  double enough;  // an answer this small ends the query
-  double cut;     // pairs at least this far apart cannot improve the answer enough
+  double enough;          // an answer this small ends the query
+  double prune_distance;  // pairs at least this far apart cannot improve the answer enough
   double upper = infinity;
   double smallest_dropped = infinity;  // lower bound of everything that was not looked at
-  Witness witness{};
+  std::optional<Witness> witness;
 
   // Closed: a pair exactly max_distance apart matters.
   DistanceQuery(const DistanceOptions& asked, double good_enough)
-      : options(asked), enough(good_enough), cut(std::nextafter(asked.max_distance, infinity)) {}
+      : options(asked), enough(good_enough), prune_distance(std::nextafter(asked.max_distance, infinity)) {}
 
   bool matters(double lower_bound) {
     if (upper <= enough) return false;
-    if (lower_bound < cut || (lower_bound == 0 && upper > 0)) return true;
+    if (lower_bound < prune_distance || (lower_bound == 0 && upper > 0)) return true;
     smallest_dropped = std::min(smallest_dropped, lower_bound);
     return false;
   }
@@ -161,11 +161,11 @@ struct DistanceQuery {
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return;
     upper = closest.distance;
-    witness = {closest.point_a, closest.point_b, id_a, id_b};
+    witness = Witness{closest.point_a, closest.point_b, id_a, id_b};
     if (upper > options.max_distance) return;  // no answer, so nothing may be left out for its sake
     const double e = options.relative_error;
     const double relative = e == 0 ? upper : upper / (1 + e) * (1 - 0x1p-51);
-    cut = std::min({cut, relative, upper - options.absolute_error});
+    prune_distance = std::min({prune_distance, relative, upper - options.absolute_error});
   }
 };
 

@@ -20,7 +20,7 @@
 namespace limber {
 namespace {
 
-bool is_automatic_or_length(double x) { return x == ModelOptions::automatic || (std::isfinite(x) && x >= 0); }
+bool is_automatic_or_length(std::optional<double> x) { return !x || (std::isfinite(*x) && *x >= 0); }
 
 void check(const Mesh& mesh, const ModelOptions& options) {
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::Model: the mesh has been moved from");
@@ -132,7 +132,7 @@ void Model::rebuild() {
   commit();
 }
 
-void Model::set_motion_margin(double motion_margin) {
+void Model::set_motion_margin(std::optional<double> motion_margin) {
   const core::DefaultFloatEnvironment environment;
   require_valid("set_motion_margin");
   LIMBER_REQUIRE(is_automatic_or_length(motion_margin),
@@ -146,7 +146,7 @@ void Model::reset(Mesh mesh) { *this = Model(std::move(mesh), is_valid() ? impl_
 MaintenanceStats Model::maintenance_stats() const {
   require_valid("maintenance_stats");
   MaintenanceStats stats = impl_->stats;
-  stats.motion_margin = impl_->updater ? impl_->updater->motion_margin() : std::max(0.0, impl_->options.motion_margin);
+  stats.motion_margin = impl_->updater ? impl_->updater->motion_margin() : impl_->options.motion_margin.value_or(0);
   return stats;
 }
 

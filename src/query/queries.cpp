@@ -40,7 +40,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
     result.status = Status::beyond_limit;
     return result;
   }
-  query::remember(cache, goal.witness);
+  query::remember(cache, *goal.witness);
   result.upper = goal.upper;
   result.lower = end.has_pruned ? std::min(goal.upper, end.prune_distance) : goal.upper;
   result.witness = goal.witness;
@@ -62,7 +62,7 @@ WithinResult within(const Placed& a, const Placed& b, double max_distance, Query
   result.within = goal.upper <= max_distance;
   if (!result.within) return result;
   result.witness = goal.witness;
-  query::remember(cache, goal.witness);
+  query::remember(cache, *goal.witness);
   return result;
 }
 

@@ -58,7 +58,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
       const ClosestPoints closest = geometry::closest_points(triangles_a[i], triangles_b[j]);
       if (closest.distance >= result.upper) continue;
       result.upper = closest.distance;
-      result.witness = {closest.point_a, closest.point_b, i, j};
+      result.witness = Witness{closest.point_a, closest.point_b, i, j};
     }
   }
   result.lower = result.upper;
@@ -66,7 +66,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   if (result.upper > options.max_distance) {
     result.lower = options.max_distance;
     result.upper = infinity;
-    result.witness = {};
+    result.witness.reset();
     result.status = Status::beyond_limit;
   }
   return result;

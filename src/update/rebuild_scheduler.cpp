@@ -34,7 +34,7 @@ constexpr double worker_slice = 0x1p16;
 
 }  // namespace
 
-RebuildScheduler::RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, double budget_us)
+RebuildScheduler::RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, std::optional<double> budget_us)
     : policy_(policy), budget_us_(budget_us), cost_(tree), tolerated_(least_tolerated), interval_(first_interval) {}
 
 void RebuildScheduler::rebuild_all(const bvh::Tree& tree, const Mesh& mesh) {
@@ -79,7 +79,7 @@ std::optional<bvh::Subtree> RebuildScheduler::advance(bvh::Tree& tree, const Mes
     if (worker_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
     worker_.get();
   } else {
-    const double ns = budget_us_ == ModelOptions::automatic ? automatic_share * refit_ns : 1000 * budget_us_;
+    const double ns = budget_us_ ? 1000 * *budget_us_ : automatic_share * refit_ns;
     if (!rebuild_->work(ns / ns_per_triangle)) return std::nullopt;
   }
   cost_before_ = bvh::TreeCost::of(tree, rebuild_->subtree());

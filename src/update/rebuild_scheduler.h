@@ -22,7 +22,7 @@ namespace limber::update {
 /// Throws   rebuild_all() throws std::bad_alloc and changes nothing; schedule() postpones what memory is missing for.
 class RebuildScheduler {
  public:
-  RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, double budget_us);
+  RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, std::optional<double> budget_us);
   ~RebuildScheduler() { stop_worker(); }
   RebuildScheduler(const RebuildScheduler&) = delete;
   RebuildScheduler& operator=(const RebuildScheduler&) = delete;
@@ -50,7 +50,7 @@ class RebuildScheduler {
   void stop_worker();
 
   RebuildPolicy policy_;
-  double budget_us_;
+  std::optional<double> budget_us_;
   bvh::TreeCost cost_;
   double passes_ = 0;           // since the whole tree was rebuilt
   double passes_to_check_ = 0;  // until the cost is looked at again

@@ -56,12 +56,12 @@ double TreeUpdater::largest_useful_margin() const {
 
 bool TreeUpdater::counts_avoided() const { return is_tuned() && tuned_commits_ % counted_commits == 0; }
 
-void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
-  LIMBER_ASSERT(margin >= 0 || margin == ModelOptions::automatic);
-  const bool starts_tuning = margin == ModelOptions::automatic && !is_tuned();
+void TreeUpdater::set_motion_margin(const Mesh& mesh, std::optional<double> margin) {
+  LIMBER_ASSERT(!margin || *margin >= 0);
+  const bool starts_tuning = !margin && !is_tuned();
   const MarginTuner tuner = starts_tuning ? MarginTuner(largest_useful_margin()) : tuner_;
   // The only step that may fail comes first.
-  if (!margin_.is_on() && (margin == ModelOptions::automatic ? tuner.margin() : margin) > 0) start_margin(mesh);
+  if (!margin_.is_on() && margin.value_or(tuner.margin()) > 0) start_margin(mesh);
   tuner_ = tuner;
   if (starts_tuning) tuned_commits_ = 0;
   chosen_margin_ = margin;

@@ -32,7 +32,7 @@ class TreeUpdater {
   TreeUpdater& operator=(const TreeUpdater&) = delete;
 
   /// Takes effect with the next move or commit.
-  void set_motion_margin(const Mesh& mesh, double margin);
+  void set_motion_margin(const Mesh& mesh, std::optional<double> margin);
 
   /// Moves some vertices of the mesh. Pre: the update is sound.
   void move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
@@ -48,7 +48,7 @@ class TreeUpdater {
   /// The mesh that the bounds are computed for.
   MeshView fitted(const Mesh& mesh) const { return margin_.fitted(mesh); }
   /// How far vertices may move away from their fitted positions.
-  double motion_margin() const { return is_tuned() ? tuner_.margin() : chosen_margin_; }
+  double motion_margin() const { return chosen_margin_.value_or(tuner_.margin()); }
 
  private:
   /// What the refits of one commit were.
@@ -58,7 +58,7 @@ class TreeUpdater {
     bool in_pass;         // whether the whole tree was fitted at once
   };
 
-  bool is_tuned() const { return chosen_margin_ == ModelOptions::automatic; }
+  bool is_tuned() const { return !chosen_margin_; }
   /// Whether avoided refits are counted until the next commit.
   bool counts_avoided() const;
   /// A margin above this makes queries more expensive than the refits it avoids.
@@ -83,7 +83,7 @@ class TreeUpdater {
   MarginTuner tuner_;
   RebuildScheduler rebuilds_;
 
-  double chosen_margin_;
+  std::optional<double> chosen_margin_;  // none: tuned
   bool has_moved_ = false;
   bool has_shrunk_margin_ = false;  // since vertices were last compared with it
   std::uint64_t tuned_commits_ = 0;

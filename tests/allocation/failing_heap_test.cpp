@@ -98,10 +98,12 @@ struct VisibleState {
   bool operator==(const VisibleState&) const = default;
 };
 
+using Margin = std::optional<double>;
+
+std::string words_of(const Margin& margin) { return margin ? std::to_string(*margin) : "automatic"; }
+
 /// The margin that the caller has chosen, or 0 while the model tunes it.
-double margin_of(const Model& model) {
-  return model.options().motion_margin == ModelOptions::automatic ? 0 : model.maintenance_stats().motion_margin;
-}
+double margin_of(const Model& model) { return model.options().motion_margin.value_or(0); }
 double margin_of(const classic::Model& model) { return model.options().looseness.extra_radius; }
 
 /// Uses a model as usual, and checks its answers.
@@ -238,10 +240,10 @@ std::vector<Step<Model>> steps() {
 }
 
 TEST(FailingHeap, LeavesAModelAsItWas) {
-  for (const double motion_margin : {0.0, 0.5, ModelOptions::automatic}) {
+  for (const Margin motion_margin : {Margin(0), Margin(0.5), Margin()}) {
     for (const Step<Model>& step : steps()) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(step.name + ", motion_margin " + std::to_string(motion_margin));
+        SCOPED_TRACE(step.name + ", motion margin " + words_of(motion_margin));
         const int count = fail_each_allocation<Placed>(step, ModelOptions{.motion_margin = motion_margin}, failing);
         if (HasFailure()) return;
         const bool takes_memory = step.name == "reset" || step.name == "rebuild, the first time";
@@ -285,13 +287,13 @@ TEST(FailingHeap, IsReportedByConstructors) {
 
 TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
   // A commit does without the memory that would only make later commits cheaper.
-  for (const double motion_margin : {0.0, 0.1, ModelOptions::automatic}) {
+  for (const Margin motion_margin : {Margin(0), Margin(0.1), Margin()}) {
     Model model(some_mesh(), {.motion_margin = motion_margin});
     move_few(model);
     for (int i = 0; i < 20; ++i) {
       if (i % 3 == 0) move_all(model);
       if (i % 3 != 0) move_few(model);
-      if (i == 10 && motion_margin > 0) model.set_motion_margin(motion_margin / 4);
+      if (i == 10 && motion_margin > 0) model.set_motion_margin(*motion_margin / 4);
       const FailingHeap heap(0, Failing::always);
       EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
       EXPECT_TRUE(model.is_committed());
@@ -345,9 +347,9 @@ bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Fail
 TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRebuilt) {
   const scenes::Motion soup = scenes::shuffled_soup(256);
   for (const RebuildPolicy policy : {RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
-    for (const double motion_margin : {0.0, ModelOptions::automatic}) {
+    for (const Margin motion_margin : {Margin(0), Margin()}) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", motion_margin " + std::to_string(motion_margin));
+        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", motion margin " + words_of(motion_margin));
         const ModelOptions options{.motion_margin = motion_margin, .rebuild_policy = policy, .rebuild_budget_us = 5};
         std::uint64_t rebuilt_triangles = 0;
         int k = 0;

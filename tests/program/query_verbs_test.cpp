@@ -60,10 +60,10 @@ TEST(ProgramDistance, AnswersAreThoseOfTheLibraryToTheLastBit) {
                                              "--pose-b", "2.1,0.3,-0.7,0.3,-0.4,0.5,0.6"}));
     EXPECT_EQ(json["upper"].get<double>(), expected.upper);
     EXPECT_EQ(json["lower"].get<double>(), expected.lower);
-    EXPECT_EQ(point_of(json["point_a"]), expected.witness.point_a);
-    EXPECT_EQ(point_of(json["point_b"]), expected.witness.point_b);
-    EXPECT_EQ(json["triangle_a"], expected.witness.triangle_a);
-    EXPECT_EQ(json["triangle_b"], expected.witness.triangle_b);
+    EXPECT_EQ(point_of(json["point_a"]), expected.witness->point_a);
+    EXPECT_EQ(point_of(json["point_b"]), expected.witness->point_b);
+    EXPECT_EQ(json["triangle_a"], expected.witness->triangle_a);
+    EXPECT_EQ(json["triangle_b"], expected.witness->triangle_b);
   }
 }
 

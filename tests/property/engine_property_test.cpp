@@ -37,7 +37,7 @@ void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Plac
   RC_ASSERT(exact.lower == exact.upper);
   RC_ASSERT((exact.upper == 0) == (truth == 0));
   RC_ASSERT(exact.status == (truth == 0 ? Status::collision : Status::exact));
-  require_witness(s, exact.witness, exact.upper);
+  require_witness(s, exact.witness.value(), exact.upper);
 
   const CollideResult hit = collide(a, b);
   RC_ASSERT(hit.collision == (truth == 0));
@@ -50,7 +50,7 @@ void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Plac
   RC_ASSERT(rough.lower <= truth + tolerance);
   RC_ASSERT(rough.upper >= truth - tolerance);
   RC_ASSERT(rough.upper <= std::max(truth * (1 + relative), truth + absolute) + tolerance);
-  require_witness(s, rough.witness, rough.upper);
+  require_witness(s, rough.witness.value(), rough.upper);
 
   const double limit = rng.below(4) == 0 ? truth : truth * (0.5 + 0.5 * static_cast<double>(rng.below(3)));
   if (std::abs(limit - truth) > tolerance || limit == 0) {
@@ -130,7 +130,7 @@ RC_GTEST_PROP(FastEngine, CachesAreRightAlongAnyMotion, (std::uint64_t seed)) {
         const DistanceResult exact = distance(a, b, {}, cache);
         RC_ASSERT(std::abs(exact.upper - truth) <= tolerance);
         RC_ASSERT((exact.upper == 0) == (truth == 0));
-        require_witness(s, exact.witness, exact.upper);
+        require_witness(s, exact.witness.value(), exact.upper);
       }
     }
   }
@@ -153,7 +153,7 @@ RC_GTEST_PROP(FastEngine, AnswersToTheBitAlikeOnEveryInstructionSet, (std::uint6
     const DistanceResult result = ask(set);
     RC_ASSERT(std::memcmp(&result.lower, &first.lower, sizeof(double)) == 0);
     RC_ASSERT(std::memcmp(&result.upper, &first.upper, sizeof(double)) == 0);
-    RC_ASSERT(std::memcmp(&result.witness, &first.witness, sizeof(Witness)) == 0);
+    RC_ASSERT(std::memcmp(&*result.witness, &*first.witness, sizeof(Witness)) == 0);
     RC_ASSERT(result.stats.node_tests == first.stats.node_tests);
     RC_ASSERT(result.stats.triangle_tests == first.stats.triangle_tests);
   }

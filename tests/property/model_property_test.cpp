@@ -99,7 +99,7 @@ void require_right_answers(Rng& rng, const classic::Placed& a, const classic::Pl
 
   for (const double error : {0.0, 0.01, 0.1, rng.uniform(0, 2), 1e6}) {
     const DistanceResult found = classic::distance(a, b, {.relative_error = error});
-    const Witness& w = found.witness;
+    const Witness& w = found.witness.value();
     RC_ASSERT((found.upper == 0) == (truth.upper == 0));
     RC_ASSERT((found.status == Status::collision) == (truth.upper == 0));
     RC_ASSERT(found.lower <= truth.upper);
@@ -168,8 +168,8 @@ RC_GTEST_PROP(ClassicModel, ScalingByAPowerOfTwoScalesEveryNumberExactly, (std::
   const classic::Model a(mesh_a), b(mesh_b), large_a(scaled(mesh_a)), large_b(scaled(mesh_b));
   const DistanceResult one = classic::distance({a}, {b}), other = classic::distance({large_a}, {large_b});
   RC_ASSERT(one.upper * scale == other.upper);
-  RC_ASSERT(one.witness.point_a * scale == other.witness.point_a);
-  RC_ASSERT(one.witness.triangle_a == other.witness.triangle_a);
+  RC_ASSERT(one.witness->point_a * scale == other.witness->point_a);
+  RC_ASSERT(one.witness->triangle_a == other.witness->triangle_a);
   RC_ASSERT(one.stats.node_tests == other.stats.node_tests);
 }
 

@@ -64,8 +64,13 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape) {
 }
 
 std::ostream& operator<<(std::ostream& out, const Start& start) {
-  return out << start.shape << "; beside it a " << start.still << "; motion margin " << start.motion_margin << "; "
-             << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
+  out << start.shape << "; beside it a " << start.still << "; ";
+  if (start.motion_margin) {
+    out << "motion margin " << *start.motion_margin << "; ";
+  } else {
+    out << "automatic motion margin; ";
+  }
+  return out << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
 }
 
 std::ostream& operator<<(std::ostream& out, const Update& update) {
@@ -107,7 +112,7 @@ std::string Subject::apply(const Update& update) {
     case Update::Kind::reject:
       return reject(rng);
     case Update::Kind::set_motion_margin:
-      model_.set_motion_margin(update.count == 1 ? 0 : update.count == 2 ? ModelOptions::automatic : step);
+      model_.set_motion_margin(update.count == 2 ? std::optional<double>() : update.count == 1 ? 0 : step);
       return "";
     case Update::Kind::rebuild:
       model_.rebuild();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape);
 /// The initial state of a Subject.
 struct Start {
   Shape shape, still;
-  double motion_margin = 0;
+  std::optional<double> motion_margin = 0;
   RebuildPolicy rebuild_policy = RebuildPolicy::off;
 };
 std::ostream& operator<<(std::ostream& out, const Start& start);

@@ -25,7 +25,7 @@ TEST(ClassicDistance, OfSingleTrianglesIsThatOfThePrimitive) {
   EXPECT_EQ(r.upper, 2);
   EXPECT_EQ(r.lower, 2);
   EXPECT_EQ(r.status, Status::exact);
-  EXPECT_EQ(r.witness.triangle_a, 0U);
+  EXPECT_EQ(r.witness->triangle_a, 0U);
   EXPECT_EQ(r.stats.node_tests, 1U);
   EXPECT_EQ(r.stats.triangle_tests, 1U);
 }
@@ -91,8 +91,8 @@ TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
   const Mesh a = soup({unit, unit}), b = soup({{{0, 0, 9}, {1, 0, 9}, {0, 1, 9}}, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}});
   const DistanceResult r = reference::distance({a}, {b});
   EXPECT_EQ(r.upper, 2);
-  EXPECT_EQ(r.witness.triangle_a, 0U);
-  EXPECT_EQ(r.witness.triangle_b, 1U);
+  EXPECT_EQ(r.witness->triangle_a, 0U);
+  EXPECT_EQ(r.witness->triangle_b, 1U);
   EXPECT_EQ(r.stats.triangle_tests, 4U);
 }
 

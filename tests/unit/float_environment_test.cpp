@@ -57,7 +57,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
     std::memcpy(&bits.back(), &value, sizeof(value));
   };
   const auto put_distance = [&](const DistanceResult& r) {
-    put(r.lower), put(r.upper), put(r.witness.point_a.x), put(r.witness.triangle_b);
+    put(r.lower), put(r.upper), put(r.witness.value().point_a.x), put(r.witness->triangle_b);
   };
   Model model_a(s.mesh_a);
   const Model model_b(s.mesh_b);

@@ -40,8 +40,8 @@ TYPED_TEST(Query, OfSingleTrianglesIsThatOfThePrimitive) {
   EXPECT_EQ(r.upper, 2);
   EXPECT_EQ(r.lower, 2);
   EXPECT_EQ(r.status, Status::exact);
-  EXPECT_EQ(r.witness.triangle_a, 0U);
-  EXPECT_EQ(r.witness.triangle_b, 0U);
+  EXPECT_EQ(r.witness->triangle_a, 0U);
+  EXPECT_EQ(r.witness->triangle_b, 0U);
   EXPECT_EQ(r.stats.triangle_tests, 1U);
 }
 
@@ -49,8 +49,8 @@ TYPED_TEST(Query, PointsAreInTheWorldFrame) {
   const typename TestFixture::Model a(soup({unit})), b(soup({unit}));
   const DistanceResult r = this->distance(a, b, {{}, {0, 0, 10}}, {}, {{}, {0, 0, 7}});
   EXPECT_EQ(r.upper, 3);
-  EXPECT_EQ(r.witness.point_a.z, 7);
-  EXPECT_EQ(r.witness.point_b.z, 10);
+  EXPECT_EQ(r.witness->point_a.z, 7);
+  EXPECT_EQ(r.witness->point_b.z, 10);
 }
 
 TYPED_TEST(Query, TakesTrianglesAsSurfacesNotSolids) {
@@ -79,8 +79,8 @@ TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
     EXPECT_EQ(r.status, Status::collision);
     EXPECT_EQ(r.lower, 0);
     EXPECT_EQ(r.upper, 0);
-    EXPECT_EQ(r.witness.point_a, (Vec3{1, 0, 0}));
-    EXPECT_EQ(r.witness.point_b, (Vec3{1, 0, 0}));
+    EXPECT_EQ(r.witness->point_a, (Vec3{1, 0, 0}));
+    EXPECT_EQ(r.witness->point_b, (Vec3{1, 0, 0}));
   }
 }
 
@@ -112,7 +112,7 @@ TYPED_TEST(Query, LimitIsClosed) {
   EXPECT_EQ(beyond.status, Status::beyond_limit);
   EXPECT_EQ(beyond.lower, below);
   EXPECT_EQ(beyond.upper, infinity);
-  EXPECT_EQ(beyond.witness.triangle_a, no_id);
+  EXPECT_FALSE(beyond.witness.has_value());
 }
 
 TYPED_TEST(Query, AnErrorDoesNotHideWhatIsWithinTheLimit) {

@@ -72,7 +72,8 @@ void show(const scenes::Motion& soup, Model& model, int frame) {
 TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
   const scenes::Motion soup = scenes::shuffled_soup(600);
   const Model probe = some_probe();
-  for (const double us : {ModelOptions::automatic, 3.0, 0.0}) {
+  for (const std::optional<double> us :
+       {std::optional<double>(), std::optional<double>(3.0), std::optional<double>(0.0)}) {
     Model model(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker, .rebuild_budget_us = us});
     {
       const NoThreads no_threads;
@@ -135,7 +136,7 @@ TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
   const Model probe = some_probe(), ball(scenes::ball(16, 9)), square(scenes::grid(16, 16, -4, -4, 0.5, 0.5));
   const Transform above = scenes::ball_over_square(ball.mesh(), 0.75, 0);
   constexpr std::size_t thread_count = 4;
-  for (const double motion_margin : {0.05, ModelOptions::automatic}) {
+  for (const std::optional<double> motion_margin : {std::optional<double>(0.05), std::optional<double>()}) {
     Model model(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::on_worker});
     for (int frame = 1; frame <= 30; ++frame) {
       std::vector<std::jthread> threads;

@@ -31,7 +31,7 @@ class ClosestPair {
     LIMBER_ASSERT(closest.distance >= 0);
     if (closest.distance >= upper) return std::nullopt;
     upper = closest.distance;
-    witness = {closest.point_a, closest.point_b, a.id, b.id};
+    witness = Witness{closest.point_a, closest.point_b, a.id, b.id};
     Improvement improvement{upper, infinity, closest.point_b - closest.point_a};
     // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
     if (upper <= options_.max_distance) {
@@ -42,7 +42,7 @@ class ClosestPair {
   }
 
   double upper = infinity;
-  Witness witness{};
+  std::optional<Witness> witness;
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
