@@ -61,7 +61,7 @@ Mesh dented_sheet(std::uint64_t seed) {
   Rng rng(seed);
   for (int step = 0; step < dents_of_dented; ++step) {
     const VertexMoves moves = dent_moves(random_dent(rng), sheet.positions());
-    for (std::size_t i = 0; i < moves.ids.size(); ++i) sheet.set_position(moves.ids[i], moves.positions[i]);
+    for (std::size_t i = 0; i < moves.ids.size(); ++i) sheet.set_position(moves.ids[i], moves.positions[i]).value();
   }
   return sheet;
 }

@@ -73,7 +73,7 @@ class EmbreeScene {
     rtcReleaseScene(scene);
   }
   void deform(const std::vector<Vec3>& positions) {
-    standing.mesh.set_positions(positions);
+    standing.mesh.set_positions(positions).value();
     place({});
   }
   void place(const Transform& pose) {

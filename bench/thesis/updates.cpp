@@ -69,7 +69,7 @@ Motion make_motion(const std::string& name, double slope, int dent_count, const 
     scenes::Dent dent = scenes::random_dent(rng);
     dent.slope = std::copysign(slope, dent.slope);
     scenes::VertexMoves moves = scenes::dent_moves(dent, motion.dented.positions());
-    for (std::size_t k = 0; k < moves.ids.size(); ++k) motion.dented.set_position(moves.ids[k], moves.positions[k]);
+    for (std::size_t k = 0; k < moves.ids.size(); ++k) motion.dented.set_position(moves.ids[k], moves.positions[k]).value();
     motion.moved_vertices += moves.ids.size();
     motion.dents.push_back(std::move(moves));
   }

@@ -89,15 +89,20 @@ class Mesh {
   MeshView view() const { return {positions_, triangles_}; }
   operator MeshView() const { return view(); }
 
-  /// Replaces one position. Pre: `id` exists; `position` is finite and not above `max_coordinate`.
-  void set_position(VertexId id, const Vec3& position);
-  /// Replaces those with the given ids; the last entry counts where an id is repeated. `positions` may be a part of
-  /// this mesh's own: they are read before any is replaced. Pre: as above.
-  void set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions);
-  /// Replaces all of them. Pre: as many as there are, each as above.
-  void set_positions(std::span<const Vec3> positions);
+  /// Replaces one position.
+  ///
+  /// Errors   `index_out_of_range`, `non_finite`, `too_large`; the mesh is then as before, as for the functions below.
+  Result<void> set_position(VertexId id, const Vec3& position);
+  /// Replaces the positions with the given ids; the last entry counts where an id is repeated.
+  ///
+  /// Alias    `positions` may be a part of this mesh's own: they are read before any is replaced.
+  /// Errors   `size_mismatch`; `index_out_of_range`, `non_finite`, `too_large` with the entry's index.
+  Result<void> set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions);
+  /// Replaces all positions. Errors as above.
+  Result<void> set_positions(std::span<const Vec3> positions);
 
  private:
+  friend struct MeshWriter;  // for the library's own use
   Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles);
   std::vector<Vec3> positions_;
   std::vector<Corners> triangles_;

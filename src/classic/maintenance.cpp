@@ -65,7 +65,7 @@ void refit_by_depth(Tree& tree) {
 
 void move_vertex(Tree& tree, VertexId v, const Vec3& position) {
   LIMBER_ASSERT(v < tree.mesh.positions().size());
-  tree.mesh.set_position(v, position);
+  MeshWriter::set_position(tree.mesh, v, position);
   ++tree.stats.moved_vertices;
   for (std::uint32_t i = tree.first_triangle_at[v]; i < tree.first_triangle_at[v + 1]; ++i) {
     const TriangleId t = tree.triangles_at[i];

@@ -129,26 +129,39 @@ Result<Mesh> Mesh::create(const PositionsView& positions, std::vector<Corners> t
 Mesh::Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles)
     : positions_(std::move(positions)), triangles_(std::move(triangles)) {}
 
-void Mesh::set_position(VertexId id, const Vec3& position) {
-  LIMBER_ASSERT(id < positions_.size());
+Result<void> Mesh::set_position(VertexId id, const Vec3& position) { return set_positions({&id, 1}, {&position, 1}); }
+
+Result<void> Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  if (auto sound = check_update(*this, ids, positions); !sound) return sound;
+  MeshWriter::set_positions(*this, ids, positions);
+  return {};
+}
+
+Result<void> Mesh::set_positions(std::span<const Vec3> positions) {
+  if (auto sound = check_update_of_all(*this, positions); !sound) return sound;
+  MeshWriter::set_positions(*this, positions);
+  return {};
+}
+
+void MeshWriter::set_position(Mesh& mesh, VertexId id, const Vec3& position) {
+  LIMBER_ASSERT(id < mesh.positions_.size());
   LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
-  positions_[id] = position;
+  mesh.positions_[id] = position;
 }
 
-void Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  LIMBER_ASSERT(static_cast<bool>(check_update(*this, ids, positions)));
-  if (overlaps(*this, positions)) {
+void MeshWriter::set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
+  LIMBER_ASSERT(static_cast<bool>(check_update(mesh, ids, positions)));
+  if (overlaps(mesh, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
-    return set_positions(ids, copy);
+    return set_positions(mesh, ids, copy);
   }
-  for (std::size_t i = 0; i < ids.size(); ++i) positions_[ids[i]] = positions[i];
+  for (std::size_t i = 0; i < ids.size(); ++i) mesh.positions_[ids[i]] = positions[i];
 }
 
-void Mesh::set_positions(std::span<const Vec3> positions) {
-  LIMBER_ASSERT(positions.size() == positions_.size());
-  LIMBER_ASSERT(static_cast<bool>(check_positions(positions)));
-  if (positions.data() == positions_.data()) return;
-  std::copy(positions.begin(), positions.end(), positions_.begin());
+void MeshWriter::set_positions(Mesh& mesh, std::span<const Vec3> positions) {
+  LIMBER_ASSERT(static_cast<bool>(check_update_of_all(mesh, positions)));
+  if (positions.data() == mesh.positions_.data()) return;
+  std::copy(positions.begin(), positions.end(), mesh.positions_.begin());
 }
 
 bool overlaps(const Mesh& mesh, std::span<const Vec3> positions) {

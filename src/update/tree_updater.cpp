@@ -9,6 +9,7 @@
 #include "bvh/partition.h"
 #include "core/check.h"
 #include "core/error_bounds.h"
+#include "mesh/updates.h"
 
 namespace limber::update {
 namespace {
@@ -95,7 +96,7 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
     if (i + prefetched < ids.size()) __builtin_prefetch(&mesh.positions()[ids[i + prefetched]]);
     farthest_sq = std::max(farthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
   }
-  mesh.set_positions(ids, positions);
+  MeshWriter::set_positions(mesh, ids, positions);
   note_displacement(farthest_sq);
   if (!margin_.is_on()) return mark(mesh, ids);
   if (!dirty_.try_index_vertices(tree_, mesh.positions().size())) {
@@ -106,7 +107,7 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
 }
 
 void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
-  mesh.set_positions(positions);
+  MeshWriter::set_positions(mesh, positions);
   note_displacement(farthest_sq);
   if (!margin_.is_on()) return dirty_.add_all();
   margin_.count_absorbed(positions.size() - margin_.absorb_all(mesh, motion_margin(), tree_, dirty_));

@@ -44,7 +44,7 @@ Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial) {
     const Mesh still = scenes::wave_sheet(8, 8, 0);
     Mesh sheet = scenes::wave_sheet(8, 8, f);
     for (VertexId v = 0; is_partial && v < sheet.positions().size(); ++v) {
-      if (sheet.positions()[v].x < 2) sheet.set_position(v, still.positions()[v]);
+      if (sheet.positions()[v].x < 2) sheet.set_position(v, still.positions()[v]).value();
     }
     files.push_back(folder.store("wave" + std::to_string(f) + ".obj", sheet));
   }

@@ -119,7 +119,7 @@ std::string Subject::apply(const Update& update) {
       return model_.is_committed() ? "" : "rebuild left the model uncommitted";
     case Update::Kind::reset:
       for (Vec3& p : positions) p += step * uniform_point(rng);
-      mesh_.set_positions(positions);
+      mesh_.set_positions(positions).value();
       model_.reset(mesh_);
       return model_.is_committed() ? "" : "reset left the model uncommitted";
     case Update::Kind::commit:
@@ -138,7 +138,7 @@ std::string Subject::move(const Update& update, Rng& rng) {
     const bool again = i > 0 && rng.below(4) == 0;
     ids.push_back(again ? ids.back() : static_cast<VertexId>(rng.below(mesh_.positions().size())));
     positions.push_back(mesh_.positions()[ids.back()] + power_of_ten(update.exponent) * uniform_point(rng));
-    mesh_.set_position(ids.back(), positions.back());
+    mesh_.set_position(ids.back(), positions.back()).value();
   }
   return failed("move_vertices", model_.move_vertices(ids, positions));
 }
@@ -150,13 +150,13 @@ std::string Subject::move_to_own(const Update& update, Rng& rng) {
   std::vector<VertexId> ids;
   for (std::size_t i = 0; i < count; ++i) ids.push_back(static_cast<VertexId>(rng.below(vertex_count)));
   const std::vector<Vec3> before = mesh_.positions();
-  for (std::size_t i = 0; i < count; ++i) mesh_.set_position(ids[i], before[from + i]);
+  for (std::size_t i = 0; i < count; ++i) mesh_.set_position(ids[i], before[from + i]).value();
   return failed("move_vertices to the model's own positions",
                 model_.move_vertices(ids, std::span(model_.mesh().positions()).subspan(from, count)));
 }
 
 std::string Subject::move_all_to(const std::vector<Vec3>& positions) {
-  mesh_.set_positions(positions);
+  mesh_.set_positions(positions).value();
   return failed("move_all", model_.move_all(positions));
 }
 

@@ -14,7 +14,7 @@ namespace limber::scenes {
 namespace {
 
 Mesh moved(Mesh mesh, const VertexMoves& moves) {
-  for (std::size_t i = 0; i < moves.ids.size(); ++i) mesh.set_position(moves.ids[i], moves.positions[i]);
+  for (std::size_t i = 0; i < moves.ids.size(); ++i) mesh.set_position(moves.ids[i], moves.positions[i]).value();
   return mesh;
 }
 

@@ -41,5 +41,27 @@ TEST(Mesh, NamesTheFirstOffence) {
   EXPECT_EQ(large.where, 2U);
 }
 
+TEST(Mesh, ReplacesPositionsThatAreSoundAndNoOthers) {
+  Mesh mesh = Mesh::create(corners, {{0, 1, 2}}).value();
+  const std::vector<Vec3> moved{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, infinite{{0, 0, 1}, {1, 0, INFINITY}, {0, 1, 1}};
+  const std::vector<VertexId> ids{0, 1, 2}, beyond{0, 3, 1};
+  EXPECT_EQ(mesh.set_position(3, {}).error().code, ErrorCode::index_out_of_range);
+  EXPECT_EQ(mesh.set_position(0, {NAN, 0, 0}).error().code, ErrorCode::non_finite);
+  EXPECT_EQ(mesh.set_position(0, {1e100, 0, 0}).error().code, ErrorCode::too_large);
+  EXPECT_EQ(mesh.set_positions(ids, {}).error().code, ErrorCode::size_mismatch);
+  EXPECT_EQ(mesh.set_positions(beyond, moved).error().where, 1U);
+  EXPECT_EQ(mesh.set_positions(ids, infinite).error().where, 1U);
+  EXPECT_EQ(mesh.set_positions(std::vector<Vec3>{{}}).error().code, ErrorCode::size_mismatch);
+  EXPECT_EQ(mesh.set_positions(infinite).error().text, "entry 1 of the update is not finite");
+  EXPECT_EQ(mesh.positions(), corners);
+
+  mesh.set_position(1, moved[1]).value();
+  EXPECT_EQ(mesh.positions(), (std::vector<Vec3>{corners[0], moved[1], corners[2]}));
+  mesh.set_positions(moved).value();
+  EXPECT_EQ(mesh.positions(), moved);
+  mesh.set_positions(ids, corners).value();
+  EXPECT_EQ(mesh.positions(), corners);
+}
+
 }  // namespace
 }  // namespace limber::testing

@@ -208,9 +208,9 @@ TEST(Misuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
   for (const bool forwards : {true, false}) {
     Mesh mesh = scenes::ball(12, 7);
     const Shift shift(mesh, forwards);
-    mesh.set_positions(shift.ids, shift.own);
+    mesh.set_positions(shift.ids, shift.own).value();
     EXPECT_EQ(mesh.positions(), shift.expected);
-    mesh.set_positions(mesh.positions());
+    mesh.set_positions(mesh.positions()).value();
     EXPECT_EQ(mesh.positions(), shift.expected);
   }
 }
