@@ -26,7 +26,7 @@ void expect_bounds_hold(const Model& model) {
   EXPECT_EQ(min(box.low, low), box.low);
   EXPECT_EQ(max(box.high, high), box.high);
   const double size = length(high - low), margin = model.maintenance_stats().motion_margin;
-  const double tolerance = 1e-5 * size + 2 * margin + 1e-12 * max_abs(high) + 1e-300;
+  const double tolerance = 1e-5 * size + 2 * margin + 1e-12 * max_abs(high) + 1e-280;
   EXPECT_LE(max_abs(box.high - high), tolerance);
   EXPECT_LE(max_abs(box.low - low), tolerance);
   EXPECT_LE(sphere.radius, 0.75 * size + tolerance);

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bvh/dirty_set.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "scenes/scenes.h"
+
+namespace limber::testing {
+namespace {
+
+using bvh::DirtySet;
+using Nodes = std::vector<std::uint32_t>;
+
+/// The lowest wide nodes that have a triangle at a vertex, found by going through all of them.
+Nodes nodes_at(const bvh::Tree& tree, VertexId vertex) {
+  std::set<std::uint32_t> nodes;
+  for (std::uint32_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) {
+    const bvh::WideNode& node = tree.nodes[n];
+    for (std::uint32_t leaf = node.first_child; leaf < node.first_child + node.child_count; ++leaf) {
+      for (const auto& corners : tree.leaves[leaf].vertices) {
+        if (std::find(corners.begin(), corners.end(), vertex) != corners.end()) nodes.insert(n);
+      }
+    }
+  }
+  return {nodes.begin(), nodes.end()};
+}
+
+struct Sheet {
+  Mesh mesh = scenes::grid(40, 40, 0, 0, 1, 1);
+  bvh::Tree tree = bvh::build(mesh);
+  std::size_t vertex_count = mesh.positions().size();
+  std::size_t lowest = tree.level_begin.size() - 2;  // level
+};
+
+TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
+  const Sheet sheet;
+  DirtySet dirty(sheet.tree);
+  EXPECT_TRUE(dirty.empty());
+  EXPECT_FALSE(dirty.has_vertex_index());
+  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
+  std::size_t most = 0;
+  for (VertexId v = 0; v < sheet.vertex_count; ++v) {
+    dirty.add(v);
+    dirty.add(v);
+    dirty.sort_lowest();
+    EXPECT_EQ(dirty.nodes(sheet.lowest), nodes_at(sheet.tree, v)) << v;
+    most = std::max(most, dirty.nodes(sheet.lowest).size());
+    EXPECT_FALSE(dirty.empty());
+    dirty.clear();
+    EXPECT_TRUE(dirty.empty());
+  }
+  EXPECT_GE(most, 2U);  // otherwise no vertex was at the border of two nodes
+}
+
+TEST(DirtySet, KeepsAvoidedNodesApartFromDirtyOnes) {
+  const Sheet sheet;
+  DirtySet dirty(sheet.tree);
+  dirty.index_vertices(sheet.tree, sheet.vertex_count);
+  const Nodes expected = nodes_at(sheet.tree, 0);
+  dirty.add_avoided(0);
+  dirty.add_avoided(0);
+  EXPECT_EQ(dirty.avoided_count(), expected.size());
+  EXPECT_TRUE(dirty.empty());
+  dirty.add(0);  // an avoided node may still become dirty
+  dirty.sort_lowest();
+  EXPECT_EQ(dirty.nodes(sheet.lowest), expected);
+  dirty.clear();
+  EXPECT_EQ(dirty.avoided_count(), 0U);
+
+  dirty.add(0);
+  dirty.add_avoided(0);  // a dirty one is refitted whatever the margin avoids
+  EXPECT_EQ(dirty.avoided_count(), 0U);
+  EXPECT_EQ(dirty.nodes(sheet.lowest).size(), expected.size());
+  dirty.clear();
+  dirty.add_avoided(0);  // clear() has made them clean
+  EXPECT_EQ(dirty.avoided_count(), expected.size());
+}
+
+TEST(DirtySet, MarksTheNodesOfARangeOfLeaves) {
+  const Sheet sheet;
+  const std::uint32_t leaves = static_cast<std::uint32_t>(sheet.tree.leaves.size());
+  const std::uint32_t ranges[][2] = {{0, 1}, {3, 9}, {leaves - 1, leaves}, {0, leaves}};
+  for (const auto& [first, end] : ranges) {
+    DirtySet dirty(sheet.tree);
+    dirty.add_leaves(sheet.tree, first, end);
+    Nodes expected;
+    for (std::uint32_t n = sheet.tree.first_lowest_node(); n < sheet.tree.nodes.size(); ++n) {
+      const bvh::WideNode& node = sheet.tree.nodes[n];
+      bool has_some = false;
+      for (std::uint32_t k = 0; k < node.child_count; ++k) {
+        has_some = has_some || (node.first_child + k >= first && node.first_child + k < end);
+      }
+      if (has_some) expected.push_back(n);
+    }
+    EXPECT_EQ(dirty.nodes(sheet.lowest), expected) << first << " to " << end;
+  }
+}
+
+TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
+  const Sheet sheet;
+  DirtySet dirty(sheet.tree);
+  const std::size_t count = sheet.tree.nodes.size() - sheet.tree.first_lowest_node();
+  for (std::size_t i = 0; i < count; ++i) {
+    EXPECT_EQ(dirty.covers_most_of(sheet.tree), 4 * i > 3 * count) << i;
+    dirty.add_node(sheet.lowest, sheet.tree.first_lowest_node() + static_cast<std::uint32_t>(i));
+  }
+  dirty.clear();
+  EXPECT_FALSE(dirty.covers_most_of(sheet.tree));
+  dirty.add_all();
+  EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
+  EXPECT_FALSE(dirty.empty());
+  dirty.clear();
+  EXPECT_TRUE(dirty.empty());
+}
+
+TEST(DirtySet, RefitsWhatItHoldsAndNoMore) {
+  Sheet sheet;
+  DirtySet dirty(sheet.tree);
+  dirty.index_vertices(sheet.tree, sheet.vertex_count);
+  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), 0U);
+  sheet.mesh.set_position(0, {0, 0, 5}).value();
+  EXPECT_FALSE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));  // the bounds do not hold the vertex
+  dirty.add(0);
+  const std::uint64_t refits = refit(sheet.tree, sheet.mesh, dirty);
+  EXPECT_GE(refits, nodes_at(sheet.tree, 0).size());
+  EXPECT_LE(refits, nodes_at(sheet.tree, 0).size() * (sheet.lowest + 1));
+  EXPECT_TRUE(dirty.empty());
+  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));
+  dirty.add_all();
+  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), sheet.tree.nodes.size());
+  EXPECT_TRUE(dirty.empty());
+}
+
+}  // namespace
+}  // namespace limber::testing
