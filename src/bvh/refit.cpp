@@ -65,7 +65,7 @@ double farthest(const Volume& b, const Vec3& d) {
   const double height = dot(b.normal, d), distance_sq = length_sq(d);
   const double along = std::max(std::abs(height + b.low), std::abs(height + b.high));
   const double across =
-      std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * double{core::squared_error}) + b.radius;
+      std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * double{core::across_error}) + b.radius;
   return std::min(std::sqrt(distance_sq) + b.radius,
                   std::sqrt(along * along + across * across) * double{core::squares_up});
 }

@@ -9,13 +9,15 @@ namespace limber::core {
 
 // --- float32, in kernels ---
 
-/// Relative error of a squared length formed by at most ten operations. Also bounds the absolute error of
-/// |v|^2 - (n . v)^2 as a part of |v|^2.
+/// Relative error of a squared length formed by at most ten operations.
 inline constexpr float squared_error = 0x1p-20F;
 inline constexpr float squares_up = 1 + squared_error, squares_down = 1 - squared_error;
 
-/// At least the square root of 2 * squared_error: the error of a sine whose square is off by that.
-inline constexpr float sine_error = 0.0015F;
+/// Error of |v|^2 - (n . v)^2, the squared length of the part of v across a stored normal n, as a part of |v|^2.
+inline constexpr float across_error = 0x1.4p-20F;
+
+/// At least the square root of 2 * across_error: the error of a sine whose square is off by that.
+inline constexpr float sine_error = 0.0016F;
 
 /// What projecting a node or a direction changes a length by, as a part of the magnitudes involved: some 20 roundings
 /// of 2^-24 each.
@@ -65,9 +67,9 @@ inline constexpr double reach_up = 1.001;
 /// involved.
 inline constexpr double root_error = 0x1p-20;
 
-/// Rotations that are orthonormal to 1e-9 only, in the poses of both models, and rounding, as a part of the lengths
-/// involved.
-inline constexpr double rigidity_error = 1e-8;
+/// Rotations that are orthonormal to 1e-9 only, in the poses of both models before and after a motion, and rounding, as
+/// a part of the lengths involved.
+inline constexpr double rigidity_error = 4e-8;
 
 // --- ties: pairs of triangles that are as far apart as the closest pair, up to rounding ---
 

@@ -63,7 +63,7 @@ LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   const Packet height_o = dot(p.d, normal_o), height = dot(p.d, p.normal);
   const Packet height_o_abs = abs(height_o), height_abs = abs(height);
   const Cap near_o = select(height_o > zero(), lower_o, upper_o), near = select(height > zero(), p.upper, p.lower);
-  const Packet rounding = p.d_sq * Packet::set(core::squared_error);
+  const Packet rounding = p.d_sq * Packet::set(core::across_error);
   const Packet across_o = sqrt(max(p.d_sq - height_o * height_o - rounding, zero()));
   const Packet across = sqrt(max(p.d_sq - height * height - rounding, zero()));
   const Packet tilted = support(p.radius, select(height_o * cosine > zero(), p.upper, p.lower), cosine_abs, sine);

@@ -46,7 +46,7 @@ LIMBER_KERNEL Span empty_span() { return {Packet::set(far_off), Packet::set(-far
 LIMBER_KERNEL Packet farthest_of(const NodePairs& p, const Packet3& d, Packet low, Packet high) {
   const Packet distance_sq = dot(d, d), height = dot(p.normal, d);
   const Packet along = max(abs(height + low), abs(height + high));
-  const Packet rounding = distance_sq * Packet::set(core::squared_error);
+  const Packet rounding = distance_sq * Packet::set(core::across_error);
   const Packet across = sqrt(max(distance_sq - height * height, zero()) + rounding) + p.radius;
   return min(sqrt(distance_sq) + p.radius, sqrt(along * along + across * across)) * Packet::set(core::squares_up);
 }
