@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Compiled twice: as LIMBER_MAKE_ENGINE = make_engine_now, and with the headers and the library of another revision,
-// whose namespace a macro renames, as make_engine_before.
+// This revision behind the interface. The comparison compiles two such files: this one, with
+// LIMBER_MAKE_ENGINE = make_engine_now, and that of the other revision, whose namespace a macro renames, with
+// make_engine_before.
 #include "bench/against/engine.h"
 
 #include <bit>
