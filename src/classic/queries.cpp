@@ -54,8 +54,8 @@ class PlacedTree {
   /// most 6 units (2^-53) of the magnitudes added, 2 * 6 * sqrt(3) < 2^5 for both together.
   double placement_error() const {
     const Sphere& all = tree_.nodes[root].sphere;
-    const double reach = length(pose_.translation) + stretch_ * (length(all.center) + all.radius);
-    return 0x1p-48 * reach;
+    const double magnitude = length(pose_.translation) + stretch_ * (length(all.center) + all.radius);
+    return 0x1p-48 * magnitude;
   }
 
  private:
@@ -117,8 +117,8 @@ class Descent {
   /// At most the distance of the triangles inside; 0 when the spheres meet.
   double lower_bound(const Sphere& a, const Sphere& b) {
     ++stats_.node_tests;
-    const double reach = core::add_up(core::add_up(a.radius, b.radius), error_);
-    return std::max(0.0, (core::distance_down(a.center, b.center) - reach) * (1 - 0x1p-52));
+    const double radius_sum = core::add_up(core::add_up(a.radius, b.radius), error_);
+    return std::max(0.0, (core::distance_down(a.center, b.center) - radius_sum) * (1 - 0x1p-52));
   }
 
   PlacedTree a_, b_;
@@ -140,18 +140,18 @@ struct CollisionQuery {
 
 struct DistanceQuery {
   DistanceOptions options;
-  double enough;          // an answer this small ends the query
+  double close_enough;    // a distance this small ends the query
   double prune_distance;  // pairs at least this far apart cannot improve the answer enough
   double upper = infinity;
   double smallest_dropped = infinity;  // lower bound of everything that was not looked at
   std::optional<Witness> witness;
 
   // Closed: a pair exactly max_distance apart matters.
-  DistanceQuery(const DistanceOptions& asked, double good_enough)
-      : options(asked), enough(good_enough), prune_distance(std::nextafter(asked.max_distance, infinity)) {}
+  DistanceQuery(const DistanceOptions& asked, double ends_below)
+      : options(asked), close_enough(ends_below), prune_distance(std::nextafter(asked.max_distance, infinity)) {}
 
   bool matters(double lower_bound) {
-    if (upper <= enough) return false;
+    if (upper <= close_enough) return false;
     if (lower_bound < prune_distance || (lower_bound == 0 && upper > 0)) return true;
     smallest_dropped = std::min(smallest_dropped, lower_bound);
     return false;

@@ -58,10 +58,10 @@ inline constexpr double outward = 1 + 0x1p-40;
 inline constexpr double sum_up = 1 + 0x1p-50;
 
 /// Placing a vertex in the world, and going from there to the other model's frame, changes a length by at most this
-/// part of the reach of the query.
+/// part of the magnitude of the query.
 inline constexpr double placement_error = 0x1p-45;
 /// Covers that the root's sphere is about another point than the origin of its node, and rounding.
-inline constexpr double reach_up = 1.001;
+inline constexpr double magnitude_up = 1.001;
 
 /// Float32 normals of the roots, rotations that are only nearly orthonormal, and rounding, as a part of the lengths
 /// involved.
@@ -74,7 +74,7 @@ inline constexpr double rigidity_error = 4e-8;
 // --- ties: pairs of triangles that are as far apart as the closest pair, up to rounding ---
 
 /// The error of a gap along the search direction that is computed before triangles are placed, as a part of
-/// placement_error times the reach.
+/// placement_error times the magnitude.
 inline constexpr double local_gap_error = 0x1p-4;
 
 /// What rounding can make of a gap between placed triangles, and of the distance it is compared with, as a part of

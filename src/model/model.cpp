@@ -170,8 +170,8 @@ Box Model::bounding_box() const {
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
   const Vec3 center = bvh::slot_center(tree, bvh::root),
-             reach = half + Vec3{1, 1, 1} * (tree.motion_margin + rounding(tree));
-  return {center - reach, center + reach};
+             extents = half + Vec3{1, 1, 1} * (tree.motion_margin + rounding(tree));
+  return {center - extents, center + extents};
 }
 
 Sphere Model::bounding_sphere() const {

@@ -34,10 +34,10 @@ double root_gap(const bvh::Tree& tree, const Vec3& point) {
 
 /// At least the distance of any point of the placed model from the world's origin. A model that has drifted may be many
 /// radii away from the origin of its root.
-double reach(const bvh::Tree& tree, const Transform& pose) {
+double magnitude(const bvh::Tree& tree, const Transform& pose) {
   const double from_origin = tree.unit * static_cast<double>(tree.nodes[0].radius) + tree.motion_margin;
   return sum_of_coordinates(pose.translation) +
-         (sum_of_coordinates(tree.nodes[0].origin) + std::max(2 * root_radius(tree), from_origin)) * core::reach_up;
+         (sum_of_coordinates(tree.nodes[0].origin) + std::max(2 * root_radius(tree), from_origin)) * core::magnitude_up;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ PlacedModels::PlacedModels(const Placed& a, const Placed& b)
   const Model::Impl &model_a = a.model().impl(), &model_b = b.model().impl();
   sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
-  error_ = core::placement_error * (reach(model_a.tree, a.pose) + reach(model_b.tree, b.pose));
+  error_ = core::placement_error * (magnitude(model_a.tree, a.pose) + magnitude(model_b.tree, b.pose));
 }
 
 Triangle PlacedModels::triangle(Side s, TriangleId t) const {
