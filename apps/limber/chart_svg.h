@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-/// Curves over frames as inline SVG. Colours come from classes that the page's style sheet defines.
+/// Curves over frames as inline SVG. Colors come from classes that the page's style sheet defines.
 namespace limber::program {
 
 struct Curve {

@@ -28,14 +28,14 @@ struct PeerScene {
 /// with an axis, at all its separations, in `pose_count` poses.
 PeerScene turned_ball_and_square(std::size_t pose_count);
 
-/// Two scans, centred, scaled to a diagonal of 1, b slid along a random direction: far (gap 1), mid (0.05), near
+/// Two scans, centered, scaled to a diagonal of 1, b slid along a random direction: far (gap 1), mid (0.05), near
 /// (0.001), and overlapping (0.011 deeper than near).
 ///
 /// Errors   BadResult when a file cannot be read.
 PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
                     std::size_t pose_count);
 
-/// Centred on its box and scaled to a diagonal of 1, without triangles that have no area.
+/// Centered on its box and scaled to a diagonal of 1, without triangles that have no area.
 Mesh normalised(const Mesh& mesh);
 
 /// Every triangle divided into four at the midpoints of its edges.

@@ -27,7 +27,7 @@ from thesis_results import MODE_NAMES, MODES, Results, write_tables  # noqa: E40
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Okabe and Ito's palette: told apart with every kind of colour vision.
+# Okabe and Ito's palette: told apart with every kind of color vision.
 BLACK, ORANGE, SKY, GREEN, BLUE, RED, PINK = "#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
 MODE_COLORS = {"immediate": RED, "batched": ORANGE, "by_depth": BLUE}
 ERROR_COLORS = {0.01: GREEN, 0.1: SKY, 0.5: ORANGE, 1.0: PINK}
@@ -85,7 +85,7 @@ def label(axes, x: float, y: float, text: str, color: str, **style) -> None:
 
 
 def key(axes, x: float, y: float, entries: list[tuple[str, str]]) -> None:
-    """Names in their curves' colours, from the upper curve down, where no label fits beside the curves."""
+    """Names in their curves' colors, from the upper curve down, where no label fits beside the curves."""
     for i, (text, color) in enumerate(entries):
         axes.text(x, y - 0.058 * i, text, color=color, transform=axes.transAxes, fontsize=8.5, fontweight="bold",
                   va="top")
@@ -216,7 +216,7 @@ def plot_updates(results: Results, target: Path) -> None:
     log_axis(loose_queries, "pairs of spheres per query", 5e3, 1e6)
     caption(loose_updates, f"{dents} dents per commit. Full lines: large motion, slope 0.1.\n"
                            "Dashed: small motion, slope 0.001.")
-    caption(loose_queries, "Exact distance of the ball hovering 0.5 above the dented sheet; colours as beside.\n"
+    caption(loose_queries, "Exact distance of the ball hovering 0.5 above the dented sheet; colors as beside.\n"
                            "Source: looseness can only make queries slower; no figures.")
     for axes in (loose_updates, loose_queries):
         axes.set_xlim(-1.4 if axes is loose_updates else -0.25, len(radii) - 0.75)

@@ -5,7 +5,7 @@
 //                 three modes of maintenance? What does batching save? What does looseness save, and what does it
 //                 cost queries?
 // Workload        A flat sheet of 100 x 100 squares, 20 000 triangles. The same 1000 dents for every variant, random
-//                 centres and radii from 1 to 10, with a commit after every 1 to 1000 dents; large motion (slope 0.1)
+//                 centers and radii from 1 to 10, with a commit after every 1 to 1000 dents; large motion (slope 0.1)
 //                 and small (0.001). Then 8 exact distance queries of a ball hovering over the dented sheet. Apart from
 //                 that, one step that moves every vertex. The classic sphere tree in three modes, and the fast engine;
 //                 one thread.
@@ -69,7 +69,8 @@ Motion make_motion(const std::string& name, double slope, int dent_count, const 
     scenes::Dent dent = scenes::random_dent(rng);
     dent.slope = std::copysign(slope, dent.slope);
     scenes::VertexMoves moves = scenes::dent_moves(dent, motion.dented.positions());
-    for (std::size_t k = 0; k < moves.ids.size(); ++k) motion.dented.set_position(moves.ids[k], moves.positions[k]).value();
+    for (std::size_t k = 0; k < moves.ids.size(); ++k)
+      motion.dented.set_position(moves.ids[k], moves.positions[k]).value();
     motion.moved_vertices += moves.ids.size();
     motion.dents.push_back(std::move(moves));
   }

@@ -87,7 +87,7 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 /// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 Sphere enclosing_sphere(const Triangle& triangle);
 
-/// Smallest sphere around two spheres, its radius recomputed from the stored centre and rounded up.
+/// Smallest sphere around two spheres, its radius recomputed from the stored center and rounded up.
 Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
 
 /// Whether `outer` contains `inner`, judged so that rounding can only say no.

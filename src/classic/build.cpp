@@ -3,7 +3,7 @@
 
 // Based on  [Quinlan1994] and the thesis this engine follows: top-down, two equal-count groups that are geometrically
 //           apart, spheres around spheres.
-// Differs   The split is the median along the longest side of the box around the leaves' centres, ties broken by
+// Differs   The split is the median along the longest side of the box around the leaves' centers, ties broken by
 //           triangle id, so the tree does not depend on the standard library's selection order. Nodes are laid out
 //           breadth-first.
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Based on  the textbook circumcentre; the centre only decides how tight a sphere is, never whether it is valid.
-// Differs   The radius is always recomputed from the stored centre and rounded up, so an inaccurate centre (slivers,
+// Based on  the textbook circumcenter; the center only decides how tight a sphere is, never whether it is valid.
+// Differs   The radius is always recomputed from the stored center and rounded up, so an inaccurate center (slivers,
 //           nearly concentric spheres) costs tightness at most.
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,8 @@ double radius_around(const Vec3& center, const Sphere& s) {
   return core::add_up(core::distance_up(center, s.center), s.radius);
 }
 
-// Centre of the smallest sphere: the middle of the longest edge where the angle opposite to it is right or obtuse, else
-// the circumcentre. Edges are divided by the longest first, so no scale can overflow or underflow their products.
+// Center of the smallest sphere: the middle of the longest edge where the angle opposite to it is right or obtuse, else
+// the circumcenter. Edges are divided by the longest first, so no scale can overflow or underflow their products.
 Vec3 center_of(const Triangle& t) {
   // Rotate the corners so that (a, b) is the longest edge.
   const double l01 = core::distance_up(t.v0, t.v1);
@@ -61,7 +61,7 @@ Sphere geometry::enclosing_sphere(const Sphere& a, const Sphere& b) {
   const double gap = core::distance_up(larger.center, smaller.center);
   Vec3 center = larger.center;
   if (gap > larger.radius - smaller.radius) {
-    const double shift = 0.5 * ((gap - larger.radius) + smaller.radius);  // from the larger centre to the new one
+    const double shift = 0.5 * ((gap - larger.radius) + smaller.radius);  // from the larger center to the new one
     center += (smaller.center - larger.center) * std::clamp(shift / gap, 0.0, 1.0);
   }
   return {center, std::max(radius_around(center, a), radius_around(center, b))};

@@ -45,7 +45,7 @@ class ObjReader {
 };
 
 Result<void> ObjReader::read_vertex(std::string_view words) {
-  Vec3 position;  // a fourth coordinate or a colour may follow the three
+  Vec3 position;  // a fourth coordinate or a color may follow the three
   if (Result<void> taken = take_position(words, soup_.positions.size(), position); !taken) return taken;
   soup_.positions.push_back(position);
   return {};

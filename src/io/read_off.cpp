@@ -34,7 +34,7 @@ Result<void> take_keyword(std::string_view& record) {
   return {};
 }
 
-/// Reads the corners of a face; colours may follow them.
+/// Reads the corners of a face; colors may follow them.
 Result<void> read_face(std::string_view words, std::uint32_t vertex_count, FaceLists& faces) {
   const std::size_t face = faces.size();
   const std::string_view size_word = take_word(words);

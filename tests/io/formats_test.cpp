@@ -147,7 +147,7 @@ TEST_F(Formats, obj_faces_may_precede_their_vertices) {
   EXPECT_TRUE(read("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"));
 }
 
-TEST_F(Formats, off_comments_normals_colours_and_textures_are_passed_over) {
+TEST_F(Formats, off_comments_normals_colors_and_textures_are_passed_over) {
   const std::string plain = "0 0 0\n1 0 0\n0 1 0\n";
   const std::vector<std::string> files = {
       "# made by hand\nOFF # really\n# counts\n3 1 3 # v f e\n\n" + plain + "# faces\n3 0 1 2 # end\n",

@@ -13,7 +13,7 @@ bool exactly_inside(const Sphere& sphere, const Vec3& p) {
   return dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius);
 }
 
-TEST(EnclosingSphere, OfARightTriangleIsCentredOnTheLongestEdge) {
+TEST(EnclosingSphere, OfARightTriangleIsCenteredOnTheLongestEdge) {
   const Sphere s = enclosing_sphere(Triangle{{0, 0, 0}, {6, 0, 0}, {0, 8, 0}});
   EXPECT_EQ(s.center, (Vec3{3, 4, 0}));
   EXPECT_NEAR(s.radius, 5, 1e-14);
