@@ -20,7 +20,7 @@ PRIVATE = {
     "simd": ("layout", "math", "core"),
     "mesh": ("simd", "layout", "math", "core"),
     "bvh": ("simd", "layout", "geometry", "math", "core"),
-    "update": ("bvh", "simd", "layout", "math", "core"),
+    "update": ("mesh", "bvh", "simd", "layout", "math", "core"),
     "model": ("update", "mesh", "bvh", "simd", "layout", "geometry", "math", "core"),
     "query": ("model", "bvh", "simd", "layout", "geometry", "math", "core"),
     "classic": ("geometry", "math", "core", "mesh/updates.h", "query/options.h"),
