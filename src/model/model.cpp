@@ -56,8 +56,7 @@ double rounding(const bvh::Tree& tree) {
 Model::Model(Mesh mesh, const ModelOptions& options) {
   const core::DefaultFloatEnvironment environment;
   check(mesh, options);
-  bvh::Tree tree = bvh::build(mesh);
-  impl_.reset(new Impl{std::move(mesh), options, std::move(tree)});
+  impl_ = std::make_unique<Impl>(std::move(mesh), options);
   LIMBER_VALIDATE(validate_if_possible(*this));
 }
 Model::Model(Model&&) noexcept = default;

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "bvh/tree.h"
@@ -13,12 +14,14 @@
 namespace limber {
 
 struct Model::Impl {
+  Impl(Mesh source, const ModelOptions& wanted) : mesh(std::move(source)), options(wanted), tree(bvh::build(mesh)) {}
+
   Mesh mesh;
   ModelOptions options;
   bvh::Tree tree;
-  std::optional<update::TreeUpdater> updater{};  // once a vertex has moved
-  MaintenanceStats stats{};
-  std::vector<Vec3> scratch{};
+  std::optional<update::TreeUpdater> updater;  // once a vertex has moved
+  MaintenanceStats stats;
+  std::vector<Vec3> scratch;
 
   /// Positions as the library keeps them, until the next call.
   std::span<const Vec3> copied(const PositionsView& positions) {

@@ -24,8 +24,8 @@ class Frames {
  private:
   void compute(Side s);
 
-  const PlacedModels& placed_;
   simd::FrameTransform transforms_[2];
+  const PlacedModels& placed_;
   bool is_known_[2] = {false, false};
 };
 

@@ -22,7 +22,7 @@ class PlacedLeaf {
 
   TriangleId id(std::uint32_t slot) const { return leaf_.triangle[slot]; }
   const PlacedTriangle& at(std::uint32_t slot) {
-    PlacedTriangle& triangle = triangles_[slot];
+    PlacedTriangle& triangle = triangles[slot];
     if ((placed_slots_ >> slot & 1) == 0) {
       placed_slots_ |= 1U << slot;
       triangle = {leaf_.triangle[slot], placed_.triangle(side_, leaf_.triangle[slot])};
@@ -36,7 +36,7 @@ class PlacedLeaf {
   const bvh::Leaf& leaf_;
   unsigned placed_slots_ = 0;  // bit mask
   union {
-    PlacedTriangle triangles_[bvh::width];  // uninitialized until they are placed
+    PlacedTriangle triangles[bvh::width];  // uninitialized until they are placed
   };
 };
 

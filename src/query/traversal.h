@@ -33,7 +33,7 @@ template <typename Goal, bool records>
 class Traversal {
  public:
   Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, QueryStats& stats)
-      : placed_(placed), pruning_(pruning), goal_(goal), stats_(stats), kernels_(simd::kernels()), frames_(placed) {
+      : frames_(placed), placed_(placed), pruning_(pruning), goal_(goal), stats_(stats), kernels_(simd::kernels()) {
     const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
@@ -330,12 +330,12 @@ class Traversal {
   // Larger squared ratios of units leave the range of float32.
   static constexpr double largest_unit_ratio_sq = 0x1p126;
 
+  Frames frames_;
   const PlacedModels& placed_;
   Pruning& pruning_;
   Goal& goal_;
   QueryStats& stats_;
   const simd::Kernels& kernels_;
-  Frames frames_;
   double limits_for_ = -1;                                 // prune distance that what follows was derived from
   float limit_sq_[2] = {0, 0};                             // the same squared, in units of either tree
   float tight_sq_ = 0;                                     // what it would be without a margin, in squared units of a
