@@ -25,8 +25,8 @@ class PartialRebuild {
 
   const Subtree& subtree() const { return subtree_; }
 
-  /// Partitions on, until about `budget` triangles have been moved; always at least one split, at first that of the
-  /// whole subtree. Returns whether all is partitioned. Allocates nothing, and uses no other thread.
+  /// Partitions on, until about `budget` triangles have been moved: nothing if that is 0, otherwise at least one split,
+  /// at first that of the whole subtree. Returns whether all is partitioned. Allocates nothing, uses no other thread.
   bool work(double budget);
   /// Partitions to the end, on the threads of the calling oneTBB arena.
   void finish();

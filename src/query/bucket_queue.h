@@ -25,7 +25,8 @@ struct NodePair {
 /// Pairs whose bounding volumes overlap have to be expanded whatever happens, so they are taken first, from a stack,
 /// which leads to contacts soonest. The others are taken nearest first, to within one of 64 equal buckets between the
 /// least bound and the one from which on pairs are pruned: a queue that orders them exactly costs more than it saves.
-/// When the buckets are full, more pairs go to the stack, which needs no more room than the depth of both trees.
+/// When the buckets are full, more pairs go to the stack. It is taken last in, first out, so its size is at most about
+/// `width` times the depth of both trees.
 class BucketQueue {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
@@ -109,7 +110,7 @@ class BucketQueue {
   }
   std::uint32_t bucket_of(float bound_sq) const {
     const float at = (bound_sq - least_) * buckets_per_bound_;
-    // In this order a product of 0 and infinity counts as 0. Signed, since that is what processors convert.
+    // `at` is NaN for 0 * infinity; std::max(0, NaN) is 0, std::max(NaN, 0) is not. Signed: float to unsigned is slow.
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::min(std::max(0.0F, at), bucket_count - 1.0F)));
   }
   void link(std::uint16_t entry) {

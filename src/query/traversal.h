@@ -89,10 +89,10 @@ class Traversal {
  private:
   /// The expansion of one node of a pair: its children are compared with the other node.
   struct Expansion {
-    Side side;  // of the node that is expanded
+    Side side;  // of the slot of `pair` that is expanded
     NodePair pair;
-    std::uint32_t node;  // that has its children
-    std::uint16_t record;
+    std::uint32_t node;    // the child of that slot: its children are compared with the other slot
+    std::uint16_t record;  // of this expansion in the front, or Front::none
     unsigned children;     // to be compared, a bit mask
     simd::KeptSlots kept;  // not pruned
     alignas(32) float order[bvh::width];
@@ -139,8 +139,9 @@ class Traversal {
     return (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
   }
 
-  /// How likely a tight bound would have pruned a pair, if no tight bound is known to keep it: where everything closer
-  /// than the margin is kept, that depends on how large the margin is next to the bounds.
+  /// The chance that a pair would have been pruned without the margin: 1 if the prune distance exceeds the margin.
+  /// Otherwise bounds do not tell; the larger the margin is next to the looseness of the bounds, the likelier it is.
+  /// Pre: pair.bound_sq >= tight_sq_.
   double chance_of_margin_cost(const NodePair& pair) const {
     if (tight_sq_ > 0) return 1;
     const double loose = looseness(Side::a, pair.slot[0]) + looseness(Side::b, pair.slot[1]);
@@ -182,6 +183,7 @@ class Traversal {
     const NodePair& pair = e.pair;
     if (pair.bound_sq >= limit_sq_[0]) {
       close(pair, length_of(Side::a, pair.bound_sq));
+      // While recording, each remaining pair has to be settled on its own.
       if (!records && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
     }
@@ -279,7 +281,7 @@ class Traversal {
   }
 
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
-    // Below any limit that stands for none, even where the units of the trees are worlds apart.
+    // Never as large as `no_bound`, which must not prune, even where the product overflows.
     const float bound_sq =
         std::min(std::max(e.order[child], 0.0F) * to_a_sq_[index(e.side)], BucketQueue::largest_bound);
     const bvh::SlotId slot = e.node * bvh::width + child;

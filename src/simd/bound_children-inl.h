@@ -20,10 +20,11 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Against divisions by 0.
+// Against divisions by 0. A divisor that is too large only lowers a bound.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
 
-/// The children that the search direction does not prune. Leaves in `bound_sq` the bound along it, for all.
+/// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
+/// `bound_sq` to the squared bound along it, for all children.
 LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& direction, Packet& bound_sq) {
   const Packet3 n = broadcast(direction.normal);
   const Packet cosine = dot(p.normal, n);

@@ -26,8 +26,8 @@ struct FrameTransform {
   float rotation_abs[3][4];
   double unit, per_unit, other_unit;
   float ratio;        ///< other_unit / unit; infinite where float32 could not square it
-  float error_units;  ///< what rounding of placed points can change a length by; infinite where `ratio` would be
-  double error;       ///< the same, not in units
+  float error_units;  ///< `error` in units; infinite where float32 could not square it
+  double error;       ///< most that rounding of placed points and the motion margins of both models change a length by
 };
 
 /// What a query prunes: pairs at least `distance` apart. It measures that along a search direction too, if there is
@@ -55,7 +55,7 @@ struct KeptSlots {
 
 /// Two triangles of two leaves that are not pruned.
 struct Candidate {
-  float bound_sq;  ///< at most their squared distance, once Candidates::error has been taken from the root
+  float bound_sq;  ///< at most (their distance * Candidates::scale + Candidates::error)^2
   std::uint8_t slot_a, slot_b;
 };
 

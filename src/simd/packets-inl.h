@@ -76,7 +76,7 @@ template <typename P>
 LIMBER_KERNEL Triple<P> operator*(const Triple<P>& a, P s) {
   return {a.x * s, a.y * s, a.z * s};
 }
-/// A vector or its opposite, whichever is on the side of another.
+/// v or -v, whichever has the nonnegative dot product with `side`.
 template <typename P>
 LIMBER_KERNEL Triple<P> aligned(const Triple<P>& v, const Triple<P>& side) {
   const P cosine = dot(v, side);

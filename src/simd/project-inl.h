@@ -28,7 +28,8 @@ namespace {
 // relative to the local origin it is compared at; from there on float32 resolves everything that matters, however far
 // the models are from the world's origin. All errors on the way are added to the bounds of the projected node.
 
-/// A node in the frame, the unit and about the origin of the node it is compared with, enlarged by rounding errors.
+/// A node in the frame and unit of the node it is compared with, relative to that node's origin; enlarged by rounding
+/// errors and by how far vertices of both models are from their fitted positions.
 struct ProjectedNode {
   alignas(16) float center[4];
   alignas(16) float half[4];  // along the axes of that frame

@@ -18,8 +18,8 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The part of a sphere on one side of its center, cut off by a slab: the height of the cut, and the radius of the
-/// circle in which it cuts the sphere.
+/// A plane of a slab that cuts a sphere: its height over the sphere's center along the slab's outward normal, negative
+/// where the slab does not contain the center, and the radius of the circle in which it cuts the sphere.
 struct Cap {
   Packet height, rim;
 };
@@ -31,8 +31,8 @@ LIMBER_KERNEL Cap select(Mask which, const Cap& a, const Cap& b) {
   return {select(which, a.height, b.height), select(which, a.rim, b.rim)};
 }
 
-/// The support of a sphere with that cap in a direction at an angle to the slab's normal: that of the sphere where its
-/// farthest point is left, that of the rim otherwise.
+/// The support of a sphere, less what lies beyond a cut, in a direction at an angle to the cut's outward normal: that
+/// of the sphere where its farthest point remains, that of the rim otherwise. Pre: cosine >= 0.
 LIMBER_KERNEL Packet support(Packet radius, const Cap& c, Packet cosine, Packet sine) {
   return select(radius * cosine <= c.height, radius, c.height * cosine + c.rim * sine);
 }

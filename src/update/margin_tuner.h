@@ -10,9 +10,10 @@ namespace limber::update {
 
 /// Finds the motion margin at which refits and what queries lose by the margin cost least together.
 ///
-/// The tuner compares the costs of some commits at one margin with those at twice and at half of it, and with what
-/// refits would have cost without a margin. It keeps the best, and tries the others ever more rarely. The smallest
-/// margin that it tries is the longest displacement of a vertex in one commit: less would absorb little. Counts decide,
+/// Hill climbing over the margins unit * 2^k, with exponential back-off: the cost of some commits at one margin is
+/// compared with the cost at twice and at half of it, and with what refits would have cost without a margin. Margins
+/// that lose are tried ever more rarely. The unit, which is the smallest margin, is the running mean of the longest
+/// displacement of a vertex in one batch when the search last started over: less would absorb little. Counts decide,
 /// not clocks, so the same calls give the same margin on every machine.
 ///
 /// States   Each choice of a margin is untried, known, or due to be tried again. One choice is being tried; one, the
@@ -41,7 +42,7 @@ class MarginTuner {
   // Choice 0 is no margin; choice k is 2^(k - 1) displacements.
   static constexpr int choices = 14;
   static constexpr int shortest_trial = 6, longest_trial = 128;     // commits
-  static constexpr std::int64_t first_wait = 1, longest_wait = 64;  // trials of the best between others
+  static constexpr std::int64_t first_wait = 1, longest_wait = 64;  // trials of any choice, until the next try
 
   struct Trial {
     double cost = -1;                         // a commit; negative when not known

@@ -12,8 +12,9 @@
 namespace limber::update {
 namespace {
 
-/// At least the squared distance of two points; 0 only if they are equal.
-double distance_sq_up(const Vec3& p, const Vec3& q) {
+/// The squared distance of two points up to rounding, but at least `smallest_square` unless they are equal: squares of
+/// tiny distances may underflow.
+double floored_distance_sq(const Vec3& p, const Vec3& q) {
   const double d_sq = length_sq(p - q);
   return d_sq >= smallest_square || p == q ? d_sq : smallest_square;
 }
@@ -45,7 +46,7 @@ void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
 void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty,
                           bool notes_avoided) {
   for (const VertexId id : ids) {
-    const double displacement_sq = distance_sq_up(mesh.positions()[id], fitted_[id]);
+    const double displacement_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
     if (displacement_sq > margin * margin) {
       refit(mesh, id, dirty);
       continue;
@@ -67,7 +68,7 @@ std::size_t MotionMargin::absorb_all(const Mesh& mesh, double margin, const bvh:
   farthest_sq_ = 0;
   std::size_t far_count = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
-    const double displacement_sq = distance_sq_up(positions[v], fitted_[v]);
+    const double displacement_sq = floored_distance_sq(positions[v], fitted_[v]);
     if (displacement_sq <= margin_sq) {
       farthest_sq_ = std::max(farthest_sq_, displacement_sq);
       continue;

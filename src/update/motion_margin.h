@@ -44,8 +44,8 @@ class MotionMargin {
   /// Pre      is_on(), dirty.has_vertex_index().
   void absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty, bool notes_avoided);
 
-  /// Absorbs or refits every vertex; all are refitted where the tree has to be fitted whole anyway. Afterwards
-  /// largest_displacement() is exact up to rounding. Returns how many were refitted.
+  /// Absorbs or refits every vertex. If all can be absorbed, none is refitted; once refits have made most of the tree
+  /// dirty, all are. Afterwards largest_displacement() is exact up to rounding. Returns how many were refitted.
   ///
   /// Pre      is_on().
   std::size_t absorb_all(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty);

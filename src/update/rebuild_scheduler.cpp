@@ -16,8 +16,8 @@ namespace {
 
 // The experiment behind these numbers is bench/develop/partial_rebuild.cpp; docs/design/deforming.md has its results.
 
-// How much worse than expected a tree may become. After a rebuild that gained less than `worthwhile_gain` more is
-// tolerated.
+// How many times its expected cost a tree may have before it is rebuilt. Each rebuild that gains less than
+// `worthwhile_gain` doubles the tolerated excess, up to `most_tolerated`.
 constexpr double least_tolerated = 1.2, most_tolerated = 16, worthwhile_gain = 1.1;
 
 // Passes over the tree after which it is rebuilt whatever its cost; afterwards as many as leave `wanted_gain` to gain.
@@ -106,9 +106,9 @@ void RebuildScheduler::judge(const bvh::Tree& tree, MaintenanceStats& stats) {
 bool RebuildScheduler::count_refits(const bvh::Tree& tree, std::uint64_t refits) {
   const double passes = static_cast<double>(refits) / static_cast<double>(tree.nodes.size());
   passes_ += passes;
-  passes_to_check_ -= passes;
-  if (passes_to_check_ > 0) return false;
-  passes_to_check_ = 1;
+  passes_until_check_ -= passes;
+  if (passes_until_check_ > 0) return false;
+  passes_until_check_ = 1;
   return true;
 }
 

@@ -37,7 +37,8 @@ class RebuildScheduler {
   /// Compares the cost of the subtree that has been rebuilt with what it was. Pre: its bounds are refitted.
   void judge(const bvh::Tree& tree, MaintenanceStats& stats);
 
-  /// Counts refits. Returns whether they complete another pass: as many as the tree has nodes since the last one.
+  /// Counts refits. Returns whether the cost of the tree is to be looked at: at the first call, and whenever as many
+  /// nodes as the tree has were refitted since the last look.
   bool count_refits(const bvh::Tree& tree, std::uint64_t refits);
 
   /// Starts to rebuild what has degraded, if the policy says so. To be called once a pass.
@@ -52,11 +53,11 @@ class RebuildScheduler {
   RebuildPolicy policy_;
   std::optional<double> budget_us_;
   bvh::TreeCost cost_;
-  double passes_ = 0;           // since the whole tree was rebuilt
-  double passes_to_check_ = 0;  // until the cost is looked at again
-  double tolerated_;            // cost, as a multiple of the expected one
-  double interval_;             // passes after which the whole tree is rebuilt whatever its cost
-  double cost_before_ = 0;      // of the subtree that is rebuilt
+  double passes_ = 0;              // since the whole tree was rebuilt
+  double passes_until_check_ = 0;  // until the cost is looked at again
+  double tolerated_;               // cost, as a multiple of the expected one
+  double interval_;                // passes after which the whole tree is rebuilt whatever its cost
+  double cost_before_ = 0;         // of the subtree that is rebuilt
   std::optional<bvh::PartialRebuild> rebuild_;
   std::atomic<bool> stops_worker_{false};
   std::future<bool> worker_;

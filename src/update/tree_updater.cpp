@@ -24,8 +24,8 @@ constexpr double outgrown = 0x1p40;
 // The largest useful margin, as a part of the mean radius of the leaves.
 constexpr double useful_part_of_radius = 0.5;
 
-// A batch that moves this part of the vertices is cheaper to treat as one that moves all.
-constexpr std::size_t batches_for_all = 4;
+// A batch that names at least 1 / this of the vertices is cheaper to treat as one that moves all.
+constexpr std::size_t vertices_per_id_for_all = 4;
 
 // Avoided refits are counted in one commit of these: counting costs as much as a tenth of a refit.
 constexpr std::uint64_t counted_commits = 4;
@@ -66,7 +66,7 @@ void TreeUpdater::set_motion_margin(const Mesh& mesh, std::optional<double> marg
   tuner_ = tuner;
   if (starts_tuning) tuned_commits_ = 0;
   chosen_margin_ = margin;
-  has_shrunk_margin_ = margin_.is_on();
+  must_check_all_ = margin_.is_on();
 }
 
 void TreeUpdater::note_displacement(double length_sq) {
@@ -79,7 +79,7 @@ void TreeUpdater::note_displacement(double length_sq) {
 
 void TreeUpdater::mark(const Mesh& mesh, std::span<const VertexId> ids) {
   const std::size_t vertex_count = mesh.positions().size();
-  if (batches_for_all * ids.size() >= vertex_count || !dirty_.try_index_vertices(tree_, vertex_count)) {
+  if (vertices_per_id_for_all * ids.size() >= vertex_count || !dirty_.try_index_vertices(tree_, vertex_count)) {
     return dirty_.add_all();
   }
   for (const VertexId id : ids) {
@@ -125,7 +125,7 @@ double TreeUpdater::expected_refit_ns() const {
 }
 
 void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
-  if (!has_moved_ && !has_shrunk_margin_) return;
+  if (!has_moved_ && !must_check_all_) return;
   has_moved_ = true;  // in case a step throws
   update_margin(mesh);
   adapt_unit(mesh);
@@ -140,10 +140,10 @@ void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
 }
 
 void TreeUpdater::update_margin(const Mesh& mesh) {
-  if (has_shrunk_margin_ || margin_.is_stale()) {
+  if (must_check_all_ || margin_.is_stale()) {
     if (margin_.is_on()) margin_.absorb_all(mesh, motion_margin(), tree_, dirty_);
   }
-  has_shrunk_margin_ = false;
+  must_check_all_ = false;
 }
 
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
@@ -204,7 +204,7 @@ void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cos
   tuner_.add({refit_ns, without_margin_ns, margin_cost * ns_per_step, longest_displacement_, all_absorbed});
   ++tuned_commits_;
   if (ends_pass) tuner_.set_largest(largest_useful_margin());
-  has_shrunk_margin_ = tuner_.margin() < margin_before;
+  must_check_all_ = tuner_.margin() < margin_before;
   if (margin_.is_on() || tuner_.margin() == 0) return;
   try {
     start_margin(mesh);

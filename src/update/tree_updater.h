@@ -54,7 +54,7 @@ class TreeUpdater {
   /// What the refits of one commit were.
   struct Refits {
     std::uint64_t count;  // of wide nodes
-    std::size_t avoided;  // lowest nodes that the margin made it unnecessary to refit
+    std::size_t avoided;  // lowest nodes that an absorbed move would have made dirty; some may be dirty all the same
     bool in_pass;         // whether the whole tree was fitted at once
   };
 
@@ -85,12 +85,13 @@ class TreeUpdater {
 
   std::optional<double> chosen_margin_;  // none: tuned
   bool has_moved_ = false;
-  bool has_shrunk_margin_ = false;  // since vertices were last compared with it
+  bool must_check_all_ = false;  // the margin has changed: some vertices may be beyond it
   std::uint64_t tuned_commits_ = 0;
 
   // Since the last commit.
-  double longest_displacement_ = 0, sum_of_displacements_ = 0;  // of a vertex in one batch; of all batches together
-  bool moved_all_ = false;                                      // and the margin may have absorbed some of that
+  double longest_displacement_ = 0;  // of any vertex in any one batch
+  double sum_of_displacements_ = 0;  // of the longest of each batch: no vertex has moved farther
+  bool moved_all_ = false;           // with the margin on: without it the whole tree would be refitted
 
   std::atomic<std::uint64_t> margin_cost_{0};  // see bvh::Tree::margin_cost
 };

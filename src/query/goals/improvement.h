@@ -9,19 +9,21 @@ namespace limber::query {
 
 /// What a goal has learnt from a pair of triangles.
 struct Improvement {
-  double distance;  ///< of the pair
-  double
-      prune_distance;  ///< pairs at least that far apart are no longer needed; infinite if the pair is beyond the limit
-  Vec3 separation;     ///< from the closest point of a to that of b
+  double distance;        ///< of the pair
+  double prune_distance;  ///< pairs at least that far apart no longer matter; infinite if nothing new can be pruned
+  Vec3 separation;        ///< from the closest point of a to that of b
 };
 
 /// A goal says what a query looks for. The traversal offers it pairs of triangles, and prunes by what it learns.
 ///
-/// Needs    static constexpr bool takes_any                whether any pair will do; otherwise the closest is looked
-///          for double initial_prune_distance() const          > 0
-///          bool is_done() const                           whether no other pair can matter
-///          std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b)
-///                                                         nothing if the pair is no better than the best
+/// Needs    static constexpr bool takes_any;
+///          double initial_prune_distance() const;
+///          bool is_done() const;
+///          std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b);
+///
+/// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. initial_prune_distance():
+/// above 0. is_done(): whether no other pair can matter. compare(): nullopt if the pair is no better than the best.
+///
 /// See      docs/design/adding_a_query.md.
 
 }  // namespace limber::query
