@@ -33,7 +33,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   const query::PlacedModels placed(a, b);
   DistanceResult result;
   query::ClosestPair goal(options, 0);
-  const query::SearchEnd end = query::search(placed, cache, goal, result.stats);
+  const double prune_distance = query::search(placed, cache, goal, result.stats);
   if (goal.upper > options.max_distance) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = options.max_distance;
@@ -42,7 +42,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   }
   query::remember(cache, *goal.witness);
   result.upper = goal.upper;
-  result.lower = end.has_pruned ? std::min(goal.upper, end.prune_distance) : goal.upper;
+  result.lower = std::min(goal.upper, prune_distance);
   result.witness = goal.witness;
   if (result.upper == 0) {
     result.status = Status::collision;

@@ -10,29 +10,25 @@
 
 namespace limber::query {
 
-/// How a search has ended.
-struct SearchEnd {
-  bool has_pruned;        ///< whether some pairs were not compared
-  double prune_distance;  ///< those are at least that far apart
-};
-
+/// Runs a traversal to its end. Returns the prune distance: what was not compared is at least that far apart.
 template <bool records, typename Goal>
-SearchEnd traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal& goal, QueryStats& stats) {
+double traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal& goal, QueryStats& stats) {
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
-  if (root_bound >= pruning.distance()) return {true, pruning.distance()};
+  if (root_bound >= pruning.distance()) return pruning.distance();
   Traversal<Goal, records> traversal(placed, pruning, goal, stats);
   traversal.start(root_bound, front);
   while (traversal.step()) {
   }
   traversal.finish();
   if (placed.motion_margin() > 0) placed.add_margin_cost(traversal.margin_cost());
-  return {traversal.has_pruned(), pruning.distance()};
+  return pruning.distance();
 }
 
-/// Looks for what a goal wants, first where the last query ended if there is a cache.
+/// Looks for what a goal wants, first where the last query ended if there is a cache. Returns the prune distance at the
+/// end: every pair of triangles that was not compared is at least that far apart.
 template <typename Goal>
-SearchEnd search(const PlacedModels& placed, QueryCache* cache, Goal& goal, QueryStats& stats) {
+double search(const PlacedModels& placed, QueryCache* cache, Goal& goal, QueryStats& stats) {
   Pruning pruning(placed, goal.initial_prune_distance());
   if (cache == nullptr) return traverse<false>(placed, pruning, nullptr, goal, stats);
   QueryCache::Impl& last = cache->impl();
@@ -41,7 +37,7 @@ SearchEnd search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Quer
     const auto improvement = goal.compare({last.triangle_a, placed.triangle(Side::a, last.triangle_a)},
                                           {last.triangle_b, placed.triangle(Side::b, last.triangle_b)});
     if (improvement) pruning.improve(*improvement);
-    if (goal.is_done()) return {true, pruning.distance()};
+    if (goal.is_done()) return pruning.distance();
   }
   return traverse<true>(placed, pruning, &last.front, goal, stats);
 }

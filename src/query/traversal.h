@@ -48,7 +48,6 @@ class Traversal {
       if (front_->can_resume(placed_)) {
         front_->resume(placed_, a_from_b);
         records_left_ = front_->records().size();
-        has_pruned_ = true;
         return;
       }
       front_->start(placed_, a_from_b);
@@ -79,9 +78,6 @@ class Traversal {
   void finish() {
     if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.is_done());
   }
-
-  /// Whether some pair was not compared.
-  bool has_pruned() const { return has_pruned_; }
 
   /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
   double margin_cost() const { return margin_cost_; }
@@ -152,10 +148,9 @@ class Traversal {
   double length_of(Side s, float bound_sq) const {
     return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * double{core::squares_down};
   }
-  /// Nothing in this pair is nearer than `distance`, or it has been compared.
-  void close(const NodePair& pair, double distance) {
+  /// Settles a pair, pruned or compared: what it holds is at least `distance` or the prune distance apart.
+  void settle(const NodePair& pair, double distance) {
     LIMBER_ASSERT(distance >= 0);
-    has_pruned_ = true;
     if (records && is_recording_ && pair.record != Front::none) {
       front_->prune(pair.record, 1U << pair.child, std::max(distance, pruning_.distance()));
     }
@@ -182,7 +177,7 @@ class Traversal {
   bool expand(Expansion& e) {
     const NodePair& pair = e.pair;
     if (pair.bound_sq >= limit_sq_[0]) {
-      close(pair, length_of(Side::a, pair.bound_sq));
+      settle(pair, length_of(Side::a, pair.bound_sq));
       // While recording, each remaining pair has to be settled on its own.
       if (!records && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
@@ -190,7 +185,7 @@ class Traversal {
     if (placed_.motion_margin() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       compare_leaves(pair);
-      close(pair, pruning_.distance());
+      settle(pair, pruning_.distance());
       return false;
     }
     e.side = expands_a(pair) ? Side::a : Side::b;
@@ -228,10 +223,7 @@ class Traversal {
                                      limit_sq_[index(e.side)], e.order, records ? bound_sq : nullptr);
     e.kept.all &= e.children, e.kept.overlapping &= e.children;
     const unsigned pruned = e.children & ~e.kept.all;
-    if (pruned != 0) {
-      has_pruned_ = true;
-      if (records && is_recording_) record_pruned(e, pruned, bound_sq);
-    }
+    if (records && is_recording_ && pruned != 0) record_pruned(e, pruned, bound_sq);
     if (e.kept.all != 0) keep(e);
   }
 
@@ -296,7 +288,6 @@ class Traversal {
     simd::Candidates found;
     kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
                              found);
-    if (found.count != bvh::width * bvh::width) has_pruned_ = true;
     if (found.count == 0) return;
     // The nearest first: it may prune the others.
     std::uint32_t nearest = 0;
@@ -309,17 +300,11 @@ class Traversal {
     for (std::uint32_t i = 0; i < found.count && !goal_.is_done(); ++i) {
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
-      if (bound_sq >= limit * limit * double{core::squares_up}) {
-        has_pruned_ = true;
-        continue;
-      }
+      if (bound_sq >= limit * limit * double{core::squares_up}) continue;
       const double tight = limit - placed_.motion_margin() * found.scale;
       if (placed_.motion_margin() > 0 && bound_sq >= tight * tight) margin_cost_ += 1;
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
-      if (pruning_.prunes(a, slot_a, b, slot_b)) {
-        has_pruned_ = true;
-        continue;
-      }
+      if (pruning_.prunes(a, slot_a, b, slot_b)) continue;
       ++stats_.triangle_tests;
       if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) pruning_.improve(*improvement);
     }
@@ -344,7 +329,6 @@ class Traversal {
   float to_a_sq_[2] = {1, 1};                              // squared units of either tree in those of a
   float least_sq_ = 0, focus_sq_ = BucketQueue::no_bound;  // the focus of the queue
   double margin_cost_ = 0;
-  bool has_pruned_ = false;
   Front* front_ = nullptr;
   bool is_recording_ = false;     // whether the front will account for every pair
   std::size_t records_left_ = 0;  // of the front, still to be checked
