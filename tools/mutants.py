@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Breaks the code in the places that mutants.toml lists, one at a time; the tests must notice every one of them.
 
-Everything happens in a copy below build/mutants, which is built for speed: light optimisation, checks on, kernels for
-one instruction set beside the scalar ones. While the tests of one mutant run, the next one is built.
+Everything happens in a copy below build/mutants, which is built with light optimisation, checks on, and kernels for
+all instruction sets. While the tests of one mutant run, the next one is built.
 
 Exit status: 0 if every mutant was noticed, 1 if one survived or does not compile, 2 if nothing can be said: the
 table is stale, or the tests fail without any mutant.
@@ -32,7 +32,7 @@ DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}
 TESTED_AT_ONCE = 2  # mutants, while another one is built
 TIMEOUT_S = 300.0  # for the tests of one executable; a hang counts as noticed
-FLAGS = "-O1 -DHWY_COMPILE_ONLY_STATIC"
+FLAGS = "-O1"  # kernels for all instruction sets: the one that needs no dispatch is scalar on most compilers
 PROPERTY_RUNS = "max_success=1000 seed=1 noshrink=1"
 
 
@@ -141,10 +141,15 @@ class Workshop:
         done = self._run(command, None)
         return "" if done.returncode == 0 else done.stdout
 
-    def has_tests(self, executable: str, tests: str) -> bool:
+    def without_tests(self, executable: str, tests: str) -> list[str]:
+        """The patterns of a filter that no test fits."""
         path = self.build_tree / "tests" / f"limber_{executable}_tests"
-        listed = self._run([str(path), f"--gtest_filter={tests}", "--gtest_list_tests"], None)
-        return listed.returncode == 0 and re.search(r"^  \S", listed.stdout, re.MULTILINE) is not None
+
+        def fits_any(pattern: str) -> bool:
+            listed = self._run([str(path), f"--gtest_filter={pattern}", "--gtest_list_tests"], None)
+            return listed.returncode == 0 and re.search(r"^  \S", listed.stdout, re.MULTILINE) is not None
+
+        return [pattern for pattern in tests.split(":") if not fits_any(pattern)]
 
     def take(self, executables: Iterable[str]) -> Path:
         """A folder with these executables, which later builds leave alone."""
@@ -200,8 +205,8 @@ def baseline(shop: Workshop, mutants: Iterable[Mutant]) -> None:
         raise Unusable(failed)
     for executable, tests in filters.items():
         for tests_of_it in tests:
-            if not shop.has_tests(executable, tests_of_it):
-                raise Unusable(f"no test of {executable} is called {tests_of_it}")
+            for pattern in shop.without_tests(executable, tests_of_it):
+                raise Unusable(f"no test of {executable} is called {pattern}")
     verdict = shop.test(shop.take(filters), [f"{name}:{':'.join(tests)}" for name, tests in filters.items()])
     if verdict.noticed:
         raise Unusable(f"without any mutant the tests fail: {verdict.text}")
