@@ -13,10 +13,9 @@
 #include "limber/model.h"
 #include "query/frames.h"
 #include "query/placed_models.h"
-#include "query/pruning.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
-#include "unit/internals.h"
+#include "unit/kernel_cases.h"
 
 namespace limber::testing {
 namespace {
@@ -45,24 +44,6 @@ Mesh some_soup(Rng& rng, std::size_t count) {
   return soup(triangles);
 }
 
-std::vector<Triangle> placed_triangles(const Mesh& mesh, const Transform& pose) {
-  std::vector<Triangle> placed;
-  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-    const Triangle m = mesh.triangle(t);
-    placed.push_back({pose(m.v0), pose(m.v1), pose(m.v2)});
-  }
-  return placed;
-}
-
-double closest(const bvh::Leaf& a, const std::vector<Triangle>& world_a, const bvh::Leaf& b,
-               const std::vector<Triangle>& world_b) {
-  double best = std::numeric_limits<double>::infinity();
-  for (const TriangleId s : a.triangle) {
-    for (const TriangleId t : b.triangle) best = std::min(best, closest_points(world_a[s], world_b[t]).distance);
-  }
-  return best;
-}
-
 /// Two models of a few leaves each, at random poses.
 struct Case {
   Model a, b;
@@ -85,19 +66,6 @@ TEST(Kernels, ScalarIsAmongThemAndLast) {
   EXPECT_STREQ(simd::kernels().name, sets.front().name);
 }
 
-/// A slot of the leaves' node, as a node or as a leaf.
-simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_leaf) {
-  return {&tree_of(model).nodes[1], slot, as_leaf ? &tree_of(model).leaves[slot].corners : nullptr};
-}
-
-/// Prunes by a distance, and along a direction unless that is 0.
-Pruning pruning_along(const PlacedModels& placed, double prune_distance, const Vec3& direction) {
-  Pruning pruning(placed, prune_distance);
-  const double infinity = std::numeric_limits<double>::infinity();
-  pruning.improve({infinity, infinity, direction});
-  return pruning;
-}
-
 TEST(Kernels, BoundsNeverExceedDistances) {
   Rng rng(200);
   int tight_bounds = 0;
@@ -116,7 +84,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
     ASSERT_EQ(kept, (1U << node.child_count) - 1);
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
       const double true_distance =
-          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b);
+          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b).distance;
       const double bound = order[slot] > 0 ? std::sqrt(static_cast<double>(order[slot])) * tree_of(c.a).unit : 0;
       ASSERT_LE(bound, true_distance) << "case " << i;
       ASSERT_EQ(bound_sq[slot], std::max(order[slot], 0.0F));
@@ -147,7 +115,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
     };
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
       const double true_distance =
-          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b);
+          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b).distance;
       const double prune_distance = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the child is kept
       for (const double any_distance : {prune_distance, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
         const bool is_kept = (kept(any_distance) >> slot & 1) != 0;
@@ -176,7 +144,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
     const bool has_direction = rng.below(2) == 0;
     const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    const double prune_distance = closest(la, c.world_a, lb, c.world_b) * rng.uniform(1, 1.2) + 1e-12;
+    const double prune_distance = closest(la, c.world_a, lb, c.world_b).distance * rng.uniform(1, 1.2) + 1e-12;
     const Pruning pruning = pruning_along(placed, prune_distance, has_direction ? direction : Vec3{});
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "limber/model.h"
+#include "query/placed_models.h"
+#include "query/pruning.h"
+#include "simd/kernels.h"
+#include "unit/internals.h"
+
+/// What tests of the query kernels compare.
+namespace limber::testing {
+
+inline std::vector<Triangle> placed_triangles(const Mesh& mesh, const Transform& pose) {
+  std::vector<Triangle> placed;
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    const Triangle m = mesh.triangle(t);
+    placed.push_back({pose(m.v0), pose(m.v1), pose(m.v2)});
+  }
+  return placed;
+}
+
+/// The closest points of the triangles of two leaves; `world_a` and `world_b` are the placed triangles.
+inline ClosestPoints closest(const bvh::Leaf& a, const std::vector<Triangle>& world_a, const bvh::Leaf& b,
+                             const std::vector<Triangle>& world_b) {
+  ClosestPoints best;
+  best.distance = std::numeric_limits<double>::infinity();
+  for (const TriangleId s : a.triangle) {
+    for (const TriangleId t : b.triangle) {
+      const ClosestPoints found = closest_points(world_a[s], world_b[t]);
+      if (found.distance < best.distance) best = found;
+    }
+  }
+  return best;
+}
+
+/// The first of the nodes that have leaves.
+inline const bvh::WideNode& lowest_node(const Model& model) {
+  return tree_of(model).nodes[tree_of(model).first_lowest_node()];
+}
+
+/// A slot of that node, as a node or as a leaf.
+inline simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_leaf) {
+  return {&lowest_node(model), slot, as_leaf ? &tree_of(model).leaves[slot].corners : nullptr};
+}
+
+/// Prunes by a distance, and along a direction unless that is 0.
+inline query::Pruning pruning_along(const query::PlacedModels& placed, double prune_distance, const Vec3& direction) {
+  query::Pruning pruning(placed, prune_distance);
+  const double infinity = std::numeric_limits<double>::infinity();
+  pruning.improve({infinity, infinity, direction});
+  return pruning;
+}
+
+}  // namespace limber::testing

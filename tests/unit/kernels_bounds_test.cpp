@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Bounds of volumes that are as small as what they hold, so that nothing but the error budget keeps a bound from
+// exceeding the distance.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "limber/model.h"
+#include "query/frames.h"
+#include "query/placed_models.h"
+#include "query/pruning.h"
+#include "simd/kernels.h"
+#include "support/random_geometry.h"
+#include "unit/internals.h"
+#include "unit/kernel_cases.h"
+
+namespace limber::testing {
+namespace {
+
+using query::Frames;
+using query::PlacedModels;
+using query::Pruning;
+using query::Side;
+
+constexpr float all = 1e38F;
+
+/// Points, each of them a leaf of equal triangles.
+Mesh points(Rng& rng, std::size_t count) {
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 p = uniform_point(rng, -2, 2);
+    triangles.insert(triangles.end(), bvh::width, {p, p, p});
+  }
+  return soup(triangles);
+}
+
+/// Two placed models whose lowest nodes are compared.
+struct Comparison {
+  Placed a, b;
+  PlacedModels placed;
+  Frames frames;
+  std::vector<Triangle> world_a, world_b;
+
+  Comparison(const Placed& first, const Placed& second)
+      : a(first),
+        b(second),
+        placed(a, b),
+        frames(placed),
+        world_a(placed_triangles(a.model().mesh(), a.pose)),
+        world_b(placed_triangles(b.model().mesh(), b.pose)) {}
+
+  ClosestPoints truth(std::uint32_t slot_a, std::uint32_t slot_b) const {
+    return closest(tree_of(a.model()).leaves[slot_a], world_a, tree_of(b.model()).leaves[slot_b], world_b);
+  }
+  /// Whether a slot of a is kept, compared with one of b; leaves in `bound` the bound of their distance.
+  bool keeps(std::uint32_t slot_a, std::uint32_t slot_b, bool as_leaf, const Pruning& pruning, double& bound) {
+    alignas(32) float order[bvh::width], bound_sq[bvh::width];
+    const unsigned kept = simd::kernels()
+                              .bound_children(lowest_node(a.model()), at_slot(b.model(), slot_b, as_leaf),
+                                              frames.of(Side::a), pruning.of(Side::a), all, order, bound_sq)
+                              .all;
+    bound = std::sqrt(static_cast<double>(bound_sq[slot_a])) * tree_of(a.model()).unit;
+    return (kept >> slot_a & 1) != 0;
+  }
+};
+
+TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
+  // A point of one model is next to nothing from a point of the other, and far from the origins of both nodes.
+  Rng rng(206);
+  for (int i = 0; i < 300; ++i) {
+    const Model a(points(rng, 1 + rng.below(8))), b(points(rng, 1 + rng.below(8)));
+    const Transform pose_a = random_pose(rng, rng.below(3) == 0 ? 100 : 1);
+    Transform pose_b = random_pose(rng, 0);
+    const double apart = std::pow(10.0, rng.uniform(-12, 0));
+    pose_b.translation =
+        pose_a(a.mesh().positions().back()) - pose_b(b.mesh().positions().back()) + apart * uniform_point(rng);
+    Comparison c({a, pose_a}, {b, pose_b});
+    for (std::uint32_t slot_a = 0; slot_a < lowest_node(a).child_count; ++slot_a) {
+      for (std::uint32_t slot_b = 0; slot_b < lowest_node(b).child_count; ++slot_b) {
+        const ClosestPoints truth = c.truth(slot_a, slot_b);
+        const double prune_distance = truth.distance * (1 + 1e-14);
+        const Pruning without(c.placed, prune_distance);
+        const Pruning along = pruning_along(c.placed, prune_distance, truth.point_b - truth.point_a);
+        for (const bool as_leaf : {false, true}) {
+          for (const Pruning* pruning : {&without, &along}) {
+            double bound = 0;
+            ASSERT_TRUE(c.keeps(slot_a, slot_b, as_leaf, *pruning, bound)) << "case " << i;
+            ASSERT_LE(bound, prune_distance) << "case " << i;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Kernels, BoundsOfFlatLeavesThatNearlyTouchNeverExceedDistances) {
+  // Two disks face each other, nearly parallel. They nearly touch where both rims tilt towards the other disk. The sine
+  // of a tilt is so small that its square is lost in rounding.
+  Rng rng(207);
+  for (int i = 0; i < 1000; ++i) {
+    // In a frame where the boxes are of no use.
+    const auto disk = [&](const Mat3& frame) {
+      std::vector<Triangle> triangles;
+      const auto rim = [&](int k) {
+        return frame * Vec3{std::cos(std::numbers::pi * k / 4), std::sin(std::numbers::pi * k / 4), 0};
+      };
+      for (int k = 0; k < 8; ++k) triangles.push_back({{}, rim(k), rim(k + 1)});
+      return soup(triangles);
+    };
+    const Mat3 frame_a = scenes::random_rotation(rng), frame_b = scenes::random_rotation(rng);
+    const Model a(disk(frame_a)), b(disk(frame_b));
+    const auto tilted = [](double sine) {
+      const double cosine = std::sqrt(1 - sine * sine);
+      return Mat3{{cosine, 0, -sine}, {0, 1, 0}, {sine, 0, cosine}};
+    };
+    const double sine_a = rng.uniform(0, 0.002), sine_b = rng.uniform(0, 0.002);
+    const double gap = std::pow(10.0, rng.uniform(-9, -3));
+    Comparison c({a, {tilted(sine_a) * transpose(frame_a), {}}},
+                 {b, {tilted(-sine_b) * transpose(frame_b), {0, 0, sine_a + sine_b + gap}}});
+    const Pruning pruning(c.placed, 1);
+    double bound = 0;
+    ASSERT_TRUE(c.keeps(0, 0, false, pruning, bound)) << "case " << i;
+    ASSERT_LE(bound, c.truth(0, 0).distance) << "case " << i;
+  }
+}
+
+TEST(Kernels, CornersTowardsAPointAreNeverPruned) {
+  // Along a direction a leaf extends as far as its farthest corner, which is only known up to its quantization.
+  Rng rng(208);
+  int corner_count = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<Triangle> triangles(1 + rng.below(8));
+    for (Triangle& t : triangles) t = uniform_triangle(rng);
+    const Model a(points(rng, 4)), b(soup(triangles));
+    Comparison c({a, random_pose(rng, 1)}, {b, random_pose(rng, 4)});
+    for (std::uint32_t slot_a = 0; slot_a < lowest_node(a).child_count; ++slot_a) {
+      const ClosestPoints truth = c.truth(slot_a, 0);
+      const Vec3 direction = truth.point_b - truth.point_a;
+      // Where other corners are nearer along the direction, it prunes less than it may.
+      double nearest_sq = length_sq(direction);
+      for (const Triangle& t : c.world_b) {
+        for (std::size_t k = 0; k < 3; ++k) nearest_sq = std::min(nearest_sq, dot(direction, t[k] - truth.point_a));
+      }
+      if (truth.distance == 0 || nearest_sq < length_sq(direction) * (1 - 1e-9)) continue;
+      ++corner_count;
+      double bound = 0;
+      const double prune_distance = truth.distance * (1 + 1e-9);
+      ASSERT_TRUE(c.keeps(slot_a, 0, true, pruning_along(c.placed, prune_distance, direction), bound)) << "case " << i;
+      ASSERT_LE(bound, prune_distance) << "case " << i;
+    }
+  }
+  EXPECT_GT(corner_count, 2000);
+}
+
+TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
+  // The other model is so large that its numbers, in units of this tree, have no squares in float32. The children may
+  // be far from the origin of their node: it stays where it is when they drift.
+  Rng rng(209);
+  const double huge = 0x1p70;
+  const Model b(soup({{{-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}}}));
+  for (int i = 0; i < 100; ++i) {
+    const Model a(points(rng, 8));
+    Comparison c({a}, {b});
+    bvh::WideNode node = lowest_node(a);
+    const float drift = std::ldexp(1.0F, static_cast<int>(rng.below(60)));
+    for (float* centers : {node.bounds.center_x, node.bounds.center_y, node.bounds.center_z}) {
+      for (std::uint32_t k = 0; k < bvh::width; ++k) centers[k] += drift * static_cast<float>(rng.uniform(-1, 1));
+    }
+    node.radius += 2 * drift;
+    const double smallest = std::numeric_limits<double>::min();
+    for (const Vec3& direction : {Vec3{}, uniform_point(rng)}) {
+      for (const simd::Kernels& set : simd::all_kernels()) {
+        alignas(32) float order[bvh::width], bound_sq[bvh::width];
+        const simd::KeptSlots kept = set.bound_children(node, at_slot(b, 0, rng.below(2) == 0), c.frames.of(Side::a),
+                                                        pruning_along(c.placed, smallest, direction).of(Side::a),
+                                                        std::numeric_limits<float>::min(), order, bound_sq);
+        ASSERT_EQ(kept.all, 0xffU) << set.name << " 2^" << std::log2(drift);
+        ASSERT_EQ(kept.overlapping, 0xffU) << set.name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
