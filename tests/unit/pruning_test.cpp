@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "query/pruning.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "limber/model.h"
+#include "query/placed_leaf.h"
+#include "query/placed_models.h"
+#include "support/random_geometry.h"
+#include "unit/internals.h"
+
+namespace limber::testing {
+namespace {
+
+using query::Improvement;
+using query::PlacedLeaf;
+using query::PlacedModels;
+using query::Pruning;
+using query::Side;
+
+/// A triangle below another one. Both poses shift them, so placing might round, though here it does not.
+struct Scene {
+  Model a, b;
+  PlacedModels placed;
+  PlacedLeaf leaf_a, leaf_b;
+
+  explicit Scene(double height)
+      : a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})),
+        b(soup({{{0, 0, height}, {1, 0, height}, {0, 1, height}}})),
+        placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}}),
+        leaf_a(placed, Side::a, tree_of(a).leaves[0]),
+        leaf_b(placed, Side::b, tree_of(b).leaves[0]) {}
+
+  bool is_pruned_after(const Improvement& improvement) {
+    Pruning pruning(placed, 1000);
+    pruning.improve(improvement);
+    return pruning.prunes(leaf_a, 0, leaf_b, 0);
+  }
+};
+
+TEST(Pruning, ComparesWhatIsNearerThanThePruneDistance) {
+  EXPECT_TRUE(Scene(2).is_pruned_after({1, 1, {0, 0, 1}}));
+  EXPECT_FALSE(Scene(0.5).is_pruned_after({1, 1, {0, 0, 1}}));
+  EXPECT_FALSE(Scene(0).is_pruned_after({1, 1, {0, 0, 1}}));
+}
+
+TEST(Pruning, PrunesTiesOnlyWhereTheDistanceItselfIsLookedFor) {
+  EXPECT_TRUE(Scene(1).is_pruned_after({1, 1, {0, 0, 1}}));
+  // An error is asked for: what is pruned has to be at least the prune distance apart, whatever rounding does.
+  EXPECT_FALSE(Scene(1).is_pruned_after({2, 1, {0, 0, 1}}));
+  EXPECT_TRUE(Scene(1 + 0x1p-30).is_pruned_after({2, 1, {0, 0, 1}}));
+}
+
+TEST(Pruning, ComparesWhatMayBeWithinTheLimit) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(Scene(1000).is_pruned_after({1001, infinity, {0, 0, 1}}));
+}
+
+}  // namespace
+}  // namespace limber::testing
