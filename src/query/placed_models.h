@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "bvh/tree.h"
+#include "core/check.h"
 #include "limber/model.h"
 
 namespace limber::query {
@@ -23,8 +24,11 @@ class PlacedModels {
   const Transform& pose(Side s) const { return sides_[index(s)].pose; }
 
   bool has_triangle(Side s, TriangleId t) const { return t < sides_[index(s)].mesh.triangles.size(); }
-  /// A triangle in the frame of its model, and in the world.
-  Triangle local_triangle(Side s, TriangleId t) const { return sides_[index(s)].mesh.triangle(t); }
+  /// A triangle in the frame of its model, and in the world. Pre: has_triangle(s, t).
+  Triangle local_triangle(Side s, TriangleId t) const {
+    LIMBER_ASSERT(has_triangle(s, t));
+    return sides_[index(s)].mesh.triangle(t);
+  }
   Triangle triangle(Side s, TriangleId t) const;
 
   /// A lower bound of the distance of the models, from the bounds of their roots.
