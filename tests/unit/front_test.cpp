@@ -80,6 +80,27 @@ TEST(Front, SurvivesJumpsFromFarApartToCloseTogether) {
   }
 }
 
+TEST(Front, CoversTheRoundingOfThePlaceBefore) {
+  // Many pairs of points are as far apart as the closest pair, up to the rounding of a place far from the origin. Then
+  // the models move to the origin together.
+  Rng rng(302);
+  for (int i = 0; i < 20; ++i) {
+    const auto points = [&](double height) {
+      std::vector<Triangle> triangles;
+      for (int k = 0; k < 256; ++k) {
+        const Vec3 p{k % 16 - 8.0, k / 16 - 8.0, height + rng.uniform(0, 0x1p-11)};
+        triangles.push_back({p, p, p});
+      }
+      return soup(triangles);
+    };
+    const Model a(points(0)), b(points(1));
+    const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
+    QueryCache cache;
+    distance({a, far}, {b, far}, {}, cache);
+    ASSERT_EQ(distance({a}, {b}, {}, cache).upper, distance({a}, {b}).upper) << i;
+  }
+}
+
 TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
