@@ -11,6 +11,7 @@
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
@@ -104,6 +105,39 @@ TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
     ASSERT_TRUE(static_cast<bool>(many.validate()));
     EXPECT_TRUE(collide({many}, {probe}).collision) << moves_all;
     EXPECT_EQ(distance({many}, {probe}).upper, 0) << moves_all;
+  }
+}
+
+TEST(Coincident, TrianglesThatPartByLessThanBoundsCanTellAreToldApart) {
+  // Some of many equal triangles move so little that no bound changes. The marks of all slots above have to change.
+  constexpr double little = 0x1p-200;
+  const Triangle flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  Model many(repeated(flat, 1000, false));
+  const Model probe(soup({{{-1, -1, little}, {3, -1, little}, {-1, 3, little}}}));
+  const auto is_one_again = [&] {
+    const DistanceResult found = distance({many}, {probe});
+    return found.upper == little && found.stats.node_tests + found.stats.triangle_tests < 100;
+  };
+  ASSERT_TRUE(is_one_again());
+  const bvh::Tree& tree = tree_of(many);
+  ASSERT_GT(tree.first_lowest_node(), 1U);
+  const auto raise = [&](const bvh::Leaf& leaf, double height) {
+    std::vector<VertexId> ids;
+    for (const auto& corners : leaf.vertices) ids.push_back(corners[0]);
+    many.move_vertices(ids, std::vector<Vec3>(ids.size(), {0, 0, height})).value();
+  };
+  for (std::size_t n = tree.first_lowest_node(); n < tree.nodes.size(); n += 3) {
+    const std::uint32_t first = tree.nodes[n].first_child;
+    for (const std::uint32_t count : {1U, tree.nodes[n].child_count}) {  // a leaf, or all leaves of a node
+      for (const double height : {little, 0.0}) {
+        for (std::uint32_t k = 0; k < count; ++k) raise(tree.leaves[first + k], height);
+        many.commit();
+        const auto sound = many.validate();
+        ASSERT_TRUE(static_cast<bool>(sound)) << n << ": " << sound.error().text;
+        ASSERT_EQ(collide({many}, {probe}).collision, height > 0) << n;
+      }
+      ASSERT_TRUE(is_one_again()) << n;
+    }
   }
 }
 
