@@ -4,11 +4,13 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <vector>
 
+#include "bvh/partition.h"
 #include "bvh/tree.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
@@ -89,6 +91,34 @@ TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
     ASSERT_EQ(one.nodes[i].origin, many.nodes[i].origin) << i;
   }
   EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(bvh::Leaf)), 0);
+}
+
+TEST(Tree, TriangleIdsDecideWhereCentersAreEqual) {
+  // A partial rebuild gets the triangles in the order of the leaves, a build in the order of their ids.
+  Rng rng(214);
+  for (int i = 0; i < 100; ++i) {
+    const std::uint64_t side = 1 + rng.below(3);  // 1: all centers are equal
+    std::vector<bvh::PrimitiveRef> primitives(9 + rng.below(600));
+    for (TriangleId t = 0; t < primitives.size(); ++t) {
+      const Vec3 p = lattice_point(rng, side);
+      primitives[t] = {{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t};
+    }
+    // The triangles of each leaf, in ascending order.
+    const auto leaves_of = [](std::vector<bvh::PrimitiveRef> refs) {
+      bvh::partition_into_leaves(refs, bvh::build_range(0, refs.size()));
+      std::vector<TriangleId> ids;
+      for (const bvh::PrimitiveRef& ref : refs) ids.push_back(ref.triangle);
+      for (std::size_t k = 0; k < ids.size(); k += bvh::width) {
+        std::sort(ids.begin() + static_cast<std::ptrdiff_t>(k),
+                  ids.begin() + static_cast<std::ptrdiff_t>(std::min(k + bvh::width, ids.size())));
+      }
+      return ids;
+    };
+    const std::vector<TriangleId> in_order = leaves_of(primitives);
+    ASSERT_TRUE(side > 1 || std::is_sorted(in_order.begin(), in_order.end())) << i;
+    for (std::size_t k = primitives.size(); k > 1; --k) std::swap(primitives[k - 1], primitives[rng.below(k)]);
+    ASSERT_EQ(leaves_of(primitives), in_order) << i;
+  }
 }
 
 /// Whether a corner lies in all volumes of a slot, in exact arithmetic.
