@@ -3,60 +3,31 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "mesh_argument.h"
-#include "number_text.h"
-#include "options.h"
-#include "output.h"
+#include "answers.h"
 #include "pair_arguments.h"
 #include "verb.h"
 
 namespace limber::program {
 namespace {
 
-Json as_json(const std::optional<Witness>& witness, const MeshFile& a, const MeshFile& b) {
-  if (!witness) return nullptr;
-  return {
-      {"point", to_json(witness->point_a)},
-      {"triangle_a", witness->triangle_a},
-      {"triangle_b", witness->triangle_b},
-      {"face_a", a.face_of_triangle[witness->triangle_a]},
-      {"face_b", b.face_of_triangle[witness->triangle_b]},
-  };
-}
-
-Json as_json(const TimedAnswer<CollideResult>& timed, const MeshFile& a, const MeshFile& b) {
-  return {
-      {"query", "collide"},
-      {"collision", timed.answer.collision ? "yes" : "no"},
-      {"witness", as_json(timed.answer.witness, a, b)},
-      {"build_us", timed.build_us},
-      {"elapsed_us", timed.elapsed_us},
-      {"stats", to_json(timed.answer.stats)},
-  };
-}
-
-void write_lines(const TimedAnswer<CollideResult>& timed, const MeshFile& a, const MeshFile& b) {
-  const CollideResult& result = timed.answer;
-  write_line("collision {}", result.collision ? "yes" : "no");
-  if (const auto& witness = result.witness) {
-    write_line("point     {}", to_text(witness->point_a, " "));
-    write_line("on a      triangle {}, face {}", witness->triangle_a, a.face_of_triangle[witness->triangle_a]);
-    write_line("on b      triangle {}, face {}", witness->triangle_b, b.face_of_triangle[witness->triangle_b]);
-  }
-  write_line("tests     {} of nodes, {} of triangles", result.stats.node_tests, result.stats.triangle_tests);
-  write_line("time      build {:.3f} us, query {:.3f} us", timed.build_us, timed.elapsed_us);
-}
-
-void run(const PairArguments& arguments) {
-  const MeshFile a = load_mesh_argument(arguments.a);
-  const MeshFile b = load_mesh_argument(arguments.b);
-  const auto timed =
-      ask(arguments, a, b, [](const auto& placed_a, const auto& placed_b) { return collide(placed_a, placed_b); });
+ExitCode run(const PairArguments& arguments) {
+  const Pair pair(arguments);
+  const auto [result, elapsed_us] = ask(pair.a(), pair.b(), [](const auto& a, const auto& b) { return collide(a, b); });
+  const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
+  const Nesting nesting = result.collision ? Nesting::none : nesting_of(pair.a(), pair.b());
   if (arguments.json) {
-    write(to_line(as_json(timed, a, b)));
+    Json json = {{"query", "collide"}, {"collision", result.collision}};
+    json["witness"] = to_json(witness);
+    json["inside"] = to_json(nesting);
+    append_work(json, result.stats, pair.build_us(), elapsed_us);
+    write(to_line(json));
   } else {
-    write_lines(timed, a, b);
+    write_line("collision {}", result.collision ? "yes" : "no");
+    write_lines(witness);
+    write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
+  warn_about(nesting, "collide");
+  return arguments.exit_code && result.collision ? ExitCode::found : ExitCode::answered;
 }
 
 }  // namespace
@@ -64,13 +35,13 @@ void run(const PairArguments& arguments) {
 Verb add_collide(CLI::App& app) {
   const auto arguments = std::make_shared<PairArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
-  add_pair_arguments(command, *arguments);
-  command.footer(
-      "Touching is meeting, and models are surfaces: one wholly inside the other does not meet it. The witness is a\n"
-      "point in the world frame, in the meshes' length unit, with the triangles and file faces it lies on, all "
-      "counted\n"
-      "from 0. Times are in microseconds.");
-  return {&command, [arguments] { run(*arguments); }};
+  add_pair_arguments(command, *arguments, "the models collide");
+  command.footer(R"(Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it.
+Where a closed model has the other inside, a warning says so, and the field inside in JSON.
+
+The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
+The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.)");
+  return {&command, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace limber::program

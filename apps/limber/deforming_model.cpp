@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "number_text.h"
 #include "options.h"
+#include "text.h"
 
 namespace limber::program {
 namespace {
@@ -88,11 +88,11 @@ const char* to_text(DeformingEngine engine) { return engine == DeformingEngine::
 
 std::string words_of(const DeformingOptions& options) {
   if (options.engine == DeformingEngine::classic) {
-    return fmt::format("classic, {}, extra radius {:g}", word_of(mode_words, options.classic.maintenance),
+    return fmt::format("classic, {}, extra radius {}", word_of(mode_words, options.classic.maintenance),
                        options.classic.looseness.extra_radius);
   }
   const std::optional<double> margin = options.fast.motion_margin;
-  return margin ? fmt::format("fast, motion margin {:g}", *margin) : "fast, tuned margin";
+  return margin ? fmt::format("fast, motion margin {}", *margin) : "fast, tuned margin";
 }
 
 DeformingWork& DeformingWork::operator+=(const DeformingWork& other) {

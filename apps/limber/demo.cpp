@@ -131,7 +131,7 @@ Verb add_demo(CLI::App& app) {
       "frame dents the sheet, repairs its tree, and asks for the distance: at --relative-error and, to "
       "compare,\n"
       "at 0.1. Times in the answer are per frame, in microseconds in JSON.");
-  return {&command, [arguments] { run(*arguments); }};
+  return {&command, [arguments] { return run(*arguments), ExitCode::answered; }};
 }
 
 }  // namespace limber::program

@@ -4,11 +4,11 @@
 #include <limits>
 #include <memory>
 
-#include "mesh_argument.h"
-#include "number_text.h"
+#include "distance_answer.h"
+#include "distance_pairs.h"
 #include "options.h"
-#include "output.h"
 #include "pair_arguments.h"
+#include "text.h"
 #include "verb.h"
 
 namespace limber::program {
@@ -16,65 +16,63 @@ namespace {
 
 struct Arguments {
   PairArguments pair;
+  std::string pairs, out = "-";
   DistanceOptions options;
+  double min_clearance = 0;  // 0: none is asked for
 };
 
-/// A field of the answer, or null where nothing was found.
-template <typename T>
-Json found(const DistanceResult& result, const T& value) {
-  return result.status == Status::beyond_limit ? Json(nullptr) : Json(value);
+DistanceQuestion question_of(const Arguments& arguments) {
+  DistanceQuestion question{arguments.options, std::nullopt, arguments.pair.exit_code};
+  if (arguments.min_clearance > 0) question.min_clearance = arguments.min_clearance;
+  return question;
 }
 
-Json as_json(const TimedAnswer<DistanceResult>& timed, const MeshFile& a, const MeshFile& b) {
-  const DistanceResult& result = timed.answer;
-  const Witness witness = result.witness.value_or(Witness{});
-  Json json = {
-      {"query", "distance"},
-      {"lower", result.lower},
-      {"upper", found(result, result.upper)},
-      {"status", to_text(result.status)},
-      {"point_a", found(result, to_json(witness.point_a))},
-      {"point_b", found(result, to_json(witness.point_b))},
-      {"triangle_a", found(result, witness.triangle_a)},
-      {"triangle_b", found(result, witness.triangle_b)},
-      {"face_a", nullptr},
-      {"face_b", nullptr},
-      {"build_us", timed.build_us},
-      {"elapsed_us", timed.elapsed_us},
-      {"stats", to_json(result.stats)},
-  };
-  if (result.status == Status::beyond_limit) return json;
-  json["face_a"] = a.face_of_triangle[witness.triangle_a];
-  json["face_b"] = b.face_of_triangle[witness.triangle_b];
-  return json;
-}
-
-void write_lines(const TimedAnswer<DistanceResult>& timed, const MeshFile& a, const MeshFile& b) {
-  const DistanceResult& result = timed.answer;
-  const Witness witness = result.witness.value_or(Witness{});
-  write_line("status    {}", to_text(result.status));
-  write_line("lower     {}", to_text(result.lower));
-  if (result.status != Status::beyond_limit) {
-    write_line("upper     {}", to_text(result.upper));
-    write_line("point a   {}", to_text(witness.point_a, " "));
-    write_line("point b   {}", to_text(witness.point_b, " "));
-    write_line("on a      triangle {}, face {}", witness.triangle_a, a.face_of_triangle[witness.triangle_a]);
-    write_line("on b      triangle {}, face {}", witness.triangle_b, b.face_of_triangle[witness.triangle_b]);
+void write_lines(const DistanceAnswer& answer, const Arguments& arguments, double build_us) {
+  write_distance_lines(answer.result, answer.witness);
+  if (answer.too_close) {
+    write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(arguments.min_clearance));
   }
-  write_line("tests     {} of nodes, {} of triangles", result.stats.node_tests, result.stats.triangle_tests);
-  write_line("time      build {:.3f} us, query {:.3f} us", timed.build_us, timed.elapsed_us);
+  write_work_lines(answer.result.stats, build_us, answer.elapsed_us);
 }
 
-void run(const Arguments& arguments) {
-  const MeshFile a = load_mesh_argument(arguments.pair.a);
-  const MeshFile b = load_mesh_argument(arguments.pair.b);
-  const auto timed = ask(arguments.pair, a, b, [&](const auto& placed_a, const auto& placed_b) {
-    return distance(placed_a, placed_b, arguments.options);
-  });
+ExitCode answer_pair(const Arguments& arguments) {
+  const Pair pair(arguments.pair);
+  const DistanceQuestion question = question_of(arguments);
+  const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
   if (arguments.pair.json) {
-    write(to_line(as_json(timed, a, b)));
+    Json json = {{"query", "distance"}};
+    append_answer(json, answer);
+    append_work(json, answer.result.stats, pair.build_us(), answer.elapsed_us);
+    write(to_line(json));
   } else {
-    write_lines(timed, a, b);
+    write_lines(answer, arguments, pair.build_us());
+  }
+  warn_about(answer.nesting, "distance");
+  return exit_code_of(question, answer);
+}
+
+ExitCode run(const Arguments& arguments) {
+  if (arguments.pairs.empty()) return answer_pair(arguments);
+  return answer_pairs({arguments.pairs, arguments.out, arguments.pair.engine, arguments.pair.json},
+                      question_of(arguments));
+}
+
+/// What the options say about each other.
+void check_options(const CLI::App& command, const Arguments& arguments) {
+  const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
+  const bool has_pairs = is_given("--pairs");
+  for (const char* const name : {"A", "B"}) {
+    if (!has_pairs && !is_given(name)) throw CLI::RequiredError(name);
+  }
+  for (const char* const name : {"A", "B", "--pose-a", "--pose-b"}) {
+    if (has_pairs && is_given(name)) throw CLI::ValidationError("--pairs", std::string("leaves no room for ") + name);
+  }
+  if (!has_pairs && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs");
+  if (arguments.min_clearance > arguments.options.max_distance) {
+    throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
+  }
+  if (is_given("--exit-code") && !is_given("--min-clearance") && !is_given("--max-distance")) {
+    throw CLI::ValidationError("--exit-code", "needs --min-clearance or --max-distance");
   }
 }
 
@@ -83,20 +81,49 @@ void run(const Arguments& arguments) {
 Verb add_distance(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
-  add_pair_arguments(command, arguments->pair);
-  add_relative_error(command, arguments->options.relative_error);
-  constexpr double largest = std::numeric_limits<double>::max();
-  add_number(command, "--absolute-error", arguments->options.absolute_error, {0, largest, "a finite number >= 0"},
-             "the answer may exceed the true distance by this length; either error will do");
-  add_number(command, "--max-distance", arguments->options.max_distance,
-             {0, std::numeric_limits<double>::infinity(), "a number >= 0"},
-             "stop with beyond_limit when the models are farther apart than this");
+  add_pair_arguments(command, arguments->pair,
+                     "a pair is closer than --min-clearance or, without that option, not beyond --max-distance");
+  for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
+  add_distance_options(command, arguments->options);
+  add_number(command, "--min-clearance", arguments->min_clearance,
+             {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
+             "tell whether the models are closer than this length")
+      ->default_str("");
+  command
+      .add_option("--pairs", arguments->pairs,
+                  "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
+                  "--json an object for each row")
+      ->type_name("CSV");
+  command.add_option("--out", arguments->out, "with --pairs: where the answer is written, - for standard output")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
   command.footer(
-      "Lengths are in the meshes' unit, points in the world frame, times in microseconds. lower <= true distance <=\n"
-      "upper; status is exact (lower = upper), within_error, collision (both 0), or beyond_limit (nothing as close as\n"
-      "--max-distance: no upper, no points). Triangles count from 0 in the file's order after splitting larger faces "
-      "into fans; faces are the file's own, counted from 0.");
-  return {&command, [arguments] { run(*arguments); }};
+      R"(lower <= true distance <= upper, up to rounding. status is exact (lower = upper), within_error, collision (both 0)
+or beyond_limit (farther apart than --max-distance: no upper, no witness). Lengths are in the meshes' unit, points in the
+world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split into
+fans; faces are the file's own, counted from 0.
+
+--min-clearance is decided as for an exact distance, whatever the errors asked for. A clearance may be negative to you:
+models are surfaces, not solids, and one wholly inside the other is as far away as their surfaces are. Where a closed
+model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+
+The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
+pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. What is left out is that
+of the identity pose; other columns are ignored. Paths are relative to the working directory. Each file is loaded once.
+
+Example, pairs.csv:
+
+  model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz
+  gear.obj,housing.stl,0,0,12.5
+  gear.obj,scene:ball,3,0,0
+
+  limber distance --pairs pairs.csv --min-clearance 0.5 --exit-code --out answers.csv
+
+Columns of the answer, where row counts from 0:
+
+)" + wrapped(fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", ")), 76));
+  return {&command, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace limber::program

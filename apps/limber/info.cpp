@@ -2,19 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "closed_mesh.h"
 #include "limber/model.h"
-#include "mesh_argument.h"
-#include "number_text.h"
+#include "models.h"
 #include "options.h"
 #include "output.h"
 #include "stopwatch.h"
+#include "text.h"
 #include "verb.h"
 
 namespace limber::program {
@@ -24,50 +23,6 @@ struct Arguments {
   std::string model;
   bool json = false;
 };
-
-struct Extent {
-  Vec3 low, high;
-};
-
-/// The extent of the triangles; vertices without a triangle do not count.
-Extent extent_of(const Mesh& mesh) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Extent extent{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (const Corners& corners : mesh.triangles()) {
-    for (const VertexId v : corners) {
-      extent.low = min(extent.low, mesh.positions()[v]);
-      extent.high = max(extent.high, mesh.positions()[v]);
-    }
-  }
-  return extent;
-}
-
-struct EdgeCounts {
-  std::size_t open = 0;          // used by one triangle
-  std::size_t non_manifold = 0;  // used by more than two
-};
-
-/// A triangle uses an edge once, even where two of its corners coincide; an edge has two distinct ends.
-EdgeCounts count_edges(const Mesh& mesh) {
-  using Edge = std::pair<VertexId, VertexId>;
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles().size());
-  for (const Corners& c : mesh.triangles()) {
-    std::array<Edge, 3> own = {std::minmax(c[0], c[1]), std::minmax(c[1], c[2]), std::minmax(c[2], c[0])};
-    std::sort(own.begin(), own.end());
-    const auto end = std::unique(own.begin(), own.end());
-    std::copy_if(own.begin(), end, std::back_inserter(edges), [](const Edge& e) { return e.first != e.second; });
-  }
-  std::sort(edges.begin(), edges.end());
-  EdgeCounts counts;
-  for (auto first = edges.begin(); first != edges.end();) {
-    const auto last = std::find_if(first, edges.end(), [first](const Edge& e) { return e != *first; });
-    if (last - first == 1) ++counts.open;
-    if (last - first > 2) ++counts.non_manifold;
-    first = last;
-  }
-  return counts;
-}
 
 /// Triangles without area, decided exactly.
 std::size_t count_degenerate(const Mesh& mesh) {
@@ -100,13 +55,13 @@ std::size_t count_unreferenced(const Mesh& mesh) {
 
 struct Info {
   std::size_t vertices = 0, triangles = 0, faces = 0;
-  Extent extent;
+  Box box;
   EdgeCounts edges;
   std::size_t degenerate = 0, duplicates = 0, unreferenced = 0;
   TreeStats tree;
   double load_us = 0, build_us = 0;
 
-  double diagonal() const { return length(extent.high - extent.low); }
+  double diagonal() const { return length(box.high - box.low); }
   double bytes_per_triangle() const { return static_cast<double>(tree.bytes) / static_cast<double>(triangles); }
 };
 
@@ -119,7 +74,7 @@ Info examine(const std::string& argument) {
   info.vertices = mesh.positions().size();
   info.triangles = mesh.triangles().size();
   info.faces = file.face_count;
-  info.extent = extent_of(mesh);
+  info.box = box_of(mesh);
   info.edges = count_edges(mesh);
   info.degenerate = count_degenerate(mesh);
   info.duplicates = count_duplicates(mesh);
@@ -138,10 +93,10 @@ Json as_json(const Info& info) {
       {"vertices", info.vertices},
       {"triangles", info.triangles},
       {"faces", info.faces},
-      {"extent",
-       {{"min", to_json(info.extent.low)}, {"max", to_json(info.extent.high)}, {"diagonal", info.diagonal()}}},
+      {"extent", {{"min", to_json(info.box.low)}, {"max", to_json(info.box.high)}, {"diagonal", info.diagonal()}}},
       {"open_edges", info.edges.open},
       {"non_manifold_edges", info.edges.non_manifold},
+      {"closed", info.edges.are_closed()},
       {"degenerate_triangles", info.degenerate},
       {"duplicate_triangles", info.duplicates},
       {"unreferenced_vertices", info.unreferenced},
@@ -160,27 +115,29 @@ void write_lines(const Info& info) {
   write_line("vertices               {}", info.vertices);
   write_line("triangles              {}", info.triangles);
   write_line("faces                  {}", info.faces);
-  write_line("extent min             {}", to_text(info.extent.low, " "));
-  write_line("extent max             {}", to_text(info.extent.high, " "));
+  write_line("extent min             {}", to_text(info.box.low, " "));
+  write_line("extent max             {}", to_text(info.box.high, " "));
   write_line("diagonal               {}", to_text(info.diagonal()));
   write_line("open edges             {}", info.edges.open);
   write_line("non-manifold edges     {}", info.edges.non_manifold);
+  write_line("closed                 {}", info.edges.are_closed() ? "yes" : "no");
   write_line("degenerate triangles   {}", info.degenerate);
   write_line("duplicate triangles    {}", info.duplicates);
   write_line("unreferenced vertices  {}", info.unreferenced);
   write_line("tree levels            {}", info.tree.levels);
   write_line("tree nodes             {}, {} of them leaves", info.tree.nodes, info.tree.leaves);
   write_line("tree size              {} bytes, {:.1f} per triangle", info.tree.bytes, info.bytes_per_triangle());
-  write_line("time                   load {:.3f} us, build {:.3f} us", info.load_us, info.build_us);
+  write_line("time                   load {} us, build {} us", to_text(info.load_us), to_text(info.build_us));
 }
 
-void run(const Arguments& arguments) {
+ExitCode run(const Arguments& arguments) {
   const Info info = examine(arguments.model);
   if (arguments.json) {
     write(to_line(as_json(info)));
   } else {
     write_lines(info);
   }
+  return ExitCode::answered;
 }
 
 }  // namespace
@@ -191,13 +148,11 @@ Verb add_info(CLI::App& app) {
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
   add_json(command, arguments->json, "answer with one JSON object");
   command.footer(
-      "Counts are of the mesh as the engine sees it: faces split into triangles, and, in files, vertices at equal\n"
-      "positions shared. Open edges belong to one triangle, non-manifold edges to more than two. Degenerate triangles "
-      "have\n"
-      "no area, decided exactly; duplicates have the corners of an earlier triangle in any order. The extent is that "
-      "of\n"
-      "the triangles, in the mesh's length unit; times are in microseconds.");
-  return {&command, [arguments] { run(*arguments); }};
+      R"(Counts are of the mesh as the engine sees it: faces split into triangles and, in files, vertices at equal positions
+shared. Open edges belong to one triangle, non-manifold edges to more than two; a mesh with neither is closed.
+Degenerate triangles have no area, decided exactly; duplicates have the corners of an earlier triangle in any order. The
+extent is that of the triangles, in the mesh's length unit. Times are in microseconds.)");
+  return {&command, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace limber::program

@@ -6,9 +6,16 @@
 
 #include <limits>
 
-#include "number_text.h"
+#include "text.h"
+#include "verb.h"
 
 namespace limber::program {
+namespace {
+
+constexpr double largest = std::numeric_limits<double>::max();
+
+}  // namespace
+
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
                         const std::string& description) {
   const auto read = [&target, range, name](const std::string& text) {
@@ -41,10 +48,23 @@ CLI::Option* add_json(CLI::App& command, bool& target, const std::string& descri
   return command.add_flag("--json", target, description);
 }
 
+CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told) {
+  return command.add_flag("--exit-code", target,
+                          fmt::format("exit with {} instead of 0 when {}", static_cast<int>(ExitCode::found), told));
+}
+
 CLI::Option* add_relative_error(CLI::App& command, double& target) {
-  constexpr double largest = std::numeric_limits<double>::max();
   return add_number(command, "--relative-error", target, {0, largest, "a finite number >= 0"},
                     "the answer may exceed the true distance by this fraction of it; 0 is exact");
+}
+
+void add_distance_options(CLI::App& command, DistanceOptions& target) {
+  add_relative_error(command, target.relative_error);
+  add_number(command, "--absolute-error", target.absolute_error, {0, largest, "a finite number >= 0"},
+             "the answer may exceed the true distance by this length; either error will do");
+  add_number(command, "--max-distance", target.max_distance,
+             {0, std::numeric_limits<double>::infinity(), "a number >= 0"},
+             "stop with beyond_limit when the models are farther apart than this length");
 }
 
 }  // namespace limber::program

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "limber/query.h"
+
 /// Options whose errors are all reported in the same form. Targets hold the defaults and outlive the parsing.
 namespace limber::program {
 
@@ -47,7 +49,13 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
 /// `--json`.
 CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description);
 
+/// `--exit-code`, with what it tells: "the models collide".
+CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told);
+
 /// `--relative-error`.
 CLI::Option* add_relative_error(CLI::App& command, double& target);
+
+/// `--relative-error`, `--absolute-error`, `--max-distance`.
+void add_distance_options(CLI::App& command, DistanceOptions& target);
 
 }  // namespace limber::program

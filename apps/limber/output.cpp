@@ -2,18 +2,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
-#include "number_text.h"
+#include "bad_input.h"
+#include "text.h"
 
 namespace limber::program {
 namespace {
 
 [[noreturn]] void fail(int reason) {
   throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write the answer: {}", std::strerror(reason)));
+}
+
+void write_to(std::FILE* stream, std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) fail(errno);
+}
+
+void flush(std::FILE* stream) {
+  if (std::fflush(stream) != 0) fail(errno);
 }
 
 std::string quoted(const std::string& text) {
@@ -62,12 +72,29 @@ void append(std::string& line, const Json& json) {
 
 }  // namespace
 
-void write(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail(errno);
+void write(std::string_view text) { write_to(stdout, text); }
+
+void flush() { flush(stdout); }
+
+OutputFile::OutputFile(const std::string& option, const std::string& path)
+    : stream_(path == "-" ? stdout : std::fopen(path.c_str(), "wb")) {
+  if (stream_ == nullptr) throw BadInput(fmt::format("{}: cannot write {}: {}", option, path, std::strerror(errno)));
 }
 
-void flush() {
-  if (std::fflush(stdout) != 0) fail(errno);
+OutputFile::~OutputFile() {
+  if (stream_ != stdout) std::fclose(stream_);  // everything has been handed over
+}
+
+bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
+
+void OutputFile::write(std::string_view text) {
+  write_to(stream_, text);
+  flush(stream_);
+}
+
+void warn(const std::string& verb, const std::string& text) {
+  const std::string line = on_one_line("limber: " + verb + ": warning: " + text) + '\n';
+  std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 std::string to_line(const Json& json) {

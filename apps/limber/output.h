@@ -4,18 +4,19 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "limber/query.h"
 
-/// All standard output of the program goes through these functions.
+/// All output of the program goes through these functions.
 namespace limber::program {
 
 using Json = nlohmann::ordered_json;
 
-/// Thrown when standard output cannot be written. The text is empty when the reader is gone: then nobody needs it.
+/// Thrown when an answer cannot be written. The text is empty when the reader is gone: then nobody needs it.
 class OutputFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,7 +34,30 @@ void write_line(fmt::format_string<Args...> format, Args&&... args) {
 /// Hands over what has been written so far. Errors: OutputFailed.
 void flush();
 
-/// One line of JSON, all numbers with fractions in 17 significant digits.
+/// The file that an option names, or standard output where it names "-".
+class OutputFile {
+ public:
+  /// Opens and empties the file.
+  ///
+  /// Errors   BadInput naming the option and the file.
+  OutputFile(const std::string& option, const std::string& path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  bool is_terminal() const;
+
+  /// Writes and hands over. Errors: OutputFailed.
+  void write(std::string_view text);
+
+ private:
+  std::FILE* stream_;
+};
+
+/// One line on standard error about an answer that may not mean what it seems to.
+void warn(const std::string& verb, const std::string& text);
+
+/// One line of JSON, all numbers in the fewest digits that read back as the same float64.
 ///
 /// Pre      All numbers are finite.
 std::string to_line(const Json& json);

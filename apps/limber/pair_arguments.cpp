@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pair_arguments.h"
 
-#include "mesh_argument.h"
 #include "options.h"
 #include "pose_text.h"
+#include "verb.h"
 
 namespace limber::program {
 namespace {
@@ -16,25 +16,32 @@ void add_pose(CLI::App& command, const std::string& name, Transform& target, con
     target = *pose;
   };
   command
-      .add_option_function<std::string>(name, read,
-                                        "where " + model +
-                                            " stands in the world: translation in the "
-                                            "mesh's length unit, quaternion of any length")
+      .add_option_function<std::string>(
+          name, read,
+          "where " + model + " stands in the world: translation in the mesh's length unit, quaternion of any length")
       ->type_name(pose_format)
       ->default_str("0,0,0,1,0,0,0");
 }
 
 }  // namespace
 
-void add_pair_arguments(CLI::App& command, PairArguments& arguments) {
+void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told) {
   command.add_option("A", arguments.a, model_argument_help)->type_name("MODEL")->required();
   command.add_option("B", arguments.b, "as A, in the same length unit")->type_name("MODEL")->required();
   add_pose(command, "--pose-a", arguments.pose_a, "A");
   add_pose(command, "--pose-b", arguments.pose_b, "B");
   add_choice(command, "--engine", arguments.engine,
              {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
-             "wide trees, the original binary sphere trees, or every triangle against every other");
+             "8-wide trees, binary sphere trees, or every triangle against every other");
   add_json(command, arguments.json, "answer with one JSON object");
+  add_exit_code(command, arguments.exit_code, told);
 }
+
+Pair::Pair(const PairArguments& arguments)
+    : arguments_(arguments),
+      a_(load_mesh_argument(arguments.a), arguments.engine),
+      b_(load_mesh_argument(arguments.b), arguments.engine) {}
+
+double Pair::build_us() const { return rounded_us(a_.build_us() + b_.build_us()); }
 
 }  // namespace limber::program

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <iosfwd>
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,23 +14,18 @@
 namespace limber::program {
 
 inline constexpr const char* pose_format = "tx,ty,tz,qw,qx,qy,qz";
-
-/// Limits of files of poses, in bytes.
-inline constexpr std::uint64_t max_pose_file_bytes = std::uint64_t{1} << 28U;
-inline constexpr std::size_t max_pose_line_bytes = 4096;
+inline constexpr std::array<std::string_view, 7> pose_numbers = {"tx", "ty", "tz", "qw", "qx", "qy", "qz"};
 
 /// Errors   One line without the place; the code says little.
 Result<Transform> parsed_pose(std::string_view text);
 
-/// One pose per row. Blank lines and those that start with # are skipped, and a first row of names alone is a header.
-///
-/// Errors   One line that names the line, counted from 1, but not the file.
-/// Cost     One line is in memory at a time, besides the poses.
-Result<std::vector<Transform>> parsed_poses(std::istream& rows);
+/// The pose of seven numbers in the order of `pose_numbers`. Errors as transform_from_quaternion().
+Result<Transform> pose_of(const std::array<double, 7>& numbers);
 
-/// The same from a regular file.
+/// The poses of a CSV file, one per row. A first row of names alone is a header: it names the columns, in any order, and
+/// others may stand between them. Without a header a row has the seven numbers alone.
 ///
-/// Errors   BadInput naming the file and, where there is one, the line.
+/// Errors   BadInput naming the file and, where there are some, line and column.
 std::vector<Transform> read_poses(const std::string& path);
 
 }  // namespace limber::program

@@ -21,7 +21,8 @@ void show(const std::string& text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::size_t frame_count) : frame_count_(frame_count), is_shown_(isatty(STDERR_FILENO) != 0) {}
+ProgressBar::ProgressBar(std::size_t count, const char* unit)
+    : count_(count), unit_(unit), is_shown_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() { clear(); }
 
@@ -32,9 +33,9 @@ void ProgressBar::clear() {
 }
 
 void ProgressBar::draw(std::size_t done) {
-  if (!is_shown_ || (stands_ && done < frame_count_ && since_drawn_.seconds() < redraw_s)) return;
-  const std::size_t filled = width * done / frame_count_;
-  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} frames", "", filled, "", width - filled, done, frame_count_));
+  if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < redraw_s)) return;
+  const std::size_t filled = width * done / count_;
+  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", width - filled, done, count_, unit_));
   stands_ = true;
   since_drawn_ = Stopwatch();
 }

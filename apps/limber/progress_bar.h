@@ -8,10 +8,11 @@
 
 namespace limber::program {
 
-/// A bar on standard error that shows how many frames are done, if that is a terminal; otherwise silent.
+/// A bar on standard error that shows how many of something are done, if that is a terminal; otherwise silent.
 class ProgressBar {
  public:
-  explicit ProgressBar(std::size_t frame_count);
+  /// `unit` is their name in the plural.
+  ProgressBar(std::size_t count, const char* unit);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -23,7 +24,8 @@ class ProgressBar {
   void draw(std::size_t done);
 
  private:
-  std::size_t frame_count_;
+  std::size_t count_;
+  const char* unit_;
   bool is_shown_;  // whether there is a terminal
   bool stands_ = false;
   Stopwatch since_drawn_;

@@ -10,14 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "answers.h"
 #include "bad_input.h"
 #include "deforming_model.h"
-#include "number_text.h"
 #include "options.h"
 #include "output.h"
 #include "pose_text.h"
 #include "progress_bar.h"
 #include "stopwatch.h"
+#include "text.h"
 #include "track_inputs.h"
 #include "verb.h"
 
@@ -45,7 +46,7 @@ struct Update {
   DeformingWork done;
 
   Update& operator+=(const Update& other) {
-    elapsed_us += other.elapsed_us;
+    elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
     done += other.done;
     return *this;
   }
@@ -112,43 +113,29 @@ struct Row {
   Update update;
   double query_us = 0;
   DistanceResult result;
-  std::uint32_t face_a = 0, face_b = 0;
+  std::optional<FoundWitness> witness;
 };
 
-constexpr const char* csv_header =
-    "frame,update_us,query_us,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-    "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,triangle_tests\n";
+std::string csv_header() {
+  return fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests\n",
+                     distance_columns, witness_columns);
+}
 
 std::string csv_line(const Row& row) {
-  const Witness witness = row.result.witness.value_or(Witness{});
-  return fmt::format("{},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.frame, row.update.elapsed_us,
-                     row.query_us, to_text(row.result.status), to_text(row.result.lower), to_text(row.result.upper),
-                     to_text(witness.point_a, ","), to_text(witness.point_b, ","), witness.triangle_a,
-                     witness.triangle_b, row.face_a, row.face_b, row.update.done.moved_vertices, row.update.done.refits,
+  return fmt::format("{},{},{},{},{},{},{},{},{}\n", row.frame, to_text(row.update.elapsed_us), to_text(row.query_us),
+                     csv_cells(row.result, row.witness), row.update.done.moved_vertices, row.update.done.refits,
                      row.update.done.absorbed, row.result.stats.node_tests, row.result.stats.triangle_tests);
 }
 
 std::string json_line(const Row& row) {
-  const Witness witness = row.result.witness.value_or(Witness{});
-  return to_line({
-      {"frame", row.frame},
-      {"update_us", row.update.elapsed_us},
-      {"query_us", row.query_us},
-      {"status", to_text(row.result.status)},
-      {"lower", row.result.lower},
-      {"upper", row.result.upper},
-      {"point_a", to_json(witness.point_a)},
-      {"point_b", to_json(witness.point_b)},
-      {"triangle_a", witness.triangle_a},
-      {"triangle_b", witness.triangle_b},
-      {"face_a", row.face_a},
-      {"face_b", row.face_b},
-      {"moved_vertices", row.update.done.moved_vertices},
-      {"refits", row.update.done.refits},
-      {"absorbed", row.update.done.absorbed},
-      {"node_tests", row.result.stats.node_tests},
-      {"triangle_tests", row.result.stats.triangle_tests},
-  });
+  Json json = {{"frame", row.frame}, {"update_us", row.update.elapsed_us}, {"query_us", row.query_us}};
+  append_distance(json, row.result, row.witness);
+  json["moved_vertices"] = row.update.done.moved_vertices;
+  json["refits"] = row.update.done.refits;
+  json["absorbed"] = row.update.done.absorbed;
+  json["node_tests"] = row.result.stats.node_tests;
+  json["triangle_tests"] = row.result.stats.triangle_tests;
+  return to_line(json);
 }
 
 Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const DistanceOptions& options) {
@@ -158,19 +145,18 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   const Stopwatch asking;
   row.result = DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
   row.query_us = asking.microseconds();
-  row.face_a = a.face_of(row.result.witness->triangle_a);
-  row.face_b = b.face_of(row.result.witness->triangle_b);
+  row.witness = with_faces(row.result.witness, a, b);
   return row;
 }
 
-void run(const Arguments& arguments) {
+ExitCode run(const Arguments& arguments) {
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
   TrackedModel b(arguments.b, arguments.model, arguments.loops > 1);
   const std::size_t frame_count = common_frame_count(
       {{"--a", a.mesh_count()}, {"--b", b.mesh_count()}, {"--poses-a", a.pose_count()}, {"--poses-b", b.pose_count()}});
   const std::size_t row_count = frame_count * arguments.loops;
-  ProgressBar bar(row_count);
-  if (!arguments.json) write(csv_header);
+  ProgressBar bar(row_count, "frames");
+  if (!arguments.json) write(csv_header());
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
     Row row = track_frame(a, b, r % frame_count, arguments.query);
@@ -179,6 +165,7 @@ void run(const Arguments& arguments) {
     write(arguments.json ? json_line(row) : csv_line(row));
     flush();
   }
+  return ExitCode::answered;
 }
 
 }  // namespace
@@ -186,26 +173,35 @@ void run(const Arguments& arguments) {
 Verb add_track(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
-  command.add_option("--a", arguments->a.frames, "one mesh, or the frames of a deforming mesh")
+  command
+      .add_option("--a", arguments->a.frames,
+                  std::string(model_argument_help) + "; or the frames of one deforming mesh")
       ->type_name("MODEL")
       ->required();
   command.add_option("--b", arguments->b.frames, "as --a, in the same length unit")->type_name("MODEL")->required();
-  command.add_option("--poses-a", arguments->a.poses, "where A stands in each frame; default: the origin")
+  command
+      .add_option("--poses-a", arguments->a.poses,
+                  "where A stands in each frame: a pose per row; the identity without it")
       ->type_name("CSV");
-  command.add_option("--poses-b", arguments->b.poses, "where B stands in each frame; default: the origin")
+  command
+      .add_option("--poses-b", arguments->b.poses,
+                  "where B stands in each frame: a pose per row; the identity without it")
       ->type_name("CSV");
-  add_relative_error(command, arguments->query.relative_error);
+  add_distance_options(command, arguments->query);
   add_deforming(command, arguments->model);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
-  command.footer(
-      "Models are mesh files (.obj .ply .stl .off .gltf .glb) or scene:NAME; all frames of one have the same faces.\n"
-      "Rows of pose files are tx,ty,tz,qw,qx,qy,qz: translation in the mesh's length unit, quaternion of any length; "
-      "a\n"
-      "header and lines that start with # are skipped. Lists of one entry hold for every frame, others agree in "
-      "length.\n"
-      "Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.");
-  return {&command, [arguments] { run(*arguments); }};
+  command.footer(R"(All frames of one model have the same faces. Lists of one entry hold for every frame; others agree
+in length.
+
+A row of a file of poses is tx,ty,tz,qw,qx,qy,qz: translation in the mesh's length unit, quaternion of any length. A
+first row of names is a header: it names the columns in any order, and others are ignored. Blank lines and those that
+start with # are skipped.
+
+The answer is CSV with a header, or with --json an object for each frame. lower <= true distance <= upper; where the
+models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and null
+in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.)");
+  return {&command, [arguments] { return run(*arguments); }};
 }
 
 }  // namespace limber::program

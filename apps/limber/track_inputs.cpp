@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bad_input.h"
-#include "mesh_argument.h"
+#include "models.h"
 
 namespace limber::program {
 

@@ -10,17 +10,26 @@ class App;
 
 namespace limber::program {
 
+/// What the program ends with.
+enum class ExitCode {
+  answered = 0,
+  failure = 1,    ///< of the program, or of writing the answer
+  bad_input = 2,  ///< bad usage or bad input
+  found = 3,      ///< answered, and --exit-code tells that something was found
+};
+
 /// A verb of the program: its part of the command line, and the function to be run after parsing.
 ///
 /// Errors   `run` throws BadInput for mistakes of the user, and anything else for failures of the program.
 struct Verb {
   CLI::App* command = nullptr;
-  std::function<void()> run;
+  std::function<ExitCode()> run;
 };
 
 Verb add_info(CLI::App& app);
 Verb add_distance(CLI::App& app);
 Verb add_collide(CLI::App& app);
+Verb add_within(CLI::App& app);
 Verb add_track(CLI::App& app);
 Verb add_demo(CLI::App& app);
 
