@@ -119,7 +119,7 @@ void describe(CLI::App& app) {
   app.require_subcommand(1);
   app.footer(
       R"(limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb)
-or built-in meshes scene:square, scene:ball, scene:sheet.
+or built-in meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
 
 Exit codes:
 

@@ -60,8 +60,8 @@ void add_deforming(CLI::App& command, DeformingOptions& target) {
       command
           .add_option_function<std::string>(
               "--motion-margin", [&target](const std::string& text) { target.fast.motion_margin = read_margin(text); },
-              "fast: how far a vertex may move before its bounds are refitted, a length, or auto")
-          ->type_name("NUMBER|auto")
+              "fast: how far a vertex may move before its bounds are refitted; auto: the model tunes it")
+          ->type_name("LENGTH|auto")
           ->default_str("0");
   CLI::Option* const extra_radius = add_number(
       command, "--extra-radius", target.classic.looseness.extra_radius, {0, max_extra_radius, "a number from 0 to 100"},

@@ -88,6 +88,7 @@ Verb add_distance(CLI::App& app) {
   add_number(command, "--min-clearance", arguments->min_clearance,
              {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
              "tell whether the models are closer than this length")
+      ->type_name("LENGTH")
       ->default_str("");
   command
       .add_option("--pairs", arguments->pairs,
@@ -104,9 +105,10 @@ or beyond_limit (farther apart than --max-distance: no upper, no witness). Lengt
 world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split into
 fans; faces are the file's own, counted from 0.
 
---min-clearance is decided as for an exact distance, whatever the errors asked for. A clearance may be negative to you:
-models are surfaces, not solids, and one wholly inside the other is as far away as their surfaces are. Where a closed
-model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+--min-clearance is decided as for an exact distance, whatever the errors asked for.
+
+Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
+closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
 
 The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
 pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. What is left out is that
@@ -118,7 +120,7 @@ Example, pairs.csv:
   gear.obj,housing.stl,0,0,12.5
   gear.obj,scene:ball,3,0,0
 
-  limber distance --pairs pairs.csv --min-clearance 0.5 --exit-code --out answers.csv
+  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
 
 Columns of the answer, where row counts from 0:
 

@@ -61,10 +61,12 @@ CLI::Option* add_relative_error(CLI::App& command, double& target) {
 void add_distance_options(CLI::App& command, DistanceOptions& target) {
   add_relative_error(command, target.relative_error);
   add_number(command, "--absolute-error", target.absolute_error, {0, largest, "a finite number >= 0"},
-             "the answer may exceed the true distance by this length; either error will do");
+             "the answer may exceed the true distance by this length; either error will do")
+      ->type_name("LENGTH");
   add_number(command, "--max-distance", target.max_distance,
              {0, std::numeric_limits<double>::infinity(), "a number >= 0"},
-             "stop with beyond_limit when the models are farther apart than this length");
+             "stop with beyond_limit when the models are farther apart than this length")
+      ->type_name("LENGTH");
 }
 
 }  // namespace limber::program

@@ -16,10 +16,10 @@ void add_pose(CLI::App& command, const std::string& name, Transform& target, con
     target = *pose;
   };
   command
-      .add_option_function<std::string>(
-          name, read,
-          "where " + model + " stands in the world: translation in the mesh's length unit, quaternion of any length")
-      ->type_name(pose_format)
+      .add_option_function<std::string>(name, read,
+                                        "where " + model + " stands in the world, as " + pose_format +
+                                            ": translation in the mesh's length unit, quaternion of any length")
+      ->type_name("POSE")
       ->default_str("0,0,0,1,0,0,0");
 }
 

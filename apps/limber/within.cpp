@@ -56,6 +56,7 @@ Verb add_within(CLI::App& app) {
   add_number(command, "--max-distance", arguments->max_distance,
              {0, std::numeric_limits<double>::max(), "a finite number >= 0"},
              "the distance, in the meshes' length unit")
+      ->type_name("LENGTH")
       ->default_str("")
       ->required();
   command.footer(R"(Stops at the first pair of points at most --max-distance apart, so it is faster than the distance

@@ -28,16 +28,46 @@ void expect_refused(const Words& words, const std::string& part_of_the_line) {
 }
 
 TEST(ProgramBadInput, VerbsAndOptions) {
-  expect_refused({}, "a verb is missing; there are info, distance, collide, track, demo");
-  expect_refused({"measure"}, "'measure' is no verb");
-  expect_refused({"--jason"}, "'--jason' is no verb");
+  expect_refused({}, "a verb is missing; there are info, distance, collide, within, track, demo, help, version");
+  expect_refused({"measure"}, "'measure' is no verb; there are info, distance, collide, within");
+  expect_refused({"--jason"}, "'--jason' is no option");
+  expect_refused({"--json", "distance", "scene:ball", "scene:ball"}, "distance: '--json' stands before the verb");
   expect_refused({"measure\nfoo"}, "'measure foo' is no verb");
   expect_refused({"info"}, "info: M is required");
   expect_refused({"distance", "scene:ball"}, "distance: B is required");
-  expect_refused({"distance", "scene:ball", "scene:ball", "scene:ball"}, "distance: ");
-  expect_refused({"distance", "scene:ball", "scene:ball", "--fast"}, "--fast");
-  expect_refused({"collide", "scene:ball", "scene:ball", "--relative-error", "1"}, "--relative-error");
+  expect_refused({"distance", "scene:ball", "scene:ball", "c", "d"}, "distance: there is no place for 'c' and 'd'");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--fast"}, "distance: '--fast' is no option\n");
+  expect_refused({"collide", "scene:ball", "scene:ball", "--relative-error", "1"}, "'--relative-error' is no option\n");
   expect_refused({"track", "--a", "scene:ball"}, "track: --b is required");
+  expect_refused({"within", "scene:ball", "scene:ball"}, "within: --max-distance is required");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--exit-code"},
+                 "--exit-code: needs --min-clearance or --max-distance");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--min-clearance", "2", "--max-distance", "1"},
+                 "--max-distance: must be at least --min-clearance");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--out", "x.csv"}, "--out: belongs to --pairs");
+  expect_refused({"distance", "scene:ball", "--pairs", "x.csv"}, "--pairs: leaves no room for A");
+  expect_refused({"distance", "--pairs", "x.csv", "--pose-b", "0,0,0,1,0,0,0"}, "--pairs: leaves no room for --pose-b");
+}
+
+TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
+  expect_refused({"distnace", "scene:ball", "scene:ball"}, "'distnace' is no verb; did you mean distance?");
+  expect_refused({"colide"}, "did you mean collide?");
+  expect_refused({"dist"}, "did you mean distance?");
+  expect_refused({"help", "trak"}, "help: 'trak' is no verb; did you mean track?");
+  expect_refused({"--versoin"}, "'--versoin' is no option, did you mean --version?");
+  const auto with = [](const Words& more) {
+    Words words = {"distance", "scene:ball", "scene:ball"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refused(with({"--relativ-eror", "0.1"}), "'--relativ-eror' is no option, did you mean --relative-error?");
+  expect_refused(with({"--relative-eror=0.1"}), "'--relative-eror' is no option, did you mean --relative-error?");
+  expect_refused(with({"--max-dist", "1"}), "did you mean --max-distance?");
+  expect_refused(with({"-json"}), "'-json' is no option, did you mean --json?");
+  expect_refused(with({"--fast", "--engin", "fast", "-x"}),
+                 "'--fast' is no option; '--engin' is no option, did you mean --engine?; '-x' is no option\n");
+  // Even where the slip leaves something else missing.
+  expect_refused({"track", "--a", "scene:ball", "--bb", "scene:ball"}, "track: '--bb' is no option");
 }
 
 TEST(ProgramBadInput, Numbers) {
@@ -54,6 +84,13 @@ TEST(ProgramBadInput, Numbers) {
   expect_refused(with("--absolute-error", "-1"), "--absolute-error: must be a finite number >= 0");
   expect_refused(with("--max-distance", "-1"), "--max-distance: must be a number >= 0");
   expect_refused(with("--max-distance", "nan"), "--max-distance: must be a number >= 0");
+  for (const std::string value : {"0", "-1", "nan", "inf"}) {
+    expect_refused(with("--min-clearance", value), "--min-clearance: must be a finite number > 0");
+  }
+  for (const std::string value : {"-1", "nan", "inf"}) {
+    expect_refused({"within", "scene:ball", "scene:ball", "--max-distance", value},
+                   "--max-distance: must be a finite number >= 0");
+  }
   const auto track_with = [](const std::string& option, const std::string& value) {
     return Words{"track", "--a", "scene:ball", "--b", "scene:ball", option, value};
   };
@@ -121,14 +158,23 @@ TEST(ProgramBadInput, Tracks) {
   expect_refused(with_poses(""), "poses.csv: has no pose");
   expect_refused(with_poses("# nothing\n\n"), "poses.csv: has no pose");
   expect_refused(with_poses("0,0,3,1,0,0,0\n0,0,3,1,0,0\n"), "poses.csv: line 2: a pose is 7 numbers");
-  expect_refused(with_poses("# a\ntx,ty,tz,qw,qx,qy,qz\n0,0,3,1,0,0,x\n"), "poses.csv: line 3: 'x' is not a number");
+  expect_refused(with_poses("# a\ntx,ty,tz,qw,qx,qy,qz\n0,0,3,1,0,0,x\n"),
+                 "poses.csv: line 3: qz: 'x' is not a number");
   expect_refused(with_poses("0,0,3,0,0,0,0\n"), "poses.csv: line 1: the quaternion");
-  expect_refused(with_poses("0,0,3,1,0,0,0\ntx,ty,tz,qw,qx,qy,qz\n"), "poses.csv: line 2: 'tx' is not a number");
+  expect_refused(with_poses("0,0,3,1,0,0,0\ntx,ty,tz,qw,qx,qy,qz\n"), "poses.csv: line 2: tx: 'tx' is not a number");
   expect_refused(with_poses("0;0;3;1;0;0;0\n0;0;4;1;0;0;0\n"), "poses.csv: line 1: fields are separated by commas");
   expect_refused(with_poses("tx;ty;tz;qw;qx;qy;qz\n"), "poses.csv: line 1: fields are separated by commas");
+  expect_refused(with_poses("0,5;0;3;1;0;0;0\n"), "poses.csv: line 1: fields are separated by commas");
+  expect_refused(with_poses("# a\nmodel;tx\n"), "poses.csv: line 2: fields are separated by commas");
+  expect_refused(with_poses("x,y,z,w,i,j,k\n0,0,3,1,0,0,0\n"), "line 1: no column is called 'x'; did you mean tx?");
+  expect_refused(with_poses("a,b,c\n0,0,3,1,0,0,0\n"), "line 1: there is no column tx; poses are tx,ty,tz,qw,qx,qy,qz");
+  expect_refused(with_poses("tx,ty,tz,qw,qx,qy,qz,tx\n"), "line 1: column tx comes twice");
+  expect_refused(with_poses("tx,ty,tz,qw,qx,qy,qz\n0,0,3,1,0,0\n"), "line 2: has 6 fields, but the header has 7");
+  expect_refused(with_poses("0,0,3,1,0,0,\"0\n"), "line 1: a quote is not closed");
+  expect_refused(with_poses("0,0,3,1,0,0,\"0\"1\n"), "line 1: no comma follows a field in quotes");
   expect_refused(with_poses("0 0 3 1 0 0 0\n0 0 4 1 0 0 0\n"), "poses.csv: line 1: a pose is 7 numbers");
-  expect_refused(with_poses("\n0,0,3,1,0,0,0" + std::string(5000, ' ') + "\n"), "poses.csv: line 2: is longer than");
-  expect_refused(with_poses("0,0,3,1,0,0,\x1b[31m\n"), "line 1: '?[31m' is not a number");
+  expect_refused(with_poses("\n0,0,3,1,0,0,0" + std::string(20000, ' ') + "\n"), "poses.csv: line 2: is longer than");
+  expect_refused(with_poses("0,0,3,1,0,0,\x1b[31m\n"), "line 1: qz: '?[31m' is not a number");
   expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("no.csv")}, "no.csv");
   expect_refused({"track", "--a", "scene:ball", "--b", "scene:ball", "--poses-b", folder.path("")}, "is a folder");
   expect_refused(

@@ -25,6 +25,7 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
   EXPECT_DOUBLE_EQ(json["extent"]["diagonal"].get<double>(), std::sqrt(147.0));
   EXPECT_EQ(json["open_edges"], 2 + 2 + 3);
   EXPECT_EQ(json["non_manifold_edges"], 1);
+  EXPECT_EQ(json["closed"], false);
   EXPECT_EQ(json["degenerate_triangles"], 1);
   EXPECT_EQ(json["duplicate_triangles"], 1);
   EXPECT_EQ(json["unreferenced_vertices"], 1);
@@ -41,6 +42,7 @@ TEST(ProgramInfo, FindsNothingWrongWithABall) {
        {"open_edges", "non_manifold_edges", "degenerate_triangles", "duplicate_triangles", "unreferenced_vertices"}) {
     EXPECT_EQ(json[key], 0) << key;
   }
+  EXPECT_EQ(json["closed"], true);
   EXPECT_EQ(json["tree"]["levels"], 4);
   EXPECT_EQ(json["tree"]["nodes"], 128 + 16 + 2 + 1);
   EXPECT_EQ(json["tree"]["leaves"], 128);
@@ -64,24 +66,6 @@ TEST(ProgramInfo, TextNamesEveryCount) {
                            "open edges             400\n", " of them leaves\n", "extent max             100 100 0\n"}) {
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
   }
-}
-
-TEST(Program, HelpIsAnAnswer) {
-  for (const std::string verb : {"", "info", "distance", "collide", "track", "demo"}) {
-    const std::vector<std::string> words =
-        verb.empty() ? std::vector<std::string>{"--help"} : std::vector<std::string>{verb, "--help"};
-    const Outcome outcome = run(words);
-    EXPECT_EQ(outcome.exit_code, 0);
-    EXPECT_EQ(outcome.err, "");
-    EXPECT_NE(outcome.out.find("Usage: limber"), std::string::npos) << outcome.out;
-    EXPECT_TRUE(verb.empty() || outcome.out.find("--json") != std::string::npos) << outcome.out;
-  }
-}
-
-TEST(Program, SaysItsVersion) {
-  const Outcome outcome = run({"--version"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.out.find("limber "), 0U) << outcome.out;
 }
 
 TEST(Program, AFullDiskIsOneLineAndNoAnswer) {

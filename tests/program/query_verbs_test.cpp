@@ -22,6 +22,8 @@ Keys keys_of(const nlohmann::json& json) {
   return keys;  // in alphabetical order
 }
 
+const Keys witness_keys = {"face_a", "face_b", "point_a", "point_b", "triangle_a", "triangle_b"};
+
 Vec3 point_of(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
 
 /// Two soups that stay clear of each other when the second is moved by the pose.
@@ -42,8 +44,9 @@ struct SoupFiles {
 
 TEST(ProgramDistance, PrintsExactlyTheDocumentedKeys) {
   const nlohmann::json json = json_of(run({"distance", "scene:ball", "scene:square", "--json"}));
-  EXPECT_EQ(keys_of(json), (Keys{"build_us", "elapsed_us", "face_a", "face_b", "lower", "point_a", "point_b", "query",
-                                 "stats", "status", "triangle_a", "triangle_b", "upper"}));
+  EXPECT_EQ(keys_of(json), (Keys{"build_us", "elapsed_us", "inside", "lower", "query", "stats", "status", "too_close",
+                                 "upper", "witness"}));
+  EXPECT_EQ(keys_of(json["witness"]), witness_keys);
   EXPECT_EQ(keys_of(json["stats"]), (Keys{"node_tests", "triangle_tests"}));
   EXPECT_EQ(json["query"], "distance");
   EXPECT_GE(json["build_us"].get<double>(), 0);
@@ -60,10 +63,11 @@ TEST(ProgramDistance, AnswersAreThoseOfTheLibraryToTheLastBit) {
                                              "--pose-b", "2.1,0.3,-0.7,0.3,-0.4,0.5,0.6"}));
     EXPECT_EQ(json["upper"].get<double>(), expected.upper);
     EXPECT_EQ(json["lower"].get<double>(), expected.lower);
-    EXPECT_EQ(point_of(json["point_a"]), expected.witness->point_a);
-    EXPECT_EQ(point_of(json["point_b"]), expected.witness->point_b);
-    EXPECT_EQ(json["triangle_a"], expected.witness->triangle_a);
-    EXPECT_EQ(json["triangle_b"], expected.witness->triangle_b);
+    const nlohmann::json& witness = json["witness"];
+    EXPECT_EQ(point_of(witness["point_a"]), expected.witness->point_a);
+    EXPECT_EQ(point_of(witness["point_b"]), expected.witness->point_b);
+    EXPECT_EQ(witness["triangle_a"], expected.witness->triangle_a);
+    EXPECT_EQ(witness["triangle_b"], expected.witness->triangle_b);
   }
 }
 
@@ -102,22 +106,31 @@ TEST(ProgramDistance, LimitIsHeldByAllEngines) {
       run({"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--max-distance", "1.5", "--json"}));
   EXPECT_EQ(json["status"], "beyond_limit");
   EXPECT_EQ(json["lower"], 1.5);
-  for (const char* key : {"upper", "point_a", "point_b", "triangle_a", "triangle_b", "face_a", "face_b"}) {
-    EXPECT_TRUE(json[key].is_null()) << key;
-  }
+  for (const char* key : {"upper", "witness"}) EXPECT_TRUE(json[key].is_null()) << key;
 }
 
-TEST(ProgramDistance, WritesSeventeenSignificantDigits) {
+/// The fewest significant digits that read back as the same number.
+std::string shortest(double number) {
+  char text[64];
+  for (int digits = 1; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof text, "%.*g", digits, number);
+    if (std::strtod(text, nullptr) == number) break;
+  }
+  return text;
+}
+
+TEST(ProgramDistance, WritesTheFewestDigitsThatReadBackAsTheSameNumber) {
   const SoupFiles soups(9);
   const Outcome outcome = run({"distance", soups.path_a, soups.path_b, "--json", "--pose-b", "2.5,0.1,0.2,1,2,3,4"});
   const nlohmann::json json = json_of(outcome);
-  char expected[64];
-  std::snprintf(expected, sizeof expected, "\"upper\": %.17g,", json["upper"].get<double>());
-  EXPECT_NE(outcome.out.find(expected), std::string::npos) << outcome.out;
-  for (const double coordinate : json["point_b"].get<std::vector<double>>()) {
-    std::snprintf(expected, sizeof expected, "%.17g", coordinate);
-    EXPECT_NE(outcome.out.find(expected), std::string::npos) << expected << " in " << outcome.out;
+  EXPECT_NE(outcome.out.find("\"upper\": " + shortest(json["upper"].get<double>()) + ","), std::string::npos)
+      << outcome.out;
+  for (const double coordinate : json["witness"]["point_b"].get<std::vector<double>>()) {
+    EXPECT_NE(outcome.out.find(shortest(coordinate)), std::string::npos) << coordinate << " in " << outcome.out;
   }
+  const std::vector<std::string> question = {"distance",      "scene:ball",     "scene:square", "--pose-a",
+                                             "0,0,9,1,0,0,0", "--max-distance", "0.032987"};
+  EXPECT_NE(run(question).out.find("lower     0.032987\n"), std::string::npos);
 }
 
 TEST(ProgramDistance, TextAndJsonSayTheSameNumber) {
@@ -136,8 +149,8 @@ TEST(ProgramDistance, WitnessesAreInTheWorldFrame) {
                                            "100,0,12.5,1,0,0,0", "--pose-b", "100,0,10,1,0,0,0"}));
   EXPECT_EQ(json["status"], "exact");
   EXPECT_DOUBLE_EQ(json["upper"].get<double>(), 1.5);
-  EXPECT_EQ(point_of(json["point_a"]), (Vec3{100, 0, 11.5}));
-  EXPECT_EQ(point_of(json["point_b"]), (Vec3{100, 0, 10}));
+  EXPECT_EQ(point_of(json["witness"]["point_a"]), (Vec3{100, 0, 11.5}));
+  EXPECT_EQ(point_of(json["witness"]["point_b"]), (Vec3{100, 0, 10}));
 }
 
 TEST(ProgramDistance, QuaternionsMayHaveAnyLength) {
@@ -174,9 +187,9 @@ TEST(ProgramDistance, FacesAreThoseOfTheFile) {
   const std::string far = folder.store("far.obj", "v 2.5 2 0\nf 1 1 1\n");
   const nlohmann::json json = json_of(run({"distance", strip, far, "--json"}));
   EXPECT_EQ(json["upper"], 1);
-  EXPECT_EQ(json["triangle_a"], 5);
-  EXPECT_EQ(json["face_a"], 2);
-  EXPECT_EQ(json["face_b"], 0);
+  EXPECT_EQ(json["witness"]["triangle_a"], 5);
+  EXPECT_EQ(json["witness"]["face_a"], 2);
+  EXPECT_EQ(json["witness"]["face_b"], 0);
 }
 
 TEST(ProgramDistance, ReadsRealMeshes) {
@@ -191,17 +204,18 @@ TEST(ProgramDistance, ReadsRealMeshes) {
 TEST(ProgramCollide, SaysYesWithAPointOnBoth) {
   const nlohmann::json json = json_of(run(
       {"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,5,1,0,0,0", "--pose-b", "0,0,4.5,1,0,0,0"}));
-  EXPECT_EQ(keys_of(json), (Keys{"build_us", "collision", "elapsed_us", "query", "stats", "witness"}));
+  EXPECT_EQ(keys_of(json), (Keys{"build_us", "collision", "elapsed_us", "inside", "query", "stats", "witness"}));
   EXPECT_EQ(json["query"], "collide");
-  EXPECT_EQ(json["collision"], "yes");
-  EXPECT_EQ(keys_of(json["witness"]), (Keys{"face_a", "face_b", "point", "triangle_a", "triangle_b"}));
-  EXPECT_NEAR(point_of(json["witness"]["point"]).z, 4.5, 1e-12);
+  EXPECT_EQ(json["collision"], true);
+  EXPECT_EQ(keys_of(json["witness"]), witness_keys);
+  EXPECT_NEAR(point_of(json["witness"]["point_a"]).z, 4.5, 1e-12);
+  EXPECT_EQ(json["witness"]["point_a"], json["witness"]["point_b"]);
 }
 
 TEST(ProgramCollide, SaysNoWithoutAWitness) {
   const nlohmann::json json =
       json_of(run({"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,1.001,1,0,0,0"}));
-  EXPECT_EQ(json["collision"], "no");
+  EXPECT_EQ(json["collision"], false);
   EXPECT_TRUE(json["witness"].is_null());
   const Outcome text = run({"collide", "scene:ball", "scene:square", "--pose-a", "0,0,1.001,1,0,0,0"});
   EXPECT_EQ(text.out.find("collision no"), 0U) << text.out;
@@ -209,7 +223,7 @@ TEST(ProgramCollide, SaysNoWithoutAWitness) {
 
 TEST(ProgramCollide, TouchingIsMeeting) {
   EXPECT_EQ(json_of(run({"collide", "scene:ball", "scene:square", "--json", "--pose-a", "0,0,1,1,0,0,0"}))["collision"],
-            "yes");
+            true);
 }
 
 TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
@@ -223,9 +237,45 @@ TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
       const nlohmann::json truth = ask("collide", "reference");
       for (const char* engine : {"fast", "classic"}) {
         EXPECT_EQ(ask("collide", engine)["collision"], truth["collision"]) << engine;
-        EXPECT_EQ(truth["collision"] == "yes", ask("distance", engine)["status"] == "collision") << engine;
+        EXPECT_EQ(truth["collision"].get<bool>(), ask("distance", engine)["status"] == "collision") << engine;
       }
     }
+  }
+}
+
+TEST(ProgramWithin, IsClosedAndTheSameForAllEngines) {
+  for (const std::string engine : {"fast", "classic", "reference"}) {
+    const auto ask = [&](const std::string& limit) {
+      return json_of(run({"within", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--engine", engine,
+                          "--max-distance", limit, "--json"}));
+    };
+    EXPECT_EQ(ask("1.9999")["within"], false) << engine;
+    EXPECT_TRUE(ask("1.9999")["witness"].is_null()) << engine;
+    EXPECT_EQ(ask("2")["within"], true) << engine;
+    const nlohmann::json json = ask("2.5");
+    EXPECT_EQ(keys_of(json),
+              (Keys{"build_us", "elapsed_us", "inside", "max_distance", "query", "stats", "within", "witness"}));
+    EXPECT_EQ(json["query"], "within");
+    EXPECT_EQ(json["max_distance"], 2.5);
+    EXPECT_EQ(keys_of(json["witness"]), witness_keys);
+    const Vec3 gap = point_of(json["witness"]["point_a"]) - point_of(json["witness"]["point_b"]);
+    EXPECT_LE(length(gap), 2.5) << engine;
+  }
+  const Outcome text = run({"within", "scene:ball", "scene:square", "--max-distance", "0.5"});
+  EXPECT_EQ(text.out.find("within    yes\nlimit     0.5\npoint a   "), 0U) << text.out;
+}
+
+TEST(ProgramWithin, AgreesWithTheDistance) {
+  const SoupFiles soups(11);
+  for (const std::string pose : {"0,0,0,1,0,0,0", "2,0,0,1,1,0,0", "-3,4,1,0,0,2,1"}) {
+    const std::string upper =
+        json_of(run({"distance", soups.path_a, soups.path_b, "--pose-a", pose, "--json"}))["upper"].dump();
+    const auto is_within = [&](const std::string& limit) {
+      return json_of(run({"within", soups.path_a, soups.path_b, "--pose-a", pose, "--json", "--max-distance", limit}));
+    };
+    EXPECT_EQ(is_within(upper)["within"], true) << pose;
+    if (upper == "0" || upper == "0.0") continue;
+    EXPECT_EQ(is_within(std::to_string(0.99 * std::strtod(upper.c_str(), nullptr)))["within"], false) << pose;
   }
 }
 

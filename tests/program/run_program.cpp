@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -70,6 +71,12 @@ nlohmann::json json_of(const Outcome& outcome) {
   return json;
 }
 
+std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
+  std::vector<nlohmann::json> rows;
+  for (const std::string& line : lines_of(outcome.out)) rows.push_back(nlohmann::json::parse(line));
+  return rows;
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -83,6 +90,21 @@ std::vector<std::string> cells_of(const std::string& csv_line) {
   for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
   return cells;
 }
+
+std::vector<Row> table_of(const std::string& csv) {
+  const std::vector<std::string> lines = lines_of(csv);
+  std::vector<Row> rows;
+  const std::vector<std::string> names = lines.empty() ? std::vector<std::string>{} : cells_of(lines.front());
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> cells = cells_of(lines[i]);
+    EXPECT_EQ(cells.size(), names.size()) << lines[i];
+    Row& row = rows.emplace_back();
+    for (std::size_t c = 0; c < std::min(cells.size(), names.size()); ++c) row[names[c]] = cells[c];
+  }
+  return rows;
+}
+
+double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
 Folder::Folder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "limber-test-XXXXXX").string();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -26,8 +27,18 @@ Outcome run_into(const std::string& file, const std::vector<std::string>& argume
 /// The one line of JSON that a successful run prints; fails the test on anything else.
 nlohmann::json json_of(const Outcome& outcome);
 
+/// The objects of an answer with one in each line, whatever the exit code.
+std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
+
 std::vector<std::string> lines_of(const std::string& text);
 std::vector<std::string> cells_of(const std::string& csv_line);
+
+/// The rows of CSV by the names in its first line. No cell has a comma.
+using Row = std::map<std::string, std::string>;
+std::vector<Row> table_of(const std::string& csv);
+
+/// A number as the program writes it.
+double number(const std::string& text);
 
 /// A folder for one test, empty at first and removed at the end.
 class Folder {

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "program/run_program.h"
+
+namespace limber::program_tests {
+namespace {
+
+using Words = std::vector<std::string>;
+
+const Words verbs = {"info", "distance", "collide", "within", "track", "demo", "help", "version"};
+
+std::string answer_of(const Words& words) {
+  const Outcome outcome = run(words);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "");
+  return outcome.out;
+}
+
+TEST(ProgramHelp, IsTheSameWhicheverWayItIsAskedFor) {
+  const std::string help = answer_of({"--help"});
+  EXPECT_NE(help.find("Usage: limber [OPTIONS] VERB\n"), std::string::npos) << help;
+  EXPECT_EQ(answer_of({"help"}), help);
+  EXPECT_EQ(answer_of({"-h"}), help);
+  for (const std::string& verb : verbs) {
+    EXPECT_NE(help.find("\n  " + verb + "  "), std::string::npos) << verb;
+    const std::string text = answer_of({verb, "--help"});
+    EXPECT_EQ(answer_of({"help", verb}), text) << verb;
+    EXPECT_NE(text.find("Usage: limber " + verb + " "), std::string::npos) << text;
+  }
+}
+
+TEST(ProgramHelp, TellsExitCodesAndFitsIntoATerminal) {
+  EXPECT_NE(answer_of({"help"}).find("\n  3  there is an answer, and something was found"), std::string::npos);
+  for (const std::string verb : {"distance", "collide", "within"}) {
+    EXPECT_NE(answer_of({"help", verb}).find("exit with 3 instead of 0 when"), std::string::npos) << verb;
+  }
+  for (const std::string& verb : verbs) {
+    for (const std::string& line : lines_of(answer_of({"help", verb}))) EXPECT_LE(line.size(), 80U) << line;
+  }
+}
+
+TEST(ProgramVersion, IsTheSameWhicheverWayItIsAskedFor) {
+  const std::string version = answer_of({"version"});
+  EXPECT_EQ(version.find("limber "), 0U) << version;
+  EXPECT_EQ(lines_of(version).size(), 1U);
+  for (const std::string option : {"--version", "-v", "-V"}) EXPECT_EQ(answer_of({option}), version) << option;
+}
+
+TEST(ProgramExitCode, TellsTheAnswerOnlyWhereItIsAskedFor) {
+  const std::string meeting = "0,0,0,1,0,0,0", two_apart = "0,0,3,1,0,0,0";
+  const auto ask = [](const std::string& verb, const std::string& pose, const Words& more) {
+    Words words = {verb, "scene:ball", "scene:square", "--pose-a", pose};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NE(outcome.out, "");
+    return outcome.exit_code;
+  };
+  EXPECT_EQ(ask("collide", meeting, {}), 0);
+  EXPECT_EQ(ask("collide", meeting, {"--exit-code"}), 3);
+  EXPECT_EQ(ask("collide", meeting, {"--exit-code", "--json"}), 3);
+  EXPECT_EQ(ask("collide", two_apart, {"--exit-code"}), 0);
+  EXPECT_EQ(ask("within", two_apart, {"--max-distance", "2"}), 0);
+  EXPECT_EQ(ask("within", two_apart, {"--max-distance", "2", "--exit-code"}), 3);
+  EXPECT_EQ(ask("within", two_apart, {"--max-distance", "1.9", "--exit-code"}), 0);
+  EXPECT_EQ(ask("distance", two_apart, {"--max-distance", "2", "--exit-code"}), 3);
+  EXPECT_EQ(ask("distance", two_apart, {"--max-distance", "1.9", "--exit-code"}), 0);
+  EXPECT_EQ(ask("distance", two_apart, {"--min-clearance", "2.1"}), 0);
+  EXPECT_EQ(ask("distance", two_apart, {"--min-clearance", "2.1", "--exit-code"}), 3);
+  EXPECT_EQ(ask("distance", two_apart, {"--min-clearance", "2", "--exit-code"}), 0);  // as far as asked for
+  EXPECT_EQ(ask("distance", two_apart, {"--min-clearance", "2", "--max-distance", "2", "--exit-code"}), 0);
+  EXPECT_EQ(run({"collide", "scene:ball", "missing.obj", "--exit-code"}).exit_code, 2);
+}
+
+TEST(ProgramClearance, IsDecidedExactlyWhateverTheErrors) {
+  const auto ask = [](const std::string& clearance, const Words& more) {
+    Words words = {"distance",          "scene:ball",      "scene:square", "--pose-a",
+                   "0.1,0.2,3,1,0,0,0", "--min-clearance", clearance,      "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json_of(run(words));
+  };
+  EXPECT_TRUE(json_of(run({"distance", "scene:ball", "scene:square", "--json"}))["too_close"].is_null());
+  const std::string upper = ask("1", {})["upper"].dump();
+  const double exact = number(upper);
+  const std::string above = std::to_string(exact + 1e-3), below = std::to_string(exact - 1e-3);
+  for (const Words& errors : {Words{}, Words{"--relative-error", "1"}, Words{"--absolute-error", "5"},
+                              Words{"--relative-error", "1", "--max-distance", "7"}}) {
+    EXPECT_EQ(ask(above, errors)["too_close"], true);
+    EXPECT_EQ(ask(below, errors)["too_close"], false);
+    EXPECT_EQ(ask(upper, errors)["too_close"], false);
+  }
+  // Far from the clearance the errors save work: the answer stays an interval.
+  EXPECT_EQ(ask("0.1", {"--relative-error", "1"})["status"], "within_error");
+  EXPECT_EQ(ask(above, {"--relative-error", "1"})["status"], "exact");
+  const Words text = {"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--min-clearance"};
+  const auto line_of = [&](const std::string& clearance) {
+    Words words = text;
+    words.push_back(clearance);
+    return run(words).out;
+  };
+  EXPECT_NE(line_of("2.5").find("\nclearance below 2.5\n"), std::string::npos);
+  EXPECT_NE(line_of("1.5").find("\nclearance at least 1.5\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace limber::program_tests
