@@ -87,6 +87,12 @@ void warn_about(std::size_t nested_count) {
   warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
 }
 
+/// Whether both names are those of one file.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code failed;
+  return std::filesystem::equivalent(a, b, failed);
+}
+
 }  // namespace
 
 std::string pairs_answer_columns() {
@@ -98,6 +104,7 @@ ExitCode answer_pairs(const PairsArguments& arguments, const DistanceQuestion& q
   const std::vector<PairRow> rows = read_pairs(arguments.pairs);
   Models models(arguments.engine);
   const std::vector<LoadedPair> pairs = load_all(rows, arguments.pairs, models);
+  if (is_same_file(arguments.pairs, arguments.out)) throw BadInput("--out: is the file of pairs itself");
   OutputFile out("--out", arguments.out);
   ProgressBar bar(rows.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;

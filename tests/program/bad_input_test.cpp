@@ -52,6 +52,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
 TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
   expect_refused({"distnace", "scene:ball", "scene:ball"}, "'distnace' is no verb; did you mean distance?");
   expect_refused({"colide"}, "did you mean collide?");
+  expect_refused({"ifno"}, "did you mean info?");
   expect_refused({"dist"}, "did you mean distance?");
   expect_refused({"help", "trak"}, "help: 'trak' is no verb; did you mean track?");
   expect_refused({"--versoin"}, "'--versoin' is no option, did you mean --version?");

@@ -58,6 +58,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
   scenes::Rng rng(3);
   const std::string a = folder.store("a.obj", scenes::random_soup(rng, 60, 0.4));
   const std::string b = folder.store("b.obj", scenes::random_soup(rng, 50, 0.4));
+  const std::string ball = folder.store("ball.obj", scenes::ball(8, 4).view());
   const std::string pose_a = "1,2,3,0.5,-0.5,0.5,0.1", pose_b = "-1,0.25,2,1,0,0,3";
   const std::string file =
       folder.store("pairs.csv",
@@ -65,7 +66,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
                    "model_b,pose_b_tx,pose_b_ty,pose_b_tz,pose_b_qw,pose_b_qx,pose_b_qy,pose_b_qz\n" +
                        a + ',' + pose_a + ',' + b + ',' + pose_b + '\n' +  //
                        b + ",,,,,,,," + a + ",,,3,,,,\n" +                 //
-                       "scene:ball,0,0,3,1,0,0,0,scene:square,,,,,,,\n");
+                       ball + ",0,0,3,1,0,0,0,scene:ball,,,,,,,\n");
   for (const std::string engine : {"fast", "classic", "reference"}) {
     const Outcome outcome = run(pairs(file, {"--engine", engine}));
     EXPECT_EQ(outcome.exit_code, 0);
@@ -79,7 +80,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
     ASSERT_EQ(objects.size(), 3U);
     const Words questions[] = {{"distance", a, b, "--pose-a", pose_a, "--pose-b", pose_b},
                                {"distance", b, a, "--pose-b", "0,0,3,1,0,0,0"},
-                               {"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0"}};
+                               {"distance", ball, "scene:ball", "--pose-a", "0,0,3,1,0,0,0"}};
     for (std::size_t r = 0; r < rows.size(); ++r) {
       SCOPED_TRACE(engine + " " + std::to_string(r));
       Words question = questions[r];
@@ -188,6 +189,10 @@ TEST(ProgramPairs, WritesAFileOrStandardOutput) {
   const Outcome refused = run(pairs(file, {"--out", folder.path("no/such/folder.csv")}));
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.err.find("limber: distance: --out: cannot write "), 0U) << refused.err;
+  const Outcome itself = run(pairs(file, {"--out", folder.path("./pairs.csv")}));
+  EXPECT_EQ(itself.exit_code, 2);
+  EXPECT_NE(itself.err.find("--out: is the file of pairs itself"), std::string::npos) << itself.err;
+  EXPECT_EQ(lines_of(text_at(file)).size(), 2U);
   if (!std::filesystem::exists("/dev/full")) return;
   const Outcome full = run(pairs(file, {"--out", "/dev/full"}));
   EXPECT_EQ(full.exit_code, 1);

@@ -244,10 +244,13 @@ TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
 }
 
 TEST(ProgramWithin, IsClosedAndTheSameForAllEngines) {
+  const Folder folder;
+  const std::string ball = folder.store("ball.obj", scenes::ball(8, 6).view());
+  const std::string square = folder.store("square.obj", scenes::grid(2, 2, -4, -4, 4, 4).view());
   for (const std::string engine : {"fast", "classic", "reference"}) {
     const auto ask = [&](const std::string& limit) {
-      return json_of(run({"within", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--engine", engine,
-                          "--max-distance", limit, "--json"}));
+      return json_of(run({"within", ball, square, "--pose-a", "0,0,3,1,0,0,0", "--engine", engine, "--max-distance",
+                          limit, "--json"}));
     };
     EXPECT_EQ(ask("1.9999")["within"], false) << engine;
     EXPECT_TRUE(ask("1.9999")["witness"].is_null()) << engine;
@@ -261,7 +264,7 @@ TEST(ProgramWithin, IsClosedAndTheSameForAllEngines) {
     const Vec3 gap = point_of(json["witness"]["point_a"]) - point_of(json["witness"]["point_b"]);
     EXPECT_LE(length(gap), 2.5) << engine;
   }
-  const Outcome text = run({"within", "scene:ball", "scene:square", "--max-distance", "0.5"});
+  const Outcome text = run({"within", ball, square, "--max-distance", "0.5"});
   EXPECT_EQ(text.out.find("within    yes\nlimit     0.5\npoint a   "), 0U) << text.out;
 }
 
