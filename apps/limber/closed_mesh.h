@@ -30,7 +30,7 @@ bool is_in_box(MeshView mesh, const Transform& box_from_mesh, const Box& box);
 /// mesh an odd number of times, decided exactly for the placed vertices rounded to float64. Says no for more than
 /// `max_parts` parts.
 ///
-/// Pre      The meshes do not meet; both poses are world_from_mesh.
+/// Pre      The meshes do not meet, or else the answer means nothing; both poses are world_from_mesh.
 /// Cost     O(triangles of both), for each part.
 bool lies_inside(MeshView inner, const Transform& inner_pose, MeshView outer, const Transform& outer_pose);
 inline constexpr std::size_t max_parts = 64;

@@ -36,11 +36,13 @@ Verb add_collide(CLI::App& app) {
   const auto arguments = std::make_shared<PairArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
   add_pair_arguments(command, *arguments, "the models collide");
-  command.footer(R"(Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it.
-Where a closed model has the other inside, a warning says so, and the field inside in JSON.
+  command.footer(R"(
+Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it. Where a closed
+model has the other inside, a warning says so, and the field inside in JSON.
 
 The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
-The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.)");
+The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.
+)");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -44,7 +44,7 @@ class HelpFormatter : public CLI::Formatter {
 
   std::string make_footer(const CLI::App* app) const override {
     const std::string text = app->get_footer();
-    return text.empty() ? std::string() : wrapped(text, line_width) + '\n';
+    return text.empty() ? std::string() : wrapped(trimmed(text), line_width) + '\n';
   }
 
  private:
@@ -117,16 +117,17 @@ void describe(CLI::App& app) {
   app.set_help_flag("-h,--help", "print this help");
   app.set_version_flag("-v,-V,--version", version_line, "print the version");
   app.require_subcommand(1);
-  app.footer(
-      R"(limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb)
-or built-in meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
+  app.footer(R"(
+limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-
+in meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
 
 Exit codes:
 
   0  there is an answer
   1  the program has failed, or the answer could not be written
   2  bad usage or bad input; one line on standard error says what and where
-  3  there is an answer, and something was found; only with --exit-code)");
+  3  there is an answer, and something was found; only with --exit-code
+)");
 }
 
 Verb add_help(CLI::App& app) {
@@ -138,6 +139,7 @@ Verb add_help(CLI::App& app) {
 
 Verb add_version(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("version", "The version of the program");
+  command.footer("");
   return {&command, [] {
             write(std::string(version_line) + '\n');
             return ExitCode::answered;
@@ -150,6 +152,8 @@ UsageError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (const std::string text = no_such_options(app); !text.empty()) return {{}, text + see};
   const std::vector<std::string> words = app.remaining();
   if (!words.empty()) return {{}, no_such_verb(app, words.front()) + see};
+  const bool is_missing = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+  if (!is_missing) return {{}, error.what()};
   return {{}, fmt::format("a verb is missing; there are {}{}", fmt::join(verb_names(app), ", "), see)};
 }
 

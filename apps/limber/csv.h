@@ -30,7 +30,8 @@ struct CsvRow {
 
 /// Reads a file row by row; one line of it is in memory at a time.
 ///
-/// Errors   BadInput naming the file and, where there is one, the line. A pipe or device might never end and is refused.
+/// Errors   BadInput naming the file and, where there is one, the line. Pipes and devices, which might never end, are
+///          refused.
 class CsvFile {
  public:
   explicit CsvFile(std::string path);

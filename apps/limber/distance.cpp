@@ -57,6 +57,34 @@ ExitCode run(const Arguments& arguments) {
                       question_of(arguments));
 }
 
+constexpr const char* help_text = R"(
+lower <= true distance <= upper, up to rounding. status is exact (lower = upper), within_error, collision (both 0) or
+beyond_limit (farther apart than --max-distance: no upper, no witness). Lengths are in the meshes' unit, points in the
+world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split
+into fans; faces are the file's own, counted from 0.
+
+--min-clearance is decided as for an exact distance, whatever the errors asked for.
+
+Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
+closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+
+The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
+pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. What is left out is
+that of the identity pose; other columns are ignored. Paths are relative to the working directory. Each file is loaded
+once.
+
+Example, pairs.csv:
+
+  model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz
+  gear.obj,housing.stl,0,0,12.5
+  gear.obj,scene:ball,3,0,0
+
+  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
+
+Columns of the answer, where row counts from 0:
+
+)";
+
 /// What the options say about each other.
 void check_options(const CLI::App& command, const Arguments& arguments) {
   const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
@@ -99,32 +127,8 @@ Verb add_distance(CLI::App& app) {
       ->type_name("FILE")
       ->capture_default_str();
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(
-      R"(lower <= true distance <= upper, up to rounding. status is exact (lower = upper), within_error, collision (both 0)
-or beyond_limit (farther apart than --max-distance: no upper, no witness). Lengths are in the meshes' unit, points in the
-world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split into
-fans; faces are the file's own, counted from 0.
-
---min-clearance is decided as for an exact distance, whatever the errors asked for.
-
-Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
-closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
-
-The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
-pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. What is left out is that
-of the identity pose; other columns are ignored. Paths are relative to the working directory. Each file is loaded once.
-
-Example, pairs.csv:
-
-  model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz
-  gear.obj,housing.stl,0,0,12.5
-  gear.obj,scene:ball,3,0,0
-
-  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
-
-Columns of the answer, where row counts from 0:
-
-)" + wrapped(fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", ")), 76));
+  const std::string columns = fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", "));
+  command.footer(help_text + columns);
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -24,8 +24,8 @@ struct DistanceAnswer {
   double elapsed_us = 0;
 };
 
-/// Asks. Where `min_clearance` lies in the interval that the errors allow, the query is asked once more without them, so
-/// that `too_close` is as true as an exact distance.
+/// Asks. Where `min_clearance` lies in the interval that the errors allow, the query is asked once more without them,
+/// so that `too_close` is as true as an exact distance.
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b);
 
 /// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond

@@ -147,11 +147,12 @@ Verb add_info(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("info", "Counts of a mesh, and the size of its tree");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
   add_json(command, arguments->json, "answer with one JSON object");
-  command.footer(
-      R"(Counts are of the mesh as the engine sees it: faces split into triangles and, in files, vertices at equal positions
+  command.footer(R"(
+Counts are of the mesh as the engine sees it: faces split into triangles and, in files, vertices at equal positions
 shared. Open edges belong to one triangle, non-manifold edges to more than two; a mesh with neither is closed.
-Degenerate triangles have no area, decided exactly; duplicates have the corners of an earlier triangle in any order. The
-extent is that of the triangles, in the mesh's length unit. Times are in microseconds.)");
+Degenerate triangles have no area, decided exactly; duplicates have the corners of an earlier triangle in any order.
+The extent is that of the triangles, in the mesh's length unit. Times are in microseconds.
+)");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

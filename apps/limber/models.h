@@ -92,9 +92,10 @@ auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
 /// them such a pair is apart.
 enum class Nesting { none, a_in_b, b_in_a };
 
-/// Pre      The models do not meet.
-/// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(triangles), the first time O(triangles
-///          log triangles).
+/// Of models that meet it tells nothing.
+///
+/// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
+///          first time.
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
 
 }  // namespace limber::program

@@ -22,8 +22,8 @@ Result<Transform> parsed_pose(std::string_view text);
 /// The pose of seven numbers in the order of `pose_numbers`. Errors as transform_from_quaternion().
 Result<Transform> pose_of(const std::array<double, 7>& numbers);
 
-/// The poses of a CSV file, one per row. A first row of names alone is a header: it names the columns, in any order, and
-/// others may stand between them. Without a header a row has the seven numbers alone.
+/// The poses of a CSV file, one per row. A first row of names alone is a header: it names the columns, in any order,
+/// and others may stand between them. Without a header a row has the seven numbers alone.
 ///
 /// Errors   BadInput naming the file and, where there are some, line and column.
 std::vector<Transform> read_poses(const std::string& path);

@@ -191,16 +191,17 @@ Verb add_track(CLI::App& app) {
   add_deforming(command, arguments->model);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
-  command.footer(R"(All frames of one model have the same faces. Lists of one entry hold for every frame; others agree
-in length.
+  command.footer(R"(
+All frames of one model have the same faces. Lists of one entry hold for every frame; others agree in length.
 
 A row of a file of poses is tx,ty,tz,qw,qx,qy,qz: translation in the mesh's length unit, quaternion of any length. A
 first row of names is a header: it names the columns in any order, and others are ignored. Blank lines and those that
 start with # are skipped.
 
 The answer is CSV with a header, or with --json an object for each frame. lower <= true distance <= upper; where the
-models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and null
-in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.)");
+models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
+null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.
+)");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

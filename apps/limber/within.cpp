@@ -21,8 +21,9 @@ struct Arguments {
 /// Models that are close enough may meet, and then none is inside the other.
 Nesting nesting_unless_they_meet(const WithinResult& result, const Pair& pair) {
   const auto meet = [](const auto& a, const auto& b) { return collide(a, b).collision; };
-  if (result.within && ask(pair.a(), pair.b(), meet).answer) return Nesting::none;
-  return nesting_of(pair.a(), pair.b());
+  const Nesting nesting = nesting_of(pair.a(), pair.b());
+  const bool may_meet = result.within && nesting != Nesting::none;
+  return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
 }
 
 ExitCode run(const Arguments& arguments) {
@@ -59,12 +60,14 @@ Verb add_within(CLI::App& app) {
       ->type_name("LENGTH")
       ->default_str("")
       ->required();
-  command.footer(R"(Stops at the first pair of points at most --max-distance apart, so it is faster than the distance
-itself. The witness is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the
-triangles and the faces of the files that they lie on, all counted from 0. Times are in microseconds.
+  command.footer(R"(
+Stops at the first pair of points at most --max-distance apart, so it is faster than the distance itself. The witness
+is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the triangles and the
+faces of the files that they lie on, all counted from 0. Times are in microseconds.
 
 Models are surfaces, not solids. Where a closed model has the other inside without touching it, a warning says so, and
-the field inside in JSON.)");
+the field inside in JSON.
+)");
   return {&command, [arguments] { return run(*arguments); }};
 }
 
