@@ -115,7 +115,9 @@ ExitCode write_help(const CLI::App& app, const std::string& word) {
 void describe(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "print this help");
-  app.set_version_flag("-v,-V,--version", version_line, "print the version");
+  app.set_version_flag("-v,--version", version_line, "print the version");
+  const auto version = [] { throw CLI::CallForVersion(version_line, 0); };
+  app.add_flag_callback("-V", version)->group("");  // as some programs call it; help need not say so
   app.require_subcommand(1);
   app.footer(R"(
 limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-

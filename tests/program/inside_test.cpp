@@ -102,6 +102,13 @@ TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
   fin.triangles.push_back(
       {shell.triangles[0][0], shell.triangles[0][1], static_cast<VertexId>(shell.positions.size())});
   EXPECT_TRUE(inside(fin.stored(folder, "fin.obj"), "scene:ball").is_null());
+  // A tetrahedron that shares an edge with the shell leaves no edge open, but four triangles at one.
+  Soup tent = shell;
+  const VertexId u = shell.triangles[0][0], v = shell.triangles[0][1];
+  const auto p = static_cast<VertexId>(shell.positions.size()), q = p + 1;
+  tent.positions.insert(tent.positions.end(), {{9, 9, 9}, {9, 9, 8}});
+  tent.triangles.insert(tent.triangles.end(), {{u, v, p}, {u, v, q}, {u, p, q}, {v, p, q}});
+  EXPECT_TRUE(inside(tent.stored(folder, "tent.obj"), "scene:ball").is_null());
   // What lies inside may be open.
   const std::string speck = folder.store("speck.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(inside(shell.stored(folder, "shell.obj"), speck), "b_in_a");
