@@ -10,141 +10,171 @@
 namespace limber::program {
 namespace {
 
-// All in the units of the picture's view box.
-constexpr double width = 960, height = 250;
-constexpr double left = 64, right = 16, above = 36, below = 44;
-constexpr double plot_width = width - left - right;
-constexpr double plot_height = height - above - below;
+constexpr double plot_height = 190;  // pixels of the page
+constexpr double plot_width = 1000;  // stretched to the width of the chart
+constexpr double least_logarithmic = 0.01;
+constexpr double most_frame_labels = 7;  // as many as fit side by side on a narrow screen
 
-/// The largest of 1, 2, 5 times a power of ten that divides the range into at least `parts` parts.
-double step_for(double range, double parts) {
-  const double rough = range / parts;
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  const double factor = rough / power;
+/// The largest of 1, 2, 5 times a power of ten that is at most `value`.
+double step_below(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  const double factor = value / power;
   return (factor >= 5 ? 5 : factor >= 2 ? 2 : 1) * power;
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is at least `value`.
+double step_above(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  const double factor = value / power;
+  return (factor <= 1 ? 1 : factor <= 2 ? 2 : factor <= 5 ? 5 : 10) * power;
+}
+
+struct Range {
+  double low = 0, high = 0;
+};
+
+/// The smallest and the largest value of everything drawn.
+Range range_of(const Chart& chart) {
+  Range range{chart.curves.front().values.front(), 0};
+  const auto widen = [&range](const std::vector<double>& values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    range = {std::min(range.low, *low), std::max(range.high, *high)};
+  };
+  for (const Curve& curve : chart.curves) widen(curve.values);
+  for (const Area& band : chart.areas) {
+    widen(band.low);
+    widen(band.high);
+  }
+  return range;
+}
+
+/// A vertical axis: which values it labels, the first at its lower and the last at its upper end, and how high values
+/// are above its lower end, from 0 to 1.
+struct VerticalAxis {
+  std::vector<double> labels;
+  bool is_logarithmic = false;
+
+  double height_of(double value) const {
+    const double low = labels.front(), high = labels.back();
+    if (!is_logarithmic) return (value - low) / (high - low);
+    return std::log(std::max(value, low) / low) / std::log(high / low);
+  }
+};
+
+VerticalAxis linear_axis(double largest) {
+  VerticalAxis axis{{0}, false};
+  const double step = largest > 0 ? step_below(largest / 4) : 1;
+  while (axis.labels.back() < largest || axis.labels.size() < 2) {
+    axis.labels.push_back(step * static_cast<double>(axis.labels.size()));
+  }
+  return axis;
+}
+
+VerticalAxis logarithmic_axis(const Range& range) {
+  const double first = std::floor(std::log10(std::max(range.low, least_logarithmic)));
+  const double last = std::max(first + 1, std::ceil(std::log10(std::max(range.high, least_logarithmic))));
+  VerticalAxis axis{{}, true};
+  for (double exponent = first; exponent <= last; ++exponent) {
+    const double power = std::pow(10, exponent);
+    axis.labels.push_back(power);
+    if (last - first > 2 || exponent == last) continue;
+    axis.labels.push_back(2 * power);
+    axis.labels.push_back(5 * power);
+  }
+  return axis;
 }
 
 /// Where frames and values lie in the picture.
 class Scale {
  public:
-  Scale(std::size_t frame_count, double top)
-      : last_frame_(static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)), top_(top) {}
+  Scale(const Chart& chart, std::size_t frame_count)
+      : last_frame_(static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)),
+        axis_(chart.axis == Axis::linear ? linear_axis(range_of(chart).high) : logarithmic_axis(range_of(chart))) {}
 
-  double x(double frame) const { return left + plot_width * frame / last_frame_; }
-  double y(double value) const {  // values far above the plot are clipped anyway
-    return above + plot_height * (1 - std::min(value / top_, 4.0));
-  }
+  double x_share(double frame) const { return frame / last_frame_; }
+  double y(double value) const { return plot_height * (1 - axis_.height_of(value)); }
   double last_frame() const { return last_frame_; }
-  double top() const { return top_; }
+  const std::vector<double>& labels() const { return axis_.labels; }
 
  private:
-  double last_frame_, top_;
+  double last_frame_;
+  VerticalAxis axis_;
 };
 
-std::string axes(const Chart& chart, const Scale& scale) {
+std::string axes(const Scale& scale) {
   std::string svg;
-  const double value_step = step_for(scale.top(), 4);
-  for (int i = 0; i * value_step <= scale.top() * 1.0001; ++i) {
-    const double y = scale.y(i * value_step);
-    svg += fmt::format("<path class='grid' d='M{} {:.1f}H{}'/><text x='{}' y='{:.1f}' text-anchor='end'>{:g}</text>\n",
-                       left, y, width - right, left - 8, y + 4, i * value_step);
+  for (const double value : scale.labels()) {
+    const double y = scale.y(value);
+    svg += fmt::format("<line class='grid' x2='100%' y1='{0:.1f}' y2='{0:.1f}'/>", y);
+    svg += fmt::format("<text class='value' x='-8' y='{:.1f}'>{:.12g}</text>\n", y + 4, value);
   }
-  const double frame_step = std::max(1.0, step_for(scale.last_frame(), 6));
-  for (int i = 0; i * frame_step <= scale.last_frame(); ++i) {
-    const double x = scale.x(i * frame_step);
-    svg +=
-        fmt::format("<path class='axis' d='M{:.1f} {}v5'/><text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>\n",
-                    x, height - below, x, height - below + 18, i * frame_step);
+  const double step = std::max(1.0, step_above(scale.last_frame() / (most_frame_labels - 1)));
+  for (int i = 0; i * step <= scale.last_frame(); ++i) {
+    const double percent = 100 * scale.x_share(i * step);
+    svg += fmt::format("<line class='axis' x1='{0:.2f}%' x2='{0:.2f}%' y1='{1}' y2='{2}'/>", percent, plot_height,
+                       plot_height + 5);
+    svg += fmt::format("<text class='frame' x='{:.2f}%' y='{}'>{:.12g}</text>\n", percent, plot_height + 20, i * step);
   }
-  svg += fmt::format("<path class='axis' d='M{} {}H{}'/>\n", left, height - below, width - right);
-  svg += fmt::format("<text class='name' x='{}' y='{}' text-anchor='end'>frame</text>\n", width - right, height - 6);
-  svg += fmt::format("<text class='name' x='{}' y='18'>{}</text>\n", 4, chart.unit);
-  return svg;
+  svg += fmt::format("<line class='axis' x2='100%' y1='{0}' y2='{0}'/>\n", plot_height);
+  return svg + fmt::format("<text class='name' x='100%' y='{}'>frame</text>\n", plot_height + 38);
+}
+
+std::string point(std::size_t frame, double value, const Scale& scale) {
+  return fmt::format("{:.1f},{:.1f} ", plot_width * scale.x_share(static_cast<double>(frame)), scale.y(value));
 }
 
 std::string points(const std::vector<double>& values, const Scale& scale) {
   std::string text;
-  for (std::size_t f = 0; f < values.size(); ++f) {
-    text += fmt::format("{:.1f},{:.1f} ", scale.x(static_cast<double>(f)), scale.y(values[f]));
-  }
+  for (std::size_t f = 0; f < values.size(); ++f) text += point(f, values[f], scale);
   return text;
 }
 
 std::string area(const Area& band, const Scale& scale) {
   std::string text = points(band.high, scale);
-  for (std::size_t f = band.low.size(); f-- > 0;) {
-    text += fmt::format("{:.1f},{:.1f} ", scale.x(static_cast<double>(f)), scale.y(band.low[f]));
-  }
+  for (std::size_t f = band.low.size(); f-- > 0;) text += point(f, band.low[f], scale);
   return "<polygon class='area' points='" + text + "'/>\n";
 }
 
 std::string marks(const Chart& chart, const Scale& scale) {
   std::string path;
   for (const std::size_t frame : chart.marked_frames) {
-    path += fmt::format("M{:.1f} {}v-9", scale.x(static_cast<double>(frame)), height - below);
+    path += fmt::format("M{:.1f} {}v-9", plot_width * scale.x_share(static_cast<double>(frame)), plot_height);
   }
   return path.empty() ? path : "<path class='mark' d='" + path + "'/>\n";
 }
 
-/// Characters of a label as a reader sees it; an entity is one.
-std::size_t shown_length(const std::string& label) {
-  std::size_t count = 0;
-  bool in_entity = false;
-  for (const char c : label) {
-    if (!in_entity) ++count;
-    if (c == '&') in_entity = true;
-    if (c == ';') in_entity = false;
-  }
-  return count;
-}
-
-/// Names of everything drawn, from the right end of the head line leftwards.
-std::string legend(const Chart& chart) {
-  struct Entry {
-    std::string label, symbol;  // the symbol is drawn in a box of 22 by 10, whose left side is centered at the origin
-  };
-  std::vector<Entry> entries;
-  for (const Curve& curve : chart.curves) {
-    entries.push_back({curve.label, "<path class='line " + curve.style + "' d='M0 0h22'/>"});
-  }
-  for (const Area& band : chart.areas) {
-    entries.push_back({band.label, "<rect class='area' y='-5' width='22' height='10'/>"});
-  }
-  if (!chart.marked_frames.empty()) entries.push_back({chart.mark_label, "<path class='mark' d='M11 5v-10'/>"});
-  constexpr double character = 6.6, symbol_width = 28, gap = 22;
-  double end = width - right;
-  std::string svg;
-  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
-    end -= character * static_cast<double>(shown_length(entry->label)) + symbol_width;
-    svg += fmt::format("<g transform='translate({:.0f} 14)'>{}<text x='{}' y='4'>{}</text></g>\n", end, entry->symbol,
-                       symbol_width, entry->label);
-    end -= gap;
-  }
-  return svg;
+/// A name in the legend; the symbol is drawn in a box of 22 by 10 pixels.
+std::string legend_entry(const std::string& symbol, const std::string& label) {
+  return "<span><svg class='symbol' width='22' height='10'>" + symbol + "</svg>" + label + "</span>\n";
 }
 
 }  // namespace
 
+std::string chart_legend(const Chart& chart) {
+  std::string html = "<p class='legend'><span class='unit'>" + chart.unit +
+                     (chart.axis == Axis::logarithmic ? ", logarithmic" : "") + "</span>\n";
+  for (const Curve& curve : chart.curves) {
+    html += legend_entry("<path class='line " + curve.style + "' d='M0 5h22'/>", curve.label);
+  }
+  for (const Area& band : chart.areas) {
+    html += legend_entry("<rect class='area' width='22' height='10'/>", band.label);
+  }
+  if (!chart.marked_frames.empty()) html += legend_entry("<path class='mark' d='M11 10v-10'/>", chart.mark_label);
+  return html + "</p>\n";
+}
+
 std::string chart_svg(const Chart& chart, std::size_t frame_count) {
-  const Scale scale(frame_count, chart.top);
-  std::string svg =
-      fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}' role='img'>\n", width, height);
-  svg += axes(chart, scale) + legend(chart);
-  // A nested picture is clipped at its border; this one keeps the outer coordinates.
-  svg += fmt::format("<svg x='{0}' y='{1}' width='{2}' height='{3}' viewBox='{0} {1} {2} {3}'>\n", left, above - 2,
-                     plot_width, plot_height + 3);
+  const Scale scale(chart, frame_count);
+  std::string svg = "<svg xmlns='http://www.w3.org/2000/svg' class='chart' role='img'>\n" + axes(scale);
+  // The nested picture alone is stretched; lines keep their width by the style sheet.
+  svg += fmt::format("<svg viewBox='0 0 {0} {1}' preserveAspectRatio='none' width='100%' height='{1}'>\n", plot_width,
+                     plot_height);
   for (const Area& band : chart.areas) svg += area(band, scale);
   svg += marks(chart, scale);
   for (const Curve& curve : chart.curves) {
     svg += "<polyline class='line " + curve.style + "' points='" + points(curve.values, scale) + "'/>\n";
   }
   return svg + "</svg>\n</svg>\n";
-}
-
-double axis_end(double value) {
-  if (!(value > 0)) return 1;
-  const double step = step_for(value, 4);
-  return step * std::ceil(value / step);
 }
 
 }  // namespace limber::program

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
-/// Curves over frames as inline SVG. Colors come from classes that the page's style sheet defines.
+/// Curves over frames as inline SVG that fills the width of the page. Texts keep the size that the style sheet gives
+/// them, whatever that width; only the curves are stretched. Colors come from classes that the style sheet defines.
 namespace limber::program {
 
 struct Curve {
@@ -21,19 +21,25 @@ struct Area {
   std::vector<double> low, high;
 };
 
+enum class Axis {
+  linear,       ///< from 0
+  logarithmic,  ///< between powers of ten; values below 0.01 are drawn at 0.01
+};
+
+/// The vertical axis ends above the largest value, so that no peak is cut off.
 struct Chart {
   std::string unit;  ///< along the vertical axis
+  Axis axis = Axis::linear;
   std::vector<Area> areas;
   std::vector<Curve> curves;
   std::vector<std::size_t> marked_frames;  ///< ticks along the bottom
   std::string mark_label;
-  double top = 1;  ///< upper end of the vertical axis; curves above it are clipped
 };
 
-/// Pre: all curves and areas have `frame_count` >= 1 values, all finite and >= 0.
-std::string chart_svg(const Chart& chart, std::size_t frame_count);
+/// The line above a chart: the unit, and the names of everything drawn.
+std::string chart_legend(const Chart& chart);
 
-/// At least `value`, with little room above it, and a number that axes like to end at. 1 for 0.
-double axis_end(double value);
+/// Pre: there is a curve; all curves and areas have `frame_count` >= 1 values, all finite and >= 0.
+std::string chart_svg(const Chart& chart, std::size_t frame_count);
 
 }  // namespace limber::program

@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "bad_input.h"
 #include "deforming_model.h"
@@ -37,6 +39,13 @@ struct Arguments {
   throw BadInput(fmt::format("--out: cannot write {}: {}", path, std::strerror(errno)));
 }
 
+/// So that the page is found wherever the reader of the answer is.
+std::string absolute_path(const std::string& path) {
+  std::error_code failure;
+  const std::filesystem::path absolute = std::filesystem::absolute(path, failure);
+  return failure ? path : absolute.string();
+}
+
 /// Checks before the work is done whether the result can be stored.
 void check_writable(const std::string& path) {
   if (!std::ofstream(path, std::ios::app)) cannot_write(path);
@@ -49,7 +58,11 @@ void store(const std::string& page, const std::string& path) {
   if (!file) cannot_write(path);
 }
 
-Json to_json(const Spread& spread) { return {{"median", spread.median}, {"p99", spread.p99}, {"max", spread.max}}; }
+Json to_json(const Spread& spread) {
+  Json json = {{"median", spread.median}, {"max", spread.max}};
+  if (spread.p99) json["p99"] = *spread.p99;
+  return json;
+}
 
 const char* check_word(const DemoRun& run) {
   if (!run.is_right) return "skipped";
@@ -96,17 +109,18 @@ void check(DemoRun& run, bool is_silent) {
 }
 
 void run(const Arguments& arguments) {
-  check_writable(arguments.page);
+  const std::string page = absolute_path(arguments.page);
+  check_writable(page);
   DemoTable table(arguments.demo.frames);
   DemoRun run = run_demo(arguments.demo, [&](const std::vector<DemoFrame>& frames) {
     if (!arguments.json) table.show(frames);
   });
   if (!arguments.is_unchecked) check(run, arguments.json);
-  store(demo_page(run), arguments.page);
+  store(demo_page(run), page);
   if (arguments.json) {
-    write(to_line(as_json(run, arguments.page)));
+    write(to_line(as_json(run, page)));
   } else {
-    write_summary(run, arguments.page);
+    write_summary(run, page);
   }
   if (run.is_right == false) throw std::logic_error("brute force gives another distance for the last frame");
 }
@@ -115,7 +129,7 @@ void run(const Arguments& arguments) {
 
 Verb add_demo(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a sheet that is dented; writes a page about it");
+  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a deforming sheet; writes a page about it");
   DemoOptions& demo = arguments->demo;
   add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");
   add_count(command, "--dents-per-frame", demo.dents_per_frame, 0, max_dents_per_frame,
@@ -123,14 +137,16 @@ Verb add_demo(CLI::App& app) {
   add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "seed of the random dents");
   add_relative_error(command, demo.query.relative_error);
   add_deforming(command, demo.model);
-  command.add_option("--out", arguments->page, "where the page is written")->type_name("FILE")->capture_default_str();
+  command.add_option("--out", arguments->page, "where the page is written")
+      ->type_name("FILE")
+      ->capture_default_str()
+      ->take_last();
   command.add_flag("--no-check", arguments->is_unchecked, "do not compare the last frame with brute force");
   add_json(command, arguments->json, "answer with one JSON object instead of tables");
   command.footer(
       "The sheet has 20 000 triangles and 100 units a side, the ball 1024 triangles and a diameter of 2 units. Every\n"
-      "frame dents the sheet, repairs its tree, and asks for the distance: at --relative-error and, to "
-      "compare,\n"
-      "at 0.1. Times in the answer are per frame, in microseconds in JSON.");
+      "frame dents the sheet, refits its tree, and asks for the distance: at --relative-error and, to compare,\n"
+      "at 0.1. Times are per frame, in microseconds; percentiles are given from 100 frames on.");
   return {&command, [arguments] { return run(*arguments), ExitCode::answered; }};
 }
 

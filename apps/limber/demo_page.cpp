@@ -42,16 +42,23 @@ h1 { font-size: 30px; line-height: 1.2; margin: 0 0 10px; letter-spacing: -0.01e
 h2 { font-size: 17px; margin: 0 0 2px; }
 p { margin: 0; max-width: 74ch; }
 .soft { color: var(--soft); font-size: 14px; max-width: none; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); gap: 12px; margin: 26px 0 0; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 12px; margin: 26px 0 0; }
 .tiles div, section { background: var(--card); border: 1px solid var(--rule); border-radius: 10px; }
 .tiles div { padding: 14px 18px; }
 .tiles b { display: block; font-size: 24px; line-height: 1.3; font-weight: 600; font-variant-numeric: tabular-nums; }
 section { margin-top: 20px; padding: 18px 20px 14px; }
-svg { display: block; width: 100%; height: auto; }
-section > svg { margin-top: 10px; }
-svg text { font: 12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; fill: var(--soft); }
-.grid { stroke: var(--rule); fill: none; }
-.axis { stroke: var(--axis); fill: none; }
+section > svg { display: block; width: 100%; height: auto; margin-top: 10px; }
+section > .chart { width: calc(100% - 68px); height: 230px; margin: 14px 10px 4px 58px; overflow: visible; }
+.chart text, .legend { font-size: 13px; fill: var(--soft); color: var(--soft); }
+.chart text { font-variant-numeric: tabular-nums; }
+.chart .value, .chart .name { text-anchor: end; }
+.chart .frame { text-anchor: middle; }
+.legend { display: flex; flex-wrap: wrap; gap: 2px 18px; margin-top: 10px; max-width: none; }
+.legend .unit { flex-grow: 1; }
+.symbol { margin-right: 6px; }
+.chart *, .symbol *, .trail, .witness, .outline, .ball, .dots { vector-effect: non-scaling-stroke; }
+.grid { stroke: var(--rule); }
+.axis { stroke: var(--axis); }
 .line { fill: none; stroke-width: 1.6; stroke-linejoin: round; }
 .first { stroke: var(--first); }
 .second { stroke: var(--second); }
@@ -61,16 +68,24 @@ svg text { font: 12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans
 .close path { stroke: #00000030; stroke-width: 0.6; stroke-linejoin: round; }
 .trail { fill: none; stroke: #20262c; stroke-width: 1.5; stroke-linejoin: round; }
 .trail.under { stroke: #ffffff; stroke-opacity: 0.55; stroke-width: 4; }
-.contacts circle { fill: #d4213d; stroke: #ffffff; stroke-width: 0.8; }
+.dots { fill: none; stroke: #d4213d; stroke-width: 4; stroke-linecap: round; }
+.dots.under { stroke: #ffffff; stroke-width: 5.5; }
+.ends { stroke-width: 9; }
+.ends.under { stroke-width: 13; }
 .ball { stroke: #20262c; stroke-width: 1.5; }
 .witness { fill: none; stroke: #d4213d; stroke-width: 3; }
 .witness.under { stroke: #ffffff; stroke-width: 7; stroke-opacity: 0.8; }
 .outline { fill: none; stroke: #d4213d; stroke-width: 1.6; stroke-linejoin: round; }
-.end { fill: #d4213d; stroke: #ffffff; stroke-width: 2; }
 table { border-collapse: collapse; width: 100%; margin-top: 8px; font-variant-numeric: tabular-nums; font-size: 15px; }
 th, td { text-align: left; padding: 7px 0; border-top: 1px solid var(--rule); vertical-align: top; }
 tr:first-child > * { border-top: 0; }
-th { font-weight: 400; color: var(--soft); width: 15em; }
+th { font-weight: 400; color: var(--soft); width: 34%; max-width: 15em; padding-right: 12px; }
+@media (max-width: 640px) {
+  body { padding: 24px 12px 40px; }
+  h1 { font-size: 26px; }
+  section { padding: 14px 14px 12px; }
+  .tiles div { padding: 10px 14px; }
+}
 </style>
 </head>
 <body>
@@ -79,10 +94,23 @@ th { font-weight: 400; color: var(--soft); width: 15em; }
 
 std::string percent(double fraction) { return fmt::format("{:g}&nbsp;%", 100 * fraction); }
 
-/// "&micro;s" instead of the "us" of plain text.
-std::string in_html(std::string text) {
-  for (std::size_t at = 0; (at = text.find(" us", at)) != std::string::npos; at += 3) text.replace(at, 3, " &micro;s");
-  return text;
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// "&micro;s" instead of the "us" of plain text; numbers and their units do not break.
+std::string in_html(const std::string& text) {
+  std::string html;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_after_digit = i > 0 && is_digit(text[i - 1]);
+    if (is_after_digit && text.compare(i, 3, " us") == 0) {
+      html += "&nbsp;&micro;s";
+      i += 2;
+    } else if (is_after_digit && text[i] == ' ' && i + 1 < text.size() && is_digit(text[i + 1])) {
+      html += "&nbsp;";
+    } else {
+      html += text[i];
+    }
+  }
+  return html;
 }
 
 template <typename Value>
@@ -91,13 +119,6 @@ std::vector<double> values_of(const DemoRun& run, Value value) {
   values.reserve(run.frames.size());
   for (const DemoFrame& frame : run.frames) values.push_back(value(frame));
   return values;
-}
-
-/// High enough for nearly all of the curve: frames that the operating system has delayed must not flatten the rest.
-double top_for(const std::vector<double>& values) {
-  std::vector<double> sorted = values;
-  std::sort(sorted.begin(), sorted.end());
-  return axis_end(1.7 * sorted[(sorted.size() - 1) * 90 / 100]);
 }
 
 std::string answer_label(const DemoRun& run) {
@@ -121,33 +142,46 @@ Chart distance_chart(const DemoRun& run) {
     if (run.frames[f].answer.status == Status::collision) chart.marked_frames.push_back(f);
   }
   chart.mark_label = "contact";
-  const std::vector<double>& highest = chart.areas.front().high;
-  chart.top = axis_end(*std::max_element(highest.begin(), highest.end()));
   return chart;
 }
 
-Chart update_chart(const DemoRun& run) {
+Chart time_chart() {
   Chart chart;
-  chart.unit = "microseconds";
-  chart.curves.push_back(
-      {"update of the tree", "first", values_of(run, [](const DemoFrame& f) { return f.update_us; })});
-  chart.top = top_for(chart.curves.front().values);
+  chart.unit = "&micro;s";
+  chart.axis = Axis::logarithmic;
   return chart;
 }
 
-Chart query_chart(const DemoRun& run) {
-  Chart chart;
-  chart.unit = "milliseconds";
-  chart.curves.push_back(
-      {answer_label(run), "first", values_of(run, [](const DemoFrame& f) { return f.answer_us / 1e3; })});
-  chart.curves.push_back({"within " + percent(rough_error), "second",
-                          values_of(run, [](const DemoFrame& f) { return f.rough_us / 1e3; })});
-  chart.top = std::max(top_for(chart.curves[0].values), top_for(chart.curves[1].values));
+/// What a curve is about, and the numbers that sum it up.
+std::string time_label(const std::string& name, const Spread& spread) {
+  return name + ": " + in_html(spread_text(spread));
+}
+
+Chart update_chart(const DemoRun& run, const DemoSummary& summary) {
+  Chart chart = time_chart();
+  chart.curves.push_back({time_label("update", summary.update_us), "first",
+                          values_of(run, [](const DemoFrame& f) { return f.update_us; })});
   return chart;
 }
 
-std::string section(const std::string& title, const std::string& caption, const std::string& content) {
-  return fmt::format("<section>\n<h2>{}</h2>\n<p class=\"soft\">{}</p>\n{}</section>\n", title, caption, content);
+Chart query_chart(const DemoRun& run, const DemoSummary& summary) {
+  Chart chart = time_chart();
+  chart.curves.push_back({time_label(answer_label(run), summary.answer_us), "first",
+                          values_of(run, [](const DemoFrame& f) { return f.answer_us; })});
+  chart.curves.push_back({time_label("within " + percent(rough_error), summary.rough_us), "second",
+                          values_of(run, [](const DemoFrame& f) { return f.rough_us; })});
+  return chart;
+}
+
+std::string with_legend(const Chart& chart, const DemoRun& run) {
+  return chart_legend(chart) + chart_svg(chart, run.frames.size());
+}
+
+/// The id is for whoever takes a part of the page; see tools/demo_picture.py.
+std::string section(const std::string& id, const std::string& title, const std::string& caption,
+                    const std::string& content) {
+  return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n<p class=\"soft\">{}</p>\n{}</section>\n", id, title, caption,
+                     content);
 }
 
 std::string tile(const std::string& number, const std::string& name) {
@@ -159,22 +193,20 @@ std::string introduction(const DemoRun& run) {
       "<h1>A ball over a deforming sheet</h1>\n"
       "<p>A sheet of {} triangles, {} units a side, is dented {} in each of {} frames, while a ball of {} triangles "
       "and a diameter of 2 units flies over it on a closed curve. In every frame the tree of the sheet is refitted "
-      "where "
-      "the sheet has changed and nowhere else. Then a query asks for the shortest distance between the two surfaces, "
-      "with the pair of points that attains it.</p>\n",
+      "where the sheet has changed and nowhere else. Then a query asks for the shortest distance between the two "
+      "surfaces, with the pair of points that attains it.</p>\n",
       grouped(run.sheet.triangles().size()), 100,
       run.options.dents_per_frame == 1 ? "once" : fmt::format("{} times", run.options.dents_per_frame),
       grouped(run.frames.size()), run.ball.triangles().size());
 }
 
-std::string tiles(const DemoRun& run) {
-  const DemoSummary summary = summary_of(run.frames);
+std::string tiles(const DemoRun& run, const DemoSummary& summary) {
   return "<div class=\"tiles\">\n" + tile(duration_text(summary.update_us.median), "median update of the tree") +
-         tile(duration_text(summary.update_us_per_vertex), "per moved vertex") +
-         tile(duration_text(summary.answer_us.median),
-              run.options.query.relative_error == 0 ? std::string("median exact distance")
-                                                    : "median within " + percent(run.options.query.relative_error)) +
-         tile(duration_text(summary.rough_us.median), "median within " + percent(rough_error)) + "</div>\n";
+         tile(duration_text(summary.update_us_per_vertex), "mean update per moved vertex") +
+         tile(duration_text(summary.answer_us.median), run.options.query.relative_error == 0
+                                                           ? std::string("median exact distance query")
+                                                           : "median query " + answer_label(run)) +
+         tile(duration_text(summary.rough_us.median), "median query within " + percent(rough_error)) + "</div>\n";
 }
 
 std::string table(const DemoRun& run) {
@@ -188,33 +220,30 @@ std::string table(const DemoRun& run) {
 }  // namespace
 
 std::string demo_page(const DemoRun& run) {
-  const std::size_t frames = run.frames.size();
+  const DemoSummary summary = summary_of(run.frames);
   const DistanceResult& last = run.frames.back().answer;
-  std::string html = head + introduction(run) + tiles(run);
+  std::string html = head + introduction(run) + tiles(run, summary);
   html += section(
-      "The sheet after the last frame",
+      "sheet", "The sheet after the last frame",
       "True to scale; blue is low, orange is high. The line is the path of the ball, red dots are frames in contact.",
       sheet_svg(run));
-  html += section("The ball in the last frame",
+  html += section("ball", "The ball in the last frame",
                   last.status == Status::collision
                       ? std::string("True to scale. The ball and the sheet meet at the red point.")
                       : fmt::format("True to scale. The red segment joins the closest points, {:.4f} units apart; "
                                     "their triangles are outlined.",
                                     last.upper),
                   close_up_svg(run));
-  html += section("Distance",
+  html += section("distance", "Distance",
                   fmt::format("The cheaper query at {} proves that the distance lies in the shaded interval.",
                               percent(rough_error)),
-                  chart_svg(distance_chart(run), frames));
-  html +=
-      section("Time of an update",
-              "Moving the vertices of the frame's dents and refitting the tree. Peaks above the frame are clipped; the "
-              "summary has the largest.",
-              chart_svg(update_chart(run), frames));
-  html +=
-      section("Time of a distance query", "Every query starts without a cache: no answer is reused in the next frame.",
-              chart_svg(query_chart(run), frames));
-  html += section("Summary", "One thread; times are per frame, lengths in the sheet's unit.", table(run));
+                  with_legend(distance_chart(run), run));
+  html += section("update", "Time of an update", "Moving the vertices of the frame's dents and refitting the tree.",
+                  with_legend(update_chart(run, summary), run));
+  html += section("query", "Time of a distance query",
+                  "Every query starts without a cache: no answer is reused in the next frame.",
+                  with_legend(query_chart(run, summary), run));
+  html += section("summary", "Summary", "One thread; times are per frame, lengths in the sheet's unit.", table(run));
   return html + "</main>\n</body>\n</html>\n";
 }
 

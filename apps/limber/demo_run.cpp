@@ -102,7 +102,7 @@ Spread spread_of(std::vector<double> values) {
   const auto at = [&](double fraction) {
     return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
   };
-  return {at(0.5), at(0.99), values.back()};
+  return {at(0.5), values.size() < Spread::least_for_p99 ? std::nullopt : std::optional(at(0.99)), values.back()};
 }
 
 DemoSummary summary_of(const std::vector<DemoFrame>& frames) {

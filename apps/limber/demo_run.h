@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -52,9 +53,13 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher);
 /// Whether brute force gives the distance of the last frame, up to rounding. Takes a while.
 bool is_confirmed_by_brute_force(const DemoRun& run);
 
-/// Median, 99th percentile and maximum of a list of numbers.
+/// Median and maximum of a list of numbers, and the 99th percentile of a list that is long enough to have one.
 struct Spread {
-  double median = 0, p99 = 0, max = 0;
+  static constexpr std::size_t least_for_p99 = 100;  ///< of fewer numbers the percentile would be one of the largest
+
+  double median = 0;
+  std::optional<double> p99;
+  double max = 0;
 };
 
 /// Pre: there is at least one value.

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "options.h"
 #include "output.h"
@@ -15,11 +16,6 @@ namespace {
 
 constexpr double redraw_s = 0.25;
 constexpr std::size_t lines_in_a_pipe = 10;
-
-std::string spread_text(const Spread& spread) {
-  return fmt::format("median {}, p99 {}, max {}", duration_text(spread.median), duration_text(spread.p99),
-                     duration_text(spread.max));
-}
 
 std::string check_text(const DemoRun& run) {
   if (!run.is_right) return "not checked against brute force";
@@ -36,7 +32,7 @@ std::string distance_text(const DistanceResult& answer) {
 
 std::string table_row(const char* name, double now, const Spread& spread) {
   return fmt::format("\033[K  {:<22}{:>11}{:>11}{:>11}{:>11}\n", name, duration_text(now), duration_text(spread.median),
-                     duration_text(spread.p99), duration_text(spread.max));
+                     spread.p99 ? duration_text(*spread.p99) : "-", duration_text(spread.max));
 }
 
 }  // namespace
@@ -80,15 +76,16 @@ void DemoTable::redraw(const std::vector<DemoFrame>& frames) {
 std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run) {
   const DemoSummary summary = summary_of(run.frames);
   const DemoOptions& options = run.options;
+  const bool is_fast = options.model.engine == DeformingEngine::fast;
   std::vector<std::pair<std::string, std::string>> rows = {
       {"frames",
        fmt::format("{} in {:.2f} s, {} of them in contact", run.frames.size(), run.wall_s, summary.contact_frames)},
       {"dents", fmt::format("{} a frame, seed {}", options.dents_per_frame, options.seed)},
-      {"vertices moved", fmt::format("{}, {} each", grouped(summary.updates.moved_vertices),
+      {"vertices moved", fmt::format("{}, {} each on average", grouped(summary.updates.moved_vertices),
                                      duration_text(summary.update_us_per_vertex))},
-      {"tree", fmt::format("{} {} refitted, {} absorbed ({})", grouped(summary.updates.refits),
-                           options.model.engine == DeformingEngine::fast ? "nodes" : "spheres",
-                           grouped(summary.updates.absorbed), words_of(options.model))},
+      {"tree", fmt::format("{} refits of {}, {} {} absorbed ({})", grouped(summary.updates.refits),
+                           is_fast ? "nodes" : "spheres", grouped(summary.updates.absorbed),
+                           is_fast ? "moves" : "spheres", words_of(options.model))},
       {"update", spread_text(summary.update_us)},
       {options.query.relative_error == 0 ? std::string("exact distance")
                                          : fmt::format("distance within {:g} %", 100 * options.query.relative_error),
@@ -114,11 +111,13 @@ std::string grouped(std::uint64_t count) {
 }
 
 std::string duration_text(double microseconds) {
-  if (microseconds < 1) return fmt::format("{:.0f} ns", microseconds * 1e3);
   if (microseconds < 10) return fmt::format("{:.2f} us", microseconds);
-  if (microseconds < 1000) return fmt::format("{:.0f} us", microseconds);
-  if (microseconds < 1e6) return fmt::format("{:.2f} ms", microseconds / 1e3);
-  return fmt::format("{:.2f} s", microseconds / 1e6);
+  return grouped(static_cast<std::uint64_t>(std::llround(microseconds))) + " us";
+}
+
+std::string spread_text(const Spread& spread) {
+  const std::string p99 = spread.p99 ? fmt::format("p99 {}, ", duration_text(*spread.p99)) : std::string();
+  return fmt::format("median {}, {}max {}", duration_text(spread.median), p99, duration_text(spread.max));
 }
 
 }  // namespace limber::program

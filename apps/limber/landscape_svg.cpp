@@ -157,16 +157,24 @@ std::vector<Patch> coarse_sheet(const Mesh& sheet) {
   return patches;
 }
 
+/// Dots as lines of no length with round ends: the style sheet gives their size in pixels of the page.
+std::string dots(const std::vector<Point>& points, const char* size_class) {
+  std::string path;
+  for (const Point& p : points) path += fmt::format("M{:.1f} {:.1f}h0", p.x, p.y);
+  if (path.empty()) return path;
+  return fmt::format("<path class='dots {0} under' d='{1}'/><path class='dots {0}' d='{1}'/>\n", size_class, path);
+}
+
 std::string trail(const std::vector<DemoFrame>& frames, const View& view) {
-  std::string line, contacts;
+  std::string line;
+  std::vector<Point> contacts;
   for (const DemoFrame& frame : frames) {
     const Point at = view(frame.ball_center);
     line += fmt::format("{:.1f},{:.1f} ", at.x, at.y);
-    if (frame.answer.status != Status::collision) continue;
-    contacts += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.6'/>", at.x, at.y);
+    if (frame.answer.status == Status::collision) contacts.push_back(at);
   }
-  return "<polyline class='trail under' points='" + line + "'/><polyline class='trail' points='" + line +
-         "'/>\n<g class='contacts'>" + contacts + "</g>\n";
+  return "<polyline class='trail under' points='" + line + "'/><polyline class='trail' points='" + line + "'/>\n" +
+         dots(contacts, "");
 }
 
 std::vector<Vec3> corners_of(const Triangle& triangle, const Transform& pose) {
@@ -216,10 +224,9 @@ std::string close_up_svg(const DemoRun& run) {
   const Point a = view(witness.point_a), b = view(witness.point_b);
   svg += fmt::format(
       "<path class='witness under' d='M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}'/>"
-      "<path class='witness' d='M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}'/>\n"
-      "<circle class='end' cx='{0:.1f}' cy='{1:.1f}' r='5'/><circle class='end' cx='{2:.1f}' cy='{3:.1f}' r='5'/>\n",
+      "<path class='witness' d='M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}'/>\n",
       a.x, a.y, b.x, b.y);
-  return svg + "</svg>\n";
+  return svg + dots({a, b}, "ends") + "</svg>\n";
 }
 
 }  // namespace limber::program
