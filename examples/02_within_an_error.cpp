@@ -6,11 +6,11 @@
 #include <cstdio>
 
 #include "limber/limber.h"
-#include "scenes/scenes.h"
+#include "shapes.h"
 
 int main() {
-  const limber::Model square(limber::scenes::thesis_square()), ball(limber::scenes::thesis_ball());
-  const limber::Placed a{square}, b{ball, limber::scenes::ball_over_square(ball.mesh(), 0.25, 0)};  // 0.25 apart
+  const limber::Model square(shapes::sheet(64, 8)), ball(shapes::ball(32));
+  const limber::Placed a{square}, b{ball, {{}, {0, 0, 1.25}}};  // 0.25 apart
 
   const limber::DistanceResult exact = limber::distance(a, b);
   // Stops as soon as the answer is at most a tenth too large, or at most 0.01, whichever comes first.

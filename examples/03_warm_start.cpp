@@ -7,18 +7,17 @@
 #include <cstdio>
 
 #include "limber/limber.h"
-#include "scenes/scenes.h"
+#include "shapes.h"
 
 int main() {
-  const limber::Model sheet(limber::scenes::wave_sheet(100, 100, 0)), ball(limber::scenes::thesis_ball());
+  const limber::Model sheet(shapes::sheet(100, 8)), ball(shapes::ball(32));
   limber::QueryCache cache;  // belongs to these two models; one thread at a time
   double nearest = 1e9, largest_difference = 0;
   unsigned long long cold_tests = 0, warm_tests = 0;
   for (int frame = 0; frame < 200; ++frame) {
     const double t = 0.01 * frame;
     const limber::Transform pose =
-        limber::transform_from_quaternion({2 + std::cos(3 * t), 2 + std::sin(3 * t), 1.5 - 0.4 * t}, 1, t, 0, t)
-            .value();
+        limber::transform_from_quaternion({std::cos(3 * t), std::sin(3 * t), 2 - 0.4 * t}, 1, t, 0, t).value();
     const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {}, cache);
     const limber::DistanceResult cold = limber::distance({sheet}, {ball, pose});
     nearest = std::min(nearest, warm.upper);

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "limber/limber.h"
-#include "scenes/scenes.h"
+#include "shapes.h"
 
 int main() {
-  const limber::Model square(limber::scenes::thesis_square()), ball(limber::scenes::thesis_ball());
+  const limber::Model square(shapes::sheet(64, 8)), ball(shapes::ball(32));
   const auto distance_at = [&](std::size_t place) {
     const double height = 0.1 * static_cast<double>(place);
-    return limber::distance({square}, {ball, limber::scenes::ball_over_square(ball.mesh(), height, 0)}).upper;
+    return limber::distance({square}, {ball, {{}, {0, 0, 1 + height}}}).upper;
   };
 
   constexpr std::size_t places = 64, thread_count = 8;

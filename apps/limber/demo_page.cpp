@@ -154,7 +154,7 @@ Chart time_chart() {
 
 /// What a curve is about, and the numbers that sum it up.
 std::string time_label(const std::string& name, const Spread& spread) {
-  return name + ": " + in_html(spread_text(spread));
+  return name + "<span class='numbers'>: " + in_html(spread_text(spread)) + "</span>";
 }
 
 Chart update_chart(const DemoRun& run, const DemoSummary& summary) {
