@@ -8,6 +8,17 @@ target_compile_features(limber_options INTERFACE cxx_std_20)
 target_compile_options(limber_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor
   $<$<BOOL:${LIMBER_WARNINGS_AS_ERRORS}>:-Werror>)
+# Clang's -Wconversion for C++ includes changes of sign; GCC's does not.
+target_compile_options(limber_options INTERFACE -Wno-sign-conversion)
+# What the sanitizers add between a write and a read hides the write from GCC: it warns inside std::regex.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  target_compile_options(limber_options INTERFACE -Wno-maybe-uninitialized)
+endif()
 target_compile_definitions(limber_options INTERFACE $<$<BOOL:${LIMBER_CHECKS}>:LIMBER_CHECKS>)
+# Libraries are position-independent, so that a static one can become part of somebody's shared one. The option lets the
+# compiler inline across functions all the same, as it does in programs.
+target_compile_options(limber_options INTERFACE -fno-semantic-interposition)
+set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)

@@ -1,14 +1,77 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-# What `cmake --install` adds to headers and libraries, so that find_package(limber) works.
+# What `cmake --install` brings: libraries, headers, the packages of CMake and pkg-config, and the program with its manual.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-set(LIMBER_CMAKE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
-if(LIMBER_INSTALL)
-  configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/limberConfig.cmake.in ${PROJECT_BINARY_DIR}/limberConfig.cmake
-    INSTALL_DESTINATION ${LIMBER_CMAKE_FOLDER})
-  write_basic_package_version_file(${PROJECT_BINARY_DIR}/limberConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-  install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
-    DESTINATION ${LIMBER_CMAKE_FOLDER})
+set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
+set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# An installed shared library or program finds the libraries installed beside it.
+set(run_paths)
+if(BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH libraries_from_programs /prefix/${CMAKE_INSTALL_BINDIR} /prefix/${CMAKE_INSTALL_LIBDIR})
+  set(run_paths $ORIGIN $ORIGIN/${libraries_from_programs})
+endif()
+
+# limber_install_library(TARGET EXPORT HEADER...)
+function(limber_install_library target export)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${run_paths}")
+  install(TARGETS ${target} EXPORT ${export})
+  install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+  install(EXPORT ${export} NAMESPACE limber:: DESTINATION ${cmake_folder})
+endfunction()
+
+# limber_install_pkgconfig(NAME DESCRIPTION LIBRARY REQUIRES FROM_SHARED): whoever links a static library links what that
+# needs too; a shared one brings it along, unless FROM_SHARED says that its headers need the others' as well.
+function(limber_install_pkgconfig name description library requires from_shared)
+  set(requires_private "")
+  if(BUILD_SHARED_LIBS AND NOT from_shared)
+    set(requires_private "${requires}")
+    set(requires "")
+  endif()
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/limber.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${pkgconfig_folder})
+endfunction()
+
+# Places are written relative to the file, so that a tree can be installed anywhere and moved.
+if(IS_ABSOLUTE ${CMAKE_INSTALL_LIBDIR} OR IS_ABSOLUTE ${CMAKE_INSTALL_INCLUDEDIR})
+  set(pkgconfig_prefix ${CMAKE_INSTALL_PREFIX})
+  set(pkgconfig_libraries ${CMAKE_INSTALL_FULL_LIBDIR})
+  set(pkgconfig_headers ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+else()
+  file(RELATIVE_PATH up /prefix/${pkgconfig_folder} /prefix)
+  string(REGEX REPLACE "/$" "" up "${up}")
+  set(pkgconfig_prefix "\${pcfiledir}/${up}")
+  set(pkgconfig_libraries "\${prefix}/${CMAKE_INSTALL_LIBDIR}")
+  set(pkgconfig_headers "\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}")
+endif()
+
+file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/limber/*.h)
+set(io_headers ${PROJECT_SOURCE_DIR}/include/limber/io.h)
+list(REMOVE_ITEM headers ${io_headers})
+limber_install_library(limber limberTargets ${headers})
+limber_install_pkgconfig(limber "${PROJECT_DESCRIPTION}" limber "tbb, libhwy" OFF)
+if(TARGET limber_io)
+  limber_install_library(limber_io limberIoTargets ${io_headers})
+  limber_install_pkgconfig(limber-io "Mesh files for limber" limber_io "limber = ${PROJECT_VERSION}" ON)
+endif()
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/limberConfig.cmake.in ${PROJECT_BINARY_DIR}/limberConfig.cmake
+  INSTALL_DESTINATION ${cmake_folder} NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/limberConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
+  DESTINATION ${cmake_folder})
+
+# Not CMAKE_INSTALL_DOCDIR: that is named after whichever project asked for these folders first.
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
+if(TARGET limber_program)
+  set_target_properties(limber_program PROPERTIES INSTALL_RPATH "${run_paths}")
+  install(TARGETS limber_program)
+  if(NOT CMAKE_CROSSCOMPILING)
+    install(FILES ${PROJECT_BINARY_DIR}/apps/limber/limber.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  endif()
+  set(completions ${PROJECT_SOURCE_DIR}/apps/limber/completions)
+  install(FILES ${completions}/limber.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME limber)
+  install(FILES ${completions}/limber.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions RENAME _limber)
+  install(FILES ${completions}/limber.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 endif()

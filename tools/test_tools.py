@@ -63,6 +63,7 @@ class Layers(Repository):
             ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
             ("include/limber/mesh.h", "limber/base.h"),
             ("include/limber/mesh.h", "<vector>"),
+            ("include/limber/eigen.h", "<Eigen/Core>"),
             ("tests/unit/a_test.cpp", "classic/tree.h"),
             ("tests/property/a_test.cpp", "classic/tree.h"),
             ("tests/oracle/a_test.cpp", "<CGAL/Point_3.h>"),
@@ -101,6 +102,8 @@ class Layers(Repository):
             ("bench/thesis/a.cpp", "classic/tree.h"),
             ("include/limber/mesh.h", "core/check.h"),
             ("include/limber/mesh.h", "<fmt/format.h>"),
+            ("include/limber/mesh.h", "<Eigen/Core>"),
+            ("src/model/a.cpp", "limber/eigen.h"),
             ("include/limber/mesh.h", "limber/no_such.h"),
         ):
             with self.subTest(path=path, target=target):

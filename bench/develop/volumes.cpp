@@ -18,6 +18,7 @@
 #include "bvh/tree.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "model/model_impl.h"
 #include "scenes/scenes.h"
 
 namespace limber {

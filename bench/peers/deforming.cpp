@@ -79,7 +79,7 @@ void two_threads(std::uint32_t nx, std::uint32_t ny, int rounds, CsvFile& csv, M
   Model model(sheet.mesh, {.rebuild_policy = RebuildPolicy::off});
   std::vector<double> commit_us[2];
   for (int round = 1; round <= rounds; ++round) {
-    for (const std::size_t threads : {1, 2}) {
+    for (const std::size_t threads : {1U, 2U}) {
       const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
       if (!model.move_all(sheet.positions(round))) return;
       const Stopwatch watch;

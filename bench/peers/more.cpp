@@ -61,7 +61,7 @@ void warm(const Model& a, const Model& b, int rounds, Checker& checker, CsvFile&
   table.line("\n### Warm start along half a turn of a smooth flight, in frames of different length\n");
   table.line("| frames | gap about | query | cold us a frame | warm us a frame | ratio |");
   table.line("|--:|:--|:--|--:|--:|--:|");
-  for (const std::size_t frames : {500, 2000, 10000}) {
+  for (const std::size_t frames : {500U, 2000U, 10000U}) {
     for (const double gap : {0.3, 0.05, 0.001}) {
       const std::vector<Transform> poses = flight(a, b, gap, frames);
       for (const Question& question : {Question{"distance", 0}, {"within 10 %", 0.1}, {"collide", -1}}) {

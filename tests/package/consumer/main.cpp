@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <limber/eigen.h>
+#include <limber/io.h>
 #include <limber/limber.h>
 
 #include <cstdio>
@@ -8,7 +10,10 @@ int main() {
   const limber::Mesh square =
       limber::Mesh::create({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}).value();
   const limber::Model a(square), b(square);
-  const double distance = limber::distance({a}, {b, {{}, {0, 0, 3}}}).upper;
-  std::printf("%g apart\n", distance);
-  return distance == 3 ? 0 : 1;
+  Eigen::Isometry3d pose_b = Eigen::Isometry3d::Identity();
+  pose_b.translation().z() = 3;
+  const double distance = limber::distance({a}, {b, limber::transform_from_eigen(pose_b).value()}).upper;
+  const auto missing = limber::load_mesh("missing.obj");
+  std::printf("%g apart; %s\n", distance, missing ? "" : missing.error().text.c_str());
+  return distance == 3 && !missing ? 0 : 1;
 }
