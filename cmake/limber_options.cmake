@@ -20,5 +20,17 @@ target_compile_definitions(limber_options INTERFACE $<$<BOOL:${LIMBER_CHECKS}>:L
 target_compile_options(limber_options INTERFACE -fno-semantic-interposition)
 set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+
+# For sources whose own speed does not matter: tests, and the program around the library.
+add_library(limber_quick_options INTERFACE)
+target_compile_options(limber_quick_options INTERFACE $<$<NOT:$<CONFIG:Debug>>:-Og>)
+
+# limber_precompile(TARGET PRIVATE HEADER...), or REUSE_FROM another target: parses headers once for all sources. With the option, what ccache
+# sees of a source names the precompiled header.
+function(limber_precompile target)
+  target_precompile_headers(${target} ${ARGN})
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endfunction()
+
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)

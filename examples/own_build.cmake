@@ -2,15 +2,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 # What limber's own tests add: the examples as a project of its own, and the C++ example of the README.
-add_test(NAME package.examples
-  COMMAND ${CMAKE_CTEST_COMMAND}
-    --build-and-test ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/alone
-    --build-generator ${CMAKE_GENERATOR} --build-options
-      -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
-      -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}
-      -DCMAKE_PREFIX_PATH=${limber_BINARY_DIR}/tests/package/installed
-    --test-command ${CMAKE_CTEST_COMMAND} --output-on-failure)
-set_tests_properties(package.examples PROPERTIES LABELS package TIMEOUT 600 FIXTURES_REQUIRED limber_installed)
+if(LIMBER_INSTALL)
+  add_test(NAME package.examples
+    COMMAND ${CMAKE_CTEST_COMMAND}
+      --build-and-test ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_BINARY_DIR}/alone
+      --build-generator ${CMAKE_GENERATOR} --build-options
+        -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
+        -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}
+        -DCMAKE_PREFIX_PATH=${limber_BINARY_DIR}/tests/package/installed
+      --test-command ${CMAKE_CTEST_COMMAND} --output-on-failure)
+  set_tests_properties(package.examples PROPERTIES LABELS package TIMEOUT 600 FIXTURES_REQUIRED limber_installed)
+endif()
 
 # The README's program as it stands there.
 set(readme_file ${limber_SOURCE_DIR}/README.md)

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,6 +9,10 @@
 
 #include "limber/classic.h"
 #include "limber/model.h"
+
+namespace CLI {
+class App;
+}
 
 /// Deforming models of the engine that the user has chosen.
 namespace limber::program {

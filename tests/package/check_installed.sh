@@ -25,8 +25,11 @@ check_files() {
   for file in "$LIMBER_SOURCE_DIR"/include/limber/*.h; do
     cmp -- "$file" "$prefix/include/limber/${file##*/}"
   done
-  for file in "$libraries"/{liblimber.a,liblimber_io.a,pkgconfig/{limber,limber-io}.pc} \
-    "$libraries"/cmake/limber/limber{Config,ConfigVersion,Targets,IoTargets}.cmake "$prefix/share/doc/limber/LICENSE"; do
+  for file in limber limber_io; do
+    [[ -s $libraries/lib$file.a || -s $libraries/lib$file.so ]] || die "$libraries has no library $file"
+  done
+  for file in "$libraries"/pkgconfig/{limber,limber-io}.pc "$prefix/share/doc/limber/LICENSE" \
+    "$libraries"/cmake/limber/limber{Config,ConfigVersion,Targets,IoTargets}.cmake; do
     [[ -s $file ]] || die "$file is missing or empty"
   done
   [[ ! -e $program ]] || expect "the program's version" "limber $(pkg-config_of --modversion limber)" "$("$program" --version)"
