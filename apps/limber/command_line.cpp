@@ -128,7 +128,7 @@ Exit codes:
   0  there is an answer
   1  the program has failed, or the answer could not be written
   2  bad usage or bad input; one line on standard error says what and where
-  3  there is an answer, and something was found; only with --exit-code
+  3  there is an answer, and something was found; only with --exit-code or --min-clearance
 )");
 }
 

@@ -23,7 +23,10 @@ struct Arguments {
 
 DistanceQuestion question_of(const Arguments& arguments) {
   DistanceQuestion question{arguments.options, std::nullopt, arguments.pair.exit_code};
-  if (arguments.min_clearance > 0) question.min_clearance = arguments.min_clearance;
+  if (arguments.min_clearance > 0) {
+    question.min_clearance = arguments.min_clearance;
+    question.exit_code = true;
+  }
   return question;
 }
 
@@ -99,8 +102,8 @@ void check_options(const CLI::App& command, const Arguments& arguments) {
   if (arguments.min_clearance > arguments.options.max_distance) {
     throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
   }
-  if (is_given("--exit-code") && !is_given("--min-clearance") && !is_given("--max-distance")) {
-    throw CLI::ValidationError("--exit-code", "needs --min-clearance or --max-distance");
+  if (is_given("--exit-code") && !is_given("--max-distance")) {
+    throw CLI::ValidationError("--exit-code", "needs --max-distance");
   }
 }
 
@@ -110,12 +113,12 @@ Verb add_distance(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
   add_pair_arguments(command, arguments->pair,
-                     "a pair is closer than --min-clearance or, without that option, not beyond --max-distance");
+                     "a pair is not beyond --max-distance and, where --min-clearance is given, closer than that");
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
   add_number(command, "--min-clearance", arguments->min_clearance,
              {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
-             "tell whether the models are closer than this length")
+             "exit with 3 instead of 0 when a pair is closer than this length")
       ->type_name("LENGTH")
       ->default_str("");
   command

@@ -15,7 +15,7 @@ enum class ExitCode {
   answered = 0,
   failure = 1,    ///< of the program, or of writing the answer
   bad_input = 2,  ///< bad usage or bad input
-  found = 3,      ///< answered, and --exit-code tells that something was found
+  found = 3,      ///< answered, and something was found, where --exit-code or --min-clearance asks to tell so
 };
 
 /// A verb of the program: its part of the command line, and the function to be run after parsing.

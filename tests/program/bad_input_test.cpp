@@ -41,7 +41,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
   expect_refused({"track", "--a", "scene:ball"}, "track: --b is required");
   expect_refused({"within", "scene:ball", "scene:ball"}, "within: --max-distance is required");
   expect_refused({"distance", "scene:ball", "scene:ball", "--exit-code"},
-                 "--exit-code: needs --min-clearance or --max-distance");
+                 "--exit-code: needs --max-distance");
   expect_refused({"distance", "scene:ball", "scene:ball", "--min-clearance", "2", "--max-distance", "1"},
                  "--max-distance: must be at least --min-clearance");
   expect_refused({"distance", "scene:ball", "scene:ball", "--out", "x.csv"}, "--out: belongs to --pairs");
