@@ -25,10 +25,10 @@ set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON
 add_library(limber_quick_options INTERFACE)
 target_compile_options(limber_quick_options INTERFACE $<$<NOT:$<CONFIG:Debug>>:-Og>)
 
-# limber_precompile(TARGET PRIVATE HEADER...), or REUSE_FROM another target: parses headers once for all sources. With the option, what ccache
+# limber_precompile(TARGET HEADER...): parses headers once for all sources of the target. With the option, what ccache
 # sees of a source names the precompiled header.
 function(limber_precompile target)
-  target_precompile_headers(${target} ${ARGN})
+  target_precompile_headers(${target} PRIVATE ${ARGN})
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endfunction()
 
