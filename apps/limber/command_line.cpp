@@ -16,7 +16,7 @@ namespace limber::program {
 namespace {
 
 constexpr std::size_t line_width = 80;
-constexpr std::size_t name_width = 28;
+constexpr std::size_t name_width = 30;
 constexpr const char* version_line = "limber " LIMBER_VERSION;
 
 /// Help in lines that fit into a terminal.
@@ -120,15 +120,15 @@ void describe(CLI::App& app) {
   app.add_flag_callback("-V", version)->group("");  // as some programs call it; help need not say so
   app.require_subcommand(1);
   app.footer(R"(
-limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-
-in meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
+limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-in
+meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
 
 Exit codes:
 
   0  there is an answer
   1  the program has failed, or the answer could not be written
   2  bad usage or bad input; one line on standard error says what and where
-  3  there is an answer, and something was found; only with --exit-code or --min-clearance
+  3  there is an answer, and something was found; only where options say so
 )");
 }
 

@@ -37,9 +37,10 @@ check_files() {
 
 # The manual page is sound for its formatter and has every verb with every option.
 check_manual() {
-  local page=$prefix/share/man/man1/limber.1 text verb option
-  text=$(MANWIDTH=200 man --warnings -l "$page" 2>&1 | col -bx)
-  [[ $text != *warning* ]] || die "$text"
+  local page=$prefix/share/man/man1/limber.1 text warnings verb option
+  warnings=$(man --warnings -l "$page" 2>&1 >/dev/null)
+  [[ -z $warnings ]] || die "$warnings"
+  text=$(MANWIDTH=200 man -l "$page" | col -bx)
   for verb in $(verbs); do
     grep -q "^LIMBER $verb\$" <<<"$text" || die "the manual page has no verb $verb"
     for option in $("$program" "$verb" --help | grep -oE '^  (-[a-z], *)?--[a-z-]+'); do
@@ -60,7 +61,7 @@ completions() {
 }
 
 check_completion() {
-  expect 'all verbs' "$( (verbs; echo --help; echo --version; echo -h) | sort | xargs)" "$(completions '')"
+  expect 'all verbs' "$( (verbs; echo --help; echo --version; echo -h; echo -v) | sort | xargs)" "$(completions '')"
   expect 'verbs on dist' distance "$(completions dist)"
   expect 'options on --pose' '--pose-a --pose-b' "$(completions distance a.obj b.obj --pose)"
   expect 'words of --engine' 'classic fast' "$(completions track --engine '')"
