@@ -18,7 +18,7 @@
 ///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. Slots
 ///       of the last leaf beyond the triangles repeat its last one. A leaf names the vertices of its triangles.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
-///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `motion_margin`:
+///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `drift`:
 ///       they contain the fitted positions of its vertices.
 ///   I5  A quantized corner is within 0.52 steps, each coordinate, of the corner it stands for, and within the float64
 ///       rounding of its place relative to the node's origin, which the error of placed points covers.
@@ -33,7 +33,7 @@ struct Tree {
   double unit = 1;                         // length of 1 in the nodes, a power of two
   std::uint64_t assignment_id = 0;         // of the assignment of triangles to leaves: changes whenever that does
   double displacement = 0;                 // at least how far any vertex has moved since the tree got its assignment_id
-  double motion_margin = 0;                // vertices are at most this far from their fitted positions
+  double drift = 0;                        // vertices are at most this far from their fitted positions
   // Where queries add what the motion margin has cost them, in units of margin_cost_unit; null without a margin.
   std::atomic<std::uint64_t>* margin_cost = nullptr;
 

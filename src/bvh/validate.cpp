@@ -128,8 +128,8 @@ std::uint32_t first_leaf(const Tree& tree, std::uint32_t n, std::size_t level) {
 }  // namespace
 
 Result<void> validate(const Tree& tree, MeshView mesh) {
-  if (auto sound = check_topology(tree, mesh.triangles.size()); !sound) return sound;
-  if (auto sound = check_leaves(tree, mesh); !sound) return sound;
+  if (auto valid = check_topology(tree, mesh.triangles.size()); !valid) return valid;
+  if (auto valid = check_leaves(tree, mesh); !valid) return valid;
   for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level) {
     const bool lowest = level + 2 == tree.level_begin.size();
     for (std::uint32_t n = tree.level_begin[level]; n < tree.level_begin[level + 1]; ++n) {
@@ -138,14 +138,14 @@ Result<void> validate(const Tree& tree, MeshView mesh) {
         const std::uint32_t child = node.first_child + slot;
         const std::uint32_t first = lowest ? child : first_leaf(tree, child, level + 1);
         const std::uint32_t last = lowest ? child + 1 : first_leaf(tree, child + 1, level + 1);
-        if (auto sound = check_bounds(tree, n * width + slot, mesh, first, last); !sound) return sound;
+        if (auto valid = check_bounds(tree, n * width + slot, mesh, first, last); !valid) return valid;
         const double farthest = length(local_slot_center(node, slot)) + static_cast<double>(node.bounds.radius[slot]);
         if (!(farthest <= static_cast<double>(node.radius))) return broken(6, "radius of wide node", n);
         if ((node.coincident_slots >> slot & 1) != 0 && !is_coincident(tree, mesh, first, last)) {
           return broken(7, "triangles of slot", n * width + slot);
         }
         if (!lowest) continue;
-        if (auto sound = check_quantized(tree, node, slot, mesh); !sound) return sound;
+        if (auto valid = check_quantized(tree, node, slot, mesh); !valid) return valid;
       }
     }
   }

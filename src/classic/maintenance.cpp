@@ -99,7 +99,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
     const std::vector<Vec3> copy(positions.begin(), positions.end());
     return move_vertices(ids, copy);
   }
-  if (auto sound = check_update(tree_->mesh, ids, positions); !sound) return sound;
+  if (auto valid = check_update(tree_->mesh, ids, positions); !valid) return valid;
   for (std::size_t i = 0; i < ids.size(); ++i) move_vertex(*tree_, ids[i], positions[i]);
   return {};
 }
@@ -107,7 +107,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 Result<void> Model::move_all(std::span<const Vec3> positions) {
   const core::DefaultFloatEnvironment environment;
   require_valid("move_all");
-  if (auto sound = check_update_of_all(tree_->mesh, positions); !sound) return sound;
+  if (auto valid = check_update_of_all(tree_->mesh, positions); !valid) return valid;
   for (VertexId v = 0; v < positions.size(); ++v) move_vertex(*tree_, v, positions[v]);
   return {};
 }

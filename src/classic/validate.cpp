@@ -16,7 +16,7 @@ Error broken(int invariant, std::size_t node) {
           "invariant I" + std::to_string(invariant) + " broken at node " + std::to_string(node), node};
 }
 
-bool links_are_sound(const Tree& tree, std::uint32_t n) {
+bool links_are_valid(const Tree& tree, std::uint32_t n) {
   const Node& node = tree.nodes[n];
   if (node.is_leaf()) return node.first_child == no_id;
   if (node.first_child <= n || std::size_t{node.first_child} + 1 >= tree.nodes.size()) return false;
@@ -43,7 +43,7 @@ Result<void> Model::validate() const {
   const std::size_t count = tree.mesh.triangles().size();
   if (tree.nodes.size() != 2 * count - 1 || tree.nodes[root].parent != no_id) return broken(1, root);
   for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
-    if (!links_are_sound(tree, n)) return broken(2, n);
+    if (!links_are_valid(tree, n)) return broken(2, n);
   }
   if (tree.leaf_of.size() != count) return broken(3, root);
   for (TriangleId t = 0; t < count; ++t) {

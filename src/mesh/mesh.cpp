@@ -34,8 +34,8 @@ Error size_mismatch(const std::string& given, std::size_t given_count, const std
 }
 
 Result<void> check_new_positions(std::span<const Vec3> positions) {
-  if (auto sound = check_positions(positions); !sound) {
-    const Error& error = sound.error();
+  if (auto valid = check_positions(positions); !valid) {
+    const Error& error = valid.error();
     return at_entry(
         error.code, error.where.value_or(0),
         error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
@@ -50,7 +50,7 @@ simd::Displacement displacements(std::span<const Vec3> from, std::span<const Vec
 }  // namespace
 
 Result<void> check_positions(std::span<const Vec3> positions) {
-  // All at once, since nearly always all are sound.
+  // All at once, since nearly always all are valid.
   if (displacements(positions, positions).is_bounded) return {};
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (!is_finite(positions[v])) return at_vertex(ErrorCode::non_finite, v, "is not finite");
@@ -80,7 +80,7 @@ Result<void> check_mesh(MeshView mesh) {
 }
 
 Result<Mesh> Mesh::create(std::vector<Vec3> positions, std::vector<Corners> triangles) {
-  if (auto sound = check_mesh({positions, triangles}); !sound) return sound.error();
+  if (auto valid = check_mesh({positions, triangles}); !valid) return valid.error();
   return Mesh(std::move(positions), std::move(triangles));
 }
 
@@ -132,13 +132,13 @@ Mesh::Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles)
 Result<void> Mesh::set_position(VertexId id, const Vec3& position) { return set_positions({&id, 1}, {&position, 1}); }
 
 Result<void> Mesh::set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  if (auto sound = check_update(*this, ids, positions); !sound) return sound;
+  if (auto valid = check_update(*this, ids, positions); !valid) return valid;
   MeshWriter::set_positions(*this, ids, positions);
   return {};
 }
 
 Result<void> Mesh::set_positions(std::span<const Vec3> positions) {
-  if (auto sound = check_update_of_all(*this, positions); !sound) return sound;
+  if (auto valid = check_update_of_all(*this, positions); !valid) return valid;
   MeshWriter::set_positions(*this, positions);
   return {};
 }
@@ -192,9 +192,9 @@ Result<double> check_displacements(const Mesh& mesh, std::span<const Vec3> posit
     const simd::Displacement displacement = displacements(mesh.positions(), positions);
     if (displacement.is_bounded) return displacement.farthest_sq;
   }
-  const auto sound = check_update_of_all(mesh, positions);
-  LIMBER_ASSERT(!sound);
-  return sound.error();
+  const auto valid = check_update_of_all(mesh, positions);
+  LIMBER_ASSERT(!valid);
+  return valid.error();
 }
 
 }  // namespace limber

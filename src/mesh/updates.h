@@ -22,7 +22,7 @@ Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positio
 /// The same; returns the longest displacement of a vertex, squared.
 Result<double> check_displacements(const Mesh& mesh, std::span<const Vec3> positions);
 
-/// Replaces positions of a mesh without checking them again. Pre: the update has been found sound.
+/// Replaces positions of a mesh without checking them again. Pre: the update is valid.
 struct MeshWriter {
   static void set_position(Mesh& mesh, VertexId id, const Vec3& position);
   static void set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);

@@ -86,7 +86,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
     const std::vector<Vec3> copy(positions.begin(), positions.end());
     return move_vertices(ids, copy);
   }
-  if (auto sound = check_update(impl.mesh, ids, positions); !sound) return sound;
+  if (auto valid = check_update(impl.mesh, ids, positions); !valid) return valid;
   if (ids.empty()) return {};
   updater_of(impl).move(impl.mesh, ids, positions);
   impl.stats.moved_vertices += ids.size();
@@ -168,8 +168,7 @@ Box Model::bounding_box() const {
   const bvh::Tree& tree = impl_->tree;
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
-  const Vec3 center = bvh::slot_center(tree, bvh::root),
-             extents = half + Vec3{1, 1, 1} * (tree.motion_margin + rounding(tree));
+  const Vec3 center = bvh::slot_center(tree, bvh::root), extents = half + Vec3{1, 1, 1} * (tree.drift + rounding(tree));
   return {center - extents, center + extents};
 }
 
@@ -179,7 +178,7 @@ Sphere Model::bounding_sphere() const {
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
   const bvh::Tree& tree = impl_->tree;
   const double radius = tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]);
-  return {bvh::slot_center(tree, bvh::root), (radius + tree.motion_margin + rounding(tree)) * core::outward};
+  return {bvh::slot_center(tree, bvh::root), (radius + tree.drift + rounding(tree)) * core::outward};
 }
 
 Result<void> Model::validate() const {
@@ -189,7 +188,7 @@ Result<void> Model::validate() const {
   if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);
   const MeshView fitted = impl.updater->fitted(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
-    if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.motion_margin) continue;
+    if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.drift) continue;
     return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};
   }
   return bvh::validate(impl.tree, fitted);

@@ -101,7 +101,7 @@ class BucketQueue {
     buckets_per_bound_ = 0;
   }
 
-  static constexpr float no_bound = 3e38F, largest_bound = 2e38F;
+  static constexpr float no_limit_sq = 3e38F, largest_bound = 2e38F;
 
  private:
   void clear_buckets() {

@@ -48,7 +48,7 @@ void Frames::compute(Side s) {
   t.per_unit = 1 / t.unit;
   t.other_unit = placed_.tree(other(s)).unit;
   t.ratio = static_cast<float>(or_infinite(t.other_unit * t.per_unit));
-  t.error = placed_.error() + placed_.motion_margin();
+  t.error = placed_.error() + placed_.drift();
   t.error_units = core::float_up(or_infinite(t.error * t.per_unit)) + core::smallest_error_units;
 }
 

@@ -16,7 +16,7 @@ namespace limber::query {
 /// What a traversal has pruned, and how far the models may move before that has to be compared again.
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
-/// Differs   The front is not compared as a whole. displacement() sums up all motion, as an upper bound of what two
+/// Differs   The front is not compared as a whole. odometer() sums up all motion, as an upper bound of what two
 ///           points can have come closer by; a pruned pair is not compared again until that sum has used up its
 ///           distance.
 ///
@@ -30,7 +30,7 @@ namespace limber::query {
 class Front {
  public:
   struct Record {
-    double valid_until;  ///< its children stay pruned while displacement() + prune distance is at most that
+    double valid_until;  ///< its children stay pruned while odometer() + prune distance is at most that
     bvh::SlotId slot[2];
     bool expands_a;
     std::uint8_t pruned;  ///< bit mask of children
@@ -54,17 +54,17 @@ class Front {
   void resume(const PlacedModels& placed, const Transform& a_from_b) {
     LIMBER_ASSERT(can_resume(placed));
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (core::sum_up - 1);
-    displacement_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
-    displacement_ *= core::sum_up;
+    odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    odometer_ *= core::sum_up;
     set_place(placed, a_from_b);
     expansions_ = 0;
     is_complete_ = false;
   }
-  double displacement() const { return displacement_; }
+  double odometer() const { return odometer_; }
 
   void clear() {
     count_ = 0, expansions_ = 0, first_expansions_ = 0;
-    displacement_ = 0;
+    odometer_ = 0;
     is_complete_ = false;
   }
 
@@ -91,7 +91,7 @@ class Front {
     LIMBER_ASSERT(record < count_ && distance > 0);
     Record& r = records_[record];
     r.pruned = static_cast<std::uint8_t>(r.pruned | children);
-    r.valid_until = std::min(r.valid_until, distance + displacement_);
+    r.valid_until = std::min(r.valid_until, distance + odometer_);
   }
 
   /// Takes the pruned children from a record, to be compared again.
@@ -124,7 +124,7 @@ class Front {
   // Where the models were in the last traversal.
   Transform a_from_b_;
   double error_ = 0, deformation_ = 0;
-  double displacement_ = 0;
+  double odometer_ = 0;
   bool is_complete_ = false;
   std::uint32_t count_ = 0, expansions_ = 0, first_expansions_ = 0;
   Record records_[capacity];

@@ -18,7 +18,7 @@ double sum_of_coordinates(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) 
 
 /// Radius of a sphere around the model, about the center of its root.
 double root_radius(const bvh::Tree& tree) {
-  return tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]) + tree.motion_margin;
+  return tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]) + tree.drift;
 }
 
 /// A lower bound of the distance of a point from a model, by the box or the slab of its root. The point is relative to
@@ -29,13 +29,13 @@ double root_gap(const bvh::Tree& tree, const Vec3& point) {
   const double height = dot(Vec3{n.normal_x[0], n.normal_y[0], n.normal_z[0]}, point);
   const double above = height - tree.unit * static_cast<double>(n.high[0]);
   const double below = tree.unit * static_cast<double>(n.low[0]) - height;
-  return std::max({length(out), above, below}) - tree.motion_margin;
+  return std::max({length(out), above, below}) - tree.drift;
 }
 
 /// At least the distance of any point of the placed model from the world's origin. A model that has drifted may be many
 /// radii away from the origin of its root.
 double magnitude(const bvh::Tree& tree, const Transform& pose) {
-  const double from_origin = tree.unit * static_cast<double>(tree.nodes[0].radius) + tree.motion_margin;
+  const double from_origin = tree.unit * static_cast<double>(tree.nodes[0].radius) + tree.drift;
   return sum_of_coordinates(pose.translation) +
          (sum_of_coordinates(tree.nodes[0].origin) + std::max(2 * root_radius(tree), from_origin)) * core::magnitude_up;
 }
@@ -79,8 +79,8 @@ double PlacedModels::root_bound() const {
 void PlacedModels::add_margin_cost(double steps) const {
   for (const Side s : {Side::a, Side::b}) {
     const bvh::Tree& t = tree(s);
-    if (t.margin_cost == nullptr || t.motion_margin == 0) continue;
-    const double share = steps * (t.motion_margin / motion_margin());
+    if (t.margin_cost == nullptr || t.drift == 0) continue;
+    const double share = steps * (t.drift / drift());
     t.margin_cost->fetch_add(static_cast<std::uint64_t>(share / bvh::margin_cost_unit), std::memory_order_relaxed);
   }
 }

@@ -40,7 +40,7 @@ class PlacedModels {
   bool is_placed_exactly() const { return is_placed_exactly_; }
 
   /// How far vertices of both models together may be outside of the bounds.
-  double motion_margin() const { return tree(Side::a).motion_margin + tree(Side::b).motion_margin; }
+  double drift() const { return tree(Side::a).drift + tree(Side::b).drift; }
   /// Notes traversal steps that the motion margin has added.
   void add_margin_cost(double steps) const;
 

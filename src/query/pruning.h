@@ -23,15 +23,15 @@ namespace limber::query {
 class Pruning {
  public:
   Pruning(const PlacedModels& placed, double prune_distance) : placed_(placed) {
-    of_[0].has_direction = of_[1].has_direction = false;
+    in_frame_[0].has_direction = in_frame_[1].has_direction = false;
     set_distance(prune_distance);
   }
 
-  double distance() const { return of_[0].distance; }
-  bool has_direction() const { return of_[0].has_direction; }
+  double distance() const { return in_frame_[0].distance; }
+  bool has_direction() const { return in_frame_[0].has_direction; }
 
   /// As the kernels need it, in the frame of either model.
-  const simd::Pruning& of(Side s) const { return of_[index(s)]; }
+  const simd::PruneLimits& of(Side s) const { return in_frame_[index(s)]; }
 
   /// Takes over what a goal has learnt.
   void improve(const Improvement& improvement) {
@@ -68,7 +68,7 @@ class Pruning {
   // A shorter one has no direction.
   static constexpr double shortest_separation = 0x1p-500;
 
-  void set_distance(double distance) { of_[0].distance = of_[1].distance = std::max(distance, smallest); }
+  void set_distance(double distance) { in_frame_[0].distance = in_frame_[1].distance = std::max(distance, smallest); }
 
   /// `direction` has length 1, in the world, from a to b.
   void set_direction(const Vec3& direction) {
@@ -76,7 +76,7 @@ class Pruning {
     direction_ = direction;
     out_of_a_ = transpose(placed_.pose(Side::a).rotation) * direction;
     out_of_b_ = transpose(placed_.pose(Side::b).rotation) * -direction;
-    simd::Pruning &a = of_[0], &b = of_[1];
+    simd::PruneLimits &a = in_frame_[0], &b = in_frame_[1];
     a.has_direction = b.has_direction = true;
     for (std::size_t k = 0; k < 3; ++k) {
       a.direction[k] = out_of_a_[k], b.direction[k] = out_of_b_[k];
@@ -108,7 +108,7 @@ class Pruning {
   }
 
   const PlacedModels& placed_;
-  simd::Pruning of_[2];
+  simd::PruneLimits in_frame_[2];
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;
   double offset_ = 0;  // of b's origin from a's along the search direction

@@ -11,17 +11,17 @@
 namespace limber::query {
 
 /// Runs a traversal to its end. Returns the prune distance: what was not compared is at least that far apart.
-template <bool records, typename Goal>
+template <bool has_front, typename Goal>
 double traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal& goal, QueryStats& stats) {
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return pruning.distance();
-  Traversal<Goal, records> traversal(placed, pruning, goal, stats);
+  Traversal<Goal, has_front> traversal(placed, pruning, goal, stats);
   traversal.start(root_bound, front);
   while (traversal.step()) {
   }
   traversal.finish();
-  if (placed.motion_margin() > 0) placed.add_margin_cost(traversal.margin_cost());
+  if (placed.drift() > 0) placed.add_margin_cost(traversal.margin_cost());
   return pruning.distance();
 }
 

@@ -27,9 +27,9 @@ namespace limber::query {
 ///           with the other node at once. Pairs are taken nearest first. Bounds also use the search direction, in which
 ///           the closest pair so far is apart.
 ///
-/// `Goal` is described in query/goals/improvement.h. With `records` a front is recorded, or resumed. The traversal owns
-/// what is pruned, and nothing else changes while it runs: goals return improvements, placed models are constant.
-template <typename Goal, bool records>
+/// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed. The traversal
+/// owns what is pruned, and nothing else changes while it runs: goals return improvements, placed models are constant.
+template <typename Goal, bool has_front>
 class Traversal {
  public:
   Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, QueryStats& stats)
@@ -41,7 +41,7 @@ class Traversal {
   /// Begins with the two roots, or where the front ended if it can be resumed. `front` is null unless one is recorded.
   void start(double root_bound, Front* front) {
     queue_.clear();
-    if constexpr (records) {
+    if constexpr (has_front) {
       front_ = front;
       is_recording_ = true;
       const Transform a_from_b = frames_.a_from_b();
@@ -63,7 +63,7 @@ class Traversal {
     if (goal_.is_done()) return false;
     update_limits();
     Expansion e;
-    if (records && records_left_ > 0 && !queue_.is_crowded()) {
+    if (has_front && records_left_ > 0 && !queue_.is_crowded()) {
       if (!expand_again(static_cast<std::uint16_t>(--records_left_), e)) return true;
     } else {
       if (queue_.empty()) return false;
@@ -76,7 +76,7 @@ class Traversal {
 
   /// Ends the traversal, wherever it is.
   void finish() {
-    if (records && front_ != nullptr) front_->finish(is_recording_ && !goal_.is_done());
+    if (has_front && front_ != nullptr) front_->finish(is_recording_ && !goal_.is_done());
   }
 
   /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
@@ -101,7 +101,7 @@ class Traversal {
     const bvh::Tree& tree = placed_.tree(s);
     const std::uint32_t n = bvh::node_of(slot);
     const bool is_coincident = (tree.nodes[n].coincident_slots >> bvh::slot_of(slot) & 1) != 0;
-    return n >= tree.first_lowest_node() || (is_coincident && tree.motion_margin == 0);
+    return n >= tree.first_lowest_node() || (is_coincident && tree.drift == 0);
   }
   /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
   bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
@@ -141,7 +141,7 @@ class Traversal {
   double chance_of_margin_cost(const NodePair& pair) const {
     if (tight_sq_ > 0) return 1;
     const double loose = looseness(Side::a, pair.slot[0]) + looseness(Side::b, pair.slot[1]);
-    return placed_.motion_margin() / (placed_.motion_margin() + loose);
+    return placed_.drift() / (placed_.drift() + loose);
   }
 
   /// A lower bound as a length.
@@ -151,7 +151,7 @@ class Traversal {
   /// Settles a pair, pruned or compared: what it holds is at least `distance` or the prune distance apart.
   void settle(const NodePair& pair, double distance) {
     LIMBER_ASSERT(distance >= 0);
-    if (records && is_recording_ && pair.record != Front::none) {
+    if (has_front && is_recording_ && pair.record != Front::none) {
       front_->prune(pair.record, 1U << pair.child, std::max(distance, pruning_.distance()));
     }
   }
@@ -160,11 +160,11 @@ class Traversal {
   void update_limits() {
     if (pruning_.distance() == limits_for_) return;
     limits_for_ = pruning_.distance();
-    const double tight = std::max(0.0, limits_for_ - placed_.motion_margin()) / placed_.tree(Side::a).unit;
-    tight_sq_ = static_cast<float>(std::min(tight * tight, double{BucketQueue::no_bound}));
+    const double tight = std::max(0.0, limits_for_ - placed_.drift()) / placed_.tree(Side::a).unit;
+    tight_sq_ = static_cast<float>(std::min(tight * tight, double{BucketQueue::no_limit_sq}));
     for (const Side s : {Side::a, Side::b}) {
       const double units = limits_for_ / placed_.tree(s).unit;
-      const double limit = std::min(units * units * (1 + core::storage_error), double{BucketQueue::no_bound});
+      const double limit = std::min(units * units * (1 + core::storage_error), double{BucketQueue::no_limit_sq});
       // A positive limit never prunes a pair whose bound is 0.
       limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::min());
     }
@@ -179,10 +179,10 @@ class Traversal {
     if (pair.bound_sq >= limit_sq_[0]) {
       settle(pair, length_of(Side::a, pair.bound_sq));
       // While recording, each remaining pair has to be settled on its own.
-      if (!records && queue_.all_beyond(limit_sq_[0])) queue_.clear();
+      if (!has_front && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
     }
-    if (placed_.motion_margin() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
+    if (placed_.drift() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       compare_leaves(pair);
       settle(pair, pruning_.distance());
@@ -192,7 +192,7 @@ class Traversal {
     e.node = child_of(e.side, pair.slot[index(e.side)]);
     e.children = (1U << placed_.tree(e.side).nodes[e.node].child_count) - 1;
     e.record = Front::none;
-    if (records && is_recording_) {
+    if (has_front && is_recording_) {
       e.record = front_->add(pair.slot, e.side);
       is_recording_ = e.record != Front::none;
     }
@@ -202,7 +202,7 @@ class Traversal {
   /// Expands what a record has pruned. False if that is still pruned.
   bool expand_again(std::uint16_t record, Expansion& e) {
     const Front::Record& r = front_->records()[record];
-    if (r.valid_until >= (front_->displacement() + pruning_.distance()) * core::sum_up) return false;
+    if (r.valid_until >= (front_->odometer() + pruning_.distance()) * core::sum_up) return false;
     e.side = r.expands_a ? Side::a : Side::b;
     e.pair = {0, {r.slot[0], r.slot[1]}, Front::none, 0};
     e.node = child_of(e.side, r.slot[index(e.side)]);
@@ -220,15 +220,15 @@ class Traversal {
     stats_.node_tests += node.child_count;
     alignas(32) float bound_sq[bvh::width];
     e.kept = kernels_.bound_children(node, other_node, frames_.of(e.side), pruning_.of(e.side),
-                                     limit_sq_[index(e.side)], e.order, records ? bound_sq : nullptr);
+                                     limit_sq_[index(e.side)], e.order, has_front ? bound_sq : nullptr);
     e.kept.all &= e.children, e.kept.overlapping &= e.children;
     const unsigned pruned = e.children & ~e.kept.all;
-    if (records && is_recording_ && pruned != 0) record_pruned(e, pruned, bound_sq);
+    if (has_front && is_recording_ && pruned != 0) record_pruned(e, pruned, bound_sq);
     if (e.kept.all != 0) keep(e);
   }
 
   void record_pruned(const Expansion& e, unsigned children, const float* bound_sq) {
-    float least = BucketQueue::no_bound;
+    float least = BucketQueue::no_limit_sq;
     for (unsigned rest = children; rest != 0; rest &= rest - 1) {
       least = std::min(least, bound_sq[std::countr_zero(rest)]);
     }
@@ -273,7 +273,7 @@ class Traversal {
   }
 
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
-    // Never as large as `no_bound`, which must not prune, even where the product overflows.
+    // Never as large as `no_limit_sq`, which must not prune, even where the product overflows.
     const float bound_sq =
         std::min(std::max(e.order[child], 0.0F) * to_a_sq_[index(e.side)], BucketQueue::largest_bound);
     const bvh::SlotId slot = e.node * bvh::width + child;
@@ -301,8 +301,8 @@ class Traversal {
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
       if (bound_sq >= limit * limit * double{core::squares_up}) continue;
-      const double tight = limit - placed_.motion_margin() * found.scale;
-      if (placed_.motion_margin() > 0 && bound_sq >= tight * tight) margin_cost_ += 1;
+      const double tight = limit - placed_.drift() * found.scale;
+      if (placed_.drift() > 0 && bound_sq >= tight * tight) margin_cost_ += 1;
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
       if (pruning_.prunes(a, slot_a, b, slot_b)) continue;
       ++stats_.triangle_tests;
@@ -323,11 +323,11 @@ class Traversal {
   Goal& goal_;
   QueryStats& stats_;
   const simd::Kernels& kernels_;
-  double limits_for_ = -1;                                 // prune distance that what follows was derived from
-  float limit_sq_[2] = {0, 0};                             // the same squared, in units of either tree
-  float tight_sq_ = 0;                                     // what it would be without a margin, in squared units of a
-  float to_a_sq_[2] = {1, 1};                              // squared units of either tree in those of a
-  float least_sq_ = 0, focus_sq_ = BucketQueue::no_bound;  // the focus of the queue
+  double limits_for_ = -1;      // prune distance that what follows was derived from
+  float limit_sq_[2] = {0, 0};  // the same squared, in units of either tree
+  float tight_sq_ = 0;          // what it would be without a margin, in squared units of a
+  float to_a_sq_[2] = {1, 1};   // squared units of either tree in those of a
+  float least_sq_ = 0, focus_sq_ = BucketQueue::no_limit_sq;  // the focus of the queue
   double margin_cost_ = 0;
   Front* front_ = nullptr;
   bool is_recording_ = false;     // whether the front will account for every pair

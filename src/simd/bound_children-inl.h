@@ -67,19 +67,22 @@ LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   const Packet rounding = p.d_sq * Packet::set(core::across_error);
   const Packet across_o = sqrt(max(p.d_sq - height_o * height_o - rounding, zero()));
   const Packet across = sqrt(max(p.d_sq - height * height - rounding, zero()));
-  const Packet tilted = support(p.radius, select(height_o * cosine > zero(), p.upper, p.lower), cosine_abs, sine);
-  const Packet tilted_o = support(radius_o, select(height * cosine > zero(), lower_o, upper_o), cosine_abs, sine);
-  const Packet best = max(gap_sq(height_o_abs - tilted - near_o.height, across_o - p.radius_sum),
-                          gap_sq(height_abs - near.height - tilted_o, across - p.radius_sum));
+  const Packet support_along_o =
+      support(p.radius, select(height_o * cosine > zero(), p.upper, p.lower), cosine_abs, sine);
+  const Packet support_o_along =
+      support(radius_o, select(height * cosine > zero(), lower_o, upper_o), cosine_abs, sine);
+  const Packet best = max(gap_sq(height_o_abs - support_along_o - near_o.height, across_o - p.radius_sum),
+                          gap_sq(height_abs - near.height - support_o_along, across - p.radius_sum));
   // Along the line of centers; products with `distance` instead of quotients. The sines are rounded down above; here
   // they have to be rounded up.
-  const Packet more = p.distance * Packet::set(core::sine_error);
-  const Packet line =
+  const Packet sine_rounding = p.distance * Packet::set(core::sine_error);
+  const Packet support_times_d =
       min(box_support(p.half, p.d), select(p.radius * height_abs <= near.height * p.distance, p.radius * p.distance,
-                                           near.height * height_abs + near.rim * (across + more)));
-  const Packet line_o = select(radius_o * height_o_abs <= near_o.height * p.distance, radius_o * p.distance,
-                               near_o.height * height_o_abs + near_o.rim * (across_o + more));
-  const Packet gap = max(p.d_sq - line - line_o, zero()) / max(p.distance, Packet::set(smallest_divisor));
+                                           near.height * height_abs + near.rim * (across + sine_rounding)));
+  const Packet support_o_times_d = select(radius_o * height_o_abs <= near_o.height * p.distance, radius_o * p.distance,
+                                          near_o.height * height_o_abs + near_o.rim * (across_o + sine_rounding));
+  const Packet gap =
+      max(p.d_sq - support_times_d - support_o_times_d, zero()) / max(p.distance, Packet::set(smallest_divisor));
   return max(best, gap * gap);
 }
 
@@ -100,7 +103,7 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
 }
 
 LIMBER_KERNEL KeptSlots bound_children(const bvh::WideNode& node, const OtherNode& other,
-                                       const FrameTransform& transform, const Pruning& pruning, float limit_sq,
+                                       const FrameTransform& transform, const PruneLimits& pruning, float limit_sq,
                                        float* order, float* bound_sq) {
   alignas(32) double center[4];
   project_center(*other.node, other.slot, transform, node.origin, center);

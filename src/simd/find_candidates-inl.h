@@ -89,7 +89,7 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
 LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
-                                       const ProjectedLeaves& pair, const Pruning& pruning) {
+                                       const ProjectedLeaves& pair, const PruneLimits& pruning) {
   alignas(64) float high[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
@@ -181,7 +181,7 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
 }
 
 LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                   const Pruning& pruning, Candidates& candidates) {
+                                   const PruneLimits& pruning, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
   std::uint64_t wanted =

@@ -99,7 +99,7 @@ LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAre
     const Packet extent = max(largest_abs(low), largest_abs(high));
     const Packet scale = Packet::set(1) / max(extent, Packet::set(smallest_extent));
     // Two sums, of every other triangle each.
-    const WidePacket none = twice(zero()), scales = twice(scale);
+    const WidePacket none = duplicated(zero()), scales = duplicated(scale);
     Triple<WidePacket> sums[2 / corners_at_once];
     for (Triple<WidePacket>& sum : sums) sum = {none, none, none};
     for (std::uint32_t j = 0; j < width; j += corners_at_once) {
@@ -126,8 +126,8 @@ struct Extent {
 /// Computes an extent, corner by corner.
 struct ExtentFit {
   Triple<WidePacket> shift, normal;  // `shift` is the center, relative to what corners are relative to
-  WidePacket farthest_sq = twice(zero());
-  WidePacket low = twice(Packet::set(far_off)), high = twice(Packet::set(-far_off));
+  WidePacket farthest_sq = duplicated(zero());
+  WidePacket low = duplicated(Packet::set(far_off)), high = duplicated(Packet::set(-far_off));
 
   LIMBER_KERNEL void add(const Triple<WidePacket>& corner) {
     const Triple<WidePacket> d = corner - shift;
@@ -151,14 +151,14 @@ LIMBER_KERNEL void quantize(const CornerArrays& corners, const bvh::ChildBounds&
   for (std::uint32_t k = 0; k < width; ++k) to[k] = k < count ? &leaves[k].corners : &unused;
   WidePacket scale[width / Packet::lanes];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    scale[i / Packet::lanes] = twice(Packet::set(bvh::max_quantized) / Packet::load(bounds.radius + i));
+    scale[i / Packet::lanes] = duplicated(Packet::set(bvh::max_quantized) / Packet::load(bounds.radius + i));
   }
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     for (std::uint32_t k = 0; k < 3; ++k) {
       // A row has one triangle of each leaf; a packet is a part of a row, or two rows.
       Int16Tile tile;
       for (std::uint32_t i = 0; i < width * width; i += WidePacket::lanes) {
-        const WidePacket center = twice(Packet::load(shift[axis] + i % width));
+        const WidePacket center = duplicated(Packet::load(shift[axis] + i % width));
         const WidePacket p = WidePacket::load(corners.v[axis] + width * corner_index(k, 0) + i);
         tile.put(i, (p - center) * scale[i % width / Packet::lanes]);
       }
@@ -254,8 +254,8 @@ LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, b
                          Packet::set(core::smallest_corner_error);
     const Packet3 half = max3(high - center, center - low) + Packet3{error, error, error};
     const Packet3 normal = slab_normal(load3(found.area, i), half);
-    ExtentFit own{twice(center), twice(normal)};
-    ExtentFit common{twice(broadcast(frame.center) - load3(in_node, i)), twice(frame.normal)};
+    ExtentFit own{duplicated(center), duplicated(normal)};
+    ExtentFit common{duplicated(broadcast(frame.center) - load3(in_node, i)), duplicated(frame.normal)};
     for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
       const Triple<WidePacket> corner = gathered.corners.at<WidePacket>(c, i);
       own.add(corner), common.add(corner);

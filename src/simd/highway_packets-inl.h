@@ -79,7 +79,7 @@ HWY_INLINE WidePacket min(WidePacket a, WidePacket b) { return {hn::Min(a.v, b.v
 HWY_INLINE WidePacket flipped_as(WidePacket a, WidePacket sign) {
   return {hn::Xor(a.v, hn::And(sign.v, hn::Set(WidePacket::Tag(), -0.0F)))};
 }
-HWY_INLINE WidePacket twice(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
+HWY_INLINE WidePacket duplicated(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
 HWY_INLINE Packet first_of(WidePacket a) { return {hn::LowerHalf(Lanes(), a.v)}; }
 HWY_INLINE Packet last_of(WidePacket a) { return {hn::UpperHalf(Lanes(), a.v)}; }
 HWY_INLINE Packet larger_half(WidePacket a) {
@@ -92,7 +92,7 @@ inline constexpr std::uint32_t corners_at_once = 2;  // in a WidePacket
 #else
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
-HWY_INLINE Packet twice(Packet a) { return a; }
+HWY_INLINE Packet duplicated(Packet a) { return a; }
 HWY_INLINE Packet first_of(Packet a) { return a; }
 HWY_INLINE Packet last_of(Packet a) { return a; }
 HWY_INLINE Packet larger_half(Packet a) { return a; }

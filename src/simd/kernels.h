@@ -27,12 +27,12 @@ struct FrameTransform {
   double unit, per_unit, other_unit;
   float ratio;        ///< other_unit / unit; infinite where float32 could not square it
   float error_units;  ///< `error` in units; infinite where float32 could not square it
-  double error;       ///< most that rounding of placed points and the motion margins of both models change a length by
+  double error;       ///< most that rounding of placed points and the drift of both models change a length by
 };
 
 /// What a query prunes: pairs at least `distance` apart. It measures that along a search direction too, if there is
 /// one: the direction in which the closest pair so far is apart.
-struct Pruning {
+struct PruneLimits {
   double distance;
   bool has_direction;
   double direction[3];    ///< from this model to the other, in this frame, of length 1
@@ -76,12 +76,12 @@ struct Candidates {
 /// bound_sq[slot], unless that is nullptr, the best squared bound, the one along the search direction included. Both
 /// are written for all slots, those without a child included.
 using BoundChildren = KeptSlots (*)(const bvh::WideNode& node, const OtherNode& other, const FrameTransform& transform,
-                                    const Pruning& pruning, float limit_sq, float* order, float* bound_sq);
+                                    const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
 /// The pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are those
 /// of the tree of `a`.
 using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                const Pruning& pruning, Candidates& candidates);
+                                const PruneLimits& pruning, Candidates& candidates);
 
 /// Fits a wide node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
 /// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. The leaves that

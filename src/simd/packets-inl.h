@@ -89,7 +89,9 @@ LIMBER_KERNEL Packet largest_abs(const Packet3& a) { return max(max(abs(a.x), ab
 LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
   p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }
-LIMBER_KERNEL Triple<WidePacket> twice(const Packet3& p) { return {twice(p.x), twice(p.y), twice(p.z)}; }
+LIMBER_KERNEL Triple<WidePacket> duplicated(const Packet3& p) {
+  return {duplicated(p.x), duplicated(p.y), duplicated(p.z)};
+}
 LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
 }

@@ -134,7 +134,7 @@ LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
 
 /// `center` as for project_node(). Pre: there is a search direction.
 LIMBER_KERNEL ProjectedDirection project_direction(const bvh::WideNode& node, const OtherNode& other,
-                                                   const FrameTransform& transform, const Pruning& pruning,
+                                                   const FrameTransform& transform, const PruneLimits& pruning,
                                                    const double* center) {
   const double other_support = static_cast<double>(support(other, pruning.other_normal)) * transform.other_unit;
   const double gap = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
@@ -149,7 +149,7 @@ LIMBER_KERNEL double scale_to_one(double size) {
 }
 
 LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                             const Pruning& pruning) {
+                                             const PruneLimits& pruning) {
   constexpr double smallest_size = 0x1p-900, largest_size = 0x1p900;
   const bvh::ChildBounds &na = a.node->bounds, &nb = b.node->bounds;
   const Vec3 center_a =

@@ -48,7 +48,7 @@ inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
-inline Packet twice(Packet a) { return a; }
+inline Packet duplicated(Packet a) { return a; }
 inline Packet first_of(Packet a) { return a; }
 inline Packet last_of(Packet a) { return a; }
 inline Packet larger_half(Packet a) { return a; }

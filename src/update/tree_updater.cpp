@@ -55,11 +55,11 @@ double TreeUpdater::largest_useful_margin() const {
   return useful_part_of_radius * tree_.unit * sum / static_cast<double>(tree_.leaves.size());
 }
 
-bool TreeUpdater::counts_avoided() const { return is_tuned() && tuned_commits_ % counted_commits == 0; }
+bool TreeUpdater::counts_avoided() const { return is_automatic() && tuned_commits_ % counted_commits == 0; }
 
 void TreeUpdater::set_motion_margin(const Mesh& mesh, std::optional<double> margin) {
   LIMBER_ASSERT(!margin || *margin >= 0);
-  const bool starts_tuning = !margin && !is_tuned();
+  const bool starts_tuning = !margin && !is_automatic();
   const MarginTuner tuner = starts_tuning ? MarginTuner(largest_useful_margin()) : tuner_;
   // The only step that may fail comes first.
   if (!margin_.is_on() && margin.value_or(tuner.margin()) > 0) start_margin(mesh);
@@ -135,7 +135,7 @@ void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   const bool ends_pass = rebuilds_.count_refits(tree_, refits.count);
   if (ends_pass) rebuilds_.schedule(tree_, mesh);
   const double margin_cost = publish(refits, stats);
-  if (is_tuned()) tune(mesh, refits, margin_cost, ends_pass);
+  if (is_automatic()) tune(mesh, refits, margin_cost, ends_pass);
   begin_next_interval();
 }
 
@@ -148,7 +148,7 @@ void TreeUpdater::update_margin(const Mesh& mesh) {
 
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
   // Bounds may follow a vertex by as much as it has moved, and as it was away from its fitted position.
-  if (sum_of_displacements_ + tree_.motion_margin <= outgrown * tree_.unit) return;
+  if (sum_of_displacements_ + tree_.drift <= outgrown * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
   margin_.refit_all(mesh, dirty_);
 }
@@ -166,9 +166,9 @@ bool TreeUpdater::advance_rebuild(const Mesh& mesh) {
 }
 
 TreeUpdater::Refits TreeUpdater::refit(const Mesh& mesh) {
-  const bool in_pass = dirty_.covers_most_of(tree_);
+  const bool is_full = dirty_.covers_most_of(tree_);
   const std::size_t avoided = dirty_.avoided_count();
-  return {bvh::refit(tree_, margin_.fitted(mesh), dirty_), avoided, in_pass};
+  return {bvh::refit(tree_, margin_.fitted(mesh), dirty_), avoided, is_full};
 }
 
 /// Returns the steps that queries have spent on the margin since the last commit.
@@ -178,7 +178,7 @@ double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
   stats.absorbed += margin_.absorbed_count();
   double margin_cost = 0;
   if (margin_.is_on()) {
-    tree_.motion_margin = margin_.largest_displacement();
+    tree_.drift = margin_.largest_displacement();
     margin_cost = static_cast<double>(margin_cost_.exchange(0, std::memory_order_relaxed)) * bvh::margin_cost_unit;
     stats.margin_steps += margin_cost;
   }
@@ -193,7 +193,7 @@ double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
 void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool ends_pass) {
   const double margin_before = tuner_.margin();
   const double pass_ns = ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
-  const double refit_ns = refits.in_pass ? pass_ns : ns_per_refit * static_cast<double>(refits.count);
+  const double refit_ns = refits.is_full ? pass_ns : ns_per_refit * static_cast<double>(refits.count);
   std::optional<double> without_margin_ns;
   if (moved_all_) {
     without_margin_ns = pass_ns;
@@ -214,7 +214,7 @@ void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cos
 }
 
 void TreeUpdater::begin_next_interval() {
-  LIMBER_ASSERT(margin_.is_on() || tree_.motion_margin == 0);
+  LIMBER_ASSERT(margin_.is_on() || tree_.drift == 0);
   has_moved_ = moved_all_ = false;
   longest_displacement_ = sum_of_displacements_ = 0;
   margin_.clear_counts();

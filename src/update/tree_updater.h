@@ -34,9 +34,9 @@ class TreeUpdater {
   /// Takes effect with the next move or commit.
   void set_motion_margin(const Mesh& mesh, std::optional<double> margin);
 
-  /// Moves some vertices of the mesh. Pre: the update is sound.
+  /// Moves some vertices of the mesh. Pre: the update is valid.
   void move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
-  /// Moves all vertices, by at most the square root of `farthest_sq` each. Pre: the update is sound.
+  /// Moves all vertices, by at most the square root of `farthest_sq` each. Pre: the update is valid.
   void move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq);
 
   /// Makes the next commit rebuild the whole tree.
@@ -55,10 +55,10 @@ class TreeUpdater {
   struct Refits {
     std::uint64_t count;  // of wide nodes
     std::size_t avoided;  // lowest nodes that an absorbed move would have made dirty; some may be dirty all the same
-    bool in_pass;         // whether the whole tree was fitted at once
+    bool is_full;         // whether the whole tree was fitted at once
   };
 
-  bool is_tuned() const { return !chosen_margin_; }
+  bool is_automatic() const { return !chosen_margin_; }
   /// Whether avoided refits are counted until the next commit.
   bool counts_avoided() const;
   /// A margin above this makes queries more expensive than the refits it avoids.

@@ -117,12 +117,12 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_TRUE(front.can_resume(here));
   front.resume(there, a_from_b(there));
   EXPECT_FALSE(front.can_resume(there));
-  EXPECT_NEAR(front.displacement(), 0.1, 1e-6);
-  EXPECT_GE(front.displacement(), 0.1);
+  EXPECT_NEAR(front.odometer(), 0.1, 1e-6);
+  EXPECT_GE(front.odometer(), 0.1);
   EXPECT_EQ(front.take(record), 0b111U);
   EXPECT_EQ(front.records()[record].pruned, 0);
   front.prune(record, 0b001, 1.0);
-  EXPECT_DOUBLE_EQ(front.records()[record].valid_until, 1 + front.displacement());
+  EXPECT_DOUBLE_EQ(front.records()[record].valid_until, 1 + front.odometer());
 }
 
 TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {

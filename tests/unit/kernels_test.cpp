@@ -183,7 +183,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const simd::OtherNode other = at_slot(c.a, slot, rng.below(2) == 0);
     const simd::OtherNode leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
     const simd::FrameTransform &in_a = frames.of(Side::a), &in_b = frames.of(Side::b);
-    const simd::Pruning &of_a = pruning.of(Side::a), &of_b = pruning.of(Side::b);
+    const simd::PruneLimits &of_a = pruning.of(Side::a), &of_b = pruning.of(Side::b);
 
     alignas(32) float order0[bvh::width], order[bvh::width], bound_sq0[bvh::width], bound_sq[bvh::width];
     simd::Candidates found0, found;

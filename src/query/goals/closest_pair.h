@@ -35,7 +35,7 @@ class ClosestPair {
     Improvement improvement{upper, infinity, closest.point_b - closest.point_a};
     // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
     if (upper <= options_.max_distance) {
-      const double relative = upper / (1 + options_.relative_error) * rounded_down();
+      const double relative = upper / (1 + options_.relative_error) * down_factor();
       improvement.prune_distance = std::min(relative, upper - options_.absolute_error);
     }
     return improvement;
@@ -46,7 +46,7 @@ class ClosestPair {
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
-  double rounded_down() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
+  double down_factor() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
 
   DistanceOptions options_;
   double close_enough_;
