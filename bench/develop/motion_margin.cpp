@@ -62,7 +62,7 @@ struct Variant {
 
 /// Plays the scene; gives up after a while when a frame costs more than `most_us`.
 void run_variant(const Scene& scene, Variant& variant, int steps, bool uses_cache, double most_us) {
-  Model deforming(scene.motion.mesh, {.motion_margin = variant.drift});
+  Model deforming(scene.motion.mesh, {.motion_margin = variant.motion_margin});
   const Mesh unit_ball = scenes::ball(32, 17);
   std::vector<Vec3> small = unit_ball.positions();
   for (Vec3& p : small) p *= scene.ball;

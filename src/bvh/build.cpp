@@ -11,8 +11,8 @@
 namespace limber::bvh {
 namespace {
 
-// Fewer primitives are not worth a task.
-constexpr std::size_t primitives_per_task = 4096;
+// Fewer are not worth a task.
+constexpr std::size_t primitives_per_task = 4096, leaves_per_task = 1024;
 
 /// Appends, for each of `children` children, how many of `leaves` leaves are below it.
 void distribute_leaves(std::uint32_t leaves, std::uint32_t children, std::vector<std::uint32_t>& counts) {
@@ -73,7 +73,8 @@ Tree build(MeshView mesh) {
   const std::uint32_t leaves = leaf_count(primitives.size());
   create_nodes(tree, leaves);
   tree.leaves.resize(leaves);
-  write_leaves(tree, mesh, 0, primitives);
+  core::parallel_for(tree.leaves.size(), leaves_per_task,
+                     [&](std::size_t i) { write_leaf(tree.leaves[i], mesh, primitives_of_leaf(primitives, i)); });
   fit(tree, mesh);
   return tree;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <new>
 
 #include "core/check.h"
 
@@ -16,9 +15,6 @@ constexpr std::size_t max_ranges = 64;
 
 // Ranges of up to that many primitives are partitioned in one step of work().
 constexpr std::size_t primitives_at_once = 4096;
-
-// So few leaves are written without other threads.
-constexpr std::size_t leaves_at_once = 1024;
 
 }  // namespace
 
@@ -65,15 +61,8 @@ void PartialRebuild::finish() {
 
 void PartialRebuild::apply(Tree& tree, MeshView mesh) const {
   LIMBER_ASSERT(ranges_.empty());
-  try {
-    write_leaves(tree, mesh, subtree_.first_leaf, primitives_);
-  } catch (const std::bad_alloc&) {
-    const std::span<const PrimitiveRef> primitives(primitives_);
-    for (std::size_t leaf = 0; leaf * width < primitives.size(); leaf += leaves_at_once) {
-      const std::size_t first = leaf * width;
-      write_leaves(tree, mesh, subtree_.first_leaf + static_cast<std::uint32_t>(leaf),
-                   primitives.subspan(first, std::min(leaves_at_once * width, primitives.size() - first)));
-    }
+  for (std::uint32_t leaf = subtree_.first_leaf; leaf < subtree_.end_leaf; ++leaf) {
+    write_leaf(tree.leaves[leaf], mesh, primitives_of_leaf(primitives_, leaf - subtree_.first_leaf));
   }
   tree.assignment_id = new_assignment_id();
   tree.displacement = 0;

@@ -31,10 +31,10 @@ class PartialRebuild {
   /// Partitions to the end, on the threads of the calling oneTBB arena.
   void finish();
 
-  /// Writes the leaves. Their bounds and all above them have to be fitted afterwards.
+  /// Writes the leaves. Their bounds and all above them have to be fitted afterwards. Allocates nothing, uses no other
+  /// thread.
   ///
   /// Pre      All is partitioned.
-  /// Throws   Nothing: where no other thread can be had, the calling one writes all leaves.
   void apply(Tree& tree, MeshView mesh) const;
 
  private:

@@ -12,7 +12,7 @@ namespace limber::bvh {
 namespace {
 
 // Primitives below which another task costs more than it saves.
-constexpr std::size_t worth_a_task = 8192, leaves_per_task = 1024;
+constexpr std::size_t worth_a_task = 8192;
 
 std::size_t longest_side(std::span<const PrimitiveRef> primitives) {
   std::array<float, 3> low = primitives.front().center, high = low;
@@ -82,15 +82,17 @@ PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin
   return {{static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z)}, triangle};
 }
 
-void write_leaves(Tree& tree, MeshView mesh, std::uint32_t first, std::span<const PrimitiveRef> primitives) {
-  LIMBER_ASSERT(!primitives.empty() && first + leaf_count(primitives.size()) <= tree.leaves.size());
-  core::parallel_for(leaf_count(primitives.size()), leaves_per_task, [&](std::size_t leaf) {
-    for (std::size_t k = 0; k < width; ++k) {
-      const TriangleId triangle = primitives[std::min(leaf * width + k, primitives.size() - 1)].triangle;
-      tree.leaves[first + leaf].triangle[k] = triangle;
-      tree.leaves[first + leaf].vertices[k] = mesh.triangles[triangle];
-    }
-  });
+void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {
+  LIMBER_ASSERT(!primitives.empty() && primitives.size() <= width);
+  for (std::size_t k = 0; k < width; ++k) {
+    const TriangleId triangle = primitives[std::min(k, primitives.size() - 1)].triangle;
+    leaf.triangle[k] = triangle;
+    leaf.vertices[k] = mesh.triangles[triangle];
+  }
+}
+
+std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i) {
+  return primitives.subspan(i * width, std::min(primitives.size() - i * width, std::size_t{width}));
 }
 
 std::uint64_t new_assignment_id() {

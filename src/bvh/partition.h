@@ -75,8 +75,11 @@ BoundingBox bounding_box_of(MeshView mesh);
 /// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.
 PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
 
-/// Writes primitives into leaves, from leaf `first` on; slots beyond the last primitive repeat it.
-void write_leaves(Tree& tree, MeshView mesh, std::uint32_t first, std::span<const PrimitiveRef> primitives);
+/// Writes primitives, one to `width`, into a leaf; slots beyond the last one repeat it.
+void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);
+
+/// The primitives of leaf `i`, where each leaf takes the next `width` of them.
+std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i);
 
 /// An assignment id that no tree has had.
 std::uint64_t new_assignment_id();

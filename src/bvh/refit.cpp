@@ -149,17 +149,21 @@ class Refitter {
 
   /// Fits a node whose corners or children have changed, and the slot of its parent that stands for it. Returns whether
   /// that slot has changed, so that the parent has to be fitted too.
-  bool refit(std::uint32_t n, bool is_lowest) const {
+  bool refit(std::uint32_t n, std::size_t level) const {
+    const std::size_t lowest = tree_.level_begin.size() - 2;
+    const bool is_lowest = level == lowest;
     WideNode& node = tree_.nodes[n];
-    if (!is_lowest) find_radius(node);
+    if (!is_lowest) {
+      if (is_far_from_first_child(node)) {
+        fit_upper(node, level + 1 == lowest);
+      } else {
+        find_radius(node);
+      }
+    }
     const Volume volume = is_lowest ? fit_lowest(node) : merge(node);
     if (n == 0) return false;
     WideNode& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
-    if (slot == 0 && is_far_from_origin(node, parent)) {
-      fit_upper(parent, is_lowest);
-      return true;
-    }
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
     const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0, is_now = is_coincident(node, is_lowest);
@@ -250,12 +254,12 @@ class Refitter {
     for (std::uint32_t k = 0; k < node.child_count; ++k) visit(tree_.leaves[node.first_child + k]);
   }
 
-  /// Whether the first child has moved so far from the origin that its parent took from it that stored centers lose
+  /// Whether the first child has moved so far from the origin that the node took from it that stored centers lose
   /// precision.
-  bool is_far_from_origin(const WideNode& child, const WideNode& parent) const {
-    const ChildBounds& n = parent.bounds;
-    const float largest = *std::max_element(n.radius, n.radius + parent.child_count);
-    return max_abs(child.origin - parent.origin) >
+  bool is_far_from_first_child(const WideNode& node) const {
+    const ChildBounds& n = node.bounds;
+    const float largest = *std::max_element(n.radius, n.radius + node.child_count);
+    return max_abs(tree_.nodes[node.first_child].origin - node.origin) >
            tolerated_origin_distance * tree_.unit * static_cast<double>(largest);
   }
 
@@ -299,7 +303,7 @@ std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
       if (level == lowest) refitter.prefetch(nodes, i);
       const std::uint32_t node = nodes[i];
       ++refitted;
-      if (refitter.refit(node, level == lowest)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
+      if (refitter.refit(node, level)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
     }
   }
   if (refitter.adapts_unit(mesh)) {

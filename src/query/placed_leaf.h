@@ -21,6 +21,8 @@ class PlacedLeaf {
       : placed_(placed), side_(side), leaf_(leaf) {}
 
   TriangleId id(std::uint32_t slot) const { return leaf_.triangle[slot]; }
+  /// Whether a slot is not in use: it repeats the triangle of the one before.
+  bool is_repeated(std::uint32_t slot) const { return slot > 0 && leaf_.triangle[slot] == leaf_.triangle[slot - 1]; }
   const PlacedTriangle& at(std::uint32_t slot) {
     PlacedTriangle& triangle = triangles[slot];
     if ((placed_slots_ >> slot & 1) == 0) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/check.h"
 #include "limber/model.h"
 #include "query/placed_models.h"
 #include "query/pruning.h"
@@ -29,6 +30,7 @@ double traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal
 /// end: every pair of triangles that was not compared is at least that far apart.
 template <typename Goal>
 double search(const PlacedModels& placed, QueryCache* cache, Goal& goal, QueryStats& stats) {
+  LIMBER_ASSERT(!Goal::needs_all || cache == nullptr);  // a front skips what the last query has compared
   Pruning pruning(placed, goal.initial_prune_distance());
   if (cache == nullptr) return traverse<false>(placed, pruning, nullptr, goal, stats);
   QueryCache::Impl& last = cache->impl();

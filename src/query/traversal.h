@@ -95,13 +95,14 @@ class Traversal {
   };
 
   /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
-  /// for it and no bound could tell them apart. With a motion margin vertices may be elsewhere than the mark says.
+  /// for it and no bound could tell them apart. With a motion margin vertices may be elsewhere than the mark says, and
+  /// a goal that needs all pairs is offered each of the coincident triangles.
   bool is_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     const bvh::Tree& tree = placed_.tree(s);
     const std::uint32_t n = bvh::node_of(slot);
     const bool is_coincident = (tree.nodes[n].coincident_slots >> bvh::slot_of(slot) & 1) != 0;
-    return n >= tree.first_lowest_node() || (is_coincident && tree.drift == 0);
+    return n >= tree.first_lowest_node() || (!Goal::needs_all && is_coincident && tree.drift == 0);
   }
   /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
   bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
@@ -304,6 +305,7 @@ class Traversal {
       const double tight = limit - placed_.drift() * found.scale;
       if (placed_.drift() > 0 && bound_sq >= tight * tight) margin_cost_ += 1;
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (Goal::needs_all && (a.is_repeated(slot_a) || b.is_repeated(slot_b))) continue;
       if (pruning_.prunes(a, slot_a, b, slot_b)) continue;
       ++stats_.triangle_tests;
       if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) pruning_.improve(*improvement);

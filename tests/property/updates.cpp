@@ -65,8 +65,8 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape) {
 
 std::ostream& operator<<(std::ostream& out, const Start& start) {
   out << start.shape << "; beside it a " << start.still << "; ";
-  if (start.drift) {
-    out << "motion margin " << *start.drift << "; ";
+  if (start.motion_margin) {
+    out << "motion margin " << *start.motion_margin << "; ";
   } else {
     out << "automatic motion margin; ";
   }
@@ -81,7 +81,7 @@ std::ostream& operator<<(std::ostream& out, const Update& update) {
 Subject::Subject(const Start& start)
     : mesh_(start.shape.mesh()),
       first_(mesh_.positions()),
-      model_(mesh_, {.motion_margin = start.drift, .rebuild_policy = start.rebuild_policy}),
+      model_(mesh_, {.motion_margin = start.motion_margin, .rebuild_policy = start.rebuild_policy}),
       still_(start.still.mesh()) {}
 
 std::string Subject::apply(const Update& update) {

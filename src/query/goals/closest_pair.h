@@ -18,6 +18,7 @@ namespace limber::query {
 class ClosestPair {
  public:
   static constexpr bool takes_any = false;
+  static constexpr bool needs_all = false;
 
   /// A pair at most `close_enough` apart ends the query.
   ClosestPair(const DistanceOptions& options, double close_enough) : options_(options), close_enough_(close_enough) {}

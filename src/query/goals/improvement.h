@@ -9,7 +9,7 @@ namespace limber::query {
 
 /// What a goal has learnt from a pair of triangles.
 struct Improvement {
-  double distance;        ///< of the pair
+  double distance;        ///< of the pair; ties with it may be pruned if it equals prune_distance
   double prune_distance;  ///< pairs at least that far apart no longer matter; infinite if nothing new can be pruned
   Vec3 separation;        ///< from the closest point of a to that of b
 };
@@ -17,12 +17,15 @@ struct Improvement {
 /// A goal says what a query looks for. The traversal offers it pairs of triangles, and prunes by what it learns.
 ///
 /// Needs    static constexpr bool takes_any;
+///          static constexpr bool needs_all;
 ///          double initial_prune_distance() const;
 ///          bool is_done() const;
 ///          std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b);
 ///
-/// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. initial_prune_distance():
-/// above 0. is_done(): whether no other pair can matter. compare(): nullopt if the pair is no better than the best.
+/// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. needs_all: whether every
+/// pair within the prune distance matters, and not just the best; such a goal is offered each pair once, and cannot use
+/// a QueryCache. initial_prune_distance(): above 0. is_done(): whether no other pair can matter. compare(): nullopt if
+/// the pair changes nothing that the traversal could use.
 ///
 /// See      docs/design/adding_a_query.md.
 

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Refits of single nodes leave what a fit of the whole tree would.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "bvh/dirty_set.h"
+#include "bvh/tree.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+/// A tree over vertices that move a few at a time.
+class MovingTree {
+ public:
+  explicit MovingTree(const Mesh& mesh) : positions_(mesh.positions()), triangles_(mesh.triangles()) {
+    dirty_.index_vertices(tree, positions_.size());
+  }
+
+  MeshView mesh() const { return {positions_, triangles_}; }
+  Vec3& position(VertexId v) {
+    dirty_.add(v);
+    return positions_[v];
+  }
+  const std::vector<Vec3>& positions() const { return positions_; }
+  void refit() {
+    ASSERT_FALSE(dirty_.covers_most_of(tree));
+    bvh::refit(tree, mesh(), dirty_);
+  }
+
+ private:
+  std::vector<Vec3> positions_;
+  std::vector<Corners> triangles_;
+
+ public:
+  bvh::Tree tree = bvh::build(mesh());
+
+ private:
+  bvh::DirtySet dirty_{tree};
+};
+
+TEST(Refit, FitsTheSphereOfTheRootToTheLevelsBelowItsChildren) {
+  // Small triangles that fill a square. Those at its corners decide how large the root's sphere is, and not always
+  // change the volumes of its children.
+  Rng rng(901);
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < 2000; ++i) {
+    const auto at = [&](double x, double y) {
+      return Vec3{x + rng.uniform(-0.05, 0.05), y + rng.uniform(-0.05, 0.05), 0};
+    };
+    const double x = rng.uniform(-1, 1), y = rng.uniform(-1, 1);
+    triangles.push_back({at(x, y), at(x, y), at(x, y)});
+  }
+  MovingTree moving(soup(triangles));
+  for (int i = 0; i < 300; ++i) {
+    VertexId farthest = 0;
+    const std::vector<Vec3>& positions = moving.positions();
+    for (VertexId v = 0; v < positions.size(); ++v) {
+      if (length(positions[v]) > length(positions[farthest])) farthest = v;
+    }
+    Vec3& p = moving.position(farthest);
+    p = p * rng.uniform(0.7, 1);
+    moving.refit();
+    const auto valid = bvh::validate(moving.tree, moving.mesh());
+    ASSERT_TRUE(static_cast<bool>(valid)) << i << ": " << valid.error().text;
+    bvh::Tree fitted = moving.tree;
+    bvh::fit(fitted, moving.mesh());
+    const float radius = fitted.nodes[0].bounds.radius[0];
+    ASSERT_NEAR(moving.tree.nodes[0].bounds.radius[0], radius, 1e-5F * radius) << i;
+  }
+}
+
+TEST(Refit, KeepsOriginsOfNodesAmongTheirTriangles) {
+  // Float32 numbers relative to an origin lose precision in proportion to its distance.
+  MovingTree moving(scenes::grid(40, 40, 0, 0, 1, 1));
+  const auto count = static_cast<VertexId>(moving.positions().size());
+  for (VertexId begin = 0; begin < count; begin += 100) {
+    for (VertexId v = begin; v < std::min(begin + 100, count); ++v) moving.position(v).x += 2e4;
+    moving.refit();
+  }
+  for (std::uint32_t n = 0; n < moving.tree.first_lowest_node(); ++n) {
+    const bvh::WideNode& node = moving.tree.nodes[n];
+    const float largest = *std::max_element(node.bounds.radius, node.bounds.radius + node.child_count);
+    const Vec3 from_origin = moving.tree.nodes[node.first_child].origin - node.origin;
+    EXPECT_LE(max_abs(from_origin), 65 * moving.tree.unit * static_cast<double>(largest)) << n;
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
