@@ -38,8 +38,8 @@ inline Eigen::Isometry3d eigen_isometry(const Transform& transform) {
 
 /// The positions in a matrix of float or double that keeps the coordinates of a vertex side by side.
 ///
-/// Shape    n x 3 stored by rows, or 3 x n stored by columns, which is Eigen's default; maps and blocks of such matrices
-///          too. Others do not compile.
+/// Shape    n x 3 stored by rows, or 3 x n stored by columns, which is Eigen's default; maps and blocks of such
+///          matrices too. Others do not compile.
 /// Alias    Reads where `matrix` stores its coefficients, and lasts as long as they do.
 template <typename Derived>
 PositionsView positions_from_eigen(const Eigen::MatrixBase<Derived>& matrix) {

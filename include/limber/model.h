@@ -90,8 +90,8 @@ class Model {
   Result<void> move_all(std::span<const Vec3> positions);
   Result<void> move_all(const PositionsView& positions);
 
-  /// Repairs the tree; afterwards the model may be queried. Does nothing when no vertex has moved and the motion margin is
-  /// what it was.
+  /// Repairs the tree; afterwards the model may be queried. Does nothing when no vertex has moved and the motion margin
+  /// is what it was.
   ///
   /// Throws   No std::bad_alloc of its own: where memory or threads are missing, rebuilding and the motion margin wait
   ///          for later commits. If oneTBB throws, the model is not committed, and another commit() repairs what is
