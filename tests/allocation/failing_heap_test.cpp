@@ -102,8 +102,11 @@ using Margin = std::optional<double>;
 
 std::string words_of(const Margin& margin) { return margin ? std::to_string(*margin) : "automatic"; }
 
-/// The margin that the caller has chosen, or 0 while the model tunes it.
-double margin_of(const Model& model) { return model.options().motion_margin.value_or(0); }
+/// The margin that the caller has chosen, and the one that is in use; a model starts to tune it when it likes.
+std::pair<Margin, double> margin_of(const Model& model) {
+  const Margin chosen = model.options().motion_margin;
+  return {chosen, chosen ? model.maintenance_stats().motion_margin : 0};
+}
 double margin_of(const classic::Model& model) { return model.options().looseness.extra_radius; }
 
 /// Uses a model as usual, and checks its answers.
@@ -133,7 +136,7 @@ int fail_each_allocation(const Step<Model>& step, const Options& options, Failin
     Model model(some_mesh(), options);
     step.prepare(model);
     const VisibleState before(model);
-    const double margin_before = margin_of(model);
+    const auto margin_before = margin_of(model);
     bool threw = false, failed = false;
     {
       const FailingHeap heap(k, failing);

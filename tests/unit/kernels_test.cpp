@@ -168,6 +168,24 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   EXPECT_GT(not_candidates, 50000);
 }
 
+TEST(Kernels, CandidatesContainPairsThatMatterByLessThanQuantization) {
+  Rng rng(206);
+  for (int i = 0; i < 3000; ++i) {
+    const Case c(rng);
+    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
+    const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
+    const ClosestPoints best = closest(tree_of(c.a).leaves[ka], c.world_a, tree_of(c.b).leaves[kb], c.world_b);
+    if (best.distance < 1e-3) continue;
+    const Pruning pruning = pruning_along(placed, best.distance * (1 + 1e-9), best.point_b - best.point_a);
+    simd::Candidates found;
+    simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
+                                    pruning.of(Side::a), found);
+    ASSERT_GT(found.count, 0U) << i;
+  }
+}
+
 TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   Rng rng(203);
   const auto sets = simd::all_kernels();
