@@ -89,7 +89,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
       EXPECT_EQ(rows[r].at("row"), std::to_string(r));
       EXPECT_EQ(rows[r].at("model_a"), question[1]);
       EXPECT_EQ(rows[r].at("model_b"), question[2]);
-      EXPECT_EQ(rows[r].at("status"), alone["status"]);
+      EXPECT_EQ(rows[r].at("status"), alone["status"].get<std::string>());
       EXPECT_EQ(number(rows[r].at("upper")), alone["upper"].get<double>());
       EXPECT_EQ(number(rows[r].at("point_b_y")), alone["witness"]["point_b"][1].get<double>());
       EXPECT_EQ(number(rows[r].at("face_b")), alone["witness"]["face_b"].get<double>());
