@@ -71,10 +71,11 @@ VerticalAxis linear_axis(double largest) {
 }
 
 VerticalAxis logarithmic_axis(const Range& range) {
-  const double first = std::floor(std::log10(std::max(range.low, least_logarithmic)));
-  const double last = std::max(first + 1, std::ceil(std::log10(std::max(range.high, least_logarithmic))));
+  const int first = static_cast<int>(std::floor(std::log10(std::max(range.low, least_logarithmic))));
+  const int end = static_cast<int>(std::ceil(std::log10(std::max(range.high, least_logarithmic))));
+  const int last = std::max(first + 1, end);
   VerticalAxis axis{{}, true};
-  for (double exponent = first; exponent <= last; ++exponent) {
+  for (int exponent = first; exponent <= last; ++exponent) {
     const double power = std::pow(10, exponent);
     axis.labels.push_back(power);
     if (last - first > 2 || exponent == last) continue;

@@ -87,7 +87,7 @@ std::string no_such_options(const CLI::App& command) {
 }
 
 std::string verb_error(const CLI::App& app, const CLI::App& verb, const CLI::ParseError& error) {
-  if (const std::string text = no_such_options(verb); !text.empty()) return text;
+  if (std::string text = no_such_options(verb); !text.empty()) return text;
   if (const std::vector<std::string> words = app.remaining(); !words.empty()) {
     return fmt::format("'{}' stands before the verb; options follow it", words.front());
   }

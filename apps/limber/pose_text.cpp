@@ -26,8 +26,8 @@ CsvColumns pose_columns(const CsvFile& file, const CsvRow& header) {
 std::string numbers_of(const CsvFile& file, const CsvRow& row, const std::optional<CsvColumns>& columns) {
   if (!columns) return fmt::format("{}", fmt::join(row.fields, ","));
   columns->check(file, row);
-  std::vector<std::string_view> fields;
-  for (const std::string_view name : pose_numbers) fields.push_back(columns->field(row, name));
+  std::array<std::string_view, pose_numbers.size()> fields;
+  for (std::size_t i = 0; i < fields.size(); ++i) fields[i] = columns->field(row, pose_numbers[i]);
   return fmt::format("{}", fmt::join(fields, ","));
 }
 
