@@ -150,13 +150,15 @@ Verb add_version(CLI::App& app) {
 
 UsageError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   for (const CLI::App* verb : app.get_subcommands()) return {verb->get_name() + ": ", verb_error(app, *verb, error)};
-  const std::string see = "; see limber --help";
-  if (const std::string text = no_such_options(app); !text.empty()) return {{}, text + see};
+  const auto and_see_help = [](const std::string& text) {
+    return text + (text.ends_with('?') ? " See limber --help" : "; see limber --help");
+  };
+  if (const std::string text = no_such_options(app); !text.empty()) return {{}, and_see_help(text)};
   const std::vector<std::string> words = app.remaining();
-  if (!words.empty()) return {{}, no_such_verb(app, words.front()) + see};
+  if (!words.empty()) return {{}, and_see_help(no_such_verb(app, words.front()))};
   const bool is_missing = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
   if (!is_missing) return {{}, error.what()};
-  return {{}, fmt::format("a verb is missing; there are {}{}", fmt::join(verb_names(app), ", "), see)};
+  return {{}, and_see_help(fmt::format("a verb is missing; there are {}", fmt::join(verb_names(app), ", ")))};
 }
 
 }  // namespace limber::program

@@ -72,9 +72,10 @@ Models are surfaces, not solids: one wholly inside the other is as far from it a
 closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
 
 The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
-pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. What is left out is
-that of the identity pose; other columns are ignored. Paths are relative to the working directory. Each file is loaded
-once.
+pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. A translation that is
+left out is 0; a quaternion is given whole, or not at all. Other columns are ignored, unless they look like one of these
+misspelt. Blank lines and those that start with # are skipped. Paths are relative to the working directory. Each file is
+loaded once.
 
 Example, pairs.csv:
 
@@ -84,7 +85,8 @@ Example, pairs.csv:
 
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
 
-Columns of the answer, where row counts from 0:
+Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other,
+upper and the witness where status is beyond_limit. Columns of the answer, where row counts from 0:
 
 )";
 
@@ -102,8 +104,8 @@ void check_options(const CLI::App& command, const Arguments& arguments) {
   if (arguments.min_clearance > arguments.options.max_distance) {
     throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
   }
-  if (is_given("--exit-code") && !is_given("--max-distance")) {
-    throw CLI::ValidationError("--exit-code", "needs --max-distance");
+  if (is_given("--exit-code") && !is_given("--max-distance") && !is_given("--min-clearance")) {
+    throw CLI::ValidationError("--exit-code", "needs --max-distance or --min-clearance");
   }
 }
 
@@ -113,12 +115,12 @@ Verb add_distance(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
   add_pair_arguments(command, arguments->pair,
-                     "a pair is not beyond --max-distance and, where --min-clearance is given, closer than that");
+                     "a pair is at most --max-distance apart; where --min-clearance is given, that decides");
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
   add_number(command, "--min-clearance", arguments->min_clearance,
              {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
-             "exit with 3 instead of 0 when a pair is closer than this length")
+             "exit with 3 instead of 0 when a pair is closer than this length, at most --max-distance")
       ->type_name("LENGTH")
       ->default_str("");
   command

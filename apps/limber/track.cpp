@@ -201,6 +201,7 @@ start with # are skipped.
 The answer is CSV with a header, or with --json an object for each frame. lower <= true distance <= upper; where the
 models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.
+Whether one model lies inside the other is not looked at.
 )");
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -40,7 +40,8 @@ TEST(ProgramBadInput, VerbsAndOptions) {
   expect_refused({"collide", "scene:ball", "scene:ball", "--relative-error", "1"}, "'--relative-error' is no option\n");
   expect_refused({"track", "--a", "scene:ball"}, "track: --b is required");
   expect_refused({"within", "scene:ball", "scene:ball"}, "within: --max-distance is required");
-  expect_refused({"distance", "scene:ball", "scene:ball", "--exit-code"}, "--exit-code: needs --max-distance");
+  expect_refused({"distance", "scene:ball", "scene:ball", "--exit-code"},
+                 "--exit-code: needs --max-distance or --min-clearance");
   expect_refused({"distance", "scene:ball", "scene:ball", "--min-clearance", "2", "--max-distance", "1"},
                  "--max-distance: must be at least --min-clearance");
   expect_refused({"distance", "scene:ball", "scene:ball", "--out", "x.csv"}, "--out: belongs to --pairs");
