@@ -65,15 +65,20 @@ void warn_about(Nesting nesting, const std::string& verb) {
   warn(verb, fmt::format("{} without touching it; models are surfaces, not solids, so they do not collide", relation));
 }
 
-void append_work(Json& json, const QueryStats& stats, double build_us, double elapsed_us) {
-  json["build_us"] = build_us;
-  json["elapsed_us"] = elapsed_us;
-  json["stats"] = to_json(stats);
+void append_work(Json& json, const QueryStats& stats, double query_us) {
+  json["query_us"] = query_us;
+  json["node_tests"] = stats.node_tests;
+  json["triangle_tests"] = stats.triangle_tests;
 }
 
-void write_work_lines(const QueryStats& stats, double build_us, double elapsed_us) {
+void append_work(Json& json, const QueryStats& stats, double build_us, double query_us) {
+  json["build_us"] = build_us;
+  append_work(json, stats, query_us);
+}
+
+void write_work_lines(const QueryStats& stats, double build_us, double query_us) {
   write_line("tests     {} of nodes, {} of triangles", stats.node_tests, stats.triangle_tests);
-  write_line("time      build {} us, query {} us", to_text(build_us), to_text(elapsed_us));
+  write_line("time      build {} us, query {} us", to_text(build_us), to_text(query_us));
 }
 
 }  // namespace limber::program

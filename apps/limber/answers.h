@@ -46,8 +46,9 @@ Json to_json(Nesting nesting);
 /// Warns on standard error where one model lies inside the other.
 void warn_about(Nesting nesting, const std::string& verb);
 
-/// The last fields, and the last lines, of an answer about one pair.
-void append_work(Json& json, const QueryStats& stats, double build_us, double elapsed_us);
-void write_work_lines(const QueryStats& stats, double build_us, double elapsed_us);
+/// The last fields, and the last lines, of an answer: about one of many pairs, or about one pair.
+void append_work(Json& json, const QueryStats& stats, double query_us);
+void append_work(Json& json, const QueryStats& stats, double build_us, double query_us);
+void write_work_lines(const QueryStats& stats, double build_us, double query_us);
 
 }  // namespace limber::program

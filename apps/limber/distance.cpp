@@ -86,7 +86,9 @@ Example, pairs.csv:
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
 
 Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other,
-upper and the witness where status is beyond_limit. Columns of the answer, where row counts from 0:
+upper and the witness where status is beyond_limit. JSON has the names of the columns, and an object witness or null:
+point_a and point_b, arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time
+for both trees. Columns of the answer, where row counts from 0:
 
 )";
 

@@ -74,9 +74,7 @@ std::string csv_line(std::size_t number, const PairRow& row, const DistanceAnswe
 std::string json_line(std::size_t number, const PairRow& row, const DistanceAnswer& answer) {
   Json json = {{"row", number}, {"model_a", row.model_a}, {"model_b", row.model_b}};
   append_answer(json, answer);
-  json["query_us"] = answer.elapsed_us;
-  json["node_tests"] = answer.result.stats.node_tests;
-  json["triangle_tests"] = answer.result.stats.triangle_tests;
+  append_work(json, answer.result.stats, answer.elapsed_us);
   return to_line(json);
 }
 

@@ -106,10 +106,6 @@ std::string to_line(const Json& json) {
 
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
-Json to_json(const QueryStats& stats) {
-  return {{"node_tests", stats.node_tests}, {"triangle_tests", stats.triangle_tests}};
-}
-
 const char* to_text(Status status) {
   switch (status) {
     case Status::exact:

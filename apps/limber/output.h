@@ -63,7 +63,6 @@ void warn(const std::string& verb, const std::string& text);
 std::string to_line(const Json& json);
 
 Json to_json(const Vec3& point);
-Json to_json(const QueryStats& stats);
 const char* to_text(Status status);
 
 /// The text without line ends or other control characters, so that it stays on one line.

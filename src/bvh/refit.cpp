@@ -122,7 +122,13 @@ void find_radius(WideNode& node) {
 
 class Refitter {
  public:
-  Refitter(Tree& tree, MeshView mesh) : tree_(tree), positions_(mesh.positions.data()), kernels_(simd::kernels()) {}
+  Refitter(Tree& tree, MeshView mesh)
+      : tree_(tree),
+        lowest_level_(tree.level_begin.size() - 2),
+        positions_(mesh.positions.data()),
+        kernels_(simd::kernels()) {}
+
+  std::size_t lowest_level() const { return lowest_level_; }
 
   /// Fits a node above the lowest level. Its children must have been fitted, unless they are on the lowest level.
   void fit_upper(WideNode& node, bool children_are_lowest) const {
@@ -138,24 +144,22 @@ class Refitter {
 
   /// Fits the whole tree, bottom up.
   void fit_all() const {
-    const std::size_t lowest = tree_.level_begin.size() - 2;
-    if (lowest == 0) fit_lowest(tree_.nodes[0]);
-    for (std::size_t level = lowest; level-- > 0;) {
+    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0]);
+    for (std::size_t level = lowest_level_; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       core::parallel_for(end - begin, nodes_per_task,
-                         [&](std::size_t i) { fit_upper(tree_.nodes[begin + i], level + 1 == lowest); });
+                         [&](std::size_t i) { fit_upper(tree_.nodes[begin + i], level + 1 == lowest_level_); });
     }
   }
 
   /// Fits a node whose corners or children have changed, and the slot of its parent that stands for it. Returns whether
   /// that slot has changed, so that the parent has to be fitted too.
   bool refit(std::uint32_t n, std::size_t level) const {
-    const std::size_t lowest = tree_.level_begin.size() - 2;
-    const bool is_lowest = level == lowest;
+    const bool is_lowest = level == lowest_level_;
     WideNode& node = tree_.nodes[n];
     if (!is_lowest) {
       if (is_far_from_first_child(node)) {
-        fit_upper(node, level + 1 == lowest);
+        fit_upper(node, level + 1 == lowest_level_);
       } else {
         find_radius(node);
       }
@@ -264,6 +268,7 @@ class Refitter {
   }
 
   Tree& tree_;
+  std::size_t lowest_level_;
   const Vec3* positions_;
   const simd::Kernels& kernels_;
 };
@@ -293,14 +298,13 @@ std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
     dirty.clear();
     return tree.nodes.size();
   }
-  const std::size_t lowest = tree.level_begin.size() - 2;
   const Refitter refitter(tree, mesh);
   std::uint64_t refitted = 0;
   dirty.sort_lowest();
-  for (std::size_t level = lowest + 1; level-- > 0;) {
+  for (std::size_t level = refitter.lowest_level() + 1; level-- > 0;) {
     const std::vector<std::uint32_t>& nodes = dirty.nodes(level);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (level == lowest) refitter.prefetch(nodes, i);
+      if (level == refitter.lowest_level()) refitter.prefetch(nodes, i);
       const std::uint32_t node = nodes[i];
       ++refitted;
       if (refitter.refit(node, level)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));

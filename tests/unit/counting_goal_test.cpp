@@ -16,6 +16,7 @@
 #include "query/search.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
+#include "unit/kernel_cases.h"
 
 namespace limber::testing {
 namespace {
@@ -54,15 +55,7 @@ std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance
 }
 
 std::uint64_t count_by_brute_force(const Placed& a, const Placed& b, double max_distance) {
-  const auto place = [](const Placed& placed) {
-    const Mesh& mesh = placed.model().mesh();
-    std::vector<Triangle> triangles;
-    for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-      const Triangle triangle = MeshView(mesh).triangle(t);
-      triangles.push_back({placed.pose(triangle.v0), placed.pose(triangle.v1), placed.pose(triangle.v2)});
-    }
-    return triangles;
-  };
+  const auto place = [](const Placed& placed) { return placed_triangles(placed.model().mesh(), placed.pose); };
   std::uint64_t count = 0;
   const std::vector<Triangle> triangles_b = place(b);
   for (const Triangle& triangle_a : place(a)) {

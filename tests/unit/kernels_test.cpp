@@ -142,10 +142,15 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
     const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
-    const bool has_direction = rng.below(2) == 0;
-    const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    const double prune_distance = closest(la, c.world_a, lb, c.world_b).distance * rng.uniform(1, 1.2) + 1e-12;
-    const Pruning pruning = pruning_along(placed, prune_distance, has_direction ? direction : Vec3{});
+    const ClosestPoints best = closest(la, c.world_a, lb, c.world_b);
+    Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
+    double prune_distance = best.distance * rng.uniform(1, 1.2) + 1e-12;
+    if (rng.below(3) == 0) direction = {};
+    if (rng.below(3) == 0) {  // the closest pair matters by less than quantization moves corners
+      direction = best.point_b - best.point_a;
+      prune_distance = best.distance * (1 + 1e-9) + 1e-12;
+    }
+    const Pruning pruning = pruning_along(placed, prune_distance, direction);
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
                                     pruning.of(Side::a), found);
@@ -166,24 +171,6 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     }
   }
   EXPECT_GT(not_candidates, 50000);
-}
-
-TEST(Kernels, CandidatesContainPairsThatMatterByLessThanQuantization) {
-  Rng rng(206);
-  for (int i = 0; i < 3000; ++i) {
-    const Case c(rng);
-    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
-    const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
-    const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
-    const ClosestPoints best = closest(tree_of(c.a).leaves[ka], c.world_a, tree_of(c.b).leaves[kb], c.world_b);
-    if (best.distance < 1e-3) continue;
-    const Pruning pruning = pruning_along(placed, best.distance * (1 + 1e-9), best.point_b - best.point_a);
-    simd::Candidates found;
-    simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
-                                    pruning.of(Side::a), found);
-    ASSERT_GT(found.count, 0U) << i;
-  }
 }
 
 TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {

@@ -17,32 +17,25 @@ namespace limber::testing {
 namespace {
 
 /// A tree over vertices that move a few at a time.
-class MovingTree {
- public:
-  explicit MovingTree(const Mesh& mesh) : positions_(mesh.positions()), triangles_(mesh.triangles()) {
-    dirty_.index_vertices(tree, positions_.size());
-  }
+struct MovingTree {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  bvh::Tree tree{bvh::build(mesh())};
+  bvh::DirtySet dirty{tree};
 
-  MeshView mesh() const { return {positions_, triangles_}; }
-  Vec3& position(VertexId v) {
-    dirty_.add(v);
-    return positions_[v];
+  explicit MovingTree(const Mesh& mesh) : positions(mesh.positions()), triangles(mesh.triangles()) {
+    dirty.index_vertices(tree, positions.size());
   }
-  const std::vector<Vec3>& positions() const { return positions_; }
+  MeshView mesh() const { return {positions, triangles}; }
+  /// The position of a vertex, to be changed.
+  Vec3& moved(VertexId v) {
+    dirty.add(v);
+    return positions[v];
+  }
   void refit() {
-    ASSERT_FALSE(dirty_.covers_most_of(tree));
-    bvh::refit(tree, mesh(), dirty_);
+    ASSERT_FALSE(dirty.covers_most_of(tree));
+    bvh::refit(tree, mesh(), dirty);
   }
-
- private:
-  std::vector<Vec3> positions_;
-  std::vector<Corners> triangles_;
-
- public:
-  bvh::Tree tree = bvh::build(mesh());
-
- private:
-  bvh::DirtySet dirty_{tree};
 };
 
 TEST(Refit, FitsTheSphereOfTheRootToTheLevelsBelowItsChildren) {
@@ -60,11 +53,11 @@ TEST(Refit, FitsTheSphereOfTheRootToTheLevelsBelowItsChildren) {
   MovingTree moving(soup(triangles));
   for (int i = 0; i < 300; ++i) {
     VertexId farthest = 0;
-    const std::vector<Vec3>& positions = moving.positions();
+    const std::vector<Vec3>& positions = moving.positions;
     for (VertexId v = 0; v < positions.size(); ++v) {
       if (length(positions[v]) > length(positions[farthest])) farthest = v;
     }
-    Vec3& p = moving.position(farthest);
+    Vec3& p = moving.moved(farthest);
     p = p * rng.uniform(0.7, 1);
     moving.refit();
     const auto valid = bvh::validate(moving.tree, moving.mesh());
@@ -79,9 +72,9 @@ TEST(Refit, FitsTheSphereOfTheRootToTheLevelsBelowItsChildren) {
 TEST(Refit, KeepsOriginsOfNodesAmongTheirTriangles) {
   // Float32 numbers relative to an origin lose precision in proportion to its distance.
   MovingTree moving(scenes::grid(40, 40, 0, 0, 1, 1));
-  const auto count = static_cast<VertexId>(moving.positions().size());
+  const auto count = static_cast<VertexId>(moving.positions.size());
   for (VertexId begin = 0; begin < count; begin += 100) {
-    for (VertexId v = begin; v < std::min(begin + 100, count); ++v) moving.position(v).x += 2e4;
+    for (VertexId v = begin; v < std::min(begin + 100, count); ++v) moving.moved(v).x += 2e4;
     moving.refit();
   }
   for (std::uint32_t n = 0; n < moving.tree.first_lowest_node(); ++n) {
