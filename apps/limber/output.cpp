@@ -114,6 +114,8 @@ const char* to_text(Status status) {
       return "within_error";
     case Status::collision:
       return "collision";
+    case Status::interrupted:
+      return "interrupted";
     case Status::beyond_limit:
       return "beyond_limit";
   }

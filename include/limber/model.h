@@ -166,10 +166,11 @@ class Placed {
 };
 
 /// What a query of two models has found, for the next query of the same two to start from: the triangles it ended with,
-/// and the pairs of nodes that it pruned, which stay pruned while the models have moved little. Answers do not depend
-/// on it beyond the asked error and rounding; a cache that was filled by other models only costs time.
+/// the pairs of nodes that it pruned, which stay pruned while the models have moved little, and those that were open
+/// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
+/// by other models only costs time, and little of that.
 ///
-/// Cost     25 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
+/// Cost     33 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.
 /// Source   docs/algorithms/traversal.md, "Warm start".
 class QueryCache {
@@ -194,10 +195,14 @@ class QueryCache {
 ///
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
+/// Budget   With one, the answer is unknown if the budget is spent before there is a contact or a proof that there is
+///          none. The next call with the same cache goes on from there, whether or not the models have moved.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
 CollideResult collide(const Placed& a, const Placed& b);
 CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
+BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget);
+BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache& cache);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
@@ -205,6 +210,9 @@ CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
 ///          asked errors. Contacts are found at every setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
+/// Budget   If it is spent first, the status is `interrupted`; lower and upper keep their promises, and the witness
+///          attains upper. The next call with the same cache goes on from there, whether or not the models have moved.
+///          While they rest, the interval never becomes wider.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
@@ -212,6 +220,9 @@ CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache);
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget);
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget,
+                        QueryCache& cache);
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
@@ -220,8 +231,12 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 /// Promise  True for a finite `upper` that distance() has returned for the same models, poses and order; for 0 true
 ///          exactly when the models meet. Where the distance is closer to `max_distance` than the rounding stated in
 ///          query.h, either answer may come.
+/// Budget   As collide().
 /// Cost     As collide(), which is within() of 0.
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
 WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache);
+BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget);
+BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
+                      QueryCache& cache);
 
 }  // namespace limber

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -26,7 +28,21 @@ enum class Status {
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
   beyond_limit,  ///< nothing is as close as max_distance: lower >= max_distance, upper is infinite, no witness
+  interrupted,   ///< the budget was spent: lower <= distance <= upper, farther apart than the errors allow
 };
+
+/// When a query has to end, whether or not it has its answer. Any of the limits will do.
+///
+/// A query looks at its budget after every few steps, each of which takes some 0.1 to 1 us, and now and then several: a
+/// deadline is overrun by that much. Every query with a budget that is not cancelled or empty makes at least one step.
+struct QueryBudget {
+  std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
+  std::uint64_t max_steps = std::numeric_limits<std::uint64_t>::max();  ///< the same for all machines
+  const std::atomic<bool>* cancel = nullptr;                            ///< ends the query once it is true
+};
+
+/// Which limit of its budget has ended a query.
+enum class StoppedBy { nothing, deadline, max_steps, cancel };
 
 /// A pair of points, one on each model, and the triangles they lie on.
 ///
@@ -54,7 +70,8 @@ struct DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to the rounding stated above
   double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
-  std::optional<Witness> witness;  ///< none exactly when `beyond_limit`
+  std::optional<Witness> witness;             ///< none exactly when `beyond_limit`
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< something else exactly when `interrupted`
   QueryStats stats{};
 };
 
@@ -68,6 +85,20 @@ struct WithinResult {
   bool within = false;
   /// A pair of points at most that far apart, there exactly when `within`; not necessarily the closest.
   std::optional<Witness> witness;
+  QueryStats stats{};
+};
+
+/// What a question of yes or no is answered within a budget.
+enum class Answer {
+  no,
+  yes,
+  unknown,  ///< the budget was spent before either was proven
+};
+
+struct BudgetedAnswer {
+  Answer answer = Answer::unknown;
+  std::optional<Witness> witness;             ///< there exactly when the answer is yes
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< something else exactly when the answer is unknown
   QueryStats stats{};
 };
 

@@ -12,12 +12,14 @@
 
 namespace limber::query {
 
-/// Two slots whose subtrees are still to be compared.
+/// Two slots whose subtrees are still to be compared, or all that a record of a front has not expanded.
 struct NodePair {
+  static constexpr std::uint16_t whole_record = 0xffff;
+
   float bound_sq;  ///< squared lower bound of their distance, in squared units of a's tree; 0 when nothing is proven
   bvh::SlotId slot[2];
   std::uint16_t record;  ///< the Front::Record of the expansion it comes from
-  std::uint16_t child;   ///< of that expansion
+  std::uint16_t child;   ///< of that expansion, or whole_record; then `slot` is not used
 };
 
 /// The pairs that a traversal has not taken yet, in a fixed amount of memory.
@@ -30,9 +32,6 @@ struct NodePair {
 class BucketQueue {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
-
-  /// Whether pairs should be taken before more are added that are not their children.
-  bool is_crowded() const { return stack_size_ > width || (capacity - used_ < width && !empty()); }
 
   /// Adds a pair that is taken before all others.
   void push_first(const NodePair& pair) {
@@ -65,6 +64,18 @@ class BucketQueue {
     return pairs_[entry];
   }
 
+  /// The least bound of all pairs. Pre: not empty().
+  float least_bound_sq() const {
+    LIMBER_ASSERT(!empty());
+    float least = largest_bound;
+    for (std::uint32_t i = 0; i < stack_size_; ++i) least = std::min(least, stack_[i].bound_sq);
+    if (filled_ == 0) return least;
+    for (std::uint16_t entry = first_[std::countr_zero(filled_)]; entry != none; entry = next_[entry]) {
+      least = std::min(least, pairs_[entry].bound_sq);
+    }
+    return least;
+  }
+
   /// Whether no pair that is left has a bound below `limit_sq`, as far as can be told at once.
   bool all_beyond(float limit_sq) const {
     return stack_size_ == 0 && bucket_of(limit_sq) < static_cast<std::uint32_t>(std::countr_zero(filled_));
@@ -77,8 +88,8 @@ class BucketQueue {
     buckets_per_bound_ = most > least ? static_cast<float>(bucket_count) / (most - least) : 0;
     std::uint64_t old = filled_;
     std::uint16_t chain = none;  // all pairs, those to be taken first at the end
-    for (; old != 0; old &= ~std::bit_floor(old)) {
-      for (std::uint16_t entry = first_[std::bit_width(old) - 1]; entry != none;) {
+    for (; old != 0; old &= old - 1) {
+      for (std::uint16_t entry = first_[std::countr_zero(old)]; entry != none;) {
         const std::uint16_t after = next_[entry];
         next_[entry] = chain;
         chain = entry;

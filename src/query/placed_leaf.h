@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "query/placed_models.h"
@@ -23,6 +24,17 @@ class PlacedLeaf {
   TriangleId id(std::uint32_t slot) const { return leaf_.triangle[slot]; }
   /// Whether a slot is not in use: it repeats the triangle of the one before.
   bool is_repeated(std::uint32_t slot) const { return slot > 0 && leaf_.triangle[slot] == leaf_.triangle[slot - 1]; }
+  /// The support of a triangle along a direction of its model's frame, computed when it is first asked for, until
+  /// another direction comes: each has its own number.
+  double support(std::uint32_t slot, const Vec3& direction, std::uint32_t number) {
+    if (number != direction_number_) direction_number_ = number, supported_slots_ = 0;
+    if ((supported_slots_ >> slot & 1) == 0) {
+      supported_slots_ |= 1U << slot;
+      const Triangle t = placed_.local_triangle(side_, leaf_.triangle[slot]);
+      supports_[slot] = std::max({dot(direction, t.v0), dot(direction, t.v1), dot(direction, t.v2)});
+    }
+    return supports_[slot];
+  }
   const PlacedTriangle& at(std::uint32_t slot) {
     PlacedTriangle& triangle = triangles[slot];
     if ((placed_slots_ >> slot & 1) == 0) {
@@ -36,7 +48,9 @@ class PlacedLeaf {
   const PlacedModels& placed_;
   Side side_;
   const bvh::Leaf& leaf_;
-  unsigned placed_slots_ = 0;  // bit mask
+  unsigned placed_slots_ = 0, supported_slots_ = 0;  // bit masks
+  std::uint32_t direction_number_ = 0;
+  double supports_[bvh::width];
   union {
     PlacedTriangle triangles[bvh::width];  // uninitialized until they are placed
   };

@@ -30,6 +30,8 @@ class PlacedModels {
     return sides_[index(s)].mesh.triangle(t);
   }
   Triangle triangle(Side s, TriangleId t) const;
+  /// Some triangle.
+  TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
 
   /// A lower bound of the distance of the models, from the bounds of their roots.
   double root_bound() const;

@@ -51,7 +51,10 @@ class Pruning {
   /// is looked for they are pruned. A pair that may be within a limit is always compared.
   bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
     if (!has_direction()) return false;
-    const double gap = local_gap(a.id(slot_a), b.id(slot_b));
+    // Negative where they overlap. It is computed from the vertices before they are placed, and off by at most
+    // local_gap_error times the error of placing.
+    const double gap =
+        offset_ - a.support(slot_a, out_of_a_, direction_number_) - b.support(slot_b, out_of_b_, direction_number_);
     const double rounding = core::local_gap_error * placed_.error();
     if (gap >= distance() + rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
@@ -74,6 +77,7 @@ class Pruning {
   void set_direction(const Vec3& direction) {
     LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 0x1p-40);
     direction_ = direction;
+    ++direction_number_;
     out_of_a_ = transpose(placed_.pose(Side::a).rotation) * direction;
     out_of_b_ = transpose(placed_.pose(Side::b).rotation) * -direction;
     simd::PruneLimits &a = in_frame_[0], &b = in_frame_[1];
@@ -84,16 +88,6 @@ class Pruning {
       b.normal[k] = a.other_normal[k] = static_cast<float>(out_of_b_[k]);
     }
     offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
-  }
-
-  /// The gap of two triangles along the search direction, negative where they overlap. It is computed from the vertices
-  /// before they are placed, and off by at most local_gap_error times the error of placing.
-  double local_gap(TriangleId a, TriangleId b) const {
-    const auto support = [](const Triangle& t, const Vec3& d) {
-      return std::max({dot(d, t.v0), dot(d, t.v1), dot(d, t.v2)});
-    };
-    return offset_ - support(placed_.local_triangle(Side::a, a), out_of_a_) -
-           support(placed_.local_triangle(Side::b, b), out_of_b_);
   }
 
   /// The same as prunes() for placed triangles, relative to a corner of one of them: an offset that they share costs no
@@ -111,6 +105,7 @@ class Pruning {
   simd::PruneLimits in_frame_[2];
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;
+  std::uint32_t direction_number_ = 0;
   double offset_ = 0;  // of b's origin from a's along the search direction
 };
 

@@ -15,26 +15,50 @@
 namespace limber {
 namespace {
 
-CollideResult collide(const Placed& a, const Placed& b, QueryCache* cache) {
+using query::BudgetMeter;
+
+/// Looks for a contact: there is a witness exactly if one was found.
+StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter meter, QueryCache* cache,
+                       std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   const query::PlacedModels placed(a, b);
-  CollideResult result;
   query::AnyContact goal;
-  query::search(placed, cache, goal, result.stats);
-  result.collision = goal.witness.has_value();
-  result.witness = goal.witness;
+  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
   if (goal.witness) query::remember(cache, *goal.witness);
-  return result;
+  witness = goal.witness;
+  return stopped_by;
 }
 
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache* cache) {
+/// Looks for a pair of points at most so far apart: there is a witness exactly if one was found.
+StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, BudgetMeter meter, QueryCache* cache,
+                      std::optional<Witness>& witness, QueryStats& stats) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_max_distance(max_distance);
+  const query::PlacedModels placed(a, b);
+  query::ClosestPair goal({.max_distance = max_distance}, max_distance);
+  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
+  if (goal.upper > max_distance) return stopped_by;
+  query::remember(cache, *goal.witness);
+  witness = goal.witness;
+  return stopped_by;
+}
+
+Status status_of(const DistanceResult& result) {
+  if (result.upper == 0) return Status::collision;
+  if (result.stopped_by != StoppedBy::nothing) return Status::interrupted;
+  return result.lower == result.upper ? Status::exact : Status::within_error;
+}
+
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter meter,
+                        QueryCache* cache) {
   const core::DefaultFloatEnvironment environment;
   query::check_options(options);
   const query::PlacedModels placed(a, b);
   DistanceResult result;
   query::ClosestPair goal(options, 0);
-  const double prune_distance = query::search(placed, cache, goal, result.stats);
-  if (goal.upper > options.max_distance) {
+  const query::Unsearched unsearched = query::search(placed, cache, goal, meter, result.stats);
+  result.stopped_by = unsearched.stopped_by;
+  if (goal.upper > options.max_distance && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = options.max_distance;
     result.status = Status::beyond_limit;
@@ -42,27 +66,43 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   }
   query::remember(cache, *goal.witness);
   result.upper = goal.upper;
-  result.lower = std::min(goal.upper, prune_distance);
+  result.lower = std::min(goal.upper, unsearched.distance);
   result.witness = goal.witness;
-  if (result.upper == 0) {
-    result.status = Status::collision;
-  } else {
-    result.status = result.lower == result.upper ? Status::exact : Status::within_error;
-  }
+  result.status = status_of(result);
+  return result;
+}
+
+CollideResult collide(const Placed& a, const Placed& b, QueryCache* cache) {
+  CollideResult result;
+  find_contact(a, b, BudgetMeter(), cache, result.witness, result.stats);
+  result.collision = result.witness.has_value();
   return result;
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache* cache) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_max_distance(max_distance);
-  const query::PlacedModels placed(a, b);
   WithinResult result;
-  query::ClosestPair goal({.max_distance = max_distance}, max_distance);
-  query::search(placed, cache, goal, result.stats);
-  result.within = goal.upper <= max_distance;
-  if (!result.within) return result;
-  result.witness = goal.witness;
-  query::remember(cache, *goal.witness);
+  find_within(a, b, max_distance, BudgetMeter(), cache, result.witness, result.stats);
+  result.within = result.witness.has_value();
+  return result;
+}
+
+Answer answer_of(const BudgetedAnswer& result) {
+  if (result.witness) return Answer::yes;
+  return result.stopped_by == StoppedBy::nothing ? Answer::no : Answer::unknown;
+}
+
+BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache* cache) {
+  BudgetedAnswer result;
+  result.stopped_by = find_contact(a, b, BudgetMeter(budget), cache, result.witness, result.stats);
+  result.answer = answer_of(result);
+  return result;
+}
+
+BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
+                      QueryCache* cache) {
+  BudgetedAnswer result;
+  result.stopped_by = find_within(a, b, max_distance, BudgetMeter(budget), cache, result.witness, result.stats);
+  result.answer = answer_of(result);
   return result;
 }
 
@@ -70,12 +110,25 @@ WithinResult within(const Placed& a, const Placed& b, double max_distance, Query
 
 CollideResult collide(const Placed& a, const Placed& b) { return collide(a, b, nullptr); }
 CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache) { return collide(a, b, &cache); }
+BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget) {
+  return collide(a, b, budget, nullptr);
+}
+BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache& cache) {
+  return collide(a, b, budget, &cache);
+}
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  return distance(a, b, options, nullptr);
+  return distance(a, b, options, BudgetMeter(), nullptr);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache) {
-  return distance(a, b, options, &cache);
+  return distance(a, b, options, BudgetMeter(), &cache);
+}
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget) {
+  return distance(a, b, options, BudgetMeter(budget), nullptr);
+}
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget,
+                        QueryCache& cache) {
+  return distance(a, b, options, BudgetMeter(budget), &cache);
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
@@ -83,6 +136,13 @@ WithinResult within(const Placed& a, const Placed& b, double max_distance) {
 }
 WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache) {
   return within(a, b, max_distance, &cache);
+}
+BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget) {
+  return within(a, b, max_distance, budget, nullptr);
+}
+BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
+                      QueryCache& cache) {
+  return within(a, b, max_distance, budget, &cache);
 }
 
 }  // namespace limber

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "core/check.h"
 #include "limber/model.h"
+#include "query/budget_meter.h"
 #include "query/placed_models.h"
 #include "query/pruning.h"
 #include "query/query_cache_impl.h"
@@ -11,37 +14,68 @@
 
 namespace limber::query {
 
-/// Runs a traversal to its end. Returns the prune distance: what was not compared is at least that far apart.
+/// What a search has left.
+struct Unsearched {
+  double distance;  ///< every pair of triangles that was not compared is at least that far apart
+  StoppedBy stopped_by = StoppedBy::nothing;
+};
+
+/// Runs a traversal to its end, or to that of the budget.
 template <bool has_front, typename Goal>
-double traverse(const PlacedModels& placed, Pruning& pruning, Front* front, Goal& goal, QueryStats& stats) {
-  ++stats.node_tests;
-  const double root_bound = placed.root_bound();
-  if (root_bound >= pruning.distance()) return pruning.distance();
-  Traversal<Goal, has_front> traversal(placed, pruning, goal, stats);
+Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& pruning, Front* front, Goal& goal,
+                    BudgetMeter& meter, QueryStats& stats) {
+  if (root_bound >= pruning.distance()) {
+    return {std::max(root_bound, has_front ? front->bound_at_rest(placed) : 0)};
+  }
+  Traversal<Goal, has_front> traversal(placed, pruning, goal, meter, stats);
   traversal.start(root_bound, front);
   while (traversal.step()) {
   }
-  traversal.finish();
+  const double open = traversal.finish();
   if (placed.drift() > 0) placed.add_margin_cost(traversal.margin_cost());
-  return pruning.distance();
+  if (goal.is_done()) return {pruning.distance()};
+  Unsearched left{std::max(root_bound, std::min(open, pruning.distance()))};
+  if (open < pruning.distance()) left.stopped_by = meter.stopped_by();
+  if (!has_front) return left;
+  left.distance = std::max(left.distance, front->bound());
+  front->improve_bound(left.distance);
+  return left;
 }
 
-/// Looks for what a goal wants, first where the last query ended if there is a cache. Returns the prune distance at the
-/// end: every pair of triangles that was not compared is at least that far apart.
+/// Looks for what a goal wants, first where the last query ended if there is a cache.
 template <typename Goal>
-double search(const PlacedModels& placed, QueryCache* cache, Goal& goal, QueryStats& stats) {
+Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, BudgetMeter& meter, QueryStats& stats) {
   LIMBER_ASSERT(!Goal::needs_all || cache == nullptr);  // a front skips what the last query has compared
   Pruning pruning(placed, goal.initial_prune_distance());
-  if (cache == nullptr) return traverse<false>(placed, pruning, nullptr, goal, stats);
-  QueryCache::Impl& last = cache->impl();
-  if (placed.has_triangle(Side::a, last.triangle_a) && placed.has_triangle(Side::b, last.triangle_b)) {
+  ++stats.node_tests;
+  const double root_bound = placed.root_bound();
+  if (root_bound >= pruning.distance()) return {root_bound};
+  const auto compare = [&](TriangleId a, TriangleId b) {
     ++stats.triangle_tests;
-    const auto improvement = goal.compare({last.triangle_a, placed.triangle(Side::a, last.triangle_a)},
-                                          {last.triangle_b, placed.triangle(Side::b, last.triangle_b)});
+    const auto improvement = goal.compare({a, placed.triangle(Side::a, a)}, {b, placed.triangle(Side::b, b)});
     if (improvement) pruning.improve(*improvement);
-    if (goal.is_done()) return pruning.distance();
+  };
+  QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
+  const bool uses_cache = last != nullptr && (meter.is_limited() || last->front.should_record());
+  if (uses_cache && placed.has_triangle(Side::a, last->triangle_a) && placed.has_triangle(Side::b, last->triangle_b)) {
+    compare(last->triangle_a, last->triangle_b);
+  } else if (meter.is_limited()) {
+    // There is an upper bound whatever happens.
+    compare(placed.first_triangle(Side::a), placed.first_triangle(Side::b));
   }
-  return traverse<true>(placed, pruning, &last.front, goal, stats);
+  if (!uses_cache) {
+    return goal.is_done() ? Unsearched{pruning.distance()}
+                          : traverse<false>(placed, root_bound, pruning, nullptr, goal, meter, stats);
+  }
+  const double at_first = pruning.distance();
+  const Unsearched left = goal.is_done()
+                              ? Unsearched{pruning.distance()}
+                              : traverse<true>(placed, root_bound, pruning, &last->front, goal, meter, stats);
+  // The cache is of use if its triangles are nearly the answer.
+  constexpr double nearly = 1.25;
+  if (Goal::takes_any ? goal.is_done() && stats.triangle_tests == 1 : at_first <= nearly * pruning.distance())
+    last->front.be_useful();
+  return left;
 }
 
 /// Notes an answer for the next query.

@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "query/bucket_queue.h"
+#include "query/budget_meter.h"
 #include "query/frames.h"
 #include "query/front.h"
 #include "query/placed_leaf.h"
@@ -32,25 +33,32 @@ namespace limber::query {
 template <typename Goal, bool has_front>
 class Traversal {
  public:
-  Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, QueryStats& stats)
-      : frames_(placed), placed_(placed), pruning_(pruning), goal_(goal), stats_(stats), kernels_(simd::kernels()) {
+  Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, BudgetMeter& meter, QueryStats& stats)
+      : frames_(placed),
+        placed_(placed),
+        pruning_(pruning),
+        goal_(goal),
+        meter_(meter),
+        stats_(stats),
+        kernels_(simd::kernels()) {
     const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
 
-  /// Begins with the two roots, or where the front ended if it can be resumed. `front` is null unless one is recorded.
+  /// Begins with the two roots, or where the front ended if that saves work. `front` is null unless one is recorded.
   void start(double root_bound, Front* front) {
     queue_.clear();
     if constexpr (has_front) {
       front_ = front;
-      is_recording_ = true;
-      const Transform a_from_b = frames_.a_from_b();
-      if (front_->can_resume(placed_)) {
-        front_->resume(placed_, a_from_b);
-        records_left_ = front_->records().size();
-        return;
+      if (!front_->can_resume(placed_)) {
+        front_->start(placed_, frames_.a_from_b());
+      } else {
+        front_->resume(placed_, frames_.a_from_b());
+        if (front_->bound() >= pruning_.distance() || push_records()) return front_->be_useful();
+        front_->start_over();
+        queue_.clear();
+        descends_ = true;
       }
-      front_->start(placed_, a_from_b);
     }
     const double units = root_bound / placed_.tree(Side::a).unit;
     least_sq_ =
@@ -58,25 +66,35 @@ class Traversal {
     queue_.push_first({least_sq_, {bvh::root, bvh::root}, Front::none, 0});
   }
 
-  /// Takes one more pair. False when none that matters is left.
+  /// Takes one more pair. False when none that matters is left, or the budget is spent.
   bool step() {
-    if (goal_.is_done()) return false;
+    if (meter_.is_spent(steps_) || queue_.empty() || goal_.is_done()) return false;
     update_limits();
     Expansion e;
-    if (has_front && records_left_ > 0 && !queue_.is_crowded()) {
-      if (!expand_again(static_cast<std::uint16_t>(--records_left_), e)) return true;
-    } else {
-      if (queue_.empty()) return false;
-      e.pair = queue_.pop();
-      if (!expand(e)) return true;
-    }
-    compare_children(e);
+    e.pair = queue_.pop();
+    if (has_front && e.pair.child == NodePair::whole_record ? expand_record(e) : expand(e)) compare_children(e);
     return true;
   }
 
-  /// Ends the traversal, wherever it is.
-  void finish() {
-    if (has_front && front_ != nullptr) front_->finish(is_recording_ && !goal_.is_done());
+  /// Ends the traversal, wherever it is. Returns a lower bound of the distance of all that is left, infinite if nothing
+  /// is.
+  double finish() {
+    double least = std::numeric_limits<double>::infinity();
+    if constexpr (has_front) {
+      std::size_t open = 0;
+      for (; !queue_.empty(); ++open) {
+        const NodePair pair = queue_.pop();
+        const bool is_record = pair.child == NodePair::whole_record;
+        const double bound =
+            is_record ? front_->bound_of(front_->records()[pair.record]) : length_of(Side::a, pair.bound_sq);
+        least = std::min(least, bound);
+        if (!is_record) put_back(pair, Front::open, bound);
+      }
+      front_->finish(goal_.is_done() ? 0 : open, work_);
+    } else if (!queue_.empty()) {
+      least = length_of(Side::a, queue_.least_bound_sq());
+    }
+    return least;
   }
 
   /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
@@ -88,7 +106,8 @@ class Traversal {
     Side side;  // of the slot of `pair` that is expanded
     NodePair pair;
     std::uint32_t node;    // the child of that slot: its children are compared with the other slot
-    std::uint16_t record;  // of this expansion in the front, or Front::none
+    std::uint16_t record;  // in the front: of this expansion, or where there was no room of the one that `pair` is from
+    bool has_record;       // whether it is of this expansion
     unsigned children;     // to be compared, a bit mask
     simd::KeptSlots kept;  // not pruned
     alignas(32) float order[bvh::width];
@@ -149,12 +168,35 @@ class Traversal {
   double length_of(Side s, float bound_sq) const {
     return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * double{core::squares_down};
   }
+  /// Gives a pair that is not expanded to the record that it comes from.
+  void put_back(const NodePair& pair, Front::Kind kind, double distance) {
+    if (pair.record != Front::none) front_->put(pair.record, 1U << pair.child, kind, distance);
+  }
   /// Settles a pair, pruned or compared: what it holds is at least `distance` or the prune distance apart.
   void settle(const NodePair& pair, double distance) {
-    LIMBER_ASSERT(distance >= 0);
-    if (has_front && is_recording_ && pair.record != Front::none) {
-      front_->prune(pair.record, 1U << pair.child, std::max(distance, pruning_.distance()));
+    if (has_front) put_back(pair, Front::settled, std::max(distance, pruning_.distance()));
+  }
+
+  /// Queues what has to be compared again. False if that is so much that a new traversal is cheaper, or if there are no
+  /// records.
+  bool push_records() {
+    const std::span<const Front::Record> records = front_->records();
+    descends_ = false;
+    const double to_units = 1 / placed_.tree(Side::a).unit;
+    std::size_t count = 0;
+    least_sq_ = BucketQueue::largest_bound;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const double bound = front_->bound_of(records[i]);
+      if (bound >= pruning_.distance()) continue;
+      ++count;
+      const double units = bound * to_units;
+      const double bound_sq = std::min(units * units * double{core::squares_down}, double{BucketQueue::largest_bound});
+      least_sq_ = std::min(least_sq_, static_cast<float>(bound_sq));
+      queue_.push({static_cast<float>(bound_sq), {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
     }
+    // Those that were open have to be expanded in a new traversal too.
+    const double of_no_use = static_cast<double>(count) - static_cast<double>(front_->open_count());
+    return !records.empty() && of_no_use < worth_resuming * static_cast<double>(records.size());
   }
 
   /// Brings what is derived from the prune distance up to date.
@@ -179,42 +221,47 @@ class Traversal {
     const NodePair& pair = e.pair;
     if (pair.bound_sq >= limit_sq_[0]) {
       settle(pair, length_of(Side::a, pair.bound_sq));
-      // While recording, each remaining pair has to be settled on its own.
+      // With a front, each remaining pair has to be settled on its own.
       if (!has_front && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
     }
+    ++steps_;
     if (placed_.drift() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
-      compare_leaves(pair);
-      settle(pair, pruning_.distance());
+      if (compare_leaves(pair)) {
+        settle(pair, pruning_.distance());
+      } else {
+        queue_.push_first(pair);
+      }
       return false;
     }
     e.side = expands_a(pair) ? Side::a : Side::b;
     e.node = child_of(e.side, pair.slot[index(e.side)]);
     e.children = (1U << placed_.tree(e.side).nodes[e.node].child_count) - 1;
-    e.record = Front::none;
-    if (has_front && is_recording_) {
-      e.record = front_->add(pair.slot, e.side);
-      is_recording_ = e.record != Front::none;
-    }
+    e.record = has_front ? front_->add(pair.slot, e.side) : Front::none;
+    e.has_record = e.record != Front::none;
+    if (!e.has_record) e.record = pair.record;
     return true;
   }
 
-  /// Expands what a record has pruned. False if that is still pruned.
-  bool expand_again(std::uint16_t record, Expansion& e) {
+  /// Expands again what a record has not expanded. False if that is pruned.
+  bool expand_record(Expansion& e) {
+    const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_->records()[record];
-    if (r.valid_until >= (front_->odometer() + pruning_.distance()) * core::sum_up) return false;
+    if (front_->bound_of(r) >= pruning_.distance()) return false;
     e.side = r.expands_a ? Side::a : Side::b;
-    e.pair = {0, {r.slot[0], r.slot[1]}, Front::none, 0};
+    e.pair = {e.pair.bound_sq, {r.slot[0], r.slot[1]}, Front::none, 0};
     e.node = child_of(e.side, r.slot[index(e.side)]);
     e.record = record;
-    e.children = front_->take(record);
+    e.has_record = true;
+    e.children = front_->take(record, pruning_.distance());
     return true;
   }
 
   /// Compares the children of the expanded node with the other node.
   void compare_children(Expansion& e) {
     LIMBER_ASSERT(e.children != 0);
+    ++work_;
     const Side s = other(e.side);
     const simd::OtherNode other_node = is_leaf(s, e.pair) ? as_leaf(s, e.pair) : as_node(s, e.pair);
     const bvh::WideNode& node = placed_.tree(e.side).nodes[e.node];
@@ -224,7 +271,7 @@ class Traversal {
                                      limit_sq_[index(e.side)], e.order, has_front ? bound_sq : nullptr);
     e.kept.all &= e.children, e.kept.overlapping &= e.children;
     const unsigned pruned = e.children & ~e.kept.all;
-    if (has_front && is_recording_ && pruned != 0) record_pruned(e, pruned, bound_sq);
+    if (has_front && pruned != 0) record_pruned(e, pruned, bound_sq);
     if (e.kept.all != 0) keep(e);
   }
 
@@ -233,14 +280,16 @@ class Traversal {
     for (unsigned rest = children; rest != 0; rest &= rest - 1) {
       least = std::min(least, bound_sq[std::countr_zero(rest)]);
     }
-    front_->prune(e.record, children, std::max(length_of(e.side, least), pruning_.distance()));
+    const double distance = std::max(length_of(e.side, least), pruning_.distance());
+    if (e.record == Front::none) return;
+    front_->put(e.record, e.has_record ? children : 1U << e.pair.child, Front::settled, distance);
   }
 
   /// Puts the children that are kept where they will be taken in the right order.
   void keep(const Expansion& e) {
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      if (Goal::takes_any || pruning_.has_direction()) return push(e, e.kept.all);
+      if (Goal::takes_any || !descends_) return push(e, e.kept.all);
       return descend(e);
     }
     push(e, e.kept.all & ~overlapping);
@@ -276,20 +325,23 @@ class Traversal {
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
     // Never as large as `no_limit_sq`, which must not prune, even where the product overflows.
     const float bound_sq =
-        std::min(std::max(e.order[child], 0.0F) * to_a_sq_[index(e.side)], BucketQueue::largest_bound);
+        std::min(std::max(e.order[child] * to_a_sq_[index(e.side)], e.pair.bound_sq), BucketQueue::largest_bound);
     const bvh::SlotId slot = e.node * bvh::width + child;
     const bool of_a = e.side == Side::a;
     return {bound_sq,
             {of_a ? slot : e.pair.slot[0], of_a ? e.pair.slot[1] : slot},
             e.record,
-            static_cast<std::uint16_t>(child)};
+            static_cast<std::uint16_t>(e.has_record ? child : e.pair.child)};
   }
 
-  void compare_leaves(const NodePair& pair) {
+  /// False if the goal or the budget has ended it before all triangles were compared.
+  bool compare_leaves(const NodePair& pair) {
     simd::Candidates found;
     kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
                              found);
-    if (found.count == 0) return;
+    descends_ = false;
+    ++work_;
+    if (found.count == 0) return true;
     // The nearest first: it may prune the others.
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 1; i < found.count; ++i) {
@@ -298,7 +350,8 @@ class Traversal {
     std::swap(found.pairs[0], found.pairs[nearest]);
     PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, leaf_slot(Side::a, pair))]);
     PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, leaf_slot(Side::b, pair))]);
-    for (std::uint32_t i = 0; i < found.count && !goal_.is_done(); ++i) {
+    for (std::uint32_t i = 0; i < found.count; ++i) {
+      if (goal_.is_done()) return false;
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
       if (bound_sq >= limit * limit * double{core::squares_up}) continue;
@@ -309,13 +362,17 @@ class Traversal {
       if (pruning_.prunes(a, slot_a, b, slot_b)) continue;
       ++stats_.triangle_tests;
       if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) pruning_.improve(*improvement);
+      if (meter_.cuts_short(steps_)) return false;
     }
+    return !goal_.is_done();
   }
 
   // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
+  // A front is resumed if less than this part of it has to be compared again.
+  static constexpr double worth_resuming = 0.5;
   // Larger squared ratios of units leave the range of float32.
   static constexpr double largest_unit_ratio_sq = 0x1p126;
 
@@ -323,6 +380,7 @@ class Traversal {
   const PlacedModels& placed_;
   Pruning& pruning_;
   Goal& goal_;
+  BudgetMeter& meter_;
   QueryStats& stats_;
   const simd::Kernels& kernels_;
   double limits_for_ = -1;      // prune distance that what follows was derived from
@@ -331,9 +389,9 @@ class Traversal {
   float to_a_sq_[2] = {1, 1};   // squared units of either tree in those of a
   float least_sq_ = 0, focus_sq_ = BucketQueue::no_limit_sq;  // the focus of the queue
   double margin_cost_ = 0;
+  std::uint64_t steps_ = 0, work_ = 0;  // the latter with what is compared again
+  bool descends_ = true;                // until triangles have been compared
   Front* front_ = nullptr;
-  bool is_recording_ = false;     // whether the front will account for every pair
-  std::size_t records_left_ = 0;  // of the front, still to be checked
   BucketQueue queue_;
 };
 

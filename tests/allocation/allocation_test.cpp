@@ -4,6 +4,9 @@
 // Queries do not touch the heap.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdint>
+
 #include "heap.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
@@ -30,6 +33,25 @@ TEST(Allocation, IsSeenByThisTest) {
   const std::uint64_t before = allocation_count();
   const Model model(scenes::thesis_ball());
   EXPECT_GT(allocation_count(), before);
+}
+
+TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  QueryCache cache;
+  distance({square}, {ball}, {}, {.max_steps = 1}, cache);
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 20; ++i) {
+    const Placed a{square}, b{ball, {{}, {0.01 * i, 0, 3}}};
+    const QueryBudget steps{.max_steps = 10};
+    const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(5)};
+    for (const QueryBudget& budget : {steps, time}) {
+      distance(a, b, {}, budget, cache);
+      distance(a, b, {}, budget);
+      collide(a, b, budget, cache);
+      within(a, b, 1, budget, cache);
+    }
+  }
+  EXPECT_EQ(allocation_count(), before);
 }
 
 TEST(Allocation, DoesNotHappenInAWarmQuery) {

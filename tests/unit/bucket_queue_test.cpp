@@ -55,6 +55,21 @@ TEST(BucketQueue, IsTakenNearestFirstToWithinABucket) {
   EXPECT_GT(last, 60);
 }
 
+TEST(BucketQueue, KnowsItsLeastBound) {
+  scenes::Rng rng(62);
+  for (int i = 0; i < 200; ++i) {
+    const auto queue = std::make_unique<BucketQueue>();
+    queue->focus(static_cast<float>(rng.uniform(0, 20)), static_cast<float>(rng.uniform(20, 40)));
+    float least = 1e30F;
+    for (std::uint64_t k = 1 + rng.below(50); k > 0; --k) {
+      const auto bound_sq = static_cast<float>(rng.uniform(0, 60));
+      rng.below(8) == 0 ? push_first(*queue, bound_sq) : push(*queue, bound_sq);
+      least = std::min(least, bound_sq);
+    }
+    ASSERT_EQ(queue->least_bound_sq(), least);
+  }
+}
+
 TEST(BucketQueue, IsNotGivenUpWhileAPairIsBelowTheLimit) {
   const auto queue = std::make_unique<BucketQueue>();
   queue->focus(0, 64);  // buckets of width 1

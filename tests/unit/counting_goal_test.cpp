@@ -50,7 +50,8 @@ std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance
   const query::PlacedModels placed(a, b);
   PairsWithin goal(max_distance);
   QueryStats stats;
-  query::search(placed, nullptr, goal, stats);
+  query::BudgetMeter meter;
+  query::search(placed, nullptr, goal, meter, stats);
   return goal.count;
 }
 

@@ -9,6 +9,7 @@
 
 #include "limber/model.h"
 #include "query/frames.h"
+#include "query/query_cache_impl.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 
@@ -108,21 +109,23 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_FALSE(front.can_resume(here));
   front.start(here, a_from_b(here));
   const std::uint16_t record = front.add({1, 2}, Side::b);
-  front.prune(record, 0b101, 3.0);
-  front.prune(record, 0b010, 2.0);
-  EXPECT_EQ(front.records()[record].pruned, 0b111);
-  EXPECT_EQ(front.records()[record].valid_until, 2.0);
+  front.put(record, 0b101, Front::settled, 3.0);
+  front.put(record, 0b010, Front::open, 2.0);
+  EXPECT_EQ(front.bound_of(front.records()[record]), 2.0);
   EXPECT_FALSE(front.can_resume(here));  // still recording, as it would be after an exception
-  front.finish(true);
+  front.finish(0, 1);
   EXPECT_TRUE(front.can_resume(here));
   front.resume(there, a_from_b(there));
   EXPECT_FALSE(front.can_resume(there));
   EXPECT_NEAR(front.odometer(), 0.1, 1e-6);
   EXPECT_GE(front.odometer(), 0.1);
-  EXPECT_EQ(front.take(record), 0b111U);
-  EXPECT_EQ(front.records()[record].pruned, 0);
-  front.prune(record, 0b001, 1.0);
-  EXPECT_DOUBLE_EQ(front.records()[record].valid_until, 1 + front.odometer());
+  EXPECT_NEAR(front.bound_of(front.records()[record]), 1.9, 1e-6);
+  EXPECT_EQ(front.take(record, 1.5), 0U);
+  EXPECT_EQ(front.take(record, 2.5), 0b010U);
+  EXPECT_NEAR(front.bound_of(front.records()[record]), 2.9, 1e-6);
+  EXPECT_EQ(front.take(record, 4), 0b101U);
+  front.put(record, 0b001, Front::settled, 1.0);
+  EXPECT_EQ(front.bound_of(front.records()[record]), 1);
 }
 
 TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
@@ -131,12 +134,10 @@ TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
   Front front;
   front.start(placed, a_from_b(placed));
   front.add({0, 0}, Side::a);
-  front.finish(true);
+  front.finish(0, 1);
   EXPECT_TRUE(front.can_resume(placed));
   EXPECT_FALSE(front.can_resume(other));
   EXPECT_FALSE(front.can_resume(turned));
-  front.finish(false);
-  EXPECT_FALSE(front.can_resume(placed));
   front.start(placed, a_from_b(placed));
   for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), Front::none);
   EXPECT_EQ(front.add({0, 0}, Side::a), Front::none);
@@ -156,18 +157,56 @@ TEST(Front, SavesTestsAlongASlowMotion) {
   EXPECT_LT(2 * warm, cold);
 }
 
-TEST(Front, IsDroppedWhenItsCapacityIsExceeded) {
+TEST(Front, IsRightWhenItsCapacityIsExceeded) {
   // Two sheets lie on each other and are close everywhere, so that the query needs thousands of expansions.
   const Model lower(scenes::wave_sheet(150, 150, 0)), upper(scenes::wave_sheet(150, 150, 0));
   QueryCache cache;
-  std::uint64_t most = 0;
+  std::uint64_t cold = 0, warm = 0;
   for (int frame = 0; frame < 10; ++frame) {
     const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * frame}};
     const DistanceResult fresh = distance({lower}, {upper, pose}), cached = distance({lower}, {upper, pose}, {}, cache);
     ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
-    most = std::max(most, cached.stats.node_tests);
+    if (frame == 0) {
+      ASSERT_EQ(cache.impl().front.records().size(), 1024U);
+    }
+    cold += fresh.stats.node_tests, warm += cached.stats.node_tests;
   }
-  EXPECT_GT(most, 8U * 1024);
+  EXPECT_GT(cold, 10U * 8 * 1024);
+  EXPECT_LE(warm, cold * 11 / 10);
+  // At rest there is nothing to do once a front is there.
+  const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * 9}};
+  distance({lower}, {upper, pose}, {}, cache);
+  EXPECT_LT(distance({lower}, {upper, pose}, {}, cache).stats.node_tests, 10U);
+}
+
+TEST(Front, CostsNoTestsWherePosesHaveNothingInCommon) {
+  const Model sheet(scenes::wave_sheet(60, 60, 0)), ball(scenes::thesis_ball());
+  Rng rng(303);
+  for (const double height : {0.2, 1.5}) {  // meeting and apart
+    for (const int kind : {0, 1, 2}) {
+      QueryCache cache;
+      std::uint64_t cold = 0, warm = 0;
+      for (int i = 0; i < 300; ++i) {
+        const Vec3 at{rng.uniform(0, 4), rng.uniform(0, 4), rng.uniform(height, 2 * height)};
+        const Placed a{sheet}, b{ball, {random_pose(rng, 1).rotation, at}};
+        const DistanceOptions options{.relative_error = kind == 1 ? 0.1 : 0};
+        cold += (kind == 2 ? collide(a, b).stats : distance(a, b, options).stats).node_tests;
+        warm += (kind == 2 ? collide(a, b, cache).stats : distance(a, b, options, cache).stats).node_tests;
+      }
+      EXPECT_LE(static_cast<double>(warm), 1.05 * static_cast<double>(cold)) << height << ", " << kind;
+    }
+  }
+}
+
+TEST(Front, IsOfUseAgainSoonAfterAJumpOrMany) {
+  const Model sheet(scenes::wave_sheet(60, 60, 0)), ball(scenes::thesis_ball());
+  Rng rng(304);
+  QueryCache cache;
+  const auto ask = [&](const Transform& pose) { return distance({sheet}, {ball, pose}, {}, cache).stats.node_tests; };
+  for (int i = 0; i < 100; ++i) ask(random_pose(rng, 5));
+  const auto drift = [](int i) { return Transform{{}, {2, 2, 1.5 + 1e-6 * i}}; };
+  for (int i = 0; i < 40; ++i) ask(drift(i));
+  EXPECT_LT(5 * ask(drift(40)), distance({sheet}, {ball, drift(40)}).stats.node_tests);
 }
 
 }  // namespace
