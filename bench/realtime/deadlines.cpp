@@ -1,0 +1,231 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Question        What does a query know when its time is up? How late is it then? What does a cache save or cost?
+// Question        What does a query know when its time is up? How late is it? What does a cache save, or cost?
+//                 of b by a given part of the scene's size a frame.
+// Metric          Time of a query that may make no step. How long queries go on after deadlines from 5 us to 1 ms, next
+//                 to a loop that does nothing but look at the clock. Width of the interval after parts of the time of
+//                 the exact query. Time with a cache over time without one.
+// Expected shape  Overruns of a few us, until the machine itself interrupts. Widths that shrink quickly. A cache that
+//                 saves the more the slower the motion, and costs nothing where there is none in common.
+// Checked         Every interval holds the exact distance.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/peers/scenes_of_peers.h"
+#include "bench/support/report.h"
+#include "bench/support/sampling.h"
+#include "limber/model.h"
+#include "scenes/scenes.h"
+
+namespace limber::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Percentiles {
+  double p50, p99, p999, p9999, max;
+
+  explicit Percentiles(std::vector<double> samples) {
+    std::sort(samples.begin(), samples.end());
+    const auto at = [&](double part) {
+      return samples[std::min(samples.size() - 1,
+                              static_cast<std::size_t>(part * static_cast<double>(samples.size())))];
+    };
+    p50 = at(0.5), p99 = at(0.99), p999 = at(0.999), p9999 = at(0.9999), max = samples.back();
+  }
+  std::string text() const {
+    return fmt::format("{:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f}", p50, p99, p999, p9999, max);
+  }
+};
+
+double us_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+struct Scene {
+  std::string name;
+  Model a, b;
+  std::vector<Transform> poses;
+
+  Scene(const PeerScene& scene, const Situation& situation)
+      : name(scene.name + ", " + situation.name), a(scene.a), b(scene.b), poses(situation.poses) {}
+
+  DistanceResult exact(const Transform& pose) const { return distance({a}, {b, pose}); }
+};
+
+void check_interval(Checker& checker, const std::string& name, const DistanceResult& found, double truth) {
+  checker.check(found.lower <= truth * (1 + 1e-12) && found.upper >= truth * (1 - 1e-12),
+                "{}: [{}, {}] does not hold {}", name, found.lower, found.upper, truth);
+}
+
+void time_first_intervals(const std::vector<Scene>& scenes, Checker& checker, Markdown& text, std::size_t count) {
+  text.line("## The first interval\n");
+  text.line("Time of a query that may make no step, in us.\n");
+  text.line("| scene | p50 | p99 | p99.9 | p99.99 | max |\n|:--|--:|--:|--:|--:|--:|");
+  for (const Scene& scene : scenes) {
+    std::vector<double> times;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Transform& pose = scene.poses[i % scene.poses.size()];
+      const auto start = Clock::now();
+      const DistanceResult found = distance({scene.a}, {scene.b, pose}, {}, {.max_steps = 0});
+      times.push_back(us_since(start));
+      if (i < scene.poses.size()) check_interval(checker, scene.name, found, scene.exact(pose).upper);
+    }
+    text.line("| {} | {} |", scene.name, Percentiles(std::move(times)).text());
+  }
+}
+
+void time_overruns(const std::vector<Scene>& scenes, Checker& checker, Markdown& text, std::size_t count) {
+  text.line("\n## After the deadline\n");
+  text.line("How long a query goes on after its deadline, 5 us to 1 ms after its start, in us; {} queries.\n", count);
+  text.line("| scene | interrupted | p50 | p99 | p99.9 | p99.99 | max |\n|:--|--:|--:|--:|--:|--:|--:|");
+  scenes::Rng rng(42);
+  const auto a_deadline = [&] {
+    const double us = 5 * std::pow(200, rng.uniform());
+    return Clock::now() + std::chrono::nanoseconds(static_cast<std::int64_t>(1000 * us));
+  };
+  std::vector<double> idle;
+  for (std::size_t i = 0; i < count / 10; ++i) {
+    const auto deadline = a_deadline();
+    while (Clock::now() < deadline) {
+    }
+    idle.push_back(us_since(deadline));
+  }
+  text.line("| nothing but the clock | | {} |", Percentiles(std::move(idle)).text());
+  for (const Scene& scene : scenes) {
+    std::vector<double> truths;
+    for (const Transform& pose : scene.poses) truths.push_back(scene.exact(pose).upper);
+    std::vector<double> late;
+    for (std::size_t i = 0; i < count / scenes.size(); ++i) {
+      const std::size_t k = i % scene.poses.size();
+      const auto deadline = a_deadline();
+      const DistanceResult found = distance({scene.a}, {scene.b, scene.poses[k]}, {}, {.deadline = deadline});
+      if (found.status == Status::interrupted) late.push_back(us_since(deadline));
+      check_interval(checker, scene.name, found, truths[k]);
+    }
+    if (!late.empty()) text.line("| {} | {} | {} |", scene.name, late.size(), Percentiles(late).text());
+  }
+}
+
+void measure_widths(const std::vector<Scene>& scenes, Markdown& text) {
+  text.line("\n## Width of the interval\n");
+  text.line(
+      "Upper less lower, as a part of lower, after a part of the steps of the exact query; medians over poses.\n");
+  text.line("| scene | 1 % | 5 % | 10 % | 20 % | 40 % | 80 % |\n|:--|--:|--:|--:|--:|--:|--:|");
+  for (const Scene& scene : scenes) {
+    std::string row;
+    for (const double part : {0.01, 0.05, 0.1, 0.2, 0.4, 0.8}) {
+      std::vector<double> widths;
+      for (const Transform& pose : scene.poses) {
+        // The least number of steps that is enough.
+        std::uint64_t low = 0, high = 1;
+        const auto is_enough = [&](std::uint64_t steps) {
+          return distance({scene.a}, {scene.b, pose}, {}, {.max_steps = steps}).status != Status::interrupted;
+        };
+        while (!is_enough(high)) low = high, high *= 2;
+        while (high - low > 1) (is_enough((low + high) / 2) ? high : low) = (low + high) / 2;
+        const auto steps = static_cast<std::uint64_t>(part * static_cast<double>(high));
+        const DistanceResult found = distance({scene.a}, {scene.b, pose}, {}, {.max_steps = steps});
+        widths.push_back(found.lower > 0 ? found.upper / found.lower - 1 : 1e9);
+      }
+      const double width = summarize(widths).median;
+      row += width > 1e6 ? " unbounded |" : fmt::format(" {:.3g} |", width);
+    }
+    text.line("| {} |{}", scene.name, row);
+  }
+}
+
+/// Frames in which b turns and slides by `step` of the scene's size, or at random if that is 0.
+std::vector<Transform> path(const Transform& start, double size, double step, std::size_t frames) {
+  scenes::Rng rng(7);
+  std::vector<Transform> poses;
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double t = step * static_cast<double>(f);
+    const Vec3 axis =
+        step > 0 ? t * Vec3{0.6, -0.3, 0.7} : Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
+    const Transform turn = transform_from_quaternion({}, 1, axis.x, axis.y, axis.z).value();
+    poses.push_back({turn.rotation * start.rotation, start.translation + 0.5 * size * t * Vec3{0.3, 0.8, -0.2}});
+  }
+  return poses;
+}
+
+void compare_caches(const std::vector<Scene>& scenes, Checker& checker, Markdown& text, std::size_t frames) {
+  text.line("\n## With a cache\n");
+  text.line("Median time without a cache, with one, and the ratio; motion a frame as a part of the size.\n");
+  text.line(
+      "| scene | motion | exact, us | cached | faster | 10 %, us | cached | faster | collision, us | cached | faster "
+      "|");
+  text.line("|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+  for (const Scene& scene : scenes) {
+    const Sphere sphere = scene.a.bounding_sphere();
+    for (const double step : {1e-5, 1e-4, 1e-3, 1e-2, 0.0}) {
+      const std::vector<Transform> poses = path(scene.poses.front(), 2 * sphere.radius, step, frames);
+      std::string row;
+      for (const int question : {0, 1, 2}) {
+        const DistanceOptions options{.relative_error = question == 1 ? 0.1 : 0};
+        QueryCache cache;
+        std::vector<double> cold, warm;
+        for (const Transform& pose : poses) {
+          const Placed a{scene.a}, b{scene.b, pose};
+          auto start = Clock::now();
+          const double fresh = question == 2 ? (collide(a, b).collision ? 0 : 1) : distance(a, b, options).upper;
+          cold.push_back(us_since(start));
+          start = Clock::now();
+          const double cached =
+              question == 2 ? (collide(a, b, cache).collision ? 0 : 1) : distance(a, b, options, cache).upper;
+          warm.push_back(us_since(start));
+          checker.check(question == 1 || std::abs(fresh - cached) <= 1e-12 * (1 + fresh), "{}: {} but cached {}",
+                        scene.name, fresh, cached);
+        }
+        const double without = summarize(cold).median, with = summarize(warm).median;
+        row += fmt::format(" {:.2f} | {:.2f} | {:.2f} |", without, with, without / with);
+      }
+      text.line("| {} | {} |{}", scene.name, step > 0 ? fmt::format("{}", step) : "random turns", row);
+    }
+  }
+}
+
+std::vector<Scene> all_scenes(const std::string& meshes, std::size_t poses) {
+  std::vector<Scene> all;
+  const PeerScene ball = turned_ball_and_square(poses);
+  for (const Situation& situation : ball.situations) {
+    if (situation.name == "64" || situation.name == "1" || situation.name == "0.01") all.emplace_back(ball, situation);
+  }
+  if (meshes.empty()) return all;
+  const std::filesystem::path folder(meshes);
+  const PeerScene scans =
+      two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", poses);
+  for (const Situation& situation : scans.situations) all.emplace_back(scans, situation);
+  return all;
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  using namespace limber::bench;
+  CLI::App app{"What queries know when their time is up, and what a cache saves"};
+  Options options;
+  std::string meshes;
+  std::size_t queries = 100000;
+  app.add_option("--out", options.out, "folder for the results");
+  app.add_option("--meshes", meshes, "folder with stanford-bunny.obj and armadillo.obj");
+  app.add_option("--queries", queries, "how many with a deadline");
+  CLI11_PARSE(app, argc, argv);
+  report_machine(options);
+  Checker checker;
+  Markdown text(options, "deadlines.md");
+  const std::vector<Scene> scenes = all_scenes(meshes, 20);
+  time_first_intervals(scenes, checker, text, 20000);
+  time_overruns(scenes, checker, text, queries);
+  measure_widths(scenes, text);
+  compare_caches(scenes, checker, text, 1000);
+  return checker.all_right() ? 0 : 1;
+}
