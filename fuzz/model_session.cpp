@@ -29,8 +29,11 @@ ModelOptions some_options(ByteReader& bytes, double factor) {
   std::optional<double> motion_margin = margins[bytes.below(5)];
   if (motion_margin) *motion_margin *= factor;
   const auto rebuild_policy = static_cast<RebuildPolicy>(bytes.below(3));
-  return {
-      .motion_margin = motion_margin, .rebuild_policy = rebuild_policy, .rebuild_budget_us = budgets[bytes.below(4)]};
+  const std::optional<double> budget_us = budgets[bytes.below(4)];
+  return {.motion_margin = motion_margin,
+          .rebuild_policy = rebuild_policy,
+          .rebuild_budget_us = budget_us,
+          .preallocate = budget_us == 1};
 }
 
 template <typename Function>

@@ -31,10 +31,23 @@ struct ModelOptions {
   std::optional<double> motion_margin = 0;
 
   RebuildPolicy rebuild_policy = RebuildPolicy::in_commit;
-  /// Microseconds that one commit may spend on rebuilding, as estimated from counts; the step under way, of up to 10 ns
-  /// a triangle, is always completed. Finite and >= 0, where 0 means no time at all, or `automatic`: in proportion to
-  /// the refits of the commit.
+  /// Microseconds that one commit may spend on rebuilding, as estimated from counts; the step under way, of some 5 us,
+  /// is always completed. Finite and >= 0, where 0 means that nothing is ever rebuilt, or `automatic`: in proportion to
+  /// what else the commit does. With a worker, what is left to commits is to read the positions and to fit bounds.
   std::optional<double> rebuild_budget_us = automatic;
+  /// Whether the constructor prepares all that moves, commits and rebuilds will need, and allocates and touches their
+  /// memory: about three times that of the tree. Later calls then allocate nothing. Otherwise the first move and the
+  /// first rebuild prepare what they need, in O(n).
+  bool preallocate = false;
+
+  /// For loops that must not be late: a move takes time in proportion to the vertices that it names, a commit to the
+  /// nodes above them, plus the budget, in microseconds as above. docs/guide/deadlines.md says what is left to watch.
+  static ModelOptions real_time(double rebuild_budget_us) {
+    return {.motion_margin = 0,
+            .rebuild_policy = RebuildPolicy::in_commit,
+            .rebuild_budget_us = rebuild_budget_us,
+            .preallocate = true};
+  }
 };
 
 struct TreeStats {
@@ -46,12 +59,16 @@ struct TreeStats {
 
 /// Work done on the tree since the model was built.
 struct MaintenanceStats {
-  std::uint64_t moved_vertices = 0;     ///< vertices named by updates, repetitions included
-  std::uint64_t refits = 0;             ///< 8-wide nodes whose bounds were recomputed
+  std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
+  std::uint64_t refits = 0;          ///< 8-wide nodes whose bounds were recomputed
+  /// Times that a move or commit has gone over the whole tree, or over all vertices. Rebuilding in small steps, and
+  /// surveys in proportion to refits, are not counted.
+  std::uint64_t whole_passes = 0;
   std::uint64_t absorbed = 0;           ///< vertex moves that stayed within the motion margin and needed no refit
   double margin_steps = 0;              ///< node and triangle tests of queries that the motion margin has added
   double motion_margin = 0;             ///< the margin in use
   std::uint64_t rebuilt_triangles = 0;  ///< triangles assigned to leaves anew, to the next multiple of 8
+  double rebuild_us = 0;                ///< what rebuilding has cost commits, in microseconds estimated from counts
 };
 
 /// A mesh and its bounding volume hierarchy. Vertices may move; connectivity is fixed.
@@ -81,7 +98,7 @@ class Model {
   /// Alias    `positions` may be a part of the model's own: they are read before any vertex moves.
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
-  /// Cost     O(entries), plus O(n) for the first call and the first after each rebuild.
+  /// Cost     O(entries), plus O(n) for the first call without ModelOptions::preallocate.
   Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
 
   Result<void> move_vertices(std::span<const VertexId> ids, const PositionsView& positions);
@@ -97,7 +114,8 @@ class Model {
   ///          for later commits. If oneTBB throws, the model is not committed, and another commit() repairs what is
   ///          left.
   /// Cost     O(nodes above moved vertices), at most that of one pass over the whole tree, on the threads of the
-  ///          calling oneTBB arena. Rebuilding, where motion has made it worthwhile, takes what the options say.
+  ///          calling oneTBB arena. Rebuilding, where motion has made it worthwhile, takes what the options say; at its
+  ///          end, for some commits, also twice as long as refits of what they move.
   void commit();
   /// Whether nothing has moved since the last commit().
   bool is_committed() const;

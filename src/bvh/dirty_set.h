@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bvh/tree.h"
+#include "bvh/vertex_index.h"
 #include "core/check.h"
 #include "limber/mesh.h"
 
@@ -19,34 +20,41 @@ namespace limber::bvh {
 /// have marked if it had not stayed within the motion margin: the refits that the margin has avoided.
 ///
 /// States   A node of the lowest level is clean, avoided or dirty; it goes from clean to either and from avoided to
-///          dirty, and clear() makes all clean. add_all() makes the whole tree dirty whatever the nodes are.
-/// Throws   Only the constructor and index_vertices() allocate: every list has room for all nodes of its level.
+///          dirty; clear() and being taken make it clean. add_all() makes the whole tree dirty whatever the nodes are.
+/// Throws   Only the constructor and the vertex index allocate: every list has room for all nodes of its level.
 class DirtySet {
  public:
   /// Cost     O(nodes).
   explicit DirtySet(const Tree& tree);
 
-  /// Finds the nodes at each vertex, which add() and add_avoided() need.
+  /// The nodes at each vertex, which add() and add_avoided() need. To be dropped when triangles have been assigned to
+  /// other leaves.
+  VertexIndex& vertex_index() { return index_; }
+  bool has_vertex_index() const { return index_.is_complete(); }
+  /// Builds the index if there is none yet. Returns whether there is one now: false where memory is missing for it.
   ///
-  /// Cost     O(n), and about 10 bytes a vertex.
-  /// Throws   std::bad_alloc; then has_vertex_index() is false, and nothing else has changed.
-  void index_vertices(const Tree& tree, std::size_t vertex_count);
-  bool has_vertex_index() const { return has_vertex_index_; }
-  /// The same if there is no index yet. Returns whether there is one now: false where memory is missing for it.
+  /// Cost     O(n) for the first call and the first after the index was dropped.
   bool try_index_vertices(const Tree& tree, std::size_t vertex_count);
-  /// To be called when triangles have been assigned to other leaves.
-  void drop_vertex_index() { has_vertex_index_ = false; }
+
+  /// From now on this set marks in another one too what add() and add_all() mark here; null for none. It must have an
+  /// index of the same vertices, usually for another tree.
+  void set_follower(DirtySet* follower) { follower_ = follower; }
 
   bool empty() const { return !all_ && dirty_.back().empty(); }
 
   /// Marks the whole tree.
-  void add_all() { all_ = true; }
+  void add_all() {
+    all_ = true;
+    if (follower_ != nullptr) follower_->add_all();
+  }
   /// Marks the lowest nodes at a vertex. Pre: has_vertex_index().
   void add(VertexId vertex) {
-    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) add_node(dirty_.size() - 1, nodes_at_[i]);
+    for (const std::uint32_t node : index_.nodes_at(vertex)) add_node(dirty_.size() - 1, node);
+    if (follower_ != nullptr) follower_->follow(vertex);
   }
-  /// Marks the lowest nodes that have some of these leaves.
-  void add_leaves(const Tree& tree, std::uint32_t first, std::uint32_t end);
+  /// How many of the lowest nodes the set that it follows has marked here since start_interval(), dirty before or not.
+  std::size_t marked_count() const { return marked_; }
+  void start_interval() { ++interval_, marked_ = 0; }
   /// Marks a node of a level.
   void add_node(std::size_t level, std::uint32_t node) {
     if (state_[node] == State::dirty) return;
@@ -56,8 +64,7 @@ class DirtySet {
 
   /// Notes the lowest nodes at a vertex that need no refit. Pre: has_vertex_index().
   void add_avoided(VertexId vertex) {
-    for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
-      const std::uint32_t node = nodes_at_[i];
+    for (const std::uint32_t node : index_.nodes_at(vertex)) {
       if (state_[node] != State::clean) continue;
       state_[node] = State::avoided;
       append(avoided_, node);
@@ -68,6 +75,13 @@ class DirtySet {
 
   /// Whether so much is dirty that it is cheaper to fit the whole tree.
   bool covers_most_of(const Tree& tree) const;
+
+  /// Moves the dirty nodes of the lowest level into a list, and makes them clean.
+  ///
+  /// Pre      The list is empty, and has room for all nodes of that level.
+  void take_lowest(std::vector<std::uint32_t>& list);
+  /// Takes a dirty node of a level away. Pre: there is one.
+  std::uint32_t take_node(std::size_t level);
 
   /// The dirty nodes of a level.
   const std::vector<std::uint32_t>& nodes(std::size_t level) const { return dirty_[level]; }
@@ -80,23 +94,28 @@ class DirtySet {
  private:
   enum class State : std::uint8_t { clean, dirty, avoided };
 
+  void follow(VertexId vertex) {
+    for (const std::uint32_t node : index_.nodes_at(vertex)) {
+      add_node(dirty_.size() - 1, node);
+      marked_ += marked_in_[node] != interval_ ? 1 : 0;
+      marked_in_[node] = interval_;
+    }
+  }
+
   static void append(std::vector<std::uint32_t>& list, std::uint32_t node) {
     LIMBER_ASSERT(list.size() < list.capacity());
     list.push_back(node);
   }
 
-  bool has_vertex_index_ = false;                  // whether first_ and nodes_at_ are those of the tree
-  std::vector<std::uint32_t> first_, nodes_at_;    // nodes at vertex v: nodes_at_[first_[v]] up to first_[v + 1]
+  VertexIndex index_;
   std::vector<State> state_;                       // by node
   std::vector<std::vector<std::uint32_t>> dirty_;  // by level
   std::vector<std::uint32_t> avoided_;
   bool all_ = false;
+  DirtySet* follower_ = nullptr;
+  std::vector<std::uint64_t> marked_in_;  // the interval in which a node was last marked by the set that it follows
+  std::uint64_t interval_ = 1;
+  std::size_t marked_ = 0;
 };
-
-/// Refits the dirty nodes, and the nodes above them as long as bounds change; or the whole tree where that is cheaper.
-/// Clears the set. Returns how many wide nodes were refitted.
-///
-/// Cost     O(nodes refitted); fit() at most.
-std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty);
 
 }  // namespace limber::bvh

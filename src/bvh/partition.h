@@ -9,6 +9,7 @@
 #include <span>
 
 #include "bvh/tree.h"
+#include "core/work_budget.h"
 
 /// Partitions triangles into the leaves of a tree.
 ///
@@ -38,10 +39,51 @@ struct BuildRange {
   std::uint32_t children;
 };
 
-/// Moves the primitives of the first half of the children before those of the second. Returns the two halves.
+/// Splits a range: moves the primitives of the first half of the children before those of the second. Does so step by
+/// step, with the same result whatever the steps.
 ///
-/// Pre      range.children > 1.
-/// Cost     O(primitives in the range).
+/// Cost     O(primitives in the range), a few passes over them.
+class Split {
+ public:
+  /// Pre: range.children > 1.
+  explicit Split(const BuildRange& range);
+
+  /// Goes on within a budget, always with the same primitives. Returns whether the range is split.
+  bool work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget);
+  /// Pre: it is split.
+  std::array<BuildRange, 2> halves() const;
+
+ private:
+  // The median is found by its key: the coordinate, then the triangle, as one number. The keys that it may have are
+  // divided into bins; the primitives of the bins below that of the median are moved before those in its bin, the ones
+  // above behind them. This is repeated inside the bin until few primitives are left.
+  enum class Step { measuring, counting, moving, finishing, done };
+  static constexpr unsigned bin_bits = 11;
+
+  std::uint64_t key(const PrimitiveRef& primitive) const;
+  std::size_t bin(const PrimitiveRef& primitive) const { return (key(primitive) - lowest_key_) >> shift_; }
+  void measure_some(std::span<const PrimitiveRef> primitives);
+  void choose_axis();
+  void start_counting(std::uint64_t highest_key);
+  void choose_bin();
+  void move_some(std::span<PrimitiveRef> primitives);
+  void finish(std::span<PrimitiveRef> primitives);
+
+  BuildRange range_;
+  std::size_t middle_;       // where the second half begins
+  std::size_t begin_, end_;  // what may still have to be moved across the middle
+  Step step_ = Step::measuring;
+  std::size_t done_;                 // the next primitive of the present step
+  std::array<float, 3> low_, high_;  // of the centers
+  std::size_t axis_ = 0;
+  std::uint64_t lowest_key_ = 0;
+  unsigned shift_ = 0;
+  std::size_t bin_ = 0;                // the median's
+  std::size_t below_ = 0, above_ = 0;  // while moving: primitives before and from here on are in other bins
+  std::array<std::uint32_t, std::size_t{1} << bin_bits> counts_;
+};
+
+/// Splits a range at once.
 std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range);
 
 /// The range of a node over these primitives.

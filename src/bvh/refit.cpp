@@ -5,14 +5,14 @@
 // Differs   A box shares the center. The two lowest levels are fitted to corners, the levels above to the bounds below.
 //           The origin of a wide node is a corner below it, so differences of origins and corners are as exact as they
 //           are small, wherever the mesh is.
+#include "bvh/refit.h"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <utility>
 
-#include "bvh/dirty_set.h"
 #include "bvh/partition.h"
-#include "bvh/tree.h"
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "core/parallel.h"
@@ -129,6 +129,7 @@ class Refitter {
         kernels_(simd::kernels()) {}
 
   std::size_t lowest_level() const { return lowest_level_; }
+  bool is_lowest(std::uint32_t node) const { return node >= tree_.first_lowest_node(); }
 
   /// Fits a node above the lowest level. Its children must have been fitted, unless they are on the lowest level.
   void fit_upper(WideNode& node, bool children_are_lowest) const {
@@ -154,23 +155,24 @@ class Refitter {
 
   /// Fits a node whose corners or children have changed, and the slot of its parent that stands for it. Returns whether
   /// that slot has changed, so that the parent has to be fitted too.
-  bool refit(std::uint32_t n, std::size_t level) const {
-    const bool is_lowest = level == lowest_level_;
+  bool refit(std::uint32_t n) const {
+    const bool node_is_lowest = is_lowest(n);
     WideNode& node = tree_.nodes[n];
-    if (!is_lowest) {
+    if (!node_is_lowest) {
       if (is_far_from_first_child(node)) {
-        fit_upper(node, level + 1 == lowest_level_);
+        fit_upper(node, is_lowest(node.first_child));
       } else {
         find_radius(node);
       }
     }
-    const Volume volume = is_lowest ? fit_lowest(node) : merge(node);
+    const Volume volume = node_is_lowest ? fit_lowest(node) : merge(node);
     if (n == 0) return false;
     WideNode& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
-    const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0, is_now = is_coincident(node, is_lowest);
+    const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0,
+               is_now = is_coincident(node, node_is_lowest);
     mark_coincident(parent, slot, is_now);
     // The root's radius also depends on the slots two levels below it. Coincident triangles may have moved too little
     // to change the bounds, and yet no longer coincide with those beside them.
@@ -223,18 +225,18 @@ class Refitter {
   }
 
   /// Whether all triangles below a node have equal corners, in order. The marks of the node itself must be right.
-  bool is_coincident(const WideNode& node, bool is_lowest) const {
-    if (is_lowest) {
+  bool is_coincident(const WideNode& node, bool node_is_lowest) const {
+    if (node_is_lowest) {
       // Quantized corners nearly always differ at once.
       const std::int16_t(&row)[width] = tree_.leaves[node.first_child].corners.corner[0];
       if (!std::all_of(row, row + width, [&](std::int16_t x) { return x == row[0]; })) return false;
     } else if (node.coincident_slots != (1U << node.child_count) - 1) {
       return false;
     }
-    const auto& first = tree_.leaves[first_leaf(node, 0, is_lowest)].vertices[0];
+    const auto& first = tree_.leaves[first_leaf(node, 0, node_is_lowest)].vertices[0];
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
-      const Leaf& leaf = tree_.leaves[first_leaf(node, k, is_lowest)];
-      for (std::uint32_t j = 0; j < (is_lowest ? width : 1); ++j) {
+      const Leaf& leaf = tree_.leaves[first_leaf(node, k, node_is_lowest)];
+      for (std::uint32_t j = 0; j < (node_is_lowest ? width : 1); ++j) {
         for (std::size_t c = 0; c < 3; ++c) {
           if (positions_[leaf.vertices[j][c]] != positions_[first[c]]) return false;
         }
@@ -243,8 +245,8 @@ class Refitter {
     return true;
   }
   /// The first leaf below a slot of a node.
-  std::uint32_t first_leaf(const WideNode& node, std::uint32_t slot, bool is_lowest) const {
-    if (is_lowest) return node.first_child + slot;
+  std::uint32_t first_leaf(const WideNode& node, std::uint32_t slot, bool node_is_lowest) const {
+    if (node_is_lowest) return node.first_child + slot;
     const SlotId leaf = first_leaf_slot(tree_, (node.first_child + slot) * width);
     return tree_.nodes[node_of(leaf)].first_child;
   }
@@ -291,6 +293,14 @@ void fit(Tree& tree, MeshView mesh) {
   LIMBER_ASSERT(std::isfinite(tree.nodes[0].bounds.radius[0]));
 }
 
+void fit_children(Tree& tree, MeshView mesh, std::uint32_t node) {
+  LIMBER_ASSERT(node < tree.first_lowest_node());
+  const Refitter refitter(tree, mesh);
+  refitter.fit_upper(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));
+}
+
+bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node) { return Refitter(tree, mesh).refit(node); }
+
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
   if (dirty.covers_most_of(tree)) {
     dirty.add_all();  // in case fit() throws
@@ -307,12 +317,13 @@ std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
       if (level == refitter.lowest_level()) refitter.prefetch(nodes, i);
       const std::uint32_t node = nodes[i];
       ++refitted;
-      if (refitter.refit(node, level)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
+      if (refitter.refit(node)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
     }
   }
   if (refitter.adapts_unit(mesh)) {
     dirty.add_all();
     fit(tree, mesh);
+    refitted += tree.nodes.size();
   }
   dirty.clear();
   return refitted;

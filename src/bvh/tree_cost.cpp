@@ -15,6 +15,9 @@ constexpr int levels_searched = 2;
 // A subtree is narrowed down to a child that has this part of its excess cost.
 constexpr double nearly_all = 0.9;
 
+// Nodes of the lowest level that are looked at in one step.
+constexpr std::uint32_t nodes_at_once = 8;
+
 /// The squared radii of the children of a node, in squared units.
 double sum_of_squared_radii(const WideNode& node) {
   double sum = 0;
@@ -22,6 +25,12 @@ double sum_of_squared_radii(const WideNode& node) {
     const auto radius = static_cast<double>(node.bounds.radius[k]);
     sum += radius * radius;
   }
+  return sum;
+}
+
+double sum_of_radii(const WideNode& node) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < node.child_count; ++k) sum += static_cast<double>(node.bounds.radius[k]);
   return sum;
 }
 
@@ -35,9 +44,9 @@ std::uint32_t lowest_node_of(const Tree& tree, std::uint32_t leaf) {
   return static_cast<std::uint32_t>(after - begin) - 1;
 }
 
-/// Prefix sums over the nodes of the lowest level.
+/// Sums over all lowest nodes before each one.
 struct PrefixSums {
-  std::vector<double> expected, excess;
+  const std::vector<double>&expected, &excess;
 
   /// The sum over the nodes of a subtree.
   static double of(const std::vector<double>& sums, const Tree& tree, SlotId slot) {
@@ -71,11 +80,12 @@ std::optional<SlotId> find_degraded(const Tree& tree, const PrefixSums& sums, do
 
 }  // namespace
 
-void TreeCost::set_expected(const Tree& tree, const Subtree& subtree) {
-  expected_.resize(tree.nodes.size() - tree.first_lowest_node());
+TreeCost::TreeCost(const Tree& tree)
+    : expected_(tree.nodes.size() - tree.first_lowest_node()),
+      expected_sum_(expected_.size() + 1),
+      excess_sum_(expected_.size() + 1) {
   const double whole = squared_radius_of_root(tree);
-  const std::uint32_t end = lowest_node_of(tree, subtree.end_leaf - 1);
-  for (std::uint32_t n = lowest_node_of(tree, subtree.first_leaf); n <= end; ++n) {
+  for (std::size_t n = 0; n < expected_.size(); ++n) {
     expected_[n] = static_cast<float>(sum_of_squared_radii(tree.nodes[tree.first_lowest_node() + n]) / whole);
   }
 }
@@ -89,15 +99,61 @@ double TreeCost::of(const Tree& tree, const Subtree& subtree) {
   return sum / squared_radius_of_root(tree);
 }
 
-std::optional<Subtree> TreeCost::most_degraded(const Tree& tree, double tolerated) const {
-  const double whole = squared_radius_of_root(tree);
-  PrefixSums sums{std::vector<double>(expected_.size() + 1), std::vector<double>(expected_.size() + 1)};
-  for (std::size_t n = 0; n < expected_.size(); ++n) {
-    const auto expected = static_cast<double>(expected_[n]);
-    const double now = sum_of_squared_radii(tree.nodes[tree.first_lowest_node() + n]) / whole;
-    sums.expected[n + 1] = sums.expected[n] + expected;
-    sums.excess[n + 1] = sums.excess[n] + std::max(0.0, now - expected);
+double TreeCost::mean_leaf_radius(const Tree& tree) {
+  double sum = 0;
+  for (std::size_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) sum += sum_of_radii(tree.nodes[n]);
+  return tree.unit * sum / static_cast<double>(tree.leaves.size());
+}
+
+void TreeCost::start_survey(const Tree& tree) {
+  root_radius_sq_ = squared_radius_of_root(tree);
+  radius_sum_ = 0, leaf_count_ = static_cast<double>(tree.leaves.size());
+  surveyed_ = 0;
+}
+
+bool TreeCost::survey(const Tree& tree, core::WorkBudget& budget) {
+  while (surveyed_ < expected_.size() && !budget.is_spent()) {
+    const std::size_t end = std::min(surveyed_ + nodes_at_once, expected_.size());
+    budget.spend(ns_per_node * static_cast<double>(end - surveyed_));
+    for (std::size_t n = surveyed_; n < end; ++n) {
+      const WideNode& node = tree.nodes[tree.first_lowest_node() + n];
+      const auto expected = static_cast<double>(expected_[n]);
+      const double now = sum_of_squared_radii(node) / root_radius_sq_;
+      expected_sum_[n + 1] = expected_sum_[n] + expected;
+      excess_sum_[n + 1] = excess_sum_[n] + std::max(0.0, now - expected);
+      radius_sum_ += tree.unit * sum_of_radii(node);
+    }
+    surveyed_ = end;
   }
+  return surveyed_ == expected_.size();
+}
+
+void TreeCost::start_comparison(const Tree& before, const Tree& after, const Subtree& subtree) {
+  root_radius_sq_before_ = squared_radius_of_root(before);
+  root_radius_sq_ = squared_radius_of_root(after);
+  cost_before_ = cost_after_ = 0;
+  compared_ = lowest_node_of(after, subtree.first_leaf);
+  compare_end_ = lowest_node_of(after, subtree.end_leaf - 1) + 1;
+}
+
+bool TreeCost::compare(const Tree& before, const Tree& after, core::WorkBudget& budget) {
+  while (compared_ < compare_end_ && !budget.is_spent()) {
+    const std::uint32_t end = std::min(compared_ + nodes_at_once, compare_end_);
+    budget.spend(2 * ns_per_node * (end - compared_));
+    for (; compared_ < end; ++compared_) {
+      const std::uint32_t n = after.first_lowest_node() + compared_;
+      const double now = sum_of_squared_radii(after.nodes[n]) / root_radius_sq_;
+      cost_before_ += sum_of_squared_radii(before.nodes[n]) / root_radius_sq_before_;
+      cost_after_ += now;
+      expected_[compared_] = static_cast<float>(now);
+    }
+  }
+  return compared_ == compare_end_;
+}
+
+std::optional<Subtree> TreeCost::most_degraded(const Tree& tree, double tolerated) const {
+  LIMBER_ASSERT(surveyed_ == expected_.size());
+  const PrefixSums sums{expected_sum_, excess_sum_};
   std::optional<SlotId> slot = find_degraded(tree, sums, tolerated, root, levels_searched);
   if (!slot) return std::nullopt;
   while (const std::optional<std::uint32_t> child = higher_child(tree, *slot)) {

@@ -14,7 +14,11 @@
 namespace limber {
 
 struct Model::Impl {
-  Impl(Mesh source, const ModelOptions& wanted) : mesh(std::move(source)), options(wanted), tree(bvh::build(mesh)) {}
+  Impl(Mesh source, const ModelOptions& wanted) : mesh(std::move(source)), options(wanted), tree(bvh::build(mesh)) {
+    if (!options.preallocate) return;
+    updater.emplace(tree, mesh, options);
+    scratch.resize(mesh.positions().size());
+  }
 
   Mesh mesh;
   ModelOptions options;

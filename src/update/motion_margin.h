@@ -29,6 +29,9 @@ class MotionMargin {
  public:
   bool is_on() const { return !fitted_.empty(); }
 
+  /// Makes room, so that start() allocates nothing. Throws std::bad_alloc.
+  void reserve(std::size_t vertex_count) { fitted_.reserve(vertex_count); }
+
   /// Takes the present positions as fitted. Throws std::bad_alloc; the margin is then off.
   void start(std::span<const Vec3> positions);
   void stop() { fitted_.clear(); }

@@ -26,104 +26,161 @@ constexpr double first_interval = 32, least_interval = 8, most_interval = 256, w
 // How much the interval may change at once.
 constexpr double least_change = 0.4, most_change = 1.6, least_gain = 0.01;
 
-// The automatic budget of a commit, as a multiple of its refits; and the time a triangle takes in a split.
-constexpr double automatic_share = 5, ns_per_triangle = 10;
+// The automatic budget of a commit, as a multiple of what it takes otherwise.
+constexpr double automatic_share = 5;
 
-// Triangles that the worker moves before it looks whether it has to stop.
-constexpr double worker_slice = 0x1p16;
+// A survey looks at that many nodes for each node that was refitted, so it takes a quarter of a pass.
+constexpr double surveyed_per_refit = 4;
+
+// What the worker does before it looks whether it has to stop.
+constexpr double worker_slice_ns = 1e5;
 
 }  // namespace
 
 RebuildScheduler::RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, std::optional<double> budget_us)
     : policy_(policy), budget_us_(budget_us), cost_(tree), tolerated_(least_tolerated), interval_(first_interval) {}
 
-void RebuildScheduler::rebuild_all(const bvh::Tree& tree, const Mesh& mesh) {
-  bvh::PartialRebuild rebuild(tree, mesh, bvh::subtree_of(tree, bvh::root));
-  rebuild.finish();
-  stop_worker();
-  rebuild_ = std::move(rebuild);
+void RebuildScheduler::reserve(const bvh::Tree& tree, const Mesh& mesh) {
+  if (may_rebuild()) rebuild_.reserve(tree, mesh);
 }
 
-void RebuildScheduler::start_worker() {
-  LIMBER_ASSERT(rebuild_ && !worker_.valid());
-  stops_worker_ = false;
-  bool has_started = false;
+bool RebuildScheduler::try_start_worker(const bvh::Tree& tree, const Mesh& mesh) {
+  LIMBER_ASSERT(!worker_.valid());
+  stops_worker_ = worker_is_done_ = false;
+  const auto work = [this, &tree, view = mesh.view()] {
+    const core::DefaultFloatEnvironment environment;
+    try {
+      while (!stops_worker_.load(std::memory_order_relaxed) && rebuild_.stage() == bvh::Rebuild::Stage::assigning) {
+        core::WorkBudget slice(worker_slice_ns);
+        rebuild_.work(tree, view, slice);
+      }
+    } catch (const std::bad_alloc&) {
+      rebuild_.stop();
+    }
+    worker_is_done_.store(true, std::memory_order_release);
+  };
   try {
-    worker_ = std::async(std::launch::async, [this] { return work_until_stopped(); });
-    has_started = true;
+    worker_ = std::async(std::launch::async, work);
   } catch (const std::system_error&) {  // no thread can be started
+    return false;
   } catch (const std::bad_alloc&) {
+    return false;
   }
-  // Commits do the work instead; if they may not, a later commit tries to start a worker again.
-  if (!has_started && budget_us_ == 0) rebuild_.reset();
+  return true;
 }
 
-bool RebuildScheduler::work_until_stopped() {
-  const core::DefaultFloatEnvironment environment;
-  while (!stops_worker_.load(std::memory_order_relaxed)) {
-    if (rebuild_->work(worker_slice)) return true;
-  }
+bool RebuildScheduler::waits_for_worker() {
+  if (!worker_.valid()) return false;
+  if (!worker_is_done_.load(std::memory_order_acquire)) return true;
+  worker_.get();
   return false;
 }
 
 void RebuildScheduler::stop_worker() {
   if (!worker_.valid()) return;
   stops_worker_ = true;
-  worker_.wait();
-  worker_ = {};
+  worker_.get();
 }
 
-std::optional<bvh::Subtree> RebuildScheduler::advance(bvh::Tree& tree, const Mesh& mesh, double refit_ns) {
-  if (!rebuild_) return std::nullopt;
-  if (worker_.valid()) {
-    if (worker_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
-    worker_.get();
-  } else {
-    const double ns = budget_us_ ? 1000 * *budget_us_ : automatic_share * refit_ns;
-    if (!rebuild_->work(ns / ns_per_triangle)) return std::nullopt;
-  }
-  cost_before_ = bvh::TreeCost::of(tree, rebuild_->subtree());
-  rebuild_->apply(tree, mesh);
-  return rebuild_->subtree();
+void RebuildScheduler::start_over(bvh::DirtySet& dirty, bvh::TreeCost cost) {
+  stop_worker();
+  rebuild_.stop();
+  dirty.set_follower(nullptr);
+  cost_ = std::move(cost);
+  is_surveying_ = false;
+  comparison_ = Comparison::none;
+  passes_ = 0;
 }
 
-void RebuildScheduler::judge(const bvh::Tree& tree, MaintenanceStats& stats) {
-  LIMBER_ASSERT(rebuild_);
-  const bvh::Subtree subtree = rebuild_->subtree();
-  const bool is_whole = subtree.slot == bvh::root;
+bool RebuildScheduler::advance(bvh::Tree& tree, const Mesh& mesh, MeshView fitted, bvh::DirtySet& dirty, double own_ns,
+                               MaintenanceStats& stats) {
+  core::WorkBudget budget(budget_us_ ? 1000 * *budget_us_ : automatic_share * own_ns);
+  const double beside_ns = worker_.valid() ? 0 : rebuild_.ns_beside_budget();
+  budget.add(beside_ns);
+  go_on_comparing(tree, budget);
+  const bool has_taken_over =
+      comparison_ == Comparison::none && go_on_rebuilding(tree, mesh, fitted, dirty, budget, beside_ns);
+  stats.rebuild_us += budget.spent_ns() / 1000;
+  if (!worker_.valid() && rebuild_.stage() == bvh::Rebuild::Stage::fitting) rebuild_.dirty().start_interval();
+  if (!has_taken_over) return false;
+  is_surveying_ = false;  // of the tree that was
+  comparison_ = Comparison::due;
+  const bvh::Subtree& subtree = rebuild_.subtree();
   stats.rebuilt_triangles += std::uint64_t{subtree.end_leaf - subtree.first_leaf} * bvh::width;
-  cost_.set_expected(tree, subtree);
-  const double gain = cost_before_ / bvh::TreeCost::of(tree, subtree);
-  tolerated_ = gain > worthwhile_gain ? least_tolerated : std::min(1 + 2 * (tolerated_ - 1), most_tolerated);
-  if (is_whole && passes_ >= least_interval) {
-    const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, least_gain), least_change, most_change);
-    interval_ = std::clamp(change * passes_, least_interval, most_interval);
-  }
-  if (is_whole) passes_ = 0;
-  rebuild_.reset();
+  if (subtree.slot == bvh::root) passes_before_ = std::exchange(passes_, 0);
+  return true;
 }
 
-bool RebuildScheduler::count_refits(const bvh::Tree& tree, std::uint64_t refits) {
-  const double passes = static_cast<double>(refits) / static_cast<double>(tree.nodes.size());
+/// Returns whether the rebuilt tree has taken the place of the other.
+bool RebuildScheduler::go_on_rebuilding(bvh::Tree& tree, const Mesh& mesh, MeshView fitted, bvh::DirtySet& dirty,
+                                        core::WorkBudget& budget, double beside_ns) {
+  using Stage = bvh::Rebuild::Stage;
+  while (!budget.is_spent() && !waits_for_worker() && rebuild_.stage() != Stage::idle) {
+    if (rebuild_.can_take_over(tree, dirty, std::max(0.0, budget.left_ns() - beside_ns))) {
+      rebuild_.take_over(tree, dirty);
+      return true;
+    }
+    // Where no worker can be started, commits do its work.
+    const bool is_for_worker = policy_ == RebuildPolicy::on_worker && rebuild_.stage() == Stage::assigning;
+    if (is_for_worker && try_start_worker(tree, mesh)) return false;
+    try {
+      rebuild_.work(tree, rebuild_.stage() == Stage::fitting ? fitted : mesh.view(), budget);
+    } catch (const std::bad_alloc&) {
+      rebuild_.stop();
+    }
+    if (rebuild_.stage() == Stage::fitting) dirty.set_follower(&rebuild_.dirty());
+  }
+  return false;
+}
+
+/// Finds out what a rebuild has gained, once the bounds of the rebuilt tree are refitted.
+void RebuildScheduler::go_on_comparing(const bvh::Tree& tree, core::WorkBudget& budget) {
+  if (comparison_ == Comparison::due) {
+    cost_.start_comparison(rebuild_.previous(), tree, rebuild_.subtree());
+    comparison_ = Comparison::running;
+  }
+  if (comparison_ == Comparison::none || !cost_.compare(rebuild_.previous(), tree, budget)) return;
+  comparison_ = Comparison::none;
+  judge();
+}
+
+void RebuildScheduler::judge() {
+  const double gain = cost_.gain();
+  tolerated_ = gain > worthwhile_gain ? least_tolerated : std::min(1 + 2 * (tolerated_ - 1), most_tolerated);
+  if (rebuild_.subtree().slot != bvh::root || passes_before_ < least_interval) return;
+  const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, least_gain), least_change, most_change);
+  interval_ = std::clamp(change * passes_before_, least_interval, most_interval);
+}
+
+bool RebuildScheduler::count_refits(const bvh::Tree& tree, const Mesh& mesh, std::uint64_t refits) {
+  const auto count = static_cast<double>(refits);
+  const double passes = count / static_cast<double>(tree.nodes.size());
   passes_ += passes;
-  passes_until_check_ -= passes;
-  if (passes_until_check_ > 0) return false;
-  passes_until_check_ = 1;
+  passes_until_survey_ -= passes;
+  if (!is_surveying_ && passes_until_survey_ <= 0) {
+    cost_.start_survey(tree);
+    is_surveying_ = true;
+    passes_until_survey_ = 1;
+  }
+  if (!is_surveying_) return false;
+  core::WorkBudget budget(bvh::TreeCost::ns_per_node * surveyed_per_refit * count);
+  if (!cost_.survey(tree, budget)) return false;
+  is_surveying_ = false;
+  schedule(tree, mesh);
   return true;
 }
 
 void RebuildScheduler::schedule(const bvh::Tree& tree, const Mesh& mesh) {
-  if (policy_ == RebuildPolicy::off || rebuild_) return;
-  if (policy_ == RebuildPolicy::in_commit && budget_us_ == 0) return;
+  if (!may_rebuild() || tree.leaves.size() <= 1) return;
+  if (worker_.valid() || comparison_ != Comparison::none || rebuild_.stage() != bvh::Rebuild::Stage::idle) return;
+  const std::optional<bvh::Subtree> degraded =
+      passes_ >= interval_ ? bvh::subtree_of(tree, bvh::root) : cost_.most_degraded(tree, tolerated_);
+  if (!degraded) return;
   try {
-    const std::optional<bvh::Subtree> degraded =
-        passes_ >= interval_ ? bvh::subtree_of(tree, bvh::root) : cost_.most_degraded(tree, tolerated_);
-    if (!degraded) return;
-    rebuild_.emplace(tree, mesh, *degraded);
+    rebuild_.start(tree, mesh, *degraded);
   } catch (const std::bad_alloc&) {
-    return;  // tries again after another pass
+    rebuild_.stop();  // tries again after another pass
   }
-  if (policy_ == RebuildPolicy::on_worker) start_worker();
 }
 
 }  // namespace limber::update

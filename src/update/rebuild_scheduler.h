@@ -7,7 +7,7 @@
 #include <future>
 #include <optional>
 
-#include "bvh/partial_rebuild.h"
+#include "bvh/rebuild.h"
 #include "bvh/tree_cost.h"
 #include "limber/model.h"
 
@@ -15,11 +15,13 @@ namespace limber::update {
 
 /// Decides when a part of a tree has degraded enough to be rebuilt, and does that in commits or on a worker thread.
 ///
-/// States   Idle -> rebuilding: schedule() has found a degraded subtree, or rebuild_all() was called.
-///          Rebuilding -> rebuilt: advance() has finished, and has assigned the triangles to other leaves.
-///          Rebuilt -> idle: judge(), once the bounds have been refitted.
+/// States   Idle -> surveying: once a pass, count_refits() begins to look at the cost of the tree.
+///          Surveying -> rebuilding, if a subtree has degraded; otherwise back to idle.
+///          Rebuilding -> comparing: advance() has put the rebuilt tree in the place of the old one.
+///          Comparing -> idle: advance() has found out what that has gained. Surveys go on beside the last two, but
+///          not from one tree to the other.
 ///          While a worker runs, it alone touches the rebuild.
-/// Throws   rebuild_all() throws std::bad_alloc and changes nothing; schedule() postpones what memory is missing for.
+/// Throws   reserve() throws std::bad_alloc and changes nothing; otherwise what memory is missing for is postponed.
 class RebuildScheduler {
  public:
   RebuildScheduler(const bvh::Tree& tree, RebuildPolicy policy, std::optional<double> budget_us);
@@ -27,40 +29,49 @@ class RebuildScheduler {
   RebuildScheduler(const RebuildScheduler&) = delete;
   RebuildScheduler& operator=(const RebuildScheduler&) = delete;
 
-  /// Partitions the triangles of the whole tree; the next advance() assigns them.
-  void rebuild_all(const bvh::Tree& tree, const Mesh& mesh);
+  /// Allocates all memory that rebuilds will need, if the policy allows any.
+  void reserve(const bvh::Tree& tree, const Mesh& mesh);
 
-  /// Goes on with a rebuild, within the budget; `refit_ns` is what the refits of this commit are expected to take.
-  /// Returns the subtree whose triangles have been assigned anew, once all are.
-  std::optional<bvh::Subtree> advance(bvh::Tree& tree, const Mesh& mesh, double refit_ns);
+  /// Goes on with a rebuild, within the budget; `own_ns` is what the commit is expected to take otherwise. Returns
+  /// whether the rebuilt tree has taken the place of `tree`; what `dirty` then says has to be refitted next.
+  bool advance(bvh::Tree& tree, const Mesh& mesh, MeshView fitted, bvh::DirtySet& dirty, double own_ns,
+               MaintenanceStats& stats);
 
-  /// Compares the cost of the subtree that has been rebuilt with what it was. Pre: its bounds are refitted.
-  void judge(const bvh::Tree& tree, MaintenanceStats& stats);
+  /// Counts refits and surveys the tree, in proportion to them: from the first call on, and from whenever as many nodes
+  /// as the tree has were refitted since the last survey began. Starts to rebuild what has degraded, if the policy says
+  /// so. Returns whether a survey is complete.
+  bool count_refits(const bvh::Tree& tree, const Mesh& mesh, std::uint64_t refits);
+  /// The mean radius of the leaves. Pre: the last count_refits() has completed a survey.
+  double surveyed_leaf_radius() const { return cost_.surveyed_leaf_radius(); }
 
-  /// Counts refits. Returns whether the cost of the tree is to be looked at: at the first call, and whenever as many
-  /// nodes as the tree has were refitted since the last look.
-  bool count_refits(const bvh::Tree& tree, std::uint64_t refits);
-
-  /// Starts to rebuild what has degraded, if the policy says so. To be called once a pass.
-  void schedule(const bvh::Tree& tree, const Mesh& mesh);
+  /// Gives up what is under way: the tree has been built anew, and costs what `cost` says.
+  void start_over(bvh::DirtySet& dirty, bvh::TreeCost cost);
 
  private:
-  void start_worker();
-  /// What the worker does. Returns whether all is partitioned.
-  bool work_until_stopped();
+  bool may_rebuild() const { return policy_ != RebuildPolicy::off && budget_us_ != 0; }
+  void schedule(const bvh::Tree& tree, const Mesh& mesh);
+  void go_on_comparing(const bvh::Tree& tree, core::WorkBudget& budget);
+  void judge();
+  bool go_on_rebuilding(bvh::Tree& tree, const Mesh& mesh, MeshView fitted, bvh::DirtySet& dirty,
+                        core::WorkBudget& budget, double beside_ns);
+  bool try_start_worker(const bvh::Tree& tree, const Mesh& mesh);
+  /// Whether a worker is not finished yet. If there was one and it is, the rebuild is the caller's again.
+  bool waits_for_worker();
   void stop_worker();
 
   RebuildPolicy policy_;
   std::optional<double> budget_us_;
   bvh::TreeCost cost_;
-  double passes_ = 0;              // since the whole tree was rebuilt
-  double passes_until_check_ = 0;  // until the cost is looked at again
-  double tolerated_;               // cost, as a multiple of the expected one
-  double interval_;                // passes after which the whole tree is rebuilt whatever its cost
-  double cost_before_ = 0;         // of the subtree that is rebuilt
-  std::optional<bvh::PartialRebuild> rebuild_;
-  std::atomic<bool> stops_worker_{false};
-  std::future<bool> worker_;
+  bvh::Rebuild rebuild_;
+  bool is_surveying_ = false;
+  enum class Comparison { none, due, running } comparison_ = Comparison::none;
+  double passes_ = 0;               // since the whole tree was rebuilt
+  double passes_until_survey_ = 0;  // until the next one begins
+  double tolerated_;                // cost, as a multiple of the expected one
+  double interval_;                 // passes after which the whole tree is rebuilt whatever its cost
+  double passes_before_ = 0;        // those between the last two rebuilds of the whole tree
+  std::atomic<bool> stops_worker_{false}, worker_is_done_{false};
+  std::future<void> worker_;
 };
 
 }  // namespace limber::update

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <utility>
 
 #include "bvh/partition.h"
+#include "bvh/refit.h"
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "mesh/updates.h"
@@ -21,7 +23,10 @@ constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225, ns_per_step = 1
 // Vertices that have moved that many units may be where float32 has no numbers in the unit of the tree.
 constexpr double outgrown = 0x1p40;
 
-// The largest useful margin, as a part of the mean radius of the leaves.
+// What a move costs beside refits, in ns.
+constexpr double ns_per_move = 10;
+
+// A margin above this part of the mean radius of the leaves makes queries more expensive than the refits it avoids.
 constexpr double useful_part_of_radius = 0.5;
 
 // A batch that names at least 1 / this of the vertices is cheaper to treat as one that moves all.
@@ -35,24 +40,22 @@ constexpr std::uint64_t counted_commits = 4;
 TreeUpdater::TreeUpdater(bvh::Tree& tree, const Mesh& mesh, const ModelOptions& options)
     : tree_(tree),
       dirty_(tree),
-      tuner_(largest_useful_margin()),
+      tuner_(useful_part_of_radius * bvh::TreeCost::mean_leaf_radius(tree)),
       rebuilds_(tree, options.rebuild_policy, options.rebuild_budget_us),
       chosen_margin_(options.motion_margin) {
   if (motion_margin() > 0) start_margin(mesh);
+  if (!options.preallocate) return;
+  bvh::VertexIndex& index = dirty_.vertex_index();
+  index.reserve(mesh.positions().size(), mesh.triangles().size());
+  dirty_.try_index_vertices(tree, mesh.positions().size());
+  rebuilds_.reserve(tree, mesh);
+  if (is_automatic()) margin_.reserve(mesh.positions().size());
 }
 
 void TreeUpdater::start_margin(const Mesh& mesh) {
   margin_.start(mesh.positions());
+  ++whole_passes_;
   tree_.margin_cost = &margin_cost_;
-}
-
-double TreeUpdater::largest_useful_margin() const {
-  double sum = 0;
-  for (std::size_t n = tree_.first_lowest_node(); n < tree_.nodes.size(); ++n) {
-    const bvh::WideNode& node = tree_.nodes[n];
-    for (std::uint32_t k = 0; k < node.child_count; ++k) sum += static_cast<double>(node.bounds.radius[k]);
-  }
-  return useful_part_of_radius * tree_.unit * sum / static_cast<double>(tree_.leaves.size());
 }
 
 bool TreeUpdater::counts_avoided() const { return is_automatic() && tuned_commits_ % counted_commits == 0; }
@@ -60,7 +63,8 @@ bool TreeUpdater::counts_avoided() const { return is_automatic() && tuned_commit
 void TreeUpdater::set_motion_margin(const Mesh& mesh, std::optional<double> margin) {
   LIMBER_ASSERT(!margin || *margin >= 0);
   const bool starts_tuning = !margin && !is_automatic();
-  const MarginTuner tuner = starts_tuning ? MarginTuner(largest_useful_margin()) : tuner_;
+  const MarginTuner tuner =
+      starts_tuning ? MarginTuner(useful_part_of_radius * bvh::TreeCost::mean_leaf_radius(tree_)) : tuner_;
   // The only step that may fail comes first.
   if (!margin_.is_on() && margin.value_or(tuner.margin()) > 0) start_margin(mesh);
   tuner_ = tuner;
@@ -71,15 +75,21 @@ void TreeUpdater::set_motion_margin(const Mesh& mesh, std::optional<double> marg
 
 void TreeUpdater::note_displacement(double length_sq) {
   LIMBER_ASSERT(std::isfinite(length_sq));
-  const double displacement = std::sqrt(std::max(length_sq, smallest_square));
-  longest_displacement_ = std::max(longest_displacement_, displacement);
-  sum_of_displacements_ = (sum_of_displacements_ + displacement) * core::sum_up;
+  longest_displacement_ = std::max(longest_displacement_, std::sqrt(length_sq));
+  // The square of a tiny displacement may vanish.
+  const double at_least = std::sqrt(std::max(length_sq, smallest_square));
+  sum_of_displacements_ = (sum_of_displacements_ + at_least) * core::sum_up;
   has_moved_ = true;
 }
 
+bool TreeUpdater::has_vertex_index(const Mesh& mesh) {
+  if (dirty_.has_vertex_index()) return true;
+  ++whole_passes_;
+  return dirty_.try_index_vertices(tree_, mesh.positions().size());
+}
+
 void TreeUpdater::mark(const Mesh& mesh, std::span<const VertexId> ids) {
-  const std::size_t vertex_count = mesh.positions().size();
-  if (vertices_per_id_for_all * ids.size() >= vertex_count || !dirty_.try_index_vertices(tree_, vertex_count)) {
+  if (vertices_per_id_for_all * ids.size() >= mesh.positions().size() || !has_vertex_index(mesh)) {
     return dirty_.add_all();
   }
   for (const VertexId id : ids) {
@@ -98,8 +108,9 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
   }
   MeshWriter::set_positions(mesh, ids, positions);
   note_displacement(farthest_sq);
+  moves_ += ids.size();
   if (!margin_.is_on()) return mark(mesh, ids);
-  if (!dirty_.try_index_vertices(tree_, mesh.positions().size())) {
+  if (!has_vertex_index(mesh)) {
     margin_.count_refitted(ids.size());
     return margin_.refit_all(mesh, dirty_);
   }
@@ -109,19 +120,37 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
 void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
   MeshWriter::set_positions(mesh, positions);
   note_displacement(farthest_sq);
+  moves_ += positions.size();
   if (!margin_.is_on()) return dirty_.add_all();
+  ++whole_passes_;
   margin_.count_absorbed(positions.size() - margin_.absorb_all(mesh, motion_margin(), tree_, dirty_));
   moved_all_ = true;
 }
 
 void TreeUpdater::rebuild_all(const Mesh& mesh) {
-  rebuilds_.rebuild_all(tree_, mesh);
+  bvh::Tree built = bvh::build(mesh);
+  bvh::TreeCost cost(built);
+  // From here on nothing fails.
+  rebuilds_.start_over(dirty_, std::move(cost));
+  tree_.nodes.swap(built.nodes);
+  tree_.leaves.swap(built.leaves);
+  tree_.unit = built.unit;
+  tree_.assignment_id = built.assignment_id;
+  tree_.displacement = 0;
+  const bool had_index = dirty_.has_vertex_index();
+  dirty_.vertex_index().drop();
+  if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());
+  margin_.refit_all(mesh, dirty_);
   has_moved_ = true;
 }
 
-double TreeUpdater::expected_refit_ns() const {
-  if (dirty_.covers_most_of(tree_)) return ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
-  return ns_per_refit * static_cast<double>(dirty_.nodes(tree_.level_begin.size() - 2).size());
+/// What a commit is expected to take but for rebuilding.
+double TreeUpdater::expected_ns() const {
+  const double ns_of_moves = ns_per_move * static_cast<double>(moves_);
+  if (dirty_.covers_most_of(tree_)) {
+    return ns_of_moves + ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
+  }
+  return ns_of_moves + ns_per_refit * static_cast<double>(dirty_.nodes(tree_.level_begin.size() - 2).size());
 }
 
 void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
@@ -129,19 +158,21 @@ void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   has_moved_ = true;  // in case a step throws
   update_margin(mesh);
   adapt_unit(mesh);
-  const bool has_rebuilt = advance_rebuild(mesh);
+  rebuilds_.advance(tree_, mesh, margin_.fitted(mesh), dirty_, expected_ns(), stats);
   const Refits refits = refit(mesh);
-  if (has_rebuilt) rebuilds_.judge(tree_, stats);
-  const bool ends_pass = rebuilds_.count_refits(tree_, refits.count);
-  if (ends_pass) rebuilds_.schedule(tree_, mesh);
+  const bool is_surveyed = rebuilds_.count_refits(tree_, mesh, refits.count);
   const double margin_cost = publish(refits, stats);
-  if (is_automatic()) tune(mesh, refits, margin_cost, ends_pass);
+  // An animation that stands still says nothing about how it moves.
+  if (is_automatic() && longest_displacement_ > 0) tune(mesh, refits, margin_cost, is_surveyed);
   begin_next_interval();
 }
 
 void TreeUpdater::update_margin(const Mesh& mesh) {
   if (must_check_all_ || margin_.is_stale()) {
-    if (margin_.is_on()) margin_.absorb_all(mesh, motion_margin(), tree_, dirty_);
+    if (margin_.is_on()) {
+      ++whole_passes_;
+      margin_.absorb_all(mesh, motion_margin(), tree_, dirty_);
+    }
   }
   must_check_all_ = false;
 }
@@ -151,18 +182,6 @@ void TreeUpdater::adapt_unit(const Mesh& mesh) {
   if (sum_of_displacements_ + tree_.drift <= outgrown * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
   margin_.refit_all(mesh, dirty_);
-}
-
-bool TreeUpdater::advance_rebuild(const Mesh& mesh) {
-  const std::optional<bvh::Subtree> rebuilt = rebuilds_.advance(tree_, mesh, expected_refit_ns());
-  if (!rebuilt) return false;
-  dirty_.drop_vertex_index();
-  if (rebuilt->slot == bvh::root) {
-    margin_.refit_all(mesh, dirty_);
-  } else {
-    dirty_.add_leaves(tree_, rebuilt->first_leaf, rebuilt->end_leaf);
-  }
-  return true;
 }
 
 TreeUpdater::Refits TreeUpdater::refit(const Mesh& mesh) {
@@ -175,6 +194,8 @@ TreeUpdater::Refits TreeUpdater::refit(const Mesh& mesh) {
 double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * core::outward;
   stats.refits += refits.count;
+  if (refits.count >= tree_.nodes.size()) ++whole_passes_;
+  stats.whole_passes += std::exchange(whole_passes_, 0);
   stats.absorbed += margin_.absorbed_count();
   double margin_cost = 0;
   if (margin_.is_on()) {
@@ -190,7 +211,7 @@ double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
   return margin_cost;
 }
 
-void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool ends_pass) {
+void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool is_surveyed) {
   const double margin_before = tuner_.margin();
   const double pass_ns = ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
   const double refit_ns = refits.is_full ? pass_ns : ns_per_refit * static_cast<double>(refits.count);
@@ -203,7 +224,7 @@ void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cos
   const bool all_absorbed = margin_.is_on() && margin_.refitted_count() == 0;
   tuner_.add({refit_ns, without_margin_ns, margin_cost * ns_per_step, longest_displacement_, all_absorbed});
   ++tuned_commits_;
-  if (ends_pass) tuner_.set_largest(largest_useful_margin());
+  if (is_surveyed) tuner_.set_largest(useful_part_of_radius * rebuilds_.surveyed_leaf_radius());
   must_check_all_ = tuner_.margin() < margin_before;
   if (margin_.is_on() || tuner_.margin() == 0) return;
   try {
@@ -217,6 +238,7 @@ void TreeUpdater::begin_next_interval() {
   LIMBER_ASSERT(margin_.is_on() || tree_.drift == 0);
   has_moved_ = moved_all_ = false;
   longest_displacement_ = sum_of_displacements_ = 0;
+  moves_ = 0;
   margin_.clear_counts();
 }
 

@@ -27,6 +27,7 @@ namespace limber::update {
 ///          ends half-way, and the next one does what is left.
 class TreeUpdater {
  public:
+  /// Allocates at once all that moves and commits will need if the options say so.
   TreeUpdater(bvh::Tree& tree, const Mesh& mesh, const ModelOptions& options);
   TreeUpdater(const TreeUpdater&) = delete;
   TreeUpdater& operator=(const TreeUpdater&) = delete;
@@ -39,7 +40,7 @@ class TreeUpdater {
   /// Moves all vertices, by at most the square root of `farthest_sq` each. Pre: the update is valid.
   void move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq);
 
-  /// Makes the next commit rebuild the whole tree.
+  /// Builds the whole tree anew; the next commit finishes that.
   void rebuild_all(const Mesh& mesh);
 
   bool is_up_to_date() const { return !has_moved_; }
@@ -61,20 +62,19 @@ class TreeUpdater {
   bool is_automatic() const { return !chosen_margin_; }
   /// Whether avoided refits are counted until the next commit.
   bool counts_avoided() const;
-  /// A margin above this makes queries more expensive than the refits it avoids.
-  double largest_useful_margin() const;
   void start_margin(const Mesh& mesh);
   void note_displacement(double length_sq);
+  /// Builds the index of vertices if there is none. Returns false where memory is missing for it.
+  bool has_vertex_index(const Mesh& mesh);
   void mark(const Mesh& mesh, std::span<const VertexId> ids);
-  double expected_refit_ns() const;
+  double expected_ns() const;
 
   // The steps of a commit.
   void update_margin(const Mesh& mesh);
   void adapt_unit(const Mesh& mesh);
-  bool advance_rebuild(const Mesh& mesh);
   Refits refit(const Mesh& mesh);
   double publish(const Refits& refits, MaintenanceStats& stats);
-  void tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool ends_pass);
+  void tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool is_surveyed);
   void begin_next_interval();
 
   bvh::Tree& tree_;
@@ -89,6 +89,8 @@ class TreeUpdater {
   std::uint64_t tuned_commits_ = 0;
 
   // Since the last commit.
+  std::uint64_t moves_ = 0;
+  std::uint64_t whole_passes_ = 0;
   double longest_displacement_ = 0;  // of any vertex in any one batch
   double sum_of_displacements_ = 0;  // of the longest of each batch: no vertex has moved farther
   bool moved_all_ = false;           // with the margin on: without it the whole tree would be refitted

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Queries do not touch the heap.
+// Queries do not touch the heap, and in real time updates do not either.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 
@@ -52,6 +53,31 @@ TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
     }
   }
   EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(Allocation, DoesNotHappenInRealTime) {
+#ifdef LIMBER_CHECKS
+  GTEST_SKIP() << "commits of this build validate the tree, which allocates";
+#endif
+  Model model(scenes::grid(64, 64, 0, 0, 1, 1), ModelOptions::real_time(20));
+  const Model ball(scenes::thesis_ball());
+  QueryCache cache;
+  distance({model}, {ball}, {}, cache);
+  scenes::Rng rng(9);
+  std::array<VertexId, 20> ids;
+  std::array<Vec3, 20> positions;
+  const std::uint64_t before = allocation_count();
+  for (int frame = 0; frame < 5000; ++frame) {
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      ids[i] = static_cast<VertexId>(rng.below(model.mesh().positions().size()));
+      positions[i] = model.mesh().positions()[ids[i]] + Vec3{0, 0, rng.uniform(-0.5, 0.5)};
+    }
+    const bool is_moved = static_cast<bool>(model.move_vertices(ids, positions));
+    model.commit();
+    distance({model}, {ball, {{}, {32, 32, 30}}}, {}, {.max_steps = 20}, cache);
+    if (!is_moved || allocation_count() != before) FAIL() << frame;
+  }
+  EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 20'000U);
 }
 
 TEST(Allocation, DoesNotHappenInAWarmQuery) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Random sequences of all operations on a deforming model, compared with brute force: 100 000 from one generator
+// Random sequences of all operations on a deforming model, compared with brute force: 60 000 from one generator
 // (LIMBER_UPDATE_SEQUENCES sets another number), and a few thousand that are shrunk when they fail, so that the printed
 // sequence is short.
 #include <gtest/gtest.h>
@@ -24,8 +24,9 @@ Shape drawn_shape(Rng& rng, std::uint32_t most) {
 
 Start drawn_start(Rng& rng) {
   const std::optional<double> margins[] = {0, ModelOptions::automatic, std::pow(10.0, rng.uniform(-4, 0.5))};
-  const Shape shape = drawn_shape(rng, rng.below(8) == 0 ? 150 : 12), still = drawn_shape(rng, 5);
-  return {shape, still, margins[rng.below(3)], static_cast<RebuildPolicy>(rng.below(3))};
+  const Shape shape = drawn_shape(rng, rng.below(4) == 0 ? 150 : 12), still = drawn_shape(rng, 5);
+  const std::optional<double> budgets_us[] = {ModelOptions::automatic, 2, 1e4};
+  return {shape, still, margins[rng.below(3)], static_cast<RebuildPolicy>(rng.below(3)), budgets_us[rng.below(3)]};
 }
 
 /// Kinds that are drawn more often than the others.
@@ -42,12 +43,12 @@ Update drawn_update(Rng& rng) {
 
 TEST(UpdateSequences, LeaveEveryModelSoundAndEveryAnswerRight) {
   Rng rng(91);
-  const std::uint64_t all = count_from("LIMBER_UPDATE_SEQUENCES", 100'000);
+  const std::uint64_t all = count_from("LIMBER_UPDATE_SEQUENCES", 60'000);
   std::uint64_t sequences = 0, steps = 0, rebuilt_triangles = 0;
   for (; sequences < all; ++sequences) {
     const Start start = drawn_start(rng);
     Subject subject(start);
-    const std::uint64_t count = 1 + rng.below(rng.below(20) == 0 ? 60 : 6);
+    const std::uint64_t count = 1 + rng.below(rng.below(12) == 0 ? 80 : 6);
     std::vector<Update> done;
     for (std::uint64_t i = 0; i < count; ++i, ++steps) {
       done.push_back(i + 1 < count ? drawn_update(rng) : Update{});
@@ -58,7 +59,7 @@ TEST(UpdateSequences, LeaveEveryModelSoundAndEveryAnswerRight) {
   }
   std::printf("%.0f sequences, %.0f steps, %.0f triangles assigned to leaves anew\n", static_cast<double>(sequences),
               static_cast<double>(steps), static_cast<double>(rebuilt_triangles));
-  EXPECT_GT(rebuilt_triangles, all);
+  EXPECT_GT(4 * rebuilt_triangles, all);
 }
 
 rc::Gen<Shape> shapes(std::uint32_t most) {
@@ -74,7 +75,9 @@ rc::Gen<Start> starts() {
       rc::gen::set(&Start::motion_margin,
                    rc::gen::element<std::optional<double>>(0.0, 1e-3, 0.1, 3.0, ModelOptions::automatic)),
       rc::gen::set(&Start::rebuild_policy,
-                   rc::gen::element(RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker)));
+                   rc::gen::element(RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker)),
+      rc::gen::set(&Start::rebuild_budget_us,
+                   rc::gen::element<std::optional<double>>(ModelOptions::automatic, 0.3, 20.0)));
 }
 
 rc::Gen<Update> updates() {

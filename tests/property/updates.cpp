@@ -70,7 +70,9 @@ std::ostream& operator<<(std::ostream& out, const Start& start) {
   } else {
     out << "automatic motion margin; ";
   }
-  return out << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
+  out << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
+  if (start.rebuild_budget_us) out << " within " << *start.rebuild_budget_us << " us";
+  return out;
 }
 
 std::ostream& operator<<(std::ostream& out, const Update& update) {
@@ -81,7 +83,10 @@ std::ostream& operator<<(std::ostream& out, const Update& update) {
 Subject::Subject(const Start& start)
     : mesh_(start.shape.mesh()),
       first_(mesh_.positions()),
-      model_(mesh_, {.motion_margin = start.motion_margin, .rebuild_policy = start.rebuild_policy}),
+      model_(mesh_, {.motion_margin = start.motion_margin,
+                     .rebuild_policy = start.rebuild_policy,
+                     .rebuild_budget_us = start.rebuild_budget_us,
+                     .preallocate = start.rebuild_budget_us.has_value()}),
       still_(start.still.mesh()) {}
 
 std::string Subject::apply(const Update& update) {

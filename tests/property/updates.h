@@ -30,6 +30,7 @@ struct Start {
   Shape shape, still;
   std::optional<double> motion_margin = 0;
   RebuildPolicy rebuild_policy = RebuildPolicy::off;
+  std::optional<double> rebuild_budget_us = ModelOptions::automatic;  // memory is allocated beforehand if there is one
 };
 std::ostream& operator<<(std::ostream& out, const Start& start);
 

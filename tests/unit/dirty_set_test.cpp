@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "bvh/refit.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -60,7 +61,7 @@ TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
 TEST(DirtySet, KeepsAvoidedNodesApartFromDirtyOnes) {
   const Sheet sheet;
   DirtySet dirty(sheet.tree);
-  dirty.index_vertices(sheet.tree, sheet.vertex_count);
+  dirty.try_index_vertices(sheet.tree, sheet.vertex_count);
   const Nodes expected = nodes_at(sheet.tree, 0);
   dirty.add_avoided(0);
   dirty.add_avoided(0);
@@ -81,24 +82,56 @@ TEST(DirtySet, KeepsAvoidedNodesApartFromDirtyOnes) {
   EXPECT_EQ(dirty.avoided_count(), expected.size());
 }
 
-TEST(DirtySet, MarksTheNodesOfARangeOfLeaves) {
+TEST(DirtySet, LetsAnotherSetFollow) {
   const Sheet sheet;
-  const std::uint32_t leaves = static_cast<std::uint32_t>(sheet.tree.leaves.size());
-  const std::uint32_t ranges[][2] = {{0, 1}, {3, 9}, {leaves - 1, leaves}, {0, leaves}};
-  for (const auto& [first, end] : ranges) {
-    DirtySet dirty(sheet.tree);
-    dirty.add_leaves(sheet.tree, first, end);
-    Nodes expected;
-    for (std::uint32_t n = sheet.tree.first_lowest_node(); n < sheet.tree.nodes.size(); ++n) {
-      const bvh::WideNode& node = sheet.tree.nodes[n];
-      bool has_some = false;
-      for (std::uint32_t k = 0; k < node.child_count; ++k) {
-        has_some = has_some || (node.first_child + k >= first && node.first_child + k < end);
-      }
-      if (has_some) expected.push_back(n);
-    }
-    EXPECT_EQ(dirty.nodes(sheet.lowest), expected) << first << " to " << end;
-  }
+  DirtySet dirty(sheet.tree), follower(sheet.tree);
+  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
+  ASSERT_TRUE(follower.try_index_vertices(sheet.tree, sheet.vertex_count));
+  dirty.set_follower(&follower);
+  dirty.add(7);
+  dirty.add_avoided(500);
+  EXPECT_EQ(follower.nodes(sheet.lowest), dirty.nodes(sheet.lowest));
+  EXPECT_FALSE(follower.empty());
+  EXPECT_EQ(follower.avoided_count(), 0U);
+  const std::size_t marked = follower.marked_count();
+  EXPECT_EQ(marked, dirty.nodes(sheet.lowest).size());
+  dirty.add(7);
+  EXPECT_EQ(follower.marked_count(), marked);
+  follower.start_interval();
+  EXPECT_EQ(follower.marked_count(), 0U);
+  dirty.add(7);
+  EXPECT_EQ(follower.marked_count(), marked);  // though they were dirty before
+  dirty.clear();
+  EXPECT_FALSE(follower.empty());  // it is refitted on its own
+  follower.clear();
+  dirty.add_all();
+  EXPECT_TRUE(follower.covers_most_of(sheet.tree));
+  follower.clear();
+  dirty.set_follower(nullptr);
+  dirty.add(7);
+  dirty.add_all();
+  EXPECT_TRUE(follower.empty());
+}
+
+TEST(DirtySet, GivesNodesAwayAsCleanOnes) {
+  const Sheet sheet;
+  DirtySet dirty(sheet.tree);
+  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
+  const Nodes expected = nodes_at(sheet.tree, 41);
+  Nodes taken;
+  taken.reserve(sheet.tree.nodes.size());
+  dirty.add(41);
+  dirty.take_lowest(taken);
+  EXPECT_EQ(taken, expected);
+  EXPECT_TRUE(dirty.empty());
+  dirty.add(41);  // they can become dirty again
+  EXPECT_EQ(dirty.nodes(sheet.lowest), expected);
+  while (!dirty.empty()) dirty.take_node(sheet.lowest);
+  dirty.add_node(0, 0);
+  EXPECT_EQ(dirty.take_node(0), 0U);
+  EXPECT_TRUE(dirty.nodes(0).empty());
+  dirty.add(41);
+  EXPECT_EQ(dirty.nodes(sheet.lowest), expected);
 }
 
 TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
@@ -121,7 +154,7 @@ TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
 TEST(DirtySet, RefitsWhatItHoldsAndNoMore) {
   Sheet sheet;
   DirtySet dirty(sheet.tree);
-  dirty.index_vertices(sheet.tree, sheet.vertex_count);
+  dirty.try_index_vertices(sheet.tree, sheet.vertex_count);
   EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), 0U);
   sheet.mesh.set_position(0, {0, 0, 5}).value();
   EXPECT_FALSE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));  // the bounds do not hold the vertex

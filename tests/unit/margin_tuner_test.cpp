@@ -121,6 +121,24 @@ TEST(MarginTuner, LeavesAModelTightThatMovesFast) {
   EXPECT_EQ(tuned.maintenance_stats().absorbed, 0);
 }
 
+TEST(MarginTuner, RemembersTheMarginWhileAnAnimationStandsStill) {
+  const scenes::Motion sheet = scenes::waving_sheet(40, 40);
+  Model tuned(sheet.mesh, {.motion_margin = ModelOptions::automatic});
+  std::vector<Vec3> positions = sheet.mesh.positions();
+  const auto show = [&](double by) {
+    for (Vec3& p : positions) p.z += by;
+    ASSERT_TRUE(static_cast<bool>(tuned.move_all(positions)));
+    tuned.commit();
+  };
+  for (int frame = 0; frame < 400; ++frame) show(1e-3);
+  const double found = tuned.maintenance_stats().motion_margin;
+  ASSERT_GT(found, 0);
+  for (int frame = 0; frame < 100; ++frame) show(0);
+  EXPECT_EQ(tuned.maintenance_stats().motion_margin, found);
+  show(1e-3);
+  EXPECT_EQ(tuned.maintenance_stats().motion_margin, found);
+}
+
 TEST(MarginTuner, LeavesAModelTightWhereAMarginIsExpensive) {
   const scenes::Motion cloth = scenes::crumpling_cloth(40);
   Model tuned(cloth.mesh, {.motion_margin = ModelOptions::automatic});

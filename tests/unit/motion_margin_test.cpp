@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "bvh/refit.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -16,7 +17,7 @@ using bvh::DirtySet;
 using update::MotionMargin;
 
 struct Sheet {
-  Sheet() { dirty.index_vertices(tree, mesh.positions().size()); }
+  Sheet() { dirty.try_index_vertices(tree, mesh.positions().size()); }
 
   Vec3 position(VertexId v) const { return mesh.positions()[v]; }
   void move(VertexId v, const Vec3& by) { mesh.set_position(v, position(v) + by).value(); }
@@ -64,7 +65,7 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   EXPECT_LT(margin.largest_displacement(), 0.25 * (1 + 1e-9));
 
   DirtySet expected(sheet.tree);
-  expected.index_vertices(sheet.tree, sheet.mesh.positions().size());
+  expected.try_index_vertices(sheet.tree, sheet.mesh.positions().size());
   expected.add(far);
   const std::size_t lowest = sheet.tree.level_begin.size() - 2;
   EXPECT_EQ(sheet.dirty.nodes(lowest), expected.nodes(lowest));

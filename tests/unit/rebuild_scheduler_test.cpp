@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "bvh/refit.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 
@@ -16,9 +18,10 @@ namespace {
 
 using update::RebuildScheduler;
 
-/// A tree whose triangles have changed places since it was built.
+/// A tree whose triangles have changed places since it was built, and what rebuilds it.
 struct Degraded {
-  explicit Degraded(std::uint32_t triangles = 2000) : mesh(scenes::shuffled_soup(triangles).mesh) {
+  explicit Degraded(RebuildPolicy policy, std::optional<double> budget_us, std::uint32_t triangles = 2000)
+      : mesh(scenes::shuffled_soup(triangles).mesh), tree(bvh::build(mesh)), rebuilds(tree, policy, budget_us) {
     Rng rng(510);
     std::vector<Vec3> positions = mesh.positions();
     for (std::size_t v = 0; v < positions.size(); v += 3) {
@@ -28,122 +31,153 @@ struct Degraded {
     mesh.set_positions(positions).value();
     bvh::fit(tree, mesh);
   }
-  /// Puts the refitted bounds where the scheduler has changed the assignment.
-  void finish(RebuildScheduler& rebuilds) {
-    bvh::fit(tree, mesh);
-    rebuilds.judge(tree, stats);
+
+  /// As much of a survey as that many refits are worth; starts a rebuild if that is due.
+  bool survey(std::uint64_t refits) { return rebuilds.count_refits(tree, mesh, refits); }
+  bool survey() { return survey(tree.nodes.size()); }
+  /// A commit at rest. Returns whether the tree was rebuilt.
+  bool commit(double own_ns = long_ns) {
+    const bool is_rebuilt = rebuilds.advance(tree, mesh, mesh, dirty, own_ns, stats);
+    bvh::refit(tree, mesh, dirty);
+    return is_rebuilt;
   }
   bool is_sound() const { return static_cast<bool>(validate(tree, mesh)); }
+  double cost() const { return bvh::TreeCost::of(tree, bvh::subtree_of(tree, bvh::root)); }
 
+  static constexpr double long_ns = 1e12;
   Mesh mesh;
-  bvh::Tree tree = bvh::build(mesh);
-  bvh::Tree built = tree;
+  bvh::Tree tree;
+  bvh::DirtySet dirty{tree};
+  RebuildScheduler rebuilds;
   MaintenanceStats stats;
 };
-
-constexpr double long_ns = 1e12;
 
 TEST(RebuildScheduler, DoesNothingToATreeAsBuilt) {
   const Mesh mesh = scenes::shuffled_soup(2000).mesh;
   bvh::Tree tree = bvh::build(mesh);
+  bvh::DirtySet dirty(tree);
+  MaintenanceStats stats;
   RebuildScheduler rebuilds(tree, RebuildPolicy::in_commit, {});
-  rebuilds.schedule(tree, mesh);
-  EXPECT_FALSE(rebuilds.advance(tree, mesh, long_ns).has_value());
+  EXPECT_TRUE(rebuilds.count_refits(tree, mesh, tree.nodes.size()));
+  EXPECT_FALSE(rebuilds.advance(tree, mesh, mesh, dirty, Degraded::long_ns, stats));
+  EXPECT_EQ(stats.rebuild_us, 0);
 }
 
 TEST(RebuildScheduler, RebuildsWhatHasDegraded) {
-  Degraded model;
-  RebuildScheduler rebuilds(model.built, RebuildPolicy::in_commit, {});
-  const bvh::Subtree all = bvh::subtree_of(model.tree, bvh::root);
-  const double cost_before = bvh::TreeCost::of(model.tree, all);
+  Degraded model(RebuildPolicy::in_commit, {});
+  const double cost_before = model.cost();
   const std::uint64_t id_before = model.tree.assignment_id;
-  EXPECT_FALSE(rebuilds.advance(model.tree, model.mesh, long_ns).has_value());  // idle
-  rebuilds.schedule(model.tree, model.mesh);
-  ASSERT_TRUE(rebuilds.advance(model.tree, model.mesh, long_ns).has_value());
+  EXPECT_FALSE(model.commit());  // idle
+  EXPECT_TRUE(model.survey());
+  ASSERT_TRUE(model.commit());
   EXPECT_NE(model.tree.assignment_id, id_before);
-  model.finish(rebuilds);
   EXPECT_TRUE(model.is_sound());
-  EXPECT_LT(bvh::TreeCost::of(model.tree, all), cost_before / 2);
+  EXPECT_LT(model.cost(), cost_before / 2);
   EXPECT_GT(model.stats.rebuilt_triangles, 0U);
-  EXPECT_FALSE(rebuilds.advance(model.tree, model.mesh, long_ns).has_value());  // idle again
+  EXPECT_GT(model.stats.rebuild_us, 0);
+  const MaintenanceStats before = model.stats;
+  EXPECT_FALSE(model.commit());  // compares what it has gained
+  EXPECT_GT(model.stats.rebuild_us, before.rebuild_us);
+  EXPECT_TRUE(model.survey());
+  EXPECT_FALSE(model.commit());  // idle again: the cost is as expected now
 }
 
 TEST(RebuildScheduler, SpreadsTheWorkOverAsManyCommitsAsTheBudgetNeeds) {
+  constexpr double step_us = 6;
   int previous = 0;
-  for (const double budget_us : {1e9, 1000.0, 10.0}) {
-    Degraded model(40'000);  // so many that they are not partitioned at once
-    RebuildScheduler rebuilds(model.built, RebuildPolicy::in_commit, budget_us);
-    rebuilds.schedule(model.tree, model.mesh);
-    int commits = 1;
-    while (!rebuilds.advance(model.tree, model.mesh, 0) && commits < 100'000) ++commits;
+  for (const double budget_us : {1e9, 1000.0, 10.0, 0.1}) {
+    Degraded model(RebuildPolicy::in_commit, budget_us, 10'000);
+    model.survey();
+    int commits = 0;
+    double before = 0;
+    for (bool is_rebuilt = false; !is_rebuilt; before = model.stats.rebuild_us) {
+      is_rebuilt = model.commit(0);
+      ASSERT_LE(model.stats.rebuild_us - before, budget_us + step_us);
+      ASSERT_LT(++commits, 1'000'000);
+    }
     EXPECT_GT(commits, previous) << budget_us;
     previous = commits;
-    model.finish(rebuilds);
     EXPECT_TRUE(model.is_sound());
   }
 }
 
 TEST(RebuildScheduler, DoesNothingWithoutPolicyOrBudget) {
-  for (const bool has_policy : {false, true}) {
-    Degraded model;
-    RebuildScheduler rebuilds(model.built, has_policy ? RebuildPolicy::in_commit : RebuildPolicy::off,
-                              has_policy ? std::optional<double>(0) : std::nullopt);
-    rebuilds.schedule(model.tree, model.mesh);
-    EXPECT_FALSE(rebuilds.advance(model.tree, model.mesh, long_ns).has_value());
+  for (const RebuildPolicy policy : {RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
+    Degraded model(policy, policy == RebuildPolicy::off ? std::nullopt : std::optional<double>(0));
+    EXPECT_TRUE(model.survey());
+    EXPECT_FALSE(model.commit());
+    EXPECT_EQ(model.stats.rebuild_us, 0);
   }
 }
 
-TEST(RebuildScheduler, RebuildsAllWhateverThePolicy) {
+TEST(RebuildScheduler, StartsOverWhateverItDoes) {
   for (const RebuildPolicy policy : {RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
-    Degraded model;
-    RebuildScheduler rebuilds(model.built, policy, 0);
-    rebuilds.rebuild_all(model.tree, model.mesh);
-    const std::optional<bvh::Subtree> rebuilt = rebuilds.advance(model.tree, model.mesh, 0);
-    ASSERT_TRUE(rebuilt.has_value());
-    EXPECT_EQ(rebuilt->slot, bvh::root);
-    EXPECT_EQ(rebuilt->end_leaf, model.tree.leaves.size());
-    model.finish(rebuilds);
-    EXPECT_TRUE(model.is_sound());
-    EXPECT_EQ(model.stats.rebuilt_triangles, 8 * model.tree.leaves.size());
+    for (int commits = 0; commits < 40; ++commits) {
+      Degraded model(policy, 10.0);
+      model.survey();
+      for (int i = 0; i < commits; ++i) model.commit();
+      model.tree = bvh::build(model.mesh);
+      model.dirty.vertex_index().drop();
+      model.rebuilds.start_over(model.dirty, bvh::TreeCost(model.tree));
+      EXPECT_TRUE(model.survey());
+      EXPECT_FALSE(model.commit());  // nothing has degraded
+      EXPECT_TRUE(model.is_sound());
+    }
   }
 }
 
 TEST(RebuildScheduler, LetsAWorkerRebuild) {
-  Degraded model;
-  RebuildScheduler rebuilds(model.built, RebuildPolicy::on_worker, {});
-  rebuilds.schedule(model.tree, model.mesh);
-  std::optional<bvh::Subtree> rebuilt;
-  for (int i = 0; i < 60'000 && !rebuilt; ++i) {
-    rebuilt = rebuilds.advance(model.tree, model.mesh, 0);
-    if (!rebuilt) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  Degraded model(RebuildPolicy::on_worker, {});
+  model.survey();
+  bool is_rebuilt = false;
+  for (int i = 0; i < 60'000 && !is_rebuilt; ++i) {
+    is_rebuilt = model.commit(1e6);
+    if (!is_rebuilt) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_TRUE(rebuilt.has_value());
-  model.finish(rebuilds);
+  ASSERT_TRUE(is_rebuilt);
   EXPECT_TRUE(model.is_sound());
 }
 
-TEST(RebuildScheduler, CountsPassesInRefits) {
-  Degraded model;
-  RebuildScheduler rebuilds(model.built, RebuildPolicy::in_commit, {});
+TEST(RebuildScheduler, SurveysOnceAPassInProportionToRefits) {
+  Degraded model(RebuildPolicy::off, {}, 40'000);
   const std::uint64_t nodes = model.tree.nodes.size();
-  EXPECT_TRUE(rebuilds.count_refits(model.tree, 1));  // the first look comes at once
-  EXPECT_FALSE(rebuilds.count_refits(model.tree, nodes - 1));
-  EXPECT_TRUE(rebuilds.count_refits(model.tree, 1));
+  std::uint64_t refits = 0;
+  while (!model.survey(8)) refits += 8;  // the first survey begins at once
+  EXPECT_GT(refits, nodes / 6);
+  EXPECT_LT(refits, nodes / 3);
+  while (!model.survey(8)) refits += 8;
+  EXPECT_GT(refits, nodes);
+  EXPECT_LT(refits, nodes + nodes / 3);
+  EXPECT_TRUE(model.survey(nodes));  // at once where the whole tree is refitted
+}
+
+TEST(RebuildScheduler, DoesNotGoOnWithASurveyOfTheTreeThatWas) {
+  Degraded model(RebuildPolicy::in_commit, {}, 20'000);
+  const std::uint64_t nodes = model.tree.nodes.size();
+  ASSERT_TRUE(model.survey());  // starts a rebuild
+  for (std::uint64_t refits = 0; refits < nodes + nodes / 8; refits += 8) ASSERT_FALSE(model.survey(8));
+  ASSERT_TRUE(model.commit());  // takes over in the midst of the next survey
+  const std::uint64_t rebuilt = model.stats.rebuilt_triangles;
+  for (int i = 0; i < 10; ++i) {
+    model.survey();
+    EXPECT_FALSE(model.commit());
+  }
+  EXPECT_EQ(model.stats.rebuilt_triangles, rebuilt);
 }
 
 TEST(RebuildScheduler, RebuildsTheWholeTreeAfterManyPassesWhateverItsCost) {
   const Mesh mesh = scenes::shuffled_soup(2000).mesh;
   bvh::Tree tree = bvh::build(mesh);
+  bvh::DirtySet dirty(tree);
+  MaintenanceStats stats;
   RebuildScheduler rebuilds(tree, RebuildPolicy::in_commit, {});
   int passes = 0;
-  std::optional<bvh::Subtree> rebuilt;
-  for (; passes < 1000 && !rebuilt; ++passes) {
-    rebuilds.count_refits(tree, tree.nodes.size());
-    rebuilds.schedule(tree, mesh);
-    rebuilt = rebuilds.advance(tree, mesh, long_ns);
+  for (bool is_rebuilt = false; passes < 1000 && !is_rebuilt; ++passes) {
+    rebuilds.count_refits(tree, mesh, tree.nodes.size());
+    is_rebuilt = rebuilds.advance(tree, mesh, mesh, dirty, Degraded::long_ns, stats);
+    bvh::refit(tree, mesh, dirty);
   }
-  ASSERT_TRUE(rebuilt.has_value());
-  EXPECT_EQ(rebuilt->slot, bvh::root);
+  EXPECT_EQ(stats.rebuilt_triangles, 8 * tree.leaves.size());
   EXPECT_EQ(passes, 32);
 }
 

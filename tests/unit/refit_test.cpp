@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "bvh/dirty_set.h"
+#include "bvh/refit.h"
 #include "bvh/tree.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
@@ -24,7 +24,7 @@ struct MovingTree {
   bvh::DirtySet dirty{tree};
 
   explicit MovingTree(const Mesh& mesh) : positions(mesh.positions()), triangles(mesh.triangles()) {
-    dirty.index_vertices(tree, positions.size());
+    dirty.try_index_vertices(tree, positions.size());
   }
   MeshView mesh() const { return {positions, triangles}; }
   /// The position of a vertex, to be changed.

@@ -72,8 +72,7 @@ void show(const scenes::Motion& soup, Model& model, int frame) {
 TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
   const scenes::Motion soup = scenes::shuffled_soup(600);
   const Model probe = some_probe();
-  for (const std::optional<double> us :
-       {std::optional<double>(), std::optional<double>(3.0), std::optional<double>(0.0)}) {
+  for (const std::optional<double> us : {std::optional<double>(), std::optional<double>(3.0)}) {
     Model model(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker, .rebuild_budget_us = us});
     {
       const NoThreads no_threads;
@@ -85,8 +84,7 @@ TEST(Worker, IsDoneWithoutWhereNoThreadCanBeStarted) {
         expect_right_distance(model, probe);
       }
     }
-    // Commits rebuild instead, unless their budget is 0.
-    EXPECT_EQ(model.maintenance_stats().rebuilt_triangles > 0, us != 0);
+    EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 0U);  // by the commits themselves
     // Once threads can be started again, the worker rebuilds.
     ASSERT_TRUE(can_start_a_thread());
     const std::uint64_t before = model.maintenance_stats().rebuilt_triangles;

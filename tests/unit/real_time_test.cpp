@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What ModelOptions::real_time() promises about moves and commits, by counts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "limber/model.h"
+#include "scenes/motions.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr std::uint32_t side = 36;
+constexpr double budget_us = 5, step_us = 10, us_per_refit = 0.6;
+
+/// Moves some vertices near one, or anywhere, a little.
+void move_some(Model& model, Rng& rng, bool anywhere) {
+  constexpr VertexId count = 12;
+  const VertexId vertices = static_cast<VertexId>(model.mesh().positions().size());
+  const auto first = static_cast<VertexId>(rng.below(vertices - count));
+  std::vector<VertexId> ids;
+  std::vector<Vec3> positions;
+  for (VertexId i = 0; i < count; ++i) {
+    const VertexId id = anywhere ? static_cast<VertexId>(rng.below(vertices)) : first + i;
+    ids.push_back(id);
+    positions.push_back(model.mesh().positions()[id] + 0.3 * uniform_point(rng));
+  }
+  ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, positions)));
+}
+
+TEST(RealTime, NoMoveAndNoCommitGoesOverTheWholeTreeWhileItIsRebuilt) {
+  for (const bool anywhere : {false, true}) {
+    SCOPED_TRACE(anywhere);
+    Model model(scenes::grid(side, side, 0, 0, 1, 1), ModelOptions::real_time(budget_us));
+    Model never_rebuilt(scenes::grid(side, side, 0, 0, 1, 1), {.rebuild_policy = RebuildPolicy::off});
+    Rng rng(81), same_rng(81);
+    std::uint64_t most_own = 0;
+    for (int frame = 0; frame < 1000; ++frame) {
+      const MaintenanceStats before = model.maintenance_stats();
+      const std::uint64_t own_before = never_rebuilt.maintenance_stats().refits;
+      move_some(model, rng, anywhere);
+      model.commit();
+      move_some(never_rebuilt, same_rng, anywhere);
+      never_rebuilt.commit();
+      const MaintenanceStats after = model.maintenance_stats();
+      most_own = std::max(most_own, never_rebuilt.maintenance_stats().refits - own_before);
+      ASSERT_EQ(after.whole_passes, 0U) << frame;
+      // The trees differ, so their refits do too.
+      const double most_refits = 1.5 * static_cast<double>(most_own) + budget_us / us_per_refit + 6;
+      ASSERT_LE(static_cast<double>(after.refits - before.refits), most_refits) << frame;
+      ASSERT_LE(after.rebuild_us - before.rebuild_us, budget_us + step_us + us_per_refit * most_refits) << frame;
+    }
+    EXPECT_GE(model.maintenance_stats().rebuilt_triangles, 2 * side * side);  // often enough
+    EXPECT_EQ(never_rebuilt.maintenance_stats().whole_passes, 1U);            // the first move
+  }
+}
+
+TEST(RealTime, CountsWholePasses) {
+  const Mesh mesh = scenes::grid(side, side, 0, 0, 1, 1);
+  std::vector<Vec3> positions = mesh.positions();
+  Model model(mesh, {.motion_margin = 0.5, .rebuild_policy = RebuildPolicy::off});
+  EXPECT_EQ(model.maintenance_stats().whole_passes, 0U);
+  std::uint64_t last = 0;
+  const auto passes = [&] {
+    model.commit();
+    const std::uint64_t now = model.maintenance_stats().whole_passes;
+    return now - std::exchange(last, now);
+  };
+  const auto move = [&](VertexId v, double z) {
+    const std::vector<VertexId> ids{v};
+    const std::vector<Vec3> to{{positions[v].x, positions[v].y, z}};
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, to)));
+  };
+  move(5, 1);
+  EXPECT_EQ(passes(), 2U);  // fitted positions, and the index of vertices
+  move(6, 1);
+  EXPECT_EQ(passes(), 0U);
+  for (Vec3& p : positions) p.z = 0.25;
+  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+  EXPECT_EQ(passes(), 1U);  // looks at all vertices
+  for (Vec3& p : positions) p.z = 9;
+  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+  EXPECT_EQ(passes(), 2U);  // fits the tree too
+  model.set_motion_margin(0.125);
+  move(7, 9);
+  EXPECT_EQ(passes(), 1U);
+}
+
+TEST(RealTime, KeepsATreeAsGoodAsNew) {
+  // Confetti that changes places, some pieces in every frame.
+  constexpr VertexId pieces = 1500, pieces_per_frame = 10;
+  const scenes::Motion soup = scenes::shuffled_soup(pieces);
+  Model model(soup.mesh, ModelOptions::real_time(20));
+  Model never_rebuilt(soup.mesh, {.rebuild_policy = RebuildPolicy::off});
+  std::vector<VertexId> ids(std::size_t{3} * pieces_per_frame);
+  std::vector<Vec3> positions(ids.size());
+  for (VertexId frame = 0; frame < 1500; ++frame) {
+    const std::vector<Vec3> goals = soup.positions(frame / 4.0);
+    for (VertexId i = 0; i < ids.size(); ++i) {
+      ids[i] = (frame * 3 * pieces_per_frame + i) % (3 * pieces);
+      positions[i] = goals[ids[i]];
+    }
+    for (Model* m : {&model, &never_rebuilt}) {
+      ASSERT_TRUE(static_cast<bool>(m->move_vertices(ids, positions)));
+      m->commit();
+    }
+  }
+  const Model fresh(Mesh::create(model.mesh().positions(), model.mesh().triangles()).value());
+  const Model ball(scenes::ball(8, 5));
+  Rng rng(83);
+  std::uint64_t tests = 0, fresh_tests = 0, degraded_tests = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Placed placed{ball, random_pose(rng, 4)};
+    const DistanceResult found = distance({model}, placed), wanted = distance({fresh}, placed);
+    ASSERT_NEAR(found.upper, wanted.upper, 1e-12);
+    tests += found.stats.node_tests, fresh_tests += wanted.stats.node_tests;
+    degraded_tests += distance({never_rebuilt}, placed).stats.node_tests;
+  }
+  EXPECT_LT(static_cast<double>(tests), 1.3 * static_cast<double>(fresh_tests));
+  EXPECT_GT(degraded_tests, 2 * tests);
+}
+
+}  // namespace
+}  // namespace limber::testing
