@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question        What does a query know when its time is up? How late is it then? What does a cache save or cost?
-// Question        What does a query know when its time is up? How late is it? What does a cache save, or cost?
-//                 of b by a given part of the scene's size a frame.
+// Workload        Scans beside each other and the source's ball over its square, near and far apart, at rest and in
+//                 motion of b by a given part of the scene's size a frame.
 // Metric          Time of a query that may make no step. How long queries go on after deadlines from 5 us to 1 ms, next
 //                 to a loop that does nothing but look at the clock. Width of the interval after parts of the time of
 //                 the exact query. Time with a cache over time without one.
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "bench/peers/scenes_of_peers.h"
+#include "bench/support/percentiles.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/model.h"
@@ -28,26 +29,6 @@ namespace limber::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-struct Percentiles {
-  double p50, p99, p999, p9999, max;
-
-  explicit Percentiles(std::vector<double> samples) {
-    std::sort(samples.begin(), samples.end());
-    const auto at = [&](double part) {
-      return samples[std::min(samples.size() - 1,
-                              static_cast<std::size_t>(part * static_cast<double>(samples.size())))];
-    };
-    p50 = at(0.5), p99 = at(0.99), p999 = at(0.999), p9999 = at(0.9999), max = samples.back();
-  }
-  std::string text() const {
-    return fmt::format("{:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f}", p50, p99, p999, p9999, max);
-  }
-};
-
-double us_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 struct Scene {
   std::string name;
