@@ -89,27 +89,30 @@ VerticalAxis logarithmic_axis(const Range& range) {
 class Scale {
  public:
   Scale(const Chart& chart, std::size_t frame_count)
-      : last_frame_(static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)),
+      : last_frame_(chart.frame_unit * static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)),
+        frame_unit_(chart.frame_unit),
         axis_(chart.axis == Axis::linear ? linear_axis(range_of(chart).high) : logarithmic_axis(range_of(chart))) {}
 
-  double x_share(double frame) const { return frame / last_frame_; }
+  double x_share(double value) const { return value / last_frame_; }
+  double frame_share(std::size_t frame) const { return x_share(frame_unit_ * static_cast<double>(frame)); }
   double y(double value) const { return plot_height * (1 - axis_.height_of(value)); }
   double last_frame() const { return last_frame_; }
+  double frame_unit() const { return frame_unit_; }
   const std::vector<double>& labels() const { return axis_.labels; }
 
  private:
-  double last_frame_;
+  double last_frame_, frame_unit_;
   VerticalAxis axis_;
 };
 
-std::string axes(const Scale& scale) {
+std::string axes(const Scale& scale, const std::string& name) {
   std::string svg;
   for (const double value : scale.labels()) {
     const double y = scale.y(value);
     svg += fmt::format("<line class='grid' x2='100%' y1='{0:.1f}' y2='{0:.1f}'/>", y);
     svg += fmt::format("<text class='value' x='-8' y='{:.1f}'>{:.12g}</text>\n", y + 4, value);
   }
-  const double step = std::max(1.0, step_above(scale.last_frame() / (most_frame_labels - 1)));
+  const double step = std::max(scale.frame_unit(), step_above(scale.last_frame() / (most_frame_labels - 1)));
   for (int i = 0; i * step <= scale.last_frame(); ++i) {
     const double percent = 100 * scale.x_share(i * step);
     svg += fmt::format("<line class='axis' x1='{0:.2f}%' x2='{0:.2f}%' y1='{1}' y2='{2}'/>", percent, plot_height,
@@ -117,11 +120,11 @@ std::string axes(const Scale& scale) {
     svg += fmt::format("<text class='frame' x='{:.2f}%' y='{}'>{:.12g}</text>\n", percent, plot_height + 20, i * step);
   }
   svg += fmt::format("<line class='axis' x2='100%' y1='{0}' y2='{0}'/>\n", plot_height);
-  return svg + fmt::format("<text class='name' x='100%' y='{}'>frame</text>\n", plot_height + 38);
+  return svg + fmt::format("<text class='name' x='100%' y='{}'>{}</text>\n", plot_height + 38, name);
 }
 
 std::string point(std::size_t frame, double value, const Scale& scale) {
-  return fmt::format("{:.1f},{:.1f} ", plot_width * scale.x_share(static_cast<double>(frame)), scale.y(value));
+  return fmt::format("{:.1f},{:.1f} ", plot_width * scale.frame_share(frame), scale.y(value));
 }
 
 std::string points(const std::vector<double>& values, const Scale& scale) {
@@ -139,17 +142,16 @@ std::string area(const Area& band, const Scale& scale) {
 std::string marks(const Chart& chart, const Scale& scale) {
   std::string path;
   for (const std::size_t frame : chart.marked_frames) {
-    path += fmt::format("M{:.1f} {}v-9", plot_width * scale.x_share(static_cast<double>(frame)), plot_height);
+    path += fmt::format("M{:.1f} {}v-9", plot_width * scale.frame_share(frame), plot_height);
   }
   return path.empty() ? path : "<path class='mark' d='" + path + "'/>\n";
 }
 
-/// A name in the legend; the symbol is drawn in a box of 22 by 10 pixels.
+}  // namespace
+
 std::string legend_entry(const std::string& symbol, const std::string& label) {
   return "<span><svg class='symbol' width='22' height='10'>" + symbol + "</svg>" + label + "</span>\n";
 }
-
-}  // namespace
 
 std::string chart_legend(const Chart& chart) {
   std::string html = "<p class='legend'><span class='unit'>" + chart.unit +
@@ -166,7 +168,8 @@ std::string chart_legend(const Chart& chart) {
 
 std::string chart_svg(const Chart& chart, std::size_t frame_count) {
   const Scale scale(chart, frame_count);
-  std::string svg = "<svg xmlns='http://www.w3.org/2000/svg' class='chart' role='img'>\n" + axes(scale);
+  std::string svg =
+      "<svg xmlns='http://www.w3.org/2000/svg' class='chart' role='img'>\n" + axes(scale, chart.frame_name);
   // The nested picture alone is stretched; lines keep their width by the style sheet.
   svg += fmt::format("<svg viewBox='0 0 {0} {1}' preserveAspectRatio='none' width='100%' height='{1}'>\n", plot_width,
                      plot_height);

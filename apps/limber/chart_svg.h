@@ -34,7 +34,12 @@ struct Chart {
   std::vector<Curve> curves;
   std::vector<std::size_t> marked_frames;  ///< ticks along the bottom
   std::string mark_label;
+  std::string frame_name = "frame";  ///< what is counted along the horizontal axis,
+  double frame_unit = 1;             ///< and how much of it a frame is
 };
+
+/// A name in a legend, and its symbol: content of an SVG of 22 by 10 pixels.
+std::string legend_entry(const std::string& symbol, const std::string& label);
 
 /// The line above a chart: the unit, and the names of everything drawn.
 std::string chart_legend(const Chart& chart);

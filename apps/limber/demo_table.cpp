@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "options.h"
 #include "output.h"
+#include "text.h"
 
 namespace limber::program {
 namespace {
@@ -98,21 +98,6 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run
   rows.emplace_back("build", "with checks on, so times are much longer than in a release build");
 #endif
   return rows;
-}
-
-std::string grouped(std::uint64_t count) {
-  const std::string digits = fmt::format("{}", count);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
-    text += digits[i];
-  }
-  return text;
-}
-
-std::string duration_text(double microseconds) {
-  if (microseconds < 10) return fmt::format("{:.2f} us", microseconds);
-  return grouped(static_cast<std::uint64_t>(std::llround(microseconds))) + " us";
 }
 
 std::string spread_text(const Spread& spread) {

@@ -32,12 +32,6 @@ class DemoTable {
 /// The summary of a run, as pairs of a name and a text with units.
 std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run);
 
-/// Digits in groups of three.
-std::string grouped(std::uint64_t count);
-
-/// A time in microseconds, the one unit of times per frame: "0.39 us", "8 820 us".
-std::string duration_text(double microseconds);
-
 /// "median 20 us, p99 85 us, max 212 us", without a percentile where there are too few frames for one.
 std::string spread_text(const Spread& spread);
 

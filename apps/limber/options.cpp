@@ -14,6 +14,14 @@ namespace {
 
 constexpr double largest = std::numeric_limits<double>::max();
 
+std::uint64_t read_count(const std::string& text, const std::string& name, std::uint64_t low, std::uint64_t high) {
+  const std::optional<std::uint64_t> count = parsed_count(text);
+  if (!count || *count < low || *count > high) {
+    throw CLI::ValidationError(name, fmt::format("must be a whole number from {} to {}, not '{}'", low, high, text));
+  }
+  return *count;
+}
+
 }  // namespace
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
@@ -32,16 +40,16 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double& targ
 
 CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
                        std::uint64_t high, const std::string& description) {
-  const auto read = [&target, low, high, name](const std::string& text) {
-    const std::optional<std::uint64_t> count = parsed_count(text);
-    if (!count || *count < low || *count > high) {
-      throw CLI::ValidationError(name, fmt::format("must be a whole number from {} to {}, not '{}'", low, high, text));
-    }
-    target = *count;
-  };
+  const auto read = [&target, low, high, name](const std::string& text) { target = read_count(text, name, low, high); };
   return command.add_option_function<std::string>(name, read, description)
       ->type_name("COUNT")
       ->default_str(fmt::format("{}", target));
+}
+
+CLI::Option* add_optional_count(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
+                                std::uint64_t low, std::uint64_t high, const std::string& description) {
+  const auto read = [&target, low, high, name](const std::string& text) { target = read_count(text, name, low, high); };
+  return command.add_option_function<std::string>(name, read, description)->type_name("COUNT");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description) {

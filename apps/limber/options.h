@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,10 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double& targ
 /// A whole number from `low` to `high`.
 CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
                        std::uint64_t high, const std::string& description);
+
+/// The same, without a default.
+CLI::Option* add_optional_count(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
+                                std::uint64_t low, std::uint64_t high, const std::string& description);
 
 /// One of several words.
 template <typename T>

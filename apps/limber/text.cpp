@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <numeric>
 #include <utility>
@@ -59,6 +60,21 @@ std::string to_text(double number) { return fmt::format("{}", number); }
 
 std::string to_text(const Vec3& point, const char* separator) {
   return fmt::format("{}{}{}{}{}", point.x, separator, point.y, separator, point.z);
+}
+
+std::string grouped(std::uint64_t count) {
+  const std::string digits = fmt::format("{}", count);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
+    text += digits[i];
+  }
+  return text;
+}
+
+std::string duration_text(double microseconds) {
+  if (microseconds < 10) return fmt::format("{:.2f} us", microseconds);
+  return grouped(static_cast<std::uint64_t>(std::llround(microseconds))) + " us";
 }
 
 std::string_view trimmed(std::string_view text) {

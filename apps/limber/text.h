@@ -23,6 +23,12 @@ std::optional<std::uint64_t> parsed_count(std::string_view text);
 std::string to_text(double number);
 std::string to_text(const Vec3& point, const char* separator);
 
+/// Digits in groups of three.
+std::string grouped(std::uint64_t count);
+
+/// A time in microseconds, the one unit of short times: "0.39 us", "8 820 us".
+std::string duration_text(double microseconds);
+
 std::string_view trimmed(std::string_view text);
 
 /// The fields between separators, trimmed; an empty text is one empty field.

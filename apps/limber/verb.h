@@ -15,7 +15,7 @@ enum class ExitCode {
   answered = 0,
   failure = 1,    ///< of the program, or of writing the answer
   bad_input = 2,  ///< bad usage or bad input
-  found = 3,      ///< answered, and something was found, where --exit-code or --min-clearance asks to tell so
+  found = 3,      ///< answered, and something was found, where --exit-code, --min-clearance or --max-missed asks
 };
 
 /// A verb of the program: its part of the command line, and the function to be run after parsing.
@@ -32,5 +32,6 @@ Verb add_collide(CLI::App& app);
 Verb add_within(CLI::App& app);
 Verb add_track(CLI::App& app);
 Verb add_demo(CLI::App& app);
+Verb add_haptics(CLI::App& app);
 
 }  // namespace limber::program

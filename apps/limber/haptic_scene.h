@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "haptic_proxy.h"
+#include "haptic_tissue.h"
+#include "limber/model.h"
+#include "tick_loop.h"
+
+/// What a haptic loop computes in each tick.
+namespace limber::program {
+
+struct HapticOptions {
+  std::uint64_t tissue_triangles = 100'000, tool_triangles = 10'000;  ///< at most
+  double rate_hz = 1000;
+  double relative_error = 0.25;  ///< of the distance
+  std::chrono::nanoseconds query_budget{100'000};
+};
+
+/// How the tree of the tissue is kept up to date: no commit may take long, so each of them rebuilds a little.
+ModelOptions tissue_options();
+
+/// A tool is pressed into tissue and drawn along. What is commanded and how the tissue gives way depend on the number of
+/// the tick alone, so runs can be compared; how far queries come within their budgets depends on the machine.
+///
+/// Real time  tick() allocates nothing of its own, takes no lock and reads the clock; its only system calls are those
+///            of a commit that starts to rebuild a part of the tree.
+class HapticScene {
+ public:
+  explicit HapticScene(const HapticOptions& options);
+
+  /// The work of one tick, with what it notes about it. The query ends with its budget, or when the tick has to end.
+  void tick(std::uint64_t number, TickClock::time_point end, TickSample& sample);
+
+  /// Runs the ticks of one pressing without waiting, so that all memory has been used before time counts. Returns the
+  /// number of the next tick.
+  std::uint64_t warm_up();
+
+  const Model& tissue() const { return model_; }
+  const Model& tool() const { return tool_; }
+  /// Where the tool is commanded to be in a tick.
+  Transform device(std::uint64_t number) const;
+  const Proxy& proxy() const { return proxy_; }
+
+ private:
+  HapticOptions options_;
+  DistanceOptions query_;
+  Tissue tissue_;
+  Model model_;  // of the tissue
+  Model tool_;
+  Proxy proxy_;
+  QueryCache cache_;
+};
+
+/// Node tests of exact distances from fixed poses over the scene's tissue as it is now, over those for the same mesh
+/// with a new tree. Takes a while.
+double node_tests_over_new_tree(const HapticScene& scene);
+
+}  // namespace limber::program

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "limber/mesh.h"
+
+/// The tissue of the haptic loop. Lengths are in mm, z is up.
+namespace limber::program {
+
+/// How high the upper face of the tissue at rest is above (x, y).
+double resting_height(double x, double y);
+
+/// A thick square sheet with a wavy upper face, which gives way to a tool and comes back slowly. Vertices of the upper
+/// face move up and down; no other does.
+class Tissue {
+ public:
+  /// `tick_s` is the time between two calls of press(). Pre: at_most >= 96.
+  Tissue(std::uint64_t at_most, double tick_s);
+
+  /// At rest: a closed mesh of as many triangles as such a sheet can have, at most `at_most`.
+  Mesh mesh() const;
+
+  /// Vertices and their new positions, valid until the next call.
+  struct Moves {
+    std::span<const VertexId> ids;
+    std::span<const Vec3> positions;
+  };
+
+  /// What moves in one tick while the lowest point of a tool is commanded to be at `tip`: what was dented before comes
+  /// back a little, and what is above the tip gives way to two thirds of its depth. The dent is a paraboloid, wider than
+  /// the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, which tells the vertices
+  /// near the tip.
+  ///
+  /// Cost     O(vertices near the tip + vertices that are dented). Allocates nothing.
+  Moves press(const Vec3& tip);
+
+ private:
+  /// Calls f(vertex, depth) for the vertices that a paraboloid with its lowest point at the tip reaches below their
+  /// resting height, by `depth`.
+  template <typename Function>
+  void for_each_above(const Vec3& tip, const Function& f) const;
+  void relax();
+  void dent(const Vec3& tip);
+  void list_moves();
+
+  std::uint32_t n_;  // squares along a side
+  double spacing_, kept_a_tick_;
+  std::vector<double> resting_z_, depth_;  // of the upper face's vertices; how far each is below its resting height
+  std::vector<VertexId> dented_;           // those with a depth > 0; as much room as there are vertices, here and below
+  std::vector<VertexId> moved_ids_;
+  std::vector<Vec3> moved_positions_;
+};
+
+}  // namespace limber::program
