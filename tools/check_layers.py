@@ -57,7 +57,7 @@ THIRD_PARTY = {
     "tbb": ("src/core/",),
     "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
-    "oneapi": ("src/core/", "tests/", "bench/"),
+    "oneapi": ("src/core/", "apps/", "tests/", "bench/"),
     "xmmintrin.h": ("src/core/", "tests/", "fuzz/"),
 }
 

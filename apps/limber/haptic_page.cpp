@@ -19,7 +19,7 @@ constexpr std::size_t most_points = 1000;  // of a curve; as many as a screen ha
 // The table of percentiles; names stay on one line, numbers stand below each other.
 constexpr const char* style_of_times =
     R"(.times { overflow-x: auto; }
-.times th, .times td { width: auto; max-width: none; white-space: pre; text-align: right; padding-left: 14px; }
+.times th, .times td { width: auto; max-width: none; white-space: pre; text-align: right; padding: 7px 0 7px 14px; }
 .times th:first-child { text-align: left; padding-left: 0; }
 )";
 
@@ -118,7 +118,7 @@ std::string tiles(const HapticRun& run, const HapticSummary& summary) {
 std::string haptic_page(const HapticRun& run, const HapticSummary& summary) {
   std::string html = page_head("limber haptics", style_of_times) + introduction(run) + tiles(run, summary);
   html += page_section("work", "Work of a tick",
-                       "How many ticks took how long. What lies to the right of the line has missed its period.",
+                       "How many ticks took how long. What lies to the right of the line takes longer than a period.",
                        work_histogram(run));
   html += page_section("wake_up", "Late wake-ups",
                        "How long after their time ticks have started, in this loop and in one that does nothing: what "

@@ -3,6 +3,7 @@
 #include "haptic_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "haptic_tool.h"
 
@@ -13,6 +14,8 @@ constexpr double rebuild_budget_us = 20;
 
 /// The end of the tick is for the force, and for what a query overruns its deadline by.
 constexpr std::chrono::microseconds kept_for_force{5};
+
+constexpr std::uint64_t most_warm_up_ticks = 500;
 
 /// A force loop need not know how far away tissue is that the tool cannot reach for some ticks.
 double farthest_of_interest(double rate_hz) {
@@ -30,7 +33,7 @@ HapticScene::HapticScene(const HapticOptions& options)
     : options_(options),
       query_{.relative_error = options.relative_error, .max_distance = farthest_of_interest(options.rate_hz)},
       tissue_(options.tissue_triangles, 1 / options.rate_hz),
-      model_(tissue_.mesh(), tissue_options()),
+      model_(tissue_.mesh(), options.tissue_model),
       tool_(tool_mesh(options.tool_triangles)),
       proxy_(device(0).translation) {}
 
@@ -66,10 +69,11 @@ void HapticScene::tick(std::uint64_t number, TickClock::time_point end, TickSamp
 }
 
 std::uint64_t HapticScene::warm_up() {
-  const auto count = static_cast<std::uint64_t>(press_period_s * options_.rate_hz) + 1;
+  const auto end = static_cast<std::uint64_t>(std::ceil(press_period_s * options_.rate_hz));
+  const std::uint64_t step = std::max<std::uint64_t>(end / most_warm_up_ticks, 1);
   TickSample unused;
-  for (std::uint64_t n = 0; n < count; ++n) tick(n, TickClock::now() + std::chrono::seconds(1), unused);
-  return count;
+  for (std::uint64_t n = 0; n < end; n += step) tick(n, TickClock::now() + std::chrono::seconds(1), unused);
+  return end;
 }
 
 double node_tests_over_new_tree(const HapticScene& scene) {

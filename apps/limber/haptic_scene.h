@@ -13,15 +13,16 @@
 /// What a haptic loop computes in each tick.
 namespace limber::program {
 
+/// How the tree of the tissue is kept up to date: no commit may take long, so each of them rebuilds a little.
+ModelOptions tissue_options();
+
 struct HapticOptions {
   std::uint64_t tissue_triangles = 100'000, tool_triangles = 10'000;  ///< at most
   double rate_hz = 1000;
   double relative_error = 0.25;  ///< of the distance
   std::chrono::nanoseconds query_budget{100'000};
+  ModelOptions tissue_model = tissue_options();
 };
-
-/// How the tree of the tissue is kept up to date: no commit may take long, so each of them rebuilds a little.
-ModelOptions tissue_options();
 
 /// A tool is pressed into tissue and drawn along. What is commanded and how the tissue gives way depend on the number of
 /// the tick alone, so runs can be compared; how far queries come within their budgets depends on the machine.
@@ -35,8 +36,8 @@ class HapticScene {
   /// The work of one tick, with what it notes about it. The query ends with its budget, or when the tick has to end.
   void tick(std::uint64_t number, TickClock::time_point end, TickSample& sample);
 
-  /// Runs the ticks of one pressing without waiting, so that all memory has been used before time counts. Returns the
-  /// number of the next tick.
+  /// Runs ticks of one pressing, as many as show everything that happens, without waiting: memory and caches have been
+  /// used before time counts. Returns the number of the tick after the pressing.
   std::uint64_t warm_up();
 
   const Model& tissue() const { return model_; }

@@ -9,7 +9,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const Words verbs = {"info", "distance", "collide", "within", "track", "demo", "help", "version"};
+const Words verbs = {"info", "distance", "collide", "within", "track", "demo", "haptics", "help", "version"};
 
 std::string answer_of(const Words& words) {
   const Outcome outcome = run(words);

@@ -1,0 +1,234 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "program/run_program.h"
+
+namespace limber::program_tests {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// A run at 200 Hz over a small tissue, with further options.
+Outcome play(const Words& more, const std::string& seconds = "0.2", const std::string& jitter_seconds = "0.05") {
+  Words words = {"haptics", "--rate", "200",  "--seconds",        seconds,       "--tissue",
+                 "4000",    "--tool", "1000", "--jitter-seconds", jitter_seconds};
+  words.insert(words.end(), more.begin(), more.end());
+  return run(words);
+}
+
+std::string text_at(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(ProgramHaptics, AnswersWithATable) {
+  const Outcome outcome = play({});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");  // no line of progress outside a terminal
+  for (const char* part : {"us ", "p99.99", "\nwhole tick ", "\n  move and deform ", "\n  commit ", "\n  query ",
+                           "\n  force ", "\nlate wake-up ", "\nlate wake-up, empty loop ", "\nticks ", "40 at 200 Hz",
+                           "\nmissed ticks ", "\nanswers ", "\ntree ", "sleeps until 30 us before a tick"}) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+  }
+}
+
+TEST(ProgramHaptics, AnswersWithJson) {
+  const nlohmann::json json = json_of(play({"--json"}));
+  EXPECT_EQ(json["query"], "haptics");
+  EXPECT_EQ(json["rate_hz"], 200);
+  EXPECT_EQ(json["ticks"], 40);
+  EXPECT_EQ(json["query_budget_us"], 100);
+  EXPECT_LE(json["tissue_triangles"], 4000);
+  EXPECT_GE(json["tissue_triangles"], 3000);
+  std::uint64_t in_histogram = 0, answers = 0;
+  for (const nlohmann::json& bin : json["work_histogram"]) {
+    EXPECT_LT(bin["from_us"], bin["to_us"]);
+    in_histogram += bin["ticks"].get<std::uint64_t>();
+  }
+  EXPECT_EQ(in_histogram, 40U);
+  for (const auto& [status, count] : json["answers"].items()) answers += count.get<std::uint64_t>();
+  EXPECT_EQ(answers, 40U);
+  EXPECT_EQ(json["answers"].size(), 5U);
+  for (const char* part : {"work_us", "move_us", "commit_us", "query_us", "force_us", "empty_wake_up_us"}) {
+    EXPECT_LE(json[part]["p50"].get<double>(), json[part]["max"].get<double>()) << part;
+  }
+  EXPECT_TRUE(json["work_us"].contains("p90"));
+  EXPECT_FALSE(json["work_us"].contains("p99"));  // of 40 ticks it would be the largest
+  EXPECT_GE(json["work_us"]["max"], json["query_us"]["max"]);
+  EXPECT_GT(json["node_tests_over_new_tree"], 0.5);
+  EXPECT_LT(json["node_tests_over_new_tree"], 2);
+  EXPECT_LE(json["missed"], 40);
+}
+
+TEST(ProgramHaptics, ChoosesABudgetThatThePeriodHasRoomFor) {
+  const auto budget = [](const std::string& rate, const Words& more) {
+    Words words = {"haptics", "--rate", rate,   "--seconds",        "0.01", "--tissue",
+                   "1000",    "--tool", "1000", "--jitter-seconds", "0",    "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json_of(run(words))["query_budget_us"].get<double>();
+  };
+  EXPECT_EQ(budget("100", {}), 100);
+  EXPECT_EQ(budget("5000", {}), 80);
+  EXPECT_EQ(budget("5000", {"--query-budget", "12.5"}), 12.5);
+}
+
+TEST(ProgramHaptics, MeasuresTheMachineAlone) {
+  const nlohmann::json json = json_of(play({"--empty", "--json"}));
+  EXPECT_EQ(json["ticks"], 40);
+  EXPECT_TRUE(json["wake_up_us"].is_null());
+  EXPECT_GE(json["empty_wake_up_us"]["max"], 0);
+  EXPECT_FALSE(json.contains("work_us"));
+  const Outcome outcome = play({"--empty"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.out.find("\nlate wake-up, empty loop "), std::string::npos);
+  EXPECT_EQ(outcome.out.find("whole tick"), std::string::npos);
+  EXPECT_TRUE(json_of(play({"--json"}, "0.2", "0"))["empty_wake_up_us"].is_null());
+}
+
+TEST(ProgramHaptics, WritesARowForEachTick) {
+  const Folder folder;
+  const std::string path = folder.path("ticks.csv");
+  // A pressing takes two seconds.
+  const nlohmann::json json = json_of(play({"--out", path, "--json"}, "2"));
+  const std::vector<Row> rows = table_of(text_at(path));
+  ASSERT_EQ(rows.size(), 400U);
+  std::uint64_t missed = 0, moved = 0;
+  std::map<std::string, int> statuses;
+  double slowest = 0, largest_force = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Row row = rows[i];
+    EXPECT_EQ(row["tick"], std::to_string(i));
+    const double parts =
+        number(row["move_us"]) + number(row["commit_us"]) + number(row["query_us"]) + number(row["force_us"]);
+    EXPECT_GE(number(row["work_us"]), parts - 0.01);
+    EXPECT_EQ(row["upper"] == "", row["status"] == "beyond_limit") << row["upper"];
+    if (row["upper"] != "") {
+      EXPECT_LE(number(row["lower"]), number(row["upper"]));
+    }
+    missed += row["missed"] == "true" ? 1 : 0;
+    moved += std::stoul(row["moved_vertices"]);
+    ++statuses[row["status"]];
+    slowest = std::max(slowest, number(row["work_us"]));
+    largest_force = std::max(largest_force, number(row["force_n"]));
+  }
+  EXPECT_EQ(json["missed"], missed);
+  EXPECT_EQ(json["moved_vertices"], moved);
+  EXPECT_GT(moved, 1000U);
+  for (const auto& [status, count] : statuses) EXPECT_EQ(json["answers"][status], count) << status;
+  EXPECT_GT(statuses.size(), 1U);
+  EXPECT_EQ(json["work_us"]["max"], slowest);
+  EXPECT_NEAR(json["largest_force_n"].get<double>(), largest_force, 1e-6);
+  EXPECT_GT(largest_force, 0.3);
+}
+
+TEST(ProgramHaptics, WritesAPageWithItsCharts) {
+  const Folder folder;
+  const std::string path = folder.path("page.html");
+  for (const std::string seconds : {"0.005", "1"}) {
+    ASSERT_EQ(play({"--page", path}, seconds).exit_code, 0);
+    const std::string page = text_at(path);
+    EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
+    EXPECT_NE(page.find("</html>"), std::string::npos);
+    for (const char* id : {"work", "wake_up", "time_line", "times", "summary"}) {
+      EXPECT_EQ(count_of(std::string("<section id=\"") + id + "\">", page), 1U) << id;
+    }
+    EXPECT_EQ(count_of("class='chart'", page), 3U);
+    EXPECT_EQ(count_of("<polyline", page), 6U);  // two curves in each
+    EXPECT_NE(page.find("late wake-up, empty loop"), std::string::npos);
+    const std::string without_namespace =
+        std::regex_replace(page, std::regex("xmlns='http://www\\.w3\\.org/2000/svg'"), "");
+    for (const char* part : {"http://", "https://", "<script", "<link", "@import", "url(", "nan", "inf ", "-inf"}) {
+      EXPECT_EQ(without_namespace.find(part), std::string::npos) << part;
+    }
+  }
+}
+
+TEST(ProgramHaptics, DrawsHistogramsWhoseHeightsAreCounts) {
+  const Folder folder;
+  const std::string path = folder.path("page.html");
+  const nlohmann::json json = json_of(play({"--page", path, "--json"}));
+  const std::string page = text_at(path);
+  const std::string section = page.substr(page.find("<section id=\"work\">"));
+  const std::string line = section.substr(section.find("points='"), section.find("'/>", section.find("points='")));
+  std::uint64_t largest = 0;
+  for (const nlohmann::json& bin : json["work_histogram"]) {
+    largest = std::max(largest, bin["ticks"].get<std::uint64_t>());
+  }
+  double highest = 190;  // of the curve's points; y grows downwards
+  const std::regex point("([0-9.]+),([0-9.]+) ");
+  const std::string points = line.substr(0, line.find("'/>"));
+  for (std::sregex_iterator it(points.begin(), points.end(), point), end; it != end; ++it) {
+    highest = std::min(highest, std::stod((*it)[2]));
+  }
+  // The axis goes from a half to a power of ten.
+  const double top = std::max(10., std::pow(10, std::ceil(std::log10(static_cast<double>(largest)))));
+  EXPECT_NEAR(0.5 * std::pow(top / 0.5, 1 - highest / 190), static_cast<double>(largest),
+              0.01 * static_cast<double>(largest));
+}
+
+TEST(ProgramHaptics, TellsMissedTicksByItsExitCodeOnlyWhereAsked) {
+  // Hardly a machine does everything in 10 us.
+  const auto missing = [](const Words& more) {
+    Words words = {"haptics", "--rate", "100000",    "--seconds", "0.01",  "--jitter-seconds", "0", "--tissue", "4000",
+                   "--tool",  "4000",   "--spin-us", "1",         "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  EXPECT_EQ(missing({}).exit_code, 0);
+  EXPECT_EQ(missing({"--max-missed", "1000"}).exit_code, 0);
+  const Outcome strict = missing({"--max-missed", "0"});
+  EXPECT_EQ(strict.exit_code, json_lines_of(strict).at(0)["missed"] > 0 ? 3 : 0);
+}
+
+void expect_refused(const Words& more, const std::string& line) {
+  Words words = {"haptics"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Outcome outcome = run(words);
+  EXPECT_EQ(outcome.exit_code, 2) << line;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+  EXPECT_EQ(outcome.err.find("limber: haptics: " + line), 0U) << outcome.err;
+}
+
+TEST(ProgramHaptics, RefusesWhatItCannotDo) {
+  const Folder folder;
+  for (const std::string value : {"0", "-1", "nan", "inf", "1e6", "fast", ""}) {
+    expect_refused({"--rate", value}, "--rate: must be a number from 1 to 100000, not '" + value + "'");
+  }
+  expect_refused({"--seconds", "-1"}, "--seconds: must be a number from 0 to 86400");
+  expect_refused({"--seconds", "86400"}, "--seconds: 86400 seconds at 1000 Hz are more than 5000000 ticks");
+  expect_refused({"--jitter-seconds", "86400"}, "--jitter-seconds: 86400 seconds at 1000 Hz are more than");
+  expect_refused({"--spin-us", "1000"}, "--spin-us: must be less than the period of 1000 us");
+  expect_refused({"--query-budget", "0"}, "--query-budget: must be a number > 0, at most 1e6, not '0'");
+  expect_refused({"--tissue", "10"}, "--tissue: must be a whole number from 1000");
+  expect_refused({"--tool", "many"}, "--tool: must be a whole number from 1000");
+  expect_refused({"--core", "1000"}, "--core: 1000 is not one of the cores that may be used: ");
+  expect_refused({"--core", "-1"}, "--core: must be a whole number from 0");
+  expect_refused({"--max-missed", "-1"}, "--max-missed: must be a whole number from 0");
+  expect_refused({"--relative-error", "-1"}, "--relative-error: must be a finite number >= 0");
+  expect_refused({"--empty", "--page", folder.path("x.html")}, "--page: has nothing to tell of --empty");
+  expect_refused({"--empty", "--out", folder.path("x.csv")}, "--out: has nothing to tell of --empty");
+  expect_refused({"--out", "-"}, "--out: must name a file");
+  expect_refused({"--out", folder.path("missing/x.csv")}, "--out: cannot write ");
+  expect_refused({"--page", folder.path("")}, "--page: cannot write ");
+  EXPECT_FALSE(std::filesystem::exists(folder.path("x.csv")));
+}
+
+}  // namespace
+}  // namespace limber::program_tests
