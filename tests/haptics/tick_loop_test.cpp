@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace limber::program {
@@ -18,7 +19,7 @@ void stay_busy(milliseconds time) {
 }
 
 TEST(TickLoop, RunsEveryTickInItsPeriod) {
-  for (const milliseconds spin : {milliseconds(0), milliseconds(1)}) {
+  for (const milliseconds spin : {milliseconds(0), milliseconds(2)}) {
     const TickSchedule schedule{milliseconds(4), spin};
     std::vector<TickSample> samples(20);
     std::vector<std::uint64_t> numbers;
@@ -40,6 +41,9 @@ TEST(TickLoop, RunsEveryTickInItsPeriod) {
       }
     }
     EXPECT_EQ(progress.done, 20U);
+    // Sleeps end before the time. A busy machine delays some ticks all the same.
+    const auto is_punctual = [](const TickSample& sample) { return sample.late < 1'000'000; };
+    EXPECT_GE(std::count_if(samples.begin(), samples.end(), is_punctual), 5);
   }
 }
 

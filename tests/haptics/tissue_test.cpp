@@ -91,6 +91,17 @@ TEST(Tissue, GivesWayToTwoThirdsOfTheDepthInAParaboloid) {
   }
 }
 
+TEST(Tissue, IsDentedFurtherByADeeperTool) {
+  MovedTissue moved(0.001);
+  const double height = resting_height(10, 20);
+  const std::size_t first = moved.press({10, 20, height - 1});
+  const std::size_t second = moved.press({10, 20, height - 3});
+  EXPECT_GT(second, first);
+  const std::size_t beside = moved.press({12, 20, height - 3});  // what was dented before comes back meanwhile
+  EXPECT_GT(beside, second);
+  EXPECT_LT(beside, 2 * second);
+}
+
 TEST(Tissue, ComesBackInTimeWhateverTheRate) {
   for (const double rate : {200., 1000., 5000.}) {
     MovedTissue moved(1 / rate);
