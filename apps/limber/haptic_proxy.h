@@ -12,15 +12,16 @@ namespace limber::program {
 /// What it concludes from the interval [lower, upper] of the distance between the tissue and the tool at its place:
 ///
 /// - No point of either is closer than `lower`. A step shorter than that cannot make the tool touch, whatever its
-///   direction and however the query ended. A step takes at most half of `lower`, so that the other half is left to what
-///   the tissue moves, and the tool turns, before the next query.
+///   direction and however the query ended. A step takes at most half of `lower`, unless it leads back: the other half
+///   is left to what the tissue moves, and the tool turns, before the next query.
 /// - The witness points are truly `upper` apart. They give a direction in which tissue is in the way and where to stop,
 ///   never whether there is room elsewhere.
 /// - `beyond_limit` has no witness and needs none: nothing is in the way as far as the step may go.
 /// - `interrupted` is no contact. Its `lower` holds like any other; only its witness need not be the closest pair.
-/// - With lower == 0, which is contact or says nothing, no step is known to be safe. The proxy goes back a little, in the
-///   direction that last led away from the closest point. Where budgets are too small it so floats at a distance at which
-///   they suffice, instead of being caught by tissue that comes up.
+/// - With lower == 0, which is contact or says nothing, no step is known to be safe. The proxy goes back a little, in
+///   the direction that last led away from the closest point; so it does where `lower` is too small to step back by.
+///   Where budgets are too small it so floats at a distance at which they suffice, instead of being caught by tissue
+///   that comes up.
 ///
 /// Differs   Both sources find the constraints that stop a point or a sphere, and go to the place nearest to the device
 ///           that they allow. Here the tool is a mesh, there is one constraint a tick, the plane through the witness,

@@ -28,7 +28,7 @@ std::size_t empty_tick_count(const LoopOptions& options) {
   return seconds > 0 ? tick_count(options.scene.rate_hz, seconds) : 0;
 }
 
-/// Plays both loops with what the operating system grants. The scene, if there is one, has been warmed up to tick `first`.
+/// Plays both loops with what the operating system grants. The scene, if there is one, has been warmed up to `first`.
 void play(HapticRun& run, HapticScene* scene, std::uint64_t first, Progress& progress) {
   const TickSchedule schedule{ns(1e9 / run.options.scene.rate_hz), ns(1e3 * run.options.spin_us)};
   const TickWork nothing = [](std::uint64_t, TickClock::time_point, TickSample&) {};

@@ -38,10 +38,10 @@ struct HapticRun {
   double node_tests_over_new_tree = 0;  ///< at the end
 };
 
-/// Runs both loops in a thread of their own, on one core, with what the operating system grants. Everything is allocated
-/// and written to before the first tick; the results are looked at after the last.
+/// Runs both loops in a thread of their own, on one core, with what the operating system grants. Everything is
+/// allocated and written to before the first tick; the results are looked at after the last.
 ///
-/// Pre      The core is one of allowed_cores().
+/// Pre      may_run_on(core).
 HapticRun run_haptics(const LoopOptions& options);
 
 }  // namespace limber::program

@@ -31,9 +31,9 @@ class Tissue {
   };
 
   /// What moves in one tick while the lowest point of a tool is commanded to be at `tip`: what was dented before comes
-  /// back a little, and what is above the tip gives way to two thirds of its depth. The dent is a paraboloid, wider than
-  /// the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, which tells the vertices
-  /// near the tip.
+  /// back a little, and what is above the tip gives way to two thirds of its depth. The dent is a paraboloid, wider
+  /// than the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, which tells the
+  /// vertices near the tip.
   ///
   /// Cost     O(vertices near the tip + vertices that are dented). Allocates nothing.
   Moves press(const Vec3& tip);

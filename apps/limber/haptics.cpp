@@ -43,13 +43,9 @@ struct Arguments {
 
 int chosen_core(const Arguments& arguments) {
   const std::vector<int> cores = allowed_cores();
-  if (!arguments.core) return cores.back();
-  const auto core = static_cast<int>(*arguments.core);
-  if (std::find(cores.begin(), cores.end(), core) == cores.end()) {
-    throw BadInput(
-        fmt::format("--core: {} is not one of the cores that may be used: {}", core, fmt::join(cores, ", ")));
-  }
-  return core;
+  const int core = arguments.core ? static_cast<int>(*arguments.core) : cores.empty() ? 0 : cores.back();
+  if (may_run_on(core)) return core;
+  throw BadInput(fmt::format("--core: {} is no core that may be used; there are {}", core, fmt::join(cores, ", ")));
 }
 
 std::chrono::nanoseconds query_budget(const Arguments& arguments) {

@@ -15,11 +15,18 @@ std::vector<int> allowed_cores() {
   cpu_set_t set;
   CPU_ZERO(&set);
   std::vector<int> cores;
-  if (sched_getaffinity(0, sizeof(set), &set) != 0) return cores;
+  sched_getaffinity(0, sizeof(set), &set);  // fails on machines of more cores than a set has; then no core is known
   for (int core = 0; core < CPU_SETSIZE; ++core) {
     if (CPU_ISSET(core, &set)) cores.push_back(core);
   }
   return cores;
+}
+
+bool may_run_on(int core) {
+  const std::vector<int> before = allowed_cores();
+  const bool may = run_on({core});
+  if (may) run_on(before);
+  return may;
 }
 
 bool run_on(const std::vector<int>& cores) {

@@ -10,8 +10,11 @@
 /// told, not thrown.
 namespace limber::program {
 
-/// The cores that this process may run on, in ascending order.
+/// The cores that the calling thread runs on, in ascending order. Cores that the kernel keeps free are not among them.
 std::vector<int> allowed_cores();
+
+/// Whether the calling thread may be told to run on a core, be it kept free.
+bool may_run_on(int core);
 
 /// Lets the calling thread, and those that it starts, run on these cores only. Returns whether it may.
 bool run_on(const std::vector<int>& cores);

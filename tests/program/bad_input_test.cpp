@@ -28,7 +28,8 @@ void expect_refused(const Words& words, const std::string& part_of_the_line) {
 }
 
 TEST(ProgramBadInput, VerbsAndOptions) {
-  expect_refused({}, "a verb is missing; there are info, distance, collide, within, track, demo, haptics, help, version");
+  expect_refused({},
+                 "a verb is missing; there are info, distance, collide, within, track, demo, haptics, help, version");
   expect_refused({"measure"}, "'measure' is no verb; there are info, distance, collide, within");
   expect_refused({"--jason"}, "'--jason' is no option");
   expect_refused({"--json", "distance", "scene:ball", "scene:ball"}, "distance: '--json' stands before the verb");

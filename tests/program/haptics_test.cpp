@@ -218,7 +218,7 @@ TEST(ProgramHaptics, RefusesWhatItCannotDo) {
   expect_refused({"--query-budget", "0"}, "--query-budget: must be a number > 0, at most 1e6, not '0'");
   expect_refused({"--tissue", "10"}, "--tissue: must be a whole number from 1000");
   expect_refused({"--tool", "many"}, "--tool: must be a whole number from 1000");
-  expect_refused({"--core", "1000"}, "--core: 1000 is not one of the cores that may be used: ");
+  expect_refused({"--core", "1000"}, "--core: 1000 is no core that may be used; there are ");
   expect_refused({"--core", "-1"}, "--core: must be a whole number from 0");
   expect_refused({"--max-missed", "-1"}, "--max-missed: must be a whole number from 0");
   expect_refused({"--relative-error", "-1"}, "--relative-error: must be a finite number >= 0");
