@@ -25,9 +25,7 @@ double farthest_of_interest(double rate_hz) {
 
 }  // namespace
 
-ModelOptions tissue_options() {
-  return {.motion_margin = 0, .rebuild_policy = RebuildPolicy::in_commit, .rebuild_budget_us = rebuild_budget_us};
-}
+ModelOptions tissue_options() { return ModelOptions::real_time(rebuild_budget_us); }
 
 HapticScene::HapticScene(const HapticOptions& options)
     : options_(options),

@@ -27,8 +27,7 @@ struct HapticOptions {
 /// A tool is pressed into tissue and drawn along. What is commanded and how the tissue gives way depend on the number
 /// of the tick alone, so runs can be compared; how far queries come within their budgets depends on the machine.
 ///
-/// Real time  tick() allocates nothing of its own, takes no lock and reads the clock; its only system calls are those
-///            of a commit that starts to rebuild a part of the tree.
+/// Real time  tick() allocates nothing, takes no lock, and makes no system call but to read the clock.
 class HapticScene {
  public:
   explicit HapticScene(const HapticOptions& options);

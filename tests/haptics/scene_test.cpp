@@ -106,13 +106,6 @@ TEST(HapticScene, ComparesItsTreeWithANewOne) {
   EXPECT_NE(node_tests_over_new_tree(refitted), 1);
 }
 
-/// Rebuilds take memory when they begin, so they are left out.
-HapticOptions without_rebuilds() {
-  HapticOptions options = small_scene();
-  options.tissue_model.rebuild_policy = RebuildPolicy::off;
-  return options;
-}
-
 /// Allocations of a commit of a model that is not rebuilt: those of its own checks, where they are on.
 std::uint64_t allocations_of_commit(const Mesh& mesh) {
   Model model(mesh, {.rebuild_policy = RebuildPolicy::off});
@@ -127,7 +120,7 @@ std::uint64_t allocations_of_commit(const Mesh& mesh) {
 }
 
 TEST(HapticTick, AllocatesNothing) {
-  HapticScene scene(without_rebuilds());
+  HapticScene scene(small_scene());
   const std::uint64_t first = scene.warm_up(), of_commit = allocations_of_commit(scene.tissue().mesh());
 #ifndef LIMBER_CHECKS
   EXPECT_EQ(of_commit, 0U);
@@ -179,7 +172,7 @@ int end_of_filtered(std::uint64_t first, const TickWork& work) {
 TEST(HapticTick, MakesNoSystemCallsButTheClockAndTheSleep) {
   using oneapi::tbb::global_control;
   const global_control one_thread(global_control::max_allowed_parallelism, 1);
-  HapticScene scene(without_rebuilds());
+  HapticScene scene(small_scene());
   const std::uint64_t first = scene.warm_up();
   const TickWork tick = [&scene](std::uint64_t n, TickClock::time_point end, TickSample& s) { scene.tick(n, end, s); };
   const int status = end_of_filtered(first, tick);
