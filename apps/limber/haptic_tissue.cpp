@@ -35,8 +35,10 @@ Tissue::Tissue(std::uint64_t at_most, double tick_s)
     : n_(squares_along_side(at_most)), spacing_(side_mm / n_), kept_a_tick_(std::exp(-tick_s / relaxation_s)) {
   const std::size_t count = (std::size_t{n_} + 1) * (n_ + 1);
   for (std::size_t v = 0; v < count; ++v) {
-    const auto i = static_cast<double>(v % (n_ + 1)), j = static_cast<double>(v / (n_ + 1));
-    resting_z_.push_back(resting_height(i * spacing_ - side_mm / 2, j * spacing_ - side_mm / 2));
+    const std::size_t column = v % (n_ + 1), row = v / (n_ + 1);
+    const double x = static_cast<double>(column) * spacing_ - side_mm / 2;
+    const double y = static_cast<double>(row) * spacing_ - side_mm / 2;
+    resting_z_.push_back(resting_height(x, y));
   }
   depth_.resize(count);
   // Written once, so that no page is missing when the first dent comes.
@@ -113,8 +115,9 @@ void Tissue::list_moves() {
       dented_.pop_back();
     }
     moved_ids_.push_back(v);
+    const VertexId column = v % (n_ + 1), row = v / (n_ + 1);
     moved_positions_.push_back(
-        {v % (n_ + 1) * spacing_ - side_mm / 2, v / (n_ + 1) * spacing_ - side_mm / 2, resting_z_[v] - depth_[v]});
+        {column * spacing_ - side_mm / 2, row * spacing_ - side_mm / 2, resting_z_[v] - depth_[v]});
   }
 }
 
