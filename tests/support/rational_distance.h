@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gmpxx.h>
+
 #include <array>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <optional>
 
 #include "limber/geometry.h"
@@ -12,7 +13,7 @@
 /// one triangle against every one of the other as affine spaces, keeping the minimisers that lie inside.
 namespace limber::testing {
 
-using Rational = boost::multiprecision::cpp_rational;
+using Rational = mpq_class;
 using RationalVec = std::array<Rational, 3>;
 
 inline RationalVec rational(const Vec3& v) { return {Rational(v.x), Rational(v.y), Rational(v.z)}; }

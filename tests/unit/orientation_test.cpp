@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <boost/multiprecision/cpp_int.hpp>
-
 #include "geometry/exact_sign.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
@@ -16,13 +14,13 @@ int rational_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
                     r = minus(rational(d), rational(a));
   const Rational det =
       r[0] * (p[1] * q[2] - p[2] * q[1]) + r[1] * (p[2] * q[0] - p[0] * q[2]) + r[2] * (p[0] * q[1] - p[1] * q[0]);
-  return det.sign();
+  return sgn(det);
 }
 
 int rational_area_sign(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis) {
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
   const RationalVec p = minus(rational(b), rational(a)), q = minus(rational(c), rational(a));
-  return Rational(p[i] * q[j] - p[j] * q[i]).sign();
+  return sgn(p[i] * q[j] - p[j] * q[i]);
 }
 
 TEST(Orientation, IsPositiveOnTheSideTheNormalPointsTo) {
