@@ -50,7 +50,7 @@ class CgalIntersection : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(CgalIntersection, NeverDisagrees) {
   constexpr auto kinds = static_cast<std::uint64_t>(PairKind::count);
-  const std::uint64_t pairs = count_from("LIMBER_ORACLE_PAIRS", 5'000'000) / kinds + 1;
+  const std::uint64_t pairs = count_from("LIMBER_ORACLE_PAIRS", 2'000'000) / kinds + 1;
   Rng rng(1000 + static_cast<std::uint64_t>(GetParam()));
   std::uint64_t meeting = 0;
   for (std::uint64_t i = 0; i < pairs; ++i) {

@@ -90,10 +90,11 @@ TEST(ProgramDistance, AllEnginesGiveTheSameDistance) {
 }
 
 TEST(ProgramDistance, LimitIsHeldByAllEngines) {
+  const Folder folder;
+  const std::string square = folder.store("square.obj", scenes::grid(2, 2, -2, -2, 2, 2));
   for (const std::string engine : {"fast", "classic", "reference"}) {
     const auto ask = [&](const std::string& option, const std::string& value) {
-      return run(
-          {"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--engine", engine, option, value});
+      return run({"distance", "scene:ball", square, "--pose-a", "0,0,3,1,0,0,0", "--engine", engine, option, value});
     };
     const Outcome beyond = ask("--max-distance", "1.5");
     EXPECT_NE(beyond.out.find("status    beyond_limit\nlower     1.5\ntests"), std::string::npos) << beyond.out;

@@ -109,11 +109,12 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
 }
 
 TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
-  for (const Environment& environment : foreign_environments()) {
-    Rng rng(601);
-    for (int i = 0; i < 100; ++i) {
-      const Scene s = arbitrary_scene(rng);
-      const std::vector<std::uint64_t> expected = answers(s, rng);
+  const std::vector<Environment> environments = foreign_environments();
+  Rng rng(601);
+  for (int i = 0; i < 100; ++i) {
+    const Scene s = arbitrary_scene(rng);
+    const std::vector<std::uint64_t> expected = answers(s, rng);
+    for (const Environment& environment : environments) {
       environment.enter();
       const std::vector<std::uint64_t> found = answers(s, rng);
       environment.leave();
