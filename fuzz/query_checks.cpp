@@ -15,8 +15,6 @@
 namespace limber::fuzz {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 std::string numbers(double truth, double lower, double upper, double tolerance) {
   char text[200];
   std::snprintf(text, sizeof text, "truth %.17g, lower %.17g, upper %.17g, tolerance %.17g", truth, lower, upper,
@@ -96,7 +94,8 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
   require(found.lower <= truth.distance + tolerance, "lower does not exceed the distance", detail);
   if (found.status == Status::beyond_limit) {
     require(truth.distance > options.max_distance - tolerance, "models beyond the limit are that far apart", detail);
-    require(found.lower >= options.max_distance && found.upper == infinity, "bounds beyond the limit", detail);
+    require(found.lower >= options.max_distance && found.upper == std::numeric_limits<double>::infinity(),
+            "bounds beyond the limit", detail);
     require(!found.witness, "no witness beyond the limit");
     return;
   }

@@ -28,7 +28,7 @@ namespace {
 constexpr std::uint64_t max_frames = 100'000;
 constexpr std::uint64_t max_dents_per_frame = 1'000;
 
-struct Arguments {
+struct DemoArguments {
   DemoOptions demo;
   std::string page = "limber-demo.html";
   bool is_unchecked = false;
@@ -108,7 +108,7 @@ void check(DemoRun& run, bool is_silent) {
   run.is_right = is_confirmed_by_brute_force(run);
 }
 
-void run(const Arguments& arguments) {
+void run(const DemoArguments& arguments) {
   const std::string page = absolute_path(arguments.page);
   check_writable(page);
   DemoTable table(arguments.demo.frames);
@@ -128,7 +128,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 Verb add_demo(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DemoArguments>();
   CLI::App& command = *app.add_subcommand("demo", "A ball flies over a deforming sheet; writes a page about it");
   DemoOptions& demo = arguments->demo;
   add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");

@@ -14,14 +14,14 @@
 namespace limber::program {
 namespace {
 
-struct Arguments {
+struct DistanceArguments {
   PairArguments pair;
   std::string pairs, out = "-";
   DistanceOptions options;
   double min_clearance = 0;  // 0: none is asked for
 };
 
-DistanceQuestion question_of(const Arguments& arguments) {
+DistanceQuestion question_of(const DistanceArguments& arguments) {
   DistanceQuestion question{arguments.options, std::nullopt, arguments.pair.exit_code};
   if (arguments.min_clearance > 0) {
     question.min_clearance = arguments.min_clearance;
@@ -30,7 +30,7 @@ DistanceQuestion question_of(const Arguments& arguments) {
   return question;
 }
 
-void write_lines(const DistanceAnswer& answer, const Arguments& arguments, double build_us) {
+void write_lines(const DistanceAnswer& answer, const DistanceArguments& arguments, double build_us) {
   write_distance_lines(answer.result, answer.witness);
   if (answer.too_close) {
     write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(arguments.min_clearance));
@@ -38,7 +38,7 @@ void write_lines(const DistanceAnswer& answer, const Arguments& arguments, doubl
   write_work_lines(answer.result.stats, build_us, answer.elapsed_us);
 }
 
-ExitCode answer_pair(const Arguments& arguments) {
+ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
@@ -54,7 +54,7 @@ ExitCode answer_pair(const Arguments& arguments) {
   return exit_code_of(question, answer);
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const DistanceArguments& arguments) {
   if (arguments.pairs.empty()) return answer_pair(arguments);
   return answer_pairs({arguments.pairs, arguments.out, arguments.pair.engine, arguments.pair.json},
                       question_of(arguments));
@@ -93,7 +93,7 @@ for both trees. Columns of the answer, where row counts from 0:
 )";
 
 /// What the options say about each other.
-void check_options(const CLI::App& command, const Arguments& arguments) {
+void check_options(const CLI::App& command, const DistanceArguments& arguments) {
   const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
   const bool has_pairs = is_given("--pairs");
   for (const char* const name : {"A", "B"}) {
@@ -114,7 +114,7 @@ void check_options(const CLI::App& command, const Arguments& arguments) {
 }  // namespace
 
 Verb add_distance(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DistanceArguments>();
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
   add_pair_arguments(command, arguments->pair,
                      "a pair is at most --max-distance apart; where --min-clearance is given, that decides");

@@ -19,7 +19,7 @@
 namespace limber::program {
 namespace {
 
-struct Arguments {
+struct InfoArguments {
   std::string model;
   bool json = false;
 };
@@ -130,7 +130,7 @@ void write_lines(const Info& info) {
   write_line("time                   load {} us, build {} us", to_text(info.load_us), to_text(info.build_us));
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const InfoArguments& arguments) {
   const Info info = examine(arguments.model);
   if (arguments.json) {
     write(to_line(as_json(info)));
@@ -143,7 +143,7 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 Verb add_info(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InfoArguments>();
   CLI::App& command = *app.add_subcommand("info", "Counts of a mesh, and the size of its tree");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
   add_json(command, arguments->json, "answer with one JSON object");

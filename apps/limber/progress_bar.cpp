@@ -12,7 +12,7 @@ namespace limber::program {
 namespace {
 
 constexpr std::size_t width = 40;
-constexpr double redraw_s = 0.1;
+constexpr double bar_redraw_s = 0.1;
 
 void show(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
@@ -33,7 +33,7 @@ void ProgressBar::clear() {
 }
 
 void ProgressBar::draw(std::size_t done) {
-  if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < redraw_s)) return;
+  if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < bar_redraw_s)) return;
   const std::size_t filled = width * done / count_;
   show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", width - filled, done, count_, unit_));
   stands_ = true;

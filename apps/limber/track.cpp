@@ -32,7 +32,7 @@ struct ModelArguments {
   std::string poses;  // empty: at the origin
 };
 
-struct Arguments {
+struct TrackArguments {
   ModelArguments a, b;
   DistanceOptions query;
   DeformingOptions model;
@@ -149,7 +149,7 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   return row;
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const TrackArguments& arguments) {
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
   TrackedModel b(arguments.b, arguments.model, arguments.loops > 1);
   const std::size_t frame_count = common_frame_count(
@@ -171,7 +171,7 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 Verb add_track(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TrackArguments>();
   CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
   command
       .add_option("--a", arguments->a.frames,

@@ -13,7 +13,7 @@
 namespace limber::program {
 namespace {
 
-struct Arguments {
+struct WithinArguments {
   PairArguments pair;
   double max_distance = 0;
 };
@@ -26,7 +26,7 @@ Nesting nesting_unless_they_meet(const WithinResult& result, const Pair& pair) {
   return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const WithinArguments& arguments) {
   const Pair pair(arguments.pair);
   const auto [result, elapsed_us] =
       ask(pair.a(), pair.b(), [&](const auto& a, const auto& b) { return within(a, b, arguments.max_distance); });
@@ -51,7 +51,7 @@ ExitCode run(const Arguments& arguments) {
 }  // namespace
 
 Verb add_within(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WithinArguments>();
   CLI::App& command = *app.add_subcommand("within", "Whether two models are at most a given distance apart");
   add_pair_arguments(command, arguments->pair, "the models are within the distance");
   add_number(command, "--max-distance", arguments->max_distance,

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "limber/geometry.h"
 
 /// The functions of limber/geometry.h as the library itself calls them. Promises are the same.
@@ -24,5 +27,8 @@ Sphere enclosing_sphere(const Triangle& triangle);
 Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
 bool contains(const Sphere& outer, const Sphere& inner);
 bool contains(const Sphere& sphere, const Triangle& triangle);
+
+/// The corner that follows each corner of a triangle.
+inline constexpr std::array<std::size_t, 3> after{1, 2, 0};
 
 }  // namespace limber::geometry

@@ -19,7 +19,7 @@
 namespace limber {
 namespace {
 
-constexpr std::array<std::size_t, 3> after{1, 2, 0};
+using geometry::after;
 
 /// Moves coordinates near the origin and, if need be, near unit size: v -> (v - origin) * scale, scale a power of two.
 class LocalFrame {

@@ -17,7 +17,7 @@
 namespace limber {
 namespace {
 
-constexpr std::array<std::size_t, 3> after{1, 2, 0};
+using geometry::after;
 
 bool lexicographically_less(const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include "limber/classic.h"
@@ -31,6 +35,17 @@ struct ReferenceEngine {
     Mesh mesh_;
   };
   static auto placed(const Model& model, const Transform& pose) { return reference::Placed{model.mesh(), pose}; }
+};
+
+using Engines = ::testing::Types<FastEngine, ClassicEngine, ReferenceEngine>;
+using MovingEngines = ::testing::Types<FastEngine, ClassicEngine>;  // those whose models are updated
+
+struct EngineNames {
+  template <typename Engine>
+  static std::string GetName(int) {
+    if (std::is_same_v<Engine, FastEngine>) return "fast";
+    return std::is_same_v<Engine, ClassicEngine> ? "classic" : "reference";
+  }
 };
 
 /// Queries of one engine on its models.

@@ -15,7 +15,6 @@ namespace limber::testing {
 namespace {
 
 using classic::Maintenance;
-using classic::Model;
 
 Mesh triangles_in_a_row(std::size_t count) {
   std::vector<Triangle> triangles;
@@ -28,7 +27,7 @@ Mesh triangles_in_a_row(std::size_t count) {
 
 TEST(ClassicTree, IsBalancedForEveryCount) {
   for (std::size_t n = 1; n <= 70; ++n) {
-    const Model model(triangles_in_a_row(n));
+    const classic::Model model(triangles_in_a_row(n));
     ASSERT_TRUE(static_cast<bool>(model.validate())) << n;
     EXPECT_EQ(model.tree_stats().nodes, 2 * n - 1);
     EXPECT_EQ(model.tree_stats().depth, static_cast<std::uint32_t>(std::bit_width(n - 1)));
@@ -36,7 +35,7 @@ TEST(ClassicTree, IsBalancedForEveryCount) {
 }
 
 TEST(ClassicTree, OfOneTriangleIsALeaf) {
-  const Model model(triangles_in_a_row(1));
+  const classic::Model model(triangles_in_a_row(1));
   EXPECT_TRUE(model.tree().nodes[0].is_leaf());
   EXPECT_EQ(model.tree_stats().depth, 0U);
 }
@@ -52,7 +51,7 @@ TEST(ClassicTree, SiblingsOfARowAreApart) {
       across[(axis + 1) % 3] = 0.5;
       row.push_back({at, at + along, at + across});
     }
-    const Model model(soup(row));
+    const classic::Model model(soup(row));
     const auto& nodes = model.tree().nodes;
     for (const classic::Node& node : nodes) {
       if (node.is_leaf()) continue;
@@ -64,13 +63,13 @@ TEST(ClassicTree, SiblingsOfARowAreApart) {
 
 TEST(ClassicTree, DoesNotSplitCoincidentTrianglesUnevenly) {
   const std::vector<Triangle> same(33, Triangle{{1, 2, 3}, {2, 2, 3}, {1, 3, 3}});
-  const Model model(soup(same));
+  const classic::Model model(soup(same));
   EXPECT_TRUE(static_cast<bool>(model.validate()));
   EXPECT_EQ(model.tree_stats().depth, 6U);
 }
 
 TEST(ClassicTree, ValidateNamesTheBrokenInvariant) {
-  Model model(triangles_in_a_row(8));
+  classic::Model model(triangles_in_a_row(8));
   auto& tree = const_cast<classic::Tree&>(model.tree());
   const auto broken_by = [&](auto&& damage, auto&& repair) {
     damage();
@@ -99,7 +98,7 @@ TEST(ClassicTree, ValidateNamesTheBrokenInvariant) {
 
 /// Moves the first vertex of the given triangles up a little and commits.
 classic::MaintenanceStats stats_after_moving(Maintenance mode, const std::vector<TriangleId>& which) {
-  Model model(triangles_in_a_row(16), {.maintenance = mode});
+  classic::Model model(triangles_in_a_row(16), {.maintenance = mode});
   std::vector<VertexId> ids;
   std::vector<Vec3> positions;
   for (const TriangleId t : which) {
@@ -123,7 +122,7 @@ TEST(ClassicMaintenance, CountsWhatEachModeMustRefit) {
 }
 
 TEST(ClassicMaintenance, ByDepthRefitsEveryNodeOnceWhenAllVerticesMove) {
-  Model model(scenes::thesis_ball());
+  classic::Model model(scenes::thesis_ball());
   std::vector<Vec3> positions = model.mesh().positions();
   for (Vec3& p : positions) p *= 1.5;
   model.move_all(positions).value();
@@ -134,19 +133,19 @@ TEST(ClassicMaintenance, ByDepthRefitsEveryNodeOnceWhenAllVerticesMove) {
 
 TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
   Rng rng(50);
-  Model models[] = {Model(scenes::thesis_ball(), {.maintenance = Maintenance::immediate}),
-                    Model(scenes::thesis_ball(), {.maintenance = Maintenance::batched}),
-                    Model(scenes::thesis_ball(), {.maintenance = Maintenance::by_depth})};
+  classic::Model models[] = {classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::immediate}),
+                             classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::batched}),
+                             classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::by_depth})};
   for (int round = 0; round < 20; ++round) {
     const scenes::Dent dent{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 1), 0.1};
-    for (Model& model : models) {
+    for (classic::Model& model : models) {
       const auto moves = scenes::dent_moves(dent, model.mesh().positions());
       model.move_vertices(moves.ids, moves.positions).value();
       model.commit();
     }
   }
   for (std::size_t n = 0; n < models[0].tree().nodes.size(); ++n) {
-    for (const Model& model : models) {
+    for (const classic::Model& model : models) {
       ASSERT_EQ(model.tree().nodes[n].sphere.center, models[0].tree().nodes[n].sphere.center);
       ASSERT_EQ(model.tree().nodes[n].sphere.radius, models[0].tree().nodes[n].sphere.radius);
     }
@@ -154,19 +153,19 @@ TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
 }
 
 TEST(ClassicMaintenance, QueriesNeedACommit) {
-  Model model(triangles_in_a_row(4));
+  classic::Model model(triangles_in_a_row(4));
   EXPECT_TRUE(model.is_committed());
   model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
   EXPECT_FALSE(model.is_committed());
   model.commit();
   EXPECT_TRUE(model.is_committed());
-  Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
+  classic::Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
   immediate.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
   EXPECT_TRUE(immediate.is_committed());
 }
 
 TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
-  Model model(triangles_in_a_row(4));
+  classic::Model model(triangles_in_a_row(4));
   const std::vector<Vec3> before = model.mesh().positions();
   const std::vector<VertexId> ids{0, 99};
   const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}};
@@ -189,7 +188,7 @@ TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
 }
 
 TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
-  Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}}, {{0, 1, 2}}).value());
+  classic::Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}}, {{0, 1, 2}}).value());
   model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 1, 1}}).value();
   model.commit();
   EXPECT_EQ(model.maintenance_stats().refits, 0U);
@@ -198,7 +197,7 @@ TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
 
 TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
   for (const Maintenance mode : {Maintenance::immediate, Maintenance::batched, Maintenance::by_depth}) {
-    Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.extra_radius = 0.2}});
+    classic::Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.extra_radius = 0.2}});
     const auto raise = [&](double height) {
       model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, height}}).value();
       model.commit();
@@ -212,7 +211,7 @@ TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
 }
 
 TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
-  Model model(triangles_in_a_row(16), {.looseness = {.extra_radius = 0.1, .stale_ratio = 1.5}});
+  classic::Model model(triangles_in_a_row(16), {.looseness = {.extra_radius = 0.1, .stale_ratio = 1.5}});
   const double radius = model.tree_stats().root_radius;
   std::vector<Vec3> positions = model.mesh().positions();
   for (Vec3& p : positions) p *= 0.01;
@@ -222,7 +221,7 @@ TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
 }
 
 TEST(ClassicLooseness, NoExtraRadiusNeverAbsorbs) {
-  Model model(triangles_in_a_row(16));
+  classic::Model model(triangles_in_a_row(16));
   model.move_all(model.mesh().positions()).value();
   model.commit();
   EXPECT_EQ(model.maintenance_stats().absorbed, 0U);
@@ -231,11 +230,11 @@ TEST(ClassicLooseness, NoExtraRadiusNeverAbsorbs) {
 
 #if defined(LIMBER_CHECKS)
 TEST(ClassicModel, PreconditionsAreChecked) {
-  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.extra_radius = -1}}), std::logic_error);
-  EXPECT_THROW(Model(triangles_in_a_row(2), {.looseness = {.extra_radius = 0.1, .stale_ratio = 0.5}}),
+  EXPECT_THROW(classic::Model(triangles_in_a_row(2), {.looseness = {.extra_radius = -1}}), std::logic_error);
+  EXPECT_THROW(classic::Model(triangles_in_a_row(2), {.looseness = {.extra_radius = 0.1, .stale_ratio = 0.5}}),
                std::logic_error);
-  Model stale(triangles_in_a_row(2));
-  const Model other(triangles_in_a_row(2));
+  classic::Model stale(triangles_in_a_row(2));
+  const classic::Model other(triangles_in_a_row(2));
   EXPECT_THROW(static_cast<void>(classic::distance({other}, {other}, {.relative_error = -0.1})), std::logic_error);
   EXPECT_THROW(static_cast<void>(classic::distance({other, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}}, {other})),
                std::logic_error);

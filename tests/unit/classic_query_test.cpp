@@ -15,12 +15,9 @@
 namespace limber::testing {
 namespace {
 
-using classic::Model;
-
-const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-
 TEST(ClassicDistance, OfSingleTrianglesIsThatOfThePrimitive) {
-  const Model a(soup({unit})), b(soup({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}}));
+  const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const classic::Model a(soup({unit})), b(soup({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}}));
   const DistanceResult r = classic::distance({a}, {b});
   EXPECT_EQ(r.upper, 2);
   EXPECT_EQ(r.lower, 2);
@@ -34,14 +31,14 @@ TEST(ClassicDistance, AContactIsFoundEvenWhenThePruneDistanceUnderflows) {
   // The first pair that the query compares is 1e-20 apart. Its distance divided by 1 + the error underflows to 0. The
   // contact must not be pruned all the same.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
-  const Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
+  const classic::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
   const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
   EXPECT_EQ(r.status, Status::collision);
   EXPECT_EQ(r.stats.triangle_tests, 2U);
 }
 
 TEST(ClassicDistance, ErrorSavesWorkAndKeepsItsPromise) {
-  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const classic::Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const Transform pose = scenes::ball_over_square(ball.mesh(), 4, 0);
   const DistanceResult exact = classic::distance({square}, {ball, pose});
   EXPECT_NEAR(exact.upper, 4, 1e-13);
@@ -58,7 +55,7 @@ TEST(ClassicDistance, ErrorSavesWorkAndKeepsItsPromise) {
 }
 
 TEST(ClassicCollide, StopsAtTheFirstPair) {
-  const Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
+  const classic::Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
   const CollideResult r = classic::collide({a}, {b});
   ASSERT_TRUE(r.collision);
   EXPECT_LT(r.stats.triangle_tests, 20U);
@@ -66,7 +63,7 @@ TEST(ClassicCollide, StopsAtTheFirstPair) {
 }
 
 TEST(ClassicCollide, FarModelsCostOneTest) {
-  const Model a(scenes::thesis_square()), b(scenes::thesis_ball());
+  const classic::Model a(scenes::thesis_square()), b(scenes::thesis_ball());
   const CollideResult r = classic::collide({a}, {b, {{}, {0, 0, 50}}});
   EXPECT_FALSE(r.collision);
   EXPECT_FALSE(r.witness.has_value());
@@ -77,7 +74,7 @@ TEST(ClassicCollide, FarModelsCostOneTest) {
 TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
   // The counts are the same on every machine. Other counts mean another traversal, and then the experiments have to be
   // run again.
-  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const classic::Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
   const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
   EXPECT_EQ(collide.node_tests, 6919U);
@@ -88,6 +85,7 @@ TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
 }
 
 TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
+  const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Mesh a = soup({unit, unit}), b = soup({{{0, 0, 9}, {1, 0, 9}, {0, 1, 9}}, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}});
   const DistanceResult r = reference::distance({a}, {b});
   EXPECT_EQ(r.upper, 2);

@@ -16,6 +16,9 @@
 /// What tests of the query kernels compare.
 namespace limber::testing {
 
+/// More than any squared bound.
+inline constexpr float no_limit_sq = 1e38F;
+
 inline std::vector<Triangle> placed_triangles(const Mesh& mesh, const Transform& pose) {
   std::vector<Triangle> placed;
   for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {

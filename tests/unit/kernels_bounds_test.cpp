@@ -28,8 +28,6 @@ using query::PlacedModels;
 using query::Pruning;
 using query::Side;
 
-constexpr float all = 1e38F;
-
 /// Points, each of them a leaf of equal triangles.
 Mesh points(Rng& rng, std::size_t count) {
   std::vector<Triangle> triangles;
@@ -63,7 +61,7 @@ struct Comparison {
     alignas(32) float order[bvh::width], bound_sq[bvh::width];
     const unsigned kept = simd::kernels()
                               .bound_children(lowest_node(a.model()), at_slot(b.model(), slot_b, as_leaf),
-                                              frames.of(Side::a), pruning.of(Side::a), all, order, bound_sq)
+                                              frames.of(Side::a), pruning.of(Side::a), no_limit_sq, order, bound_sq)
                               .all;
     bound = std::sqrt(static_cast<double>(bound_sq[slot_a])) * tree_of(a.model()).unit;
     return (kept >> slot_a & 1) != 0;

@@ -26,8 +26,6 @@ using query::PlacedModels;
 using query::Pruning;
 using query::Side;
 
-constexpr float all = 1e38F;
-
 /// Soups of one kind: spread out, in a small place, flat, thin, points.
 Mesh some_soup(Rng& rng, std::size_t count) {
   std::vector<Triangle> triangles;
@@ -45,12 +43,12 @@ Mesh some_soup(Rng& rng, std::size_t count) {
 }
 
 /// Two models of a few leaves each, at random poses.
-struct Case {
+struct KernelCase {
   Model a, b;
   Transform pose_a, pose_b;
   std::vector<Triangle> world_a, world_b;
 
-  explicit Case(Rng& rng)
+  explicit KernelCase(Rng& rng)
       : a(some_soup(rng, 9 + rng.below(56))),
         b(some_soup(rng, 9 + rng.below(56))),
         pose_a(random_pose(rng, 1)),
@@ -70,7 +68,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
   Rng rng(200);
   int tight_bounds = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Case c(rng);
+    const KernelCase c(rng);
     const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.a).nodes[1];
@@ -79,7 +77,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
     const Pruning pruning(placed, 1);
     const unsigned kept = simd::kernels()
                               .bound_children(node, at_slot(c.b, slot_b, false), frames.of(Side::a),
-                                              pruning.of(Side::a), all, order, bound_sq)
+                                              pruning.of(Side::a), no_limit_sq, order, bound_sq)
                               .all;
     ASSERT_EQ(kept, (1U << node.child_count) - 1);
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
@@ -98,7 +96,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
   Rng rng(201);
   int pruned_count = 0, sharper = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Case c(rng);
+    const KernelCase c(rng);
     const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.a).nodes[1];
@@ -110,7 +108,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
     const auto kept = [&](double prune_distance) {
       const Pruning pruning = pruning_along(placed, prune_distance, direction);
       return simd::kernels()
-          .bound_children(node, other, frames.of(Side::a), pruning.of(Side::a), all, order, bound_sq)
+          .bound_children(node, other, frames.of(Side::a), pruning.of(Side::a), no_limit_sq, order, bound_sq)
           .all;
     };
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
@@ -136,7 +134,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   Rng rng(202);
   int not_candidates = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Case c(rng);
+    const KernelCase c(rng);
     const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
@@ -177,7 +175,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   Rng rng(203);
   const auto sets = simd::all_kernels();
   for (int i = 0; i < 2000; ++i) {
-    const Case c(rng);
+    const KernelCase c(rng);
     const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.b).nodes[1];

@@ -9,26 +9,26 @@
 namespace limber::testing {
 namespace {
 
-const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const std::vector<Vec3> corner_positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 TEST(Mesh, KeepsWhatItIsGiven) {
-  const Mesh mesh = Mesh::create(corners, {{0, 1, 2}, {2, 1, 0}}).value();
+  const Mesh mesh = Mesh::create(corner_positions, {{0, 1, 2}, {2, 1, 0}}).value();
   EXPECT_EQ(mesh.triangles().size(), 2U);
-  EXPECT_EQ(mesh.triangle(1).v0, corners[2]);
+  EXPECT_EQ(mesh.triangle(1).v0, corner_positions[2]);
   EXPECT_EQ(mesh.view().positions.size(), 3U);
 }
 
 TEST(Mesh, AcceptsDegenerateTrianglesAndUnreferencedVertices) {
-  EXPECT_TRUE(static_cast<bool>(Mesh::create(corners, {{0, 0, 0}})));
-  EXPECT_TRUE(static_cast<bool>(Mesh::create(corners, {{0, 1, 1}})));
+  EXPECT_TRUE(static_cast<bool>(Mesh::create(corner_positions, {{0, 0, 0}})));
+  EXPECT_TRUE(static_cast<bool>(Mesh::create(corner_positions, {{0, 1, 1}})));
 }
 
 TEST(Mesh, NamesTheFirstOffence) {
   const auto error_of = [](std::vector<Vec3> positions, std::vector<Corners> triangles) {
     return Mesh::create(std::move(positions), std::move(triangles)).error();
   };
-  EXPECT_EQ(error_of(corners, {}).code, ErrorCode::empty_mesh);
-  const Error index = error_of(corners, {{0, 1, 2}, {0, 1, 3}});
+  EXPECT_EQ(error_of(corner_positions, {}).code, ErrorCode::empty_mesh);
+  const Error index = error_of(corner_positions, {{0, 1, 2}, {0, 1, 3}});
   EXPECT_EQ(index.code, ErrorCode::index_out_of_range);
   EXPECT_EQ(index.where, 1U);
   EXPECT_EQ(index.text, "triangle 1 names vertex 3, but there are only 3 vertices");
@@ -42,7 +42,7 @@ TEST(Mesh, NamesTheFirstOffence) {
 }
 
 TEST(Mesh, ReplacesPositionsThatAreSoundAndNoOthers) {
-  Mesh mesh = Mesh::create(corners, {{0, 1, 2}}).value();
+  Mesh mesh = Mesh::create(corner_positions, {{0, 1, 2}}).value();
   const std::vector<Vec3> moved{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, infinite{{0, 0, 1}, {1, 0, INFINITY}, {0, 1, 1}};
   const std::vector<VertexId> ids{0, 1, 2}, beyond{0, 3, 1};
   EXPECT_EQ(mesh.set_position(3, {}).error().code, ErrorCode::index_out_of_range);
@@ -53,14 +53,14 @@ TEST(Mesh, ReplacesPositionsThatAreSoundAndNoOthers) {
   EXPECT_EQ(mesh.set_positions(ids, infinite).error().where, 1U);
   EXPECT_EQ(mesh.set_positions(std::vector<Vec3>{{}}).error().code, ErrorCode::size_mismatch);
   EXPECT_EQ(mesh.set_positions(infinite).error().text, "entry 1 of the update is not finite");
-  EXPECT_EQ(mesh.positions(), corners);
+  EXPECT_EQ(mesh.positions(), corner_positions);
 
   mesh.set_position(1, moved[1]).value();
-  EXPECT_EQ(mesh.positions(), (std::vector<Vec3>{corners[0], moved[1], corners[2]}));
+  EXPECT_EQ(mesh.positions(), (std::vector<Vec3>{corner_positions[0], moved[1], corner_positions[2]}));
   mesh.set_positions(moved).value();
   EXPECT_EQ(mesh.positions(), moved);
-  mesh.set_positions(ids, corners).value();
-  EXPECT_EQ(mesh.positions(), corners);
+  mesh.set_positions(ids, corner_positions).value();
+  EXPECT_EQ(mesh.positions(), corner_positions);
 }
 
 }  // namespace

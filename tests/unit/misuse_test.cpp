@@ -16,8 +16,8 @@
 namespace limber::testing {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 template <typename Engine>
 class Misuse : public ::testing::Test, public Asking<Engine> {
@@ -25,7 +25,6 @@ class Misuse : public ::testing::Test, public Asking<Engine> {
   typename Asking<Engine>::Model a_{scenes::ball(6, 4)}, b_{scenes::ball(5, 3)};
 };
 
-using Engines = ::testing::Types<FastEngine, ClassicEngine, ReferenceEngine>;
 TYPED_TEST_SUITE(Misuse, Engines);
 
 /// Poses that are no rigid motions, each for one reason.
@@ -39,7 +38,7 @@ std::vector<std::pair<std::string, Transform>> bad_poses() {
       {"third row turned", {{{1, 0, 0}, {0, 1, 0}, {0, 1, 0}}, {}}},
       {"translation too large", {{}, {0, 0x1p201, 0}}},
   };
-  for (const double bad : {nan, infinity, -infinity}) {
+  for (const double bad : {not_a_number, infinite, -infinite}) {
     for (std::size_t i = 0; i < 12; ++i) {
       Transform pose;
       Vec3* const rows[] = {&pose.rotation.row0, &pose.rotation.row1, &pose.rotation.row2, &pose.translation};
@@ -61,21 +60,21 @@ TYPED_TEST(Misuse, OfPosesIsRefused) {
 
 TYPED_TEST(Misuse, OfOptionsIsRefused) {
   const auto ask = [&](const DistanceOptions& options) { return this->distance(this->a_, this->b_, {}, options); };
-  for (const double bad : {nan, -1.0, -0x1p-1074, infinity, -infinity}) {
+  for (const double bad : {not_a_number, -1.0, -0x1p-1074, infinite, -infinite}) {
     EXPECT_THROW(ask({.relative_error = bad}), std::invalid_argument) << bad;
     EXPECT_THROW(ask({.absolute_error = bad}), std::invalid_argument) << bad;
     EXPECT_THROW(this->within(this->a_, this->b_, bad), std::invalid_argument) << bad;
-    if (bad != infinity) {
+    if (bad != infinite) {
       EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
     }
   }
-  EXPECT_NO_THROW(ask({.max_distance = infinity}));
+  EXPECT_NO_THROW(ask({.max_distance = infinite}));
   EXPECT_NO_THROW(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0}));
 }
 
 TYPED_TEST(Misuse, IsExplainedInOneLine) {
   try {
-    this->distance(this->a_, this->b_, {{}, {nan, 0, 0}});
+    this->distance(this->a_, this->b_, {{}, {not_a_number, 0, 0}});
     FAIL();
   } catch (const std::invalid_argument& thrown) {
     const std::string text = thrown.what();
@@ -87,7 +86,6 @@ TYPED_TEST(Misuse, IsExplainedInOneLine) {
 
 template <typename Engine>
 class MovingMisuse : public Misuse<Engine> {};
-using MovingEngines = ::testing::Types<FastEngine, ClassicEngine>;
 TYPED_TEST_SUITE(MovingMisuse, MovingEngines);
 
 TYPED_TEST(MovingMisuse, QueriesOfUncommittedModelsAreRefused) {
@@ -105,7 +103,7 @@ TYPED_TEST(MovingMisuse, QueriesOfUncommittedModelsAreRefused) {
 TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
   const Triangle good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Segment edge{{0, 0, 0}, {1, 0, 0}};
-  for (const double bad : {nan, infinity, -infinity, 0x1p201}) {
+  for (const double bad : {not_a_number, infinite, -infinite, 0x1p201}) {
     const Vec3 point{0, bad, 0};
     const Triangle triangle{{0, 0, 0}, point, {1, 0, 0}};
     EXPECT_THROW(closest_points(good, triangle), std::invalid_argument);

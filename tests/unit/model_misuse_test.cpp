@@ -24,8 +24,6 @@
 namespace limber::testing {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 /// Whether a call throws std::invalid_argument, with a text that has this part.
 template <typename Call>
 ::testing::AssertionResult is_refused(const Call& call, const std::string& part) {
@@ -40,23 +38,16 @@ template <typename Call>
 }
 
 template <typename Engine>
-class Misuse : public ::testing::Test {
+class ModelMisuse : public ::testing::Test {
  public:
   static std::string name(const std::string& function) {
     return std::string(std::is_same_v<Engine, FastEngine> ? "limber::Model::" : "limber::classic::Model::") + function +
            ": the model has been moved from";
   }
 };
-struct EngineNames {
-  template <typename Engine>
-  static std::string GetName(int) {
-    return std::is_same_v<Engine, FastEngine> ? "fast" : "classic";
-  }
-};
-using Engines = ::testing::Types<FastEngine, ClassicEngine>;
-TYPED_TEST_SUITE(Misuse, Engines, EngineNames);
+TYPED_TEST_SUITE(ModelMisuse, MovingEngines, EngineNames);
 
-TYPED_TEST(Misuse, OfAModelThatWasMovedFromIsRefused) {
+TYPED_TEST(ModelMisuse, OfAModelThatWasMovedFromIsRefused) {
   using Model = typename TypeParam::Model;
   for (const bool has_moved : {false, true}) {
     Model model(scenes::ball(12, 7));
@@ -83,7 +74,7 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromIsRefused) {
   }
 }
 
-TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
+TYPED_TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
   using Model = typename TypeParam::Model;
   Model model(scenes::ball(12, 7)), other(std::move(model));
   model = Model(scenes::grid(6, 6, -3, -3, 1, 1));
@@ -106,7 +97,7 @@ TYPED_TEST(Misuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
   EXPECT_TRUE(static_cast<bool>(other.validate()));
 }
 
-TEST(Misuse, OfAModelThatWasMovedFromEndsWithReset) {
+TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWithReset) {
   Model model(scenes::ball(12, 7), {.motion_margin = 0.5});
   const Model other(std::move(model));
   model.reset(scenes::grid(6, 6, -3, -3, 1, 1));
@@ -116,7 +107,7 @@ TEST(Misuse, OfAModelThatWasMovedFromEndsWithReset) {
   EXPECT_TRUE(static_cast<bool>(model.validate()));
 }
 
-TYPED_TEST(Misuse, ByMovingAModelToItselfChangesNothing) {
+TYPED_TEST(ModelMisuse, ByMovingAModelToItselfChangesNothing) {
   using Model = typename TypeParam::Model;
   Model model(scenes::ball(12, 7));
   const std::vector<Vec3> positions = model.mesh().positions();
@@ -129,7 +120,7 @@ TYPED_TEST(Misuse, ByMovingAModelToItselfChangesNothing) {
   EXPECT_TRUE(static_cast<bool>(model.validate()));
 }
 
-TYPED_TEST(Misuse, OfAMeshThatWasMovedFromIsRefused) {
+TYPED_TEST(ModelMisuse, OfAMeshThatWasMovedFromIsRefused) {
   using Model = typename TypeParam::Model;
   Mesh mesh = scenes::ball(12, 7);
   const Mesh taken = std::move(mesh);
@@ -142,9 +133,9 @@ TYPED_TEST(Misuse, OfAMeshThatWasMovedFromIsRefused) {
   }
 }
 
-TEST(Misuse, OfOptionsIsRefused) {
+TEST(ModelMisuse, OfOptionsIsRefused) {
   const Mesh mesh = scenes::ball(12, 7);
-  for (const double bad : {nan, -0.5, -2.0, double{INFINITY}, double{-INFINITY}}) {
+  for (const double bad : {double{NAN}, -0.5, -2.0, double{INFINITY}, double{-INFINITY}}) {
     EXPECT_TRUE(is_refused([&] { Model(mesh, {.motion_margin = bad}); }, "limber::Model: options.motion_margin"));
     EXPECT_TRUE(
         is_refused([&] { Model(mesh, {.rebuild_budget_us = bad}); }, "limber::Model: options.rebuild_budget_us"));
@@ -185,7 +176,7 @@ struct Shift {
   }
 };
 
-TYPED_TEST(Misuse, IsNotToMoveVerticesToPositionsOfTheModelItself) {
+TYPED_TEST(ModelMisuse, IsNotToMoveVerticesToPositionsOfTheModelItself) {
   using Model = typename TypeParam::Model;
   for (const bool forwards : {true, false}) {
     Model model(scenes::ball(12, 7));
@@ -204,7 +195,7 @@ TYPED_TEST(Misuse, IsNotToMoveVerticesToPositionsOfTheModelItself) {
   }
 }
 
-TEST(Misuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
+TEST(ModelMisuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
   for (const bool forwards : {true, false}) {
     Mesh mesh = scenes::ball(12, 7);
     const Shift shift(mesh, forwards);
@@ -215,7 +206,7 @@ TEST(Misuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
   }
 }
 
-TEST(Misuse, OfAliasesDoesNotHideMotionFromCaches) {
+TEST(ModelMisuse, OfAliasesDoesNotHideMotionFromCaches) {
   // Every vertex moves by 0.01 along a row. If each position were read after its neighbour was written, all vertices
   // would end at one place, up to the length of the row away, and no cache would notice.
   constexpr std::uint32_t count = 2000;

@@ -16,8 +16,8 @@ namespace {
 using bvh::DirtySet;
 using update::MotionMargin;
 
-struct Sheet {
-  Sheet() { dirty.try_index_vertices(tree, mesh.positions().size()); }
+struct MovingSheet {
+  MovingSheet() { dirty.try_index_vertices(tree, mesh.positions().size()); }
 
   Vec3 position(VertexId v) const { return mesh.positions()[v]; }
   void move(VertexId v, const Vec3& by) { mesh.set_position(v, position(v) + by).value(); }
@@ -33,7 +33,7 @@ struct Sheet {
 };
 
 TEST(MotionMargin, IsOffUntilItIsStarted) {
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   EXPECT_FALSE(margin.is_on());
   EXPECT_EQ(margin.fitted(sheet.mesh).positions.data(), sheet.mesh.positions().data());
@@ -48,7 +48,7 @@ TEST(MotionMargin, IsOffUntilItIsStarted) {
 }
 
 TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   margin.start(sheet.mesh.positions());
   const VertexId near = 3, far = 900;
@@ -78,7 +78,7 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
 }
 
 TEST(MotionMargin, CountsAvoidedRefitsOnlyIfAsked) {
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   margin.start(sheet.mesh.positions());
   sheet.move(3, {0, 0, 0.1});
@@ -89,7 +89,7 @@ TEST(MotionMargin, CountsAvoidedRefitsOnlyIfAsked) {
 
 TEST(MotionMargin, NeverTakesAMoveForNone) {
   // Displacements whose squares vanish in float64 still count, and a margin of 0 absorbs none of them.
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   margin.start(sheet.mesh.positions());
   sheet.move(0, {0, 0, 1e-300});
@@ -104,7 +104,7 @@ TEST(MotionMargin, NeverTakesAMoveForNone) {
 }
 
 TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   margin.start(sheet.mesh.positions());
   sheet.move(5, {0, 0, 0.5});
@@ -122,7 +122,7 @@ TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
 }
 
 TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
-  Sheet sheet;
+  MovingSheet sheet;
   MotionMargin margin;
   margin.start(sheet.mesh.positions());
   sheet.move_all({0, 0, 0.125});

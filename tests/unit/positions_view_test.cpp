@@ -12,13 +12,13 @@
 namespace limber::testing {
 namespace {
 
-const std::vector<Corners> triangle{{0, 1, 2}};
+const std::vector<Corners> one_triangle{{0, 1, 2}};
 
 TEST(PositionsView, ReadsPackedCoordinatesOfEitherPrecision) {
   const std::vector<float> floats{0, 0, 0, 0.1F, 0, 0, 0, 0.5F, 0};
   const std::vector<double> doubles{0, 0, 0, 0.1, 0, 0, 0, 0.5, 0};
-  const Mesh of_floats = Mesh::create(PositionsView::packed(floats), triangle).value();
-  const Mesh of_doubles = Mesh::create(PositionsView::packed(doubles), triangle).value();
+  const Mesh of_floats = Mesh::create(PositionsView::packed(floats), one_triangle).value();
+  const Mesh of_doubles = Mesh::create(PositionsView::packed(doubles), one_triangle).value();
   EXPECT_EQ(of_floats.positions()[1], (Vec3{double{0.1F}, 0, 0}));
   EXPECT_EQ(of_doubles.positions()[1], (Vec3{0.1, 0, 0}));
   EXPECT_EQ(of_floats.positions()[2], of_doubles.positions()[2]);

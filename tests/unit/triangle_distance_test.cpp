@@ -20,9 +20,7 @@ double extent_of(const Triangle& a, const Triangle& b) {
 }
 
 /// The exact distance rounded to a double.
-double true_distance(const Triangle& a, const Triangle& b) {
-  return std::sqrt(squared_distance(a, b).get_d());
-}
+double true_distance(const Triangle& a, const Triangle& b) { return std::sqrt(squared_distance(a, b).get_d()); }
 
 double misfit(const Vec3& point, const Triangle& triangle) { return closest_points(point, triangle).distance; }
 

@@ -10,14 +10,14 @@ namespace {
 
 const Triangle flat{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
 
-struct Case {
+struct KnownCase {
   const char* what;
   Triangle other;
   bool meets;
 };
 
 TEST(TriangleIntersection, KnownCases) {
-  const Case cases[] = {
+  const KnownCase cases[] = {
       {"pierced by an edge", {{1, 1, -1}, {1, 1, 1}, {9, 9, 1}}, true},
       {"pierces with a corner", {{1, 1, -1}, {1, 0.5, 1}, {0.5, 1, 1}}, true},
       {"above", {{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, false},
@@ -50,7 +50,7 @@ TEST(TriangleIntersection, KnownCases) {
       {"point beside", {{3, 3, 0}, {3, 3, 0}, {3, 3, 0}}, false},
       {"point above", {{1, 1, 1e-300}, {1, 1, 1e-300}, {1, 1, 1e-300}}, false},
   };
-  for (const Case& c : cases) {
+  for (const KnownCase& c : cases) {
     EXPECT_EQ(intersects(flat, c.other), c.meets) << c.what;
     EXPECT_EQ(intersects(c.other, flat), c.meets) << c.what;
   }
