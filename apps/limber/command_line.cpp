@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "bad_input.h"
+#include "manual_page.h"
 #include "output.h"
 #include "text.h"
 
@@ -123,20 +124,37 @@ void describe(CLI::App& app) {
 limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-in
 meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
 
-Exit codes:
+Exit status:
 
   0  there is an answer
   1  the program has failed, or the answer could not be written
   2  bad usage or bad input; one line on standard error says what and where
   3  there is an answer, and something was found; only where options say so
+
+Examples:
+
+    limber demo
+    limber info gear.obj
+    limber distance gear.obj housing.stl --pose-b 0,0,12.5,1,0,0,0
+    limber track --a cloth_*.ply --b scene:ball > distances.csv
 )");
 }
 
 Verb add_help(CLI::App& app) {
   const auto word = std::make_shared<std::string>();
+  const auto as_manual = std::make_shared<bool>(false);
   CLI::App& command = *app.add_subcommand("help", "This help, or that of a verb");
   command.add_option("VERB", *word, "the verb; without it, the help of the program")->type_name("");
-  return {&command, [&app, word] { return write_help(app, *word); }};
+  command.add_flag("--man", *as_manual, "all help as a manual page, in the language of man");
+  command.footer("");
+  command.parse_complete_callback([word, as_manual] {
+    if (*as_manual && !word->empty()) throw CLI::ValidationError("--man", "leaves no room for VERB");
+  });
+  return {&command, [&app, word, as_manual] {
+            if (!*as_manual) return write_help(app, *word);
+            write(manual_page(app, version_line));
+            return ExitCode::answered;
+          }};
 }
 
 Verb add_version(CLI::App& app) {

@@ -35,14 +35,23 @@ check_files() {
   [[ ! -e $program ]] || expect "the program's version" "limber $(pkg-config_of --modversion limber)" "$("$program" --version)"
 }
 
-# The manual page is sound for its formatter and has every verb with every option.
+# The manual page is sound for its formatter. It has the sections of manual pages, every verb with its usage and every
+# option, and examples as help shows them.
 check_manual() {
-  local page=$prefix/share/man/man1/limber.1 text warnings verb option
-  warnings=$(man --warnings -l "$page" 2>&1 >/dev/null)
+  local page=$prefix/share/man/man1/limber.1 text unindented warnings section verb option line
+  warnings=$(man --warnings -l "$page" 2>&1 >/dev/null; groff -man -Tutf8 -ww -z "$page" 2>&1)
   [[ -z $warnings ]] || die "$warnings"
   text=$(MANWIDTH=200 man -l "$page" | col -bx)
+  unindented=$(MANWIDTH=200 man -l "$page" | col -bx | sed 's/^ *//')
+  for section in NAME SYNOPSIS DESCRIPTION OPTIONS VERBS 'EXIT STATUS' EXAMPLES; do
+    grep -qx "$section" <<<"$text" || die "the manual page has no section $section"
+  done
+  while read -r line; do
+    grep -qxF -- "$line" <<<"$unindented" || die "the manual page has not the example: $line"
+  done < <("$program" --help | sed -n '1,/^Examples:$/d; s/^  //p')
   for verb in $(verbs); do
-    grep -q "^LIMBER $verb\$" <<<"$text" || die "the manual page has no verb $verb"
+    grep -qE "^ +limber $verb \\[OPTIONS\\]" <<<"$text" || die "the manual page has no usage of $verb"
+    grep -qE "^ +$verb\$" <<<"$text" || die "the manual page has no verb $verb"
     for option in $("$program" "$verb" --help | grep -oE '^  (-[a-z], *)?--[a-z-]+'); do
       grep -qE -- "^ +${option//[ ]/}( |\$)" <<<"$text" || die "the manual page has no option $option"
     done

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <regex>
+
 #include "program/run_program.h"
 
 namespace limber::program_tests {
@@ -39,6 +42,32 @@ TEST(ProgramHelp, TellsExitCodesAndFitsIntoATerminal) {
   for (const std::string& verb : verbs) {
     for (const std::string& line : lines_of(answer_of({"help", verb}))) EXPECT_LE(line.size(), 80U) << line;
   }
+}
+
+TEST(ProgramHelp, IsAManualPageTooWithTheSectionsOfOne) {
+  const std::string page = answer_of({"help", "--man"});
+  const std::regex request("[.](TH|nh|ad|SH|SS|TP|PP|RS|RE|nf|fi|br)( .*)?");
+  std::string sections;
+  for (const std::string& line : lines_of(page)) {
+    EXPECT_TRUE(std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; })) << line;
+    if (line.starts_with(".SH ")) sections += line.substr(4) + '\n';
+    EXPECT_TRUE(!line.starts_with('.') || std::regex_match(line, request)) << line;
+  }
+  EXPECT_EQ(sections, "NAME\nSYNOPSIS\nDESCRIPTION\nOPTIONS\nVERBS\nEXIT STATUS\nEXAMPLES\n");
+  EXPECT_NE(page.find(".SH SYNOPSIS\n\\fBlimber\\fR [\\fIOPTIONS\\fR] \\fIVERB\\fR\n.br\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("\n\\fBlimber collide\\fR [\\fIOPTIONS\\fR] \\fIA\\fR \\fIB\\fR\n"), std::string::npos) << page;
+  EXPECT_NE(page.find(".SS collide\nWhether two models meet, and where.\n.TP\n\\fBA\\fR MODEL REQUIRED\nmesh file"),
+            std::string::npos);
+  EXPECT_NE(page.find(".TP\n\\fB\\-\\-exit\\-code\\fR\nexit with 3 instead of 0 when the models collide\n"),
+            std::string::npos);
+  EXPECT_NE(page.find(".SH EXIT STATUS\n.TP\n\\fB0\\fR\nthere is an answer\n"), std::string::npos);
+  // Examples keep their lines, in the footer of the program and in that of a verb.
+  EXPECT_NE(page.find("\n.nf\nmodel_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz\ngear.obj,housing.stl,0,0,12.5\n"),
+            std::string::npos);
+  EXPECT_NE(page.find("\n.nf\nlimber demo\nlimber info gear.obj\n"), std::string::npos);
+  const Outcome both = run({"help", "--man", "info"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_EQ(both.err, "limber: help: --man: leaves no room for VERB\n");
 }
 
 TEST(ProgramVersion, IsTheSameWhicheverWayItIsAskedFor) {
