@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plot_frame.h"
+
 namespace limber::program {
 namespace {
 
-constexpr double plot_height = 190;  // pixels of the page
-constexpr double plot_width = 1000;  // stretched to the width of the chart
 constexpr double least_logarithmic = 0.01;
 constexpr double most_frame_labels = 7;  // as many as fit side by side on a narrow screen
 
@@ -86,9 +86,9 @@ VerticalAxis logarithmic_axis(const Range& range) {
 }
 
 /// Where frames and values lie in the picture.
-class Scale {
+class FrameScale {
  public:
-  Scale(const Chart& chart, std::size_t frame_count)
+  FrameScale(const Chart& chart, std::size_t frame_count)
       : last_frame_(chart.frame_unit * static_cast<double>(std::max<std::size_t>(frame_count, 2) - 1)),
         frame_unit_(chart.frame_unit),
         axis_(chart.axis == Axis::linear ? linear_axis(range_of(chart).high) : logarithmic_axis(range_of(chart))) {}
@@ -96,50 +96,42 @@ class Scale {
   double x_share(double value) const { return value / last_frame_; }
   double frame_share(std::size_t frame) const { return x_share(frame_unit_ * static_cast<double>(frame)); }
   double y(double value) const { return plot_height * (1 - axis_.height_of(value)); }
-  double last_frame() const { return last_frame_; }
-  double frame_unit() const { return frame_unit_; }
-  const std::vector<double>& labels() const { return axis_.labels; }
+
+  std::vector<Tick> frame_ticks() const {
+    std::vector<Tick> ticks;
+    const double step = std::max(frame_unit_, step_above(last_frame_ / (most_frame_labels - 1)));
+    for (int i = 0; i * step <= last_frame_; ++i) ticks.push_back({x_share(i * step), i * step});
+    return ticks;
+  }
+
+  std::vector<Tick> value_ticks() const {
+    std::vector<Tick> ticks;
+    for (const double value : axis_.labels) ticks.push_back({axis_.height_of(value), value});
+    return ticks;
+  }
 
  private:
   double last_frame_, frame_unit_;
   VerticalAxis axis_;
 };
 
-std::string axes(const Scale& scale, const std::string& name) {
-  std::string svg;
-  for (const double value : scale.labels()) {
-    const double y = scale.y(value);
-    svg += fmt::format("<line class='grid' x2='100%' y1='{0:.1f}' y2='{0:.1f}'/>", y);
-    svg += fmt::format("<text class='value' x='-8' y='{:.1f}'>{:.12g}</text>\n", y + 4, value);
-  }
-  const double step = std::max(scale.frame_unit(), step_above(scale.last_frame() / (most_frame_labels - 1)));
-  for (int i = 0; i * step <= scale.last_frame(); ++i) {
-    const double percent = 100 * scale.x_share(i * step);
-    svg += fmt::format("<line class='axis' x1='{0:.2f}%' x2='{0:.2f}%' y1='{1}' y2='{2}'/>", percent, plot_height,
-                       plot_height + 5);
-    svg += fmt::format("<text class='frame' x='{:.2f}%' y='{}'>{:.12g}</text>\n", percent, plot_height + 20, i * step);
-  }
-  svg += fmt::format("<line class='axis' x2='100%' y1='{0}' y2='{0}'/>\n", plot_height);
-  return svg + fmt::format("<text class='name' x='100%' y='{}'>{}</text>\n", plot_height + 38, name);
-}
-
-std::string point(std::size_t frame, double value, const Scale& scale) {
+std::string point(std::size_t frame, double value, const FrameScale& scale) {
   return fmt::format("{:.1f},{:.1f} ", plot_width * scale.frame_share(frame), scale.y(value));
 }
 
-std::string points(const std::vector<double>& values, const Scale& scale) {
+std::string points(const std::vector<double>& values, const FrameScale& scale) {
   std::string text;
   for (std::size_t f = 0; f < values.size(); ++f) text += point(f, values[f], scale);
   return text;
 }
 
-std::string area(const Area& band, const Scale& scale) {
+std::string area(const Area& band, const FrameScale& scale) {
   std::string text = points(band.high, scale);
   for (std::size_t f = band.low.size(); f-- > 0;) text += point(f, band.low[f], scale);
   return "<polygon class='area' points='" + text + "'/>\n";
 }
 
-std::string marks(const Chart& chart, const Scale& scale) {
+std::string marks(const Chart& chart, const FrameScale& scale) {
   std::string path;
   for (const std::size_t frame : chart.marked_frames) {
     path += fmt::format("M{:.1f} {}v-9", plot_width * scale.frame_share(frame), plot_height);
@@ -148,10 +140,6 @@ std::string marks(const Chart& chart, const Scale& scale) {
 }
 
 }  // namespace
-
-std::string legend_entry(const std::string& symbol, const std::string& label) {
-  return "<span><svg class='symbol' width='22' height='10'>" + symbol + "</svg>" + label + "</span>\n";
-}
 
 std::string chart_legend(const Chart& chart) {
   std::string html = "<p class='legend'><span class='unit'>" + chart.unit +
@@ -167,18 +155,14 @@ std::string chart_legend(const Chart& chart) {
 }
 
 std::string chart_svg(const Chart& chart, std::size_t frame_count) {
-  const Scale scale(chart, frame_count);
-  std::string svg =
-      "<svg xmlns='http://www.w3.org/2000/svg' class='chart' role='img'>\n" + axes(scale, chart.frame_name);
-  // The nested picture alone is stretched; lines keep their width by the style sheet.
-  svg += fmt::format("<svg viewBox='0 0 {0} {1}' preserveAspectRatio='none' width='100%' height='{1}'>\n", plot_width,
-                     plot_height);
-  for (const Area& band : chart.areas) svg += area(band, scale);
-  svg += marks(chart, scale);
+  const FrameScale scale(chart, frame_count);
+  std::string curves;
+  for (const Area& band : chart.areas) curves += area(band, scale);
+  curves += marks(chart, scale);
   for (const Curve& curve : chart.curves) {
-    svg += "<polyline class='line " + curve.style + "' points='" + points(curve.values, scale) + "'/>\n";
+    curves += "<polyline class='line " + curve.style + "' points='" + points(curve.values, scale) + "'/>\n";
   }
-  return svg + "</svg>\n</svg>\n";
+  return plot_svg(scale.frame_ticks(), scale.value_ticks(), chart.frame_name, curves);
 }
 
 }  // namespace limber::program

@@ -38,9 +38,6 @@ struct Chart {
   double frame_unit = 1;             ///< and how much of it a frame is
 };
 
-/// A name in a legend, and its symbol: content of an SVG of 22 by 10 pixels.
-std::string legend_entry(const std::string& symbol, const std::string& label);
-
 /// The line above a chart: the unit, and the names of everything drawn.
 std::string chart_legend(const Chart& chart);
 

@@ -7,19 +7,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chart_svg.h"
+#include "plot_frame.h"
 
 namespace limber::program {
 namespace {
 
-constexpr double plot_height = 190;   // pixels of the page
-constexpr double plot_width = 1000;   // stretched to the width of the chart
 constexpr double lowest_count = 0.5;  // so that a bin with one value can be seen
 
 /// Between powers of ten that hold everything drawn.
-class Scale {
+class LogScale {
  public:
-  explicit Scale(const HistogramChart& chart) {
+  explicit LogScale(const HistogramChart& chart) {
     double low = chart.marked_value.value_or(chart.curves.front().histogram.edge(0)), high = low;
     std::uint64_t largest = 1;
     for (const HistogramCurve& curve : chart.curves) {
@@ -33,40 +31,39 @@ class Scale {
     top_ = std::max(1, static_cast<int>(std::ceil(std::log10(static_cast<double>(largest)))));
   }
 
-  int first() const { return first_; }  // exponents at the ends of the axes
-  int last() const { return last_; }
-  int top() const { return top_; }
   double x_share(double value) const { return (std::log10(value) - first_) / (last_ - first_); }
-  double y(double count) const {
-    const double height = std::log10(std::max(count, lowest_count) / lowest_count);
-    return plot_height * (1 - height / (top_ - std::log10(lowest_count)));
+  double y(double count) const { return plot_height * (1 - y_share(count)); }
+
+  std::vector<Tick> value_ticks() const {
+    std::vector<Tick> ticks;
+    for (int exponent = first_; exponent <= last_; ++exponent) {
+      const double value = std::pow(10, exponent);
+      ticks.push_back({x_share(value), value});
+    }
+    return ticks;
+  }
+
+  std::vector<Tick> count_ticks() const {
+    std::vector<Tick> ticks;
+    for (int exponent = 0; exponent <= top_; ++exponent) {
+      const double count = std::pow(10, exponent);
+      ticks.push_back({y_share(count), count});
+    }
+    return ticks;
   }
 
  private:
   static constexpr double slack = 1e-9;  // an edge that is a power of ten up to rounding needs no further one
 
-  int first_, last_, top_;
+  double y_share(double count) const {
+    return std::log10(std::max(count, lowest_count) / lowest_count) / (top_ - std::log10(lowest_count));
+  }
+
+  int first_, last_, top_;  // exponents at the ends of the axes
 };
 
-std::string axes(const Scale& scale, const std::string& unit) {
-  std::string svg;
-  for (int exponent = 0; exponent <= scale.top(); ++exponent) {
-    const double count = std::pow(10, exponent), y = scale.y(count);
-    svg += fmt::format("<line class='grid' x2='100%' y1='{0:.1f}' y2='{0:.1f}'/>", y);
-    svg += fmt::format("<text class='value' x='-8' y='{:.1f}'>{:g}</text>\n", y + 4, count);
-  }
-  for (int exponent = scale.first(); exponent <= scale.last(); ++exponent) {
-    const double value = std::pow(10, exponent), percent = 100 * scale.x_share(value);
-    svg += fmt::format("<line class='axis' x1='{0:.2f}%' x2='{0:.2f}%' y1='{1}' y2='{2}'/>", percent, plot_height,
-                       plot_height + 5);
-    svg += fmt::format("<text class='frame' x='{:.2f}%' y='{}'>{:g}</text>\n", percent, plot_height + 20, value);
-  }
-  svg += fmt::format("<line class='axis' x2='100%' y1='{0}' y2='{0}'/>\n", plot_height);
-  return svg + fmt::format("<text class='name' x='100%' y='{}'>{}</text>\n", plot_height + 38, unit);
-}
-
 /// The outline of the bars.
-std::string outline(const LogHistogram& histogram, const Scale& scale) {
+std::string outline(const LogHistogram& histogram, const LogScale& scale) {
   const auto x = [&](std::size_t i) { return plot_width * scale.x_share(histogram.edge(i)); };
   std::string points = fmt::format("{:.1f},{:.1f} ", x(0), plot_height);
   const std::size_t count = histogram.counts().size();
@@ -89,18 +86,16 @@ std::string histogram_legend(const HistogramChart& chart) {
 }
 
 std::string histogram_svg(const HistogramChart& chart) {
-  const Scale scale(chart);
-  std::string svg = "<svg xmlns='http://www.w3.org/2000/svg' class='chart' role='img'>\n" + axes(scale, chart.unit);
-  svg += fmt::format("<svg viewBox='0 0 {0} {1}' preserveAspectRatio='none' width='100%' height='{1}'>\n", plot_width,
-                     plot_height);
+  const LogScale scale(chart);
+  std::string curves;
   if (chart.marked_value) {
-    svg += fmt::format("<path class='mark' d='M{:.1f} {}V0'/>\n", plot_width * scale.x_share(*chart.marked_value),
-                       plot_height);
+    curves += fmt::format("<path class='mark' d='M{:.1f} {}V0'/>\n", plot_width * scale.x_share(*chart.marked_value),
+                          plot_height);
   }
   for (const HistogramCurve& curve : chart.curves) {
-    svg += "<polyline class='line " + curve.style + "' points='" + outline(curve.histogram, scale) + "'/>\n";
+    curves += "<polyline class='line " + curve.style + "' points='" + outline(curve.histogram, scale) + "'/>\n";
   }
-  return svg + "</svg>\n</svg>\n";
+  return plot_svg(scale.value_ticks(), scale.count_ticks(), chart.unit, curves);
 }
 
 }  // namespace limber::program

@@ -15,7 +15,7 @@ constexpr const char* before_title = R"(<!DOCTYPE html>
 <meta name="color-scheme" content="light dark">
 )";
 
-constexpr const char* style = R"(:root {
+constexpr const char* page_style = R"(:root {
   --page: #f6f5f2; --card: #ffffff; --ink: #23282d; --soft: #68707a; --rule: #dfe1e2; --axis: #9aa1a8;
   --first: #1f5f9e; --second: #c4622d; --area: #c4622d33; --mark: #c0273f; --halo: #ffffffc0;
 }
@@ -80,7 +80,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 }  // namespace
 
 std::string page_head(const std::string& title, const std::string& own_style) {
-  return before_title + ("<title>" + title + "</title>\n<style>\n") + style + own_style + after_style;
+  return before_title + ("<title>" + title + "</title>\n<style>\n") + page_style + own_style + after_style;
 }
 
 std::string page_end() { return "</main>\n</body>\n</html>\n"; }

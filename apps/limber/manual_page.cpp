@@ -17,21 +17,21 @@ namespace limber::program {
 namespace {
 
 /// A line of text in which nothing is a request to the formatter.
-std::string plain(std::string_view line) {
-  std::string escaped = line.starts_with('.') || line.starts_with('\'') ? "\\&" : "";
+std::string escaped(std::string_view line) {
+  std::string result = line.starts_with('.') || line.starts_with('\'') ? "\\&" : "";
   for (const char c : line) {
     if (c == '\\') {
-      escaped += "\\(rs";
+      result += "\\(rs";
     } else if (c == '-') {
-      escaped += "\\-";
+      result += "\\-";
     } else {
-      escaped += c;
+      result += c;
     }
   }
-  return escaped;
+  return result;
 }
 
-std::string bold(std::string_view text) { return "\\fB" + plain(text) + "\\fR"; }
+std::string bold(std::string_view text) { return "\\fB" + escaped(text) + "\\fR"; }
 
 std::string in_capitals(std::string_view text) {
   std::string capitals(text);
@@ -40,7 +40,7 @@ std::string in_capitals(std::string_view text) {
 }
 
 std::string entry(const std::string& tag, std::string_view meaning) {
-  return fmt::format(".TP\n{}\n{}\n", tag, plain(meaning));
+  return fmt::format(".TP\n{}\n{}\n", tag, escaped(meaning));
 }
 
 using Block = std::vector<std::string>;  // lines
@@ -69,7 +69,7 @@ std::string formatted(const Block& block) {
   std::string text;
   if (!block[0].starts_with(' ')) {
     text = ".PP\n";
-    for (const std::string& line : block) text += plain(line) + '\n';
+    for (const std::string& line : block) text += escaped(line) + '\n';
     return text;
   }
   const auto is_entry = [](std::string_view line) { return gap_in(line) != std::string_view::npos; };
@@ -81,7 +81,7 @@ std::string formatted(const Block& block) {
   }
   const std::size_t indent = block[0].find_first_not_of(' ');
   text = ".PP\n.RS 4\n.nf\n";
-  for (const std::string& line : block) text += plain(line.substr(std::min(indent, line.size()))) + '\n';
+  for (const std::string& line : block) text += escaped(line.substr(std::min(indent, line.size()))) + '\n';
   return text + ".fi\n.RE\n";
 }
 
@@ -112,7 +112,7 @@ class Words : public CLI::Formatter {
     for (const bool is_argument : {true, false}) {
       for (const CLI::Option* option : command.get_options()) {
         if (option->get_positional() != is_argument || option->get_group().empty()) continue;
-        const std::string tag = bold(make_option_name(option, is_argument)) + plain(make_option_opts(option));
+        const std::string tag = bold(make_option_name(option, is_argument)) + escaped(make_option_opts(option));
         text += entry(tag, option->get_description());
       }
     }
@@ -127,7 +127,7 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
   const std::string& name = app.get_name();
   const std::vector<const CLI::App*> verbs = app.get_subcommands({});
   std::string page = fmt::format(".TH {} 1 \"\" \"{}\" \"User Commands\"\n.nh\n.ad l\n", in_capitals(name), version);
-  page += fmt::format(".SH NAME\n{} \\- {}\n", name, plain(app.get_description()));
+  page += fmt::format(".SH NAME\n{} \\- {}\n", name, escaped(app.get_description()));
   page += ".SH SYNOPSIS\n" + words.usage(app, name) + '\n';
   for (const CLI::App* verb : verbs) page += ".br\n" + words.usage(*verb, name + ' ' + verb->get_name()) + '\n';
 
@@ -138,7 +138,7 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
   page += ".SH OPTIONS\n" + words.entries(app);
   page += ".SH VERBS\n";
   for (const CLI::App* verb : verbs) {
-    page += fmt::format(".SS {}\n{}.\n", verb->get_name(), plain(verb->get_description()));
+    page += fmt::format(".SS {}\n{}.\n", verb->get_name(), escaped(verb->get_description()));
     page += words.entries(*verb);
     for (const Block& block : blocks_of(verb->get_footer())) page += formatted(block);
   }

@@ -15,15 +15,15 @@ namespace {
 // Splitting ends on fewer than 2^31 leaves, and leaves at most one range behind at each depth.
 constexpr std::size_t max_ranges = 64;
 
-// Ranges of up to that many primitives are partitioned in one step.
-constexpr std::size_t primitives_at_once = 64;
+// Ranges of up to that many triangles are partitioned in one step.
+constexpr std::size_t small_range = 64;
 
 // Triangles and leaves in one step.
 constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
 // What a step costs, in ns (docs/design/real_time.md): to read a triangle's center; for each time that a triangle is in
 // a range that is partitioned; to write a leaf; to refit a node on the lowest level or above; to take a dirty node.
-constexpr double ns_per_center = 30, ns_per_primitive = 16, ns_per_leaf = 60;
+constexpr double ns_per_center = 30, ns_per_triangle = 16, ns_per_leaf = 60;
 constexpr double ns_per_lowest_node = 600, ns_per_node = 200, ns_per_taken_node = 2;
 
 // While what has moved is refitted, a commit may spend this many times as long on it as refits of what it has moved
@@ -127,8 +127,8 @@ void Rebuild::partition(core::WorkBudget& budget) {
   while (!ranges_.empty() && !budget.is_spent()) {
     const BuildRange range = ranges_.back();
     const std::size_t size = range.end - range.begin;
-    if (size <= primitives_at_once) {
-      budget.spend(ns_per_primitive * static_cast<double>(size * std::bit_width(size / width)));
+    if (size <= small_range) {
+      budget.spend(ns_per_triangle * static_cast<double>(size * std::bit_width(size / width)));
       partition_into_leaves(primitives_, range);
       ranges_.pop_back();
       continue;

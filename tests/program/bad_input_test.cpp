@@ -11,22 +11,6 @@
 namespace limber::program_tests {
 namespace {
 
-using Words = std::vector<std::string>;
-
-/// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
-void expect_refused(const Words& words, const std::string& part_of_the_line) {
-  std::string typed = "limber";
-  for (const std::string& word : words) typed += ' ' + word;
-  SCOPED_TRACE(typed);
-  const Outcome outcome = run(words);
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.out, "");
-  ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
-  EXPECT_EQ(outcome.err.find("limber: "), 0U) << outcome.err;
-  EXPECT_EQ(outcome.err.back(), '\n');
-  EXPECT_NE(outcome.err.find(part_of_the_line), std::string::npos) << outcome.err;
-}
-
 TEST(ProgramBadInput, VerbsAndOptions) {
   expect_refused({},
                  "a verb is missing; there are info, distance, collide, within, track, demo, haptics, help, version");

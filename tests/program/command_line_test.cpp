@@ -10,8 +10,6 @@
 namespace limber::program_tests {
 namespace {
 
-using Words = std::vector<std::string>;
-
 const Words verbs = {"info", "distance", "collide", "within", "track", "demo", "haptics", "help", "version"};
 
 std::string answer_of(const Words& words) {

@@ -5,22 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <regex>
-#include <sstream>
 #include <utility>
 
 #include "program/run_program.h"
 
 namespace limber::program_tests {
 namespace {
-
-std::string page_at(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 /// The last tag without an end tag, or the first end tag that does not match the last start tag.
 std::string unbalanced_tag(const std::string& page) {
@@ -38,12 +29,6 @@ std::string unbalanced_tag(const std::string& page) {
     }
   }
   return open.empty() ? std::string() : open.back();
-}
-
-std::size_t count_of(const std::string& part, const std::string& text) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
 }
 
 /// The first group of every match. Not for long matches: std::regex recurses.
@@ -133,8 +118,8 @@ TEST(ProgramDemo, WritesAPageAndASummary) {
   EXPECT_EQ(count_of("\nframe ", "\n" + outcome.out), 10U) << outcome.out;
   EXPECT_NE(outcome.out.find("checked against brute force: equal"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find(page), std::string::npos);
-  expect_sound_page(page_at(page));
-  EXPECT_NE(page_at(page).find("checked against brute force: equal"), std::string::npos);
+  expect_sound_page(text_of(page));
+  EXPECT_NE(text_of(page).find("checked against brute force: equal"), std::string::npos);
 }
 
 TEST(ProgramDemo, SummaryAsJson) {
@@ -183,7 +168,7 @@ TEST(ProgramDemo, SmallestRunsMakeSoundPages) {
       const Outcome outcome = run({"demo", "--frames", frames, "--dents-per-frame", dents, "--no-check", "--out", page,
                                    "--relative-error", "0.5"});
       EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-      expect_sound_page(page_at(page));
+      expect_sound_page(text_of(page));
     }
   }
 }
@@ -210,7 +195,7 @@ TEST(ProgramDemo, TextsAreReadableOnNarrowAndWideScreens) {
   const std::string path = folder.path("demo.html");
   for (const std::string frames : {"30", "600"}) {
     ASSERT_EQ(run({"demo", "--frames", frames, "--no-check", "--out", path}).exit_code, 0);
-    const std::string page = page_at(path);
+    const std::string page = text_of(path);
     EXPECT_NE(page.find("width=device-width"), std::string::npos);
     // What a view box scales with the page holds no text; the sizes of all others are pixels.
     for (const std::string& picture : parts_between("<svg", "</svg>", page)) {
@@ -239,7 +224,7 @@ TEST(ProgramDemo, AxesReachTheLargestValue) {
   const Folder folder;
   const std::string path = folder.path("demo.html");
   const nlohmann::json json = json_of(run({"demo", "--frames", "150", "--json", "--no-check", "--out", path}));
-  const std::string page = page_at(path);
+  const std::string page = text_of(path);
   for (const char* id : {"distance", "update", "query"}) {
     const DrawnChart chart = chart_in(section_of(page, id));
     for (const std::vector<double>& heights : chart.heights) {
@@ -267,7 +252,7 @@ TEST(ProgramDemo, TimesHaveOneUnit) {
     const Outcome outcome =
         run({"demo", "--frames", "20", "--no-check", "--engine", engine, "--dents-per-frame", dents, "--out", path});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::string page = page_at(path);
+    const std::string page = text_of(path);
     const std::regex other_unit("[0-9](?: |&nbsp;)?[mn]s[^a-z]|milli|nano");
     EXPECT_FALSE(std::regex_search(outcome.out, other_unit)) << outcome.out;
     EXPECT_FALSE(std::regex_search(words_of(page), other_unit)) << engine;
@@ -295,7 +280,7 @@ TEST(ProgramDemo, FewFramesHaveNoPercentiles) {
     const Outcome outcome = play(frames, false);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(count_of("p99", outcome.out), has_percentiles ? 3U : 0U) << outcome.out;
-    EXPECT_EQ(count_of("p99", page_at(path)), has_percentiles ? 6U : 0U) << frames;  // in the charts and the summary
+    EXPECT_EQ(count_of("p99", text_of(path)), has_percentiles ? 6U : 0U) << frames;  // in the charts and the summary
     EXPECT_EQ(count_of(", max ", outcome.out), 3U) << outcome.out;
     const nlohmann::json json = json_of(play(frames, true));
     for (const char* key : {"update_us", "query_us", "rough_query_us"}) {

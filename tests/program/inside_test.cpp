@@ -10,8 +10,6 @@
 namespace limber::program_tests {
 namespace {
 
-using Words = std::vector<std::string>;
-
 /// A mesh that is put together from balls and changed by hand.
 struct Soup {
   std::vector<Vec3> positions;

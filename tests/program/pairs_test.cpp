@@ -5,27 +5,16 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "program/run_program.h"
 #include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
 
-using Words = std::vector<std::string>;
-
 Words pairs(const std::string& file, const Words& more) {
   Words words = {"distance", "--pairs", file};
   words.insert(words.end(), more.begin(), more.end());
   return words;
-}
-
-std::string text_at(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 /// Counts how often a file is opened and closed while it lives. Two openings in a row would be one event.
@@ -182,7 +171,7 @@ TEST(ProgramPairs, WritesAFileOrStandardOutput) {
   const Outcome to_file = run(pairs(file, {"--out", out}));
   EXPECT_EQ(to_file.exit_code, 0);
   EXPECT_EQ(to_file.out, "");
-  const std::vector<Row> rows = table_of(text_at(out));
+  const std::vector<Row> rows = table_of(text_of(out));
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].at("status"), "collision");
   EXPECT_EQ(lines_of(run(pairs(file, {"--out", "-"})).out).size(), 2U);
@@ -192,7 +181,7 @@ TEST(ProgramPairs, WritesAFileOrStandardOutput) {
   const Outcome itself = run(pairs(file, {"--out", folder.path("./pairs.csv")}));
   EXPECT_EQ(itself.exit_code, 2);
   EXPECT_NE(itself.err.find("--out: is the file of pairs itself"), std::string::npos) << itself.err;
-  EXPECT_EQ(lines_of(text_at(file)).size(), 2U);
+  EXPECT_EQ(lines_of(text_of(file)).size(), 2U);
   if (!std::filesystem::exists("/dev/full")) return;
   const Outcome full = run(pairs(file, {"--out", "/dev/full"}));
   EXPECT_EQ(full.exit_code, 1);
@@ -209,7 +198,7 @@ TEST(ProgramPairs, ErrorsNameFileLineAndColumnAndWriteNothing) {
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
     EXPECT_NE(outcome.err.find("pairs.csv: " + part), std::string::npos) << outcome.err;
-    EXPECT_EQ(text_at(out), "from before");
+    EXPECT_EQ(text_of(out), "from before");
   };
   const std::string header = "model_a,model_b,pose_b_tx,pose_b_qw,pose_b_qx,pose_b_qy,pose_b_qz\n";
   const std::string good = "scene:ball,scene:ball,1,1,0,0,0\n";

@@ -17,13 +17,6 @@
 namespace limber::program_tests {
 namespace {
 
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 /// Ends the program's own command line, as posix_spawn wants it.
 std::vector<char*> null_ended(std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
@@ -34,7 +27,7 @@ std::vector<char*> null_ended(std::vector<std::string>& arguments) {
 
 }  // namespace
 
-Outcome run(const std::vector<std::string>& arguments) {
+Outcome run(const Words& arguments) {
   const Folder folder;
   const std::string out = folder.store("out", "");
   Outcome outcome = run_into(out, arguments);
@@ -42,7 +35,7 @@ Outcome run(const std::vector<std::string>& arguments) {
   return outcome;
 }
 
-Outcome run_into(const std::string& file, const std::vector<std::string>& arguments) {
+Outcome run_into(const std::string& file, const Words& arguments) {
   const Folder folder;
   const std::string err = folder.store("err", "");
   std::vector<std::string> words = {LIMBER_PROGRAM};
@@ -75,6 +68,32 @@ std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
   std::vector<nlohmann::json> rows;
   for (const std::string& line : lines_of(outcome.out)) rows.push_back(nlohmann::json::parse(line));
   return rows;
+}
+
+void expect_refused(const Words& arguments, const std::string& part_of_the_line) {
+  std::string typed = "limber";
+  for (const std::string& word : arguments) typed += ' ' + word;
+  SCOPED_TRACE(typed);
+  const Outcome outcome = run(arguments);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.out, "");
+  ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+  EXPECT_EQ(outcome.err.find("limber: "), 0U) << outcome.err;
+  EXPECT_EQ(outcome.err.back(), '\n');
+  EXPECT_NE(outcome.err.find(part_of_the_line), std::string::npos) << outcome.err;
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
 }
 
 std::vector<std::string> lines_of(const std::string& text) {

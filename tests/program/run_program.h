@@ -13,16 +13,18 @@
 /// Runs the built program as users do: arguments in; standard output, standard error and exit code out.
 namespace limber::program_tests {
 
+using Words = std::vector<std::string>;
+
 struct Outcome {
   int exit_code = -1;  ///< 128 + the signal's number when a signal ended it
   std::string out, err;
 };
 
 /// Runs the program with neither stream on a terminal.
-Outcome run(const std::vector<std::string>& arguments);
+Outcome run(const Words& arguments);
 
 /// The same with standard output going to a file or device, so that `out` stays empty.
-Outcome run_into(const std::string& file, const std::vector<std::string>& arguments);
+Outcome run_into(const std::string& file, const Words& arguments);
 
 /// The one line of JSON that a successful run prints; fails the test on anything else.
 nlohmann::json json_of(const Outcome& outcome);
@@ -30,6 +32,13 @@ nlohmann::json json_of(const Outcome& outcome);
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
 
+/// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
+void expect_refused(const Words& arguments, const std::string& part_of_the_line);
+
+/// The text of a file; empty where there is none.
+std::string text_of(const std::string& file);
+
+std::size_t count_of(const std::string& part, const std::string& text);
 std::vector<std::string> lines_of(const std::string& text);
 std::vector<std::string> cells_of(const std::string& csv_line);
 

@@ -10,8 +10,6 @@
 namespace limber::program_tests {
 namespace {
 
-using Words = std::vector<std::string>;
-
 /// The rows of a run that must succeed.
 std::vector<Row> rows_of(const Outcome& outcome) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
