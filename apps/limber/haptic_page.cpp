@@ -96,12 +96,11 @@ std::string introduction(const HapticRun& run) {
   return fmt::format(
       "<h1>A haptic loop at {:g} Hz</h1>\n"
       "<p>A tool of {} triangles comes down on tissue of {}, presses and is drawn along. Every tick moves the tool, "
-      "dents "
-      "the tissue and lets it come back, repairs its tree, asks for the distance within {} and "
-      "{}&nbsp;&micro;s, and answers with a force.</p>\n",
+      "dents the tissue and lets it come back, repairs its tree, asks for the distance within {}, and answers with a "
+      "force, in {}&nbsp;&micro;s.</p>\n",
       run.options.scene.rate_hz, in_html(grouped(run.tool_triangles)), in_html(grouped(run.tissue_triangles)),
       fmt::format("{:g}&nbsp;%", 100 * run.options.scene.relative_error),
-      static_cast<double>(run.options.scene.query_budget.count()) / 1000);
+      static_cast<double>(run.options.scene.tick_budget.count()) / 1000);
 }
 
 std::string tiles(const HapticRun& run, const HapticSummary& summary) {

@@ -8,8 +8,7 @@
 namespace limber::program {
 namespace {
 
-constexpr double part_of_lower = 0.5;           // how much of what is certified a step may use
-constexpr double retreat_mm = standoff_mm / 4;  // how far the proxy goes back in a tick, whatever is certified
+constexpr double part_of_lower = 0.5;  // how much of what is certified a step may use
 
 Vec3 shortened(const Vec3& v, double longest) {
   const double l = length(v);
@@ -19,7 +18,7 @@ Vec3 shortened(const Vec3& v, double longest) {
 }  // namespace
 
 Vec3 Proxy::step_towards(const Vec3& device, const DistanceResult& found) {
-  if (found.lower == 0) return retreat_mm * away_;
+  if (found.lower == 0) return retreat_ * away_;
   const Vec3 wanted = device - place_;
   const double reach = part_of_lower * found.lower;
   if (!found.witness) return shortened(wanted, reach);
@@ -29,8 +28,7 @@ Vec3 Proxy::step_towards(const Vec3& device, const DistanceResult& found) {
   // The step nearest to the one wanted that leaves the witness points a standoff apart, as if each were on a plane.
   // Where it is too long, going across the planes counts for more: tissue that comes up must not catch the tool.
   const double along_wanted = dot(away, wanted);
-  const double along =
-      std::clamp(std::max(along_wanted, standoff_mm - found.upper), -reach, std::max(reach, retreat_mm));
+  const double along = std::clamp(std::max(along_wanted, standoff_mm - found.upper), -reach, std::max(reach, retreat_));
   const Vec3 within_planes = wanted - along_wanted * away;
   return along * away + shortened(within_planes, std::sqrt(std::max(0., reach * reach - along * along)));
 }

@@ -28,7 +28,9 @@ namespace limber::program {
 ///           and the step is limited by what the query has certified.
 class Proxy {
  public:
-  explicit Proxy(const Vec3& place) : place_(place) {}
+  /// `retreat_mm` is how far the proxy goes back in a tick where no step is known to be safe: at least as far as tissue
+  /// comes up.
+  Proxy(const Vec3& place, double retreat_mm) : place_(place), retreat_(retreat_mm) {}
 
   /// Where the tool's center is.
   const Vec3& place() const { return place_; }
@@ -42,6 +44,7 @@ class Proxy {
   Vec3 step_towards(const Vec3& device, const DistanceResult& found);
 
   Vec3 place_;
+  double retreat_;
   Vec3 away_{0, 0, 1};  // from the tissue, of length 1, as the last query that was not interrupted has found it
 };
 

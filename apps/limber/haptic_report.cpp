@@ -191,7 +191,7 @@ Json to_json(const HapticRun& run, const HapticSummary& summary) {
   json["tissue_triangles"] = run.tissue_triangles;
   json["tool_triangles"] = run.tool_triangles;
   json["relative_error"] = options.scene.relative_error;
-  json["query_budget_us"] = 1e-3 * static_cast<double>(options.scene.query_budget.count());
+  json["tick_budget_us"] = 1e-3 * static_cast<double>(options.scene.tick_budget.count());
   for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = to_json(summary.parts[i]);
   json["work_histogram"] = to_json(LogHistogram(times_of(run.ticks, tick_parts[0])));
   for (std::size_t i = 0; i < all_statuses.size(); ++i) json["answers"][to_text(all_statuses[i])] = summary.answers[i];

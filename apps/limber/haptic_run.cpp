@@ -31,10 +31,8 @@ std::size_t empty_tick_count(const LoopOptions& options) {
 /// Plays both loops with what the operating system grants. The scene, if there is one, has been warmed up to `first`.
 void play(HapticRun& run, HapticScene* scene, std::uint64_t first, Progress& progress) {
   const TickSchedule schedule{ns(1e9 / run.options.scene.rate_hz), ns(1e3 * run.options.spin_us)};
-  const TickWork nothing = [](std::uint64_t, TickClock::time_point, TickSample&) {};
-  const TickWork tick = [scene](std::uint64_t number, TickClock::time_point end, TickSample& sample) {
-    scene->tick(number, end, sample);
-  };
+  const TickWork nothing = [](std::uint64_t, TickSample&) {};
+  const TickWork tick = [scene](std::uint64_t number, TickSample& sample) { scene->tick(number, sample); };
   const MemoryLock lock;
   const RealTimePriority priority;
   run.locked_memory = lock.granted();

@@ -10,9 +10,9 @@
 namespace limber::program {
 namespace {
 
-constexpr double rebuild_budget_us = 20;
+constexpr double rebuild_budget_us = 10;
 
-/// The end of the tick is for the force, and for what a query overruns its deadline by.
+/// The end of the budget is for the force, and for what a query overruns its deadline by.
 constexpr std::chrono::microseconds kept_for_force{5};
 
 constexpr std::uint64_t most_warm_up_ticks = 500;
@@ -33,13 +33,13 @@ HapticScene::HapticScene(const HapticOptions& options)
       tissue_(options.tissue_triangles, 1 / options.rate_hz),
       model_(tissue_.mesh(), options.tissue_model),
       tool_(tool_mesh(options.tool_triangles)),
-      proxy_(device(0).translation) {}
+      proxy_(device(0).translation, fastest_mm_per_s / options.rate_hz) {}
 
 Transform HapticScene::device(std::uint64_t number) const {
   return device_pose(static_cast<double>(number) / options_.rate_hz);
 }
 
-void HapticScene::tick(std::uint64_t number, TickClock::time_point end, TickSample& sample) {
+void HapticScene::tick(std::uint64_t number, TickSample& sample) {
   const TickClock::time_point start = TickClock::now();
   const Transform device_pose = device(number);
   const Tissue::Moves moves = tissue_.press(tip_at(device_pose));
@@ -49,7 +49,7 @@ void HapticScene::tick(std::uint64_t number, TickClock::time_point end, TickSamp
   const TickClock::time_point committed = TickClock::now();
 
   const Transform tool_pose{device_pose.rotation, proxy_.place()};
-  const QueryBudget budget{.deadline = std::min(committed + options_.query_budget, end - kept_for_force)};
+  const QueryBudget budget{.deadline = start + options_.tick_budget - kept_for_force};
   const DistanceResult found = distance({model_}, {tool_, tool_pose}, query_, budget, cache_);
   const TickClock::time_point asked = TickClock::now();
   const Vec3 force = proxy_.follow(device_pose.translation, found);
@@ -70,7 +70,7 @@ std::uint64_t HapticScene::warm_up() {
   const auto end = static_cast<std::uint64_t>(std::ceil(press_period_s * options_.rate_hz));
   const std::uint64_t step = std::max<std::uint64_t>(end / most_warm_up_ticks, 1);
   TickSample unused;
-  for (std::uint64_t n = 0; n < end; n += step) tick(n, TickClock::now() + std::chrono::seconds(1), unused);
+  for (std::uint64_t n = 0; n < end; n += step) tick(n, unused);
   return end;
 }
 

@@ -16,6 +16,7 @@ constexpr double side_mm = 120, thickness_mm = 20;
 constexpr double wave_mm = 2, wave_length_mm = 40;
 constexpr double relaxation_s = 0.05;       // after which a dent has a third of its depth
 constexpr double shallowest_dent = 0.02;    // mm; what is left of a dent then comes back at once
+constexpr double least_move = 0.005;        // mm; less is handed over later, with what is added to it by then
 constexpr double part_that_gives = 2. / 3;  // of the depth to which a tool is commanded
 constexpr double dent_radius_mm = 12;       // of curvature, at the lowest point
 
@@ -41,6 +42,7 @@ Tissue::Tissue(std::uint64_t at_most, double tick_s)
     resting_z_.push_back(resting_height(x, y));
   }
   depth_.resize(count);
+  handed_over_.resize(count);
   // Written once, so that no page is missing when the first dent comes.
   for (std::vector<VertexId>* ids : {&dented_, &moved_ids_}) ids->assign(count, 0), ids->clear();
   moved_positions_.assign(count, {}), moved_positions_.clear();
@@ -114,6 +116,8 @@ void Tissue::list_moves() {
       dented_[i] = dented_.back();
       dented_.pop_back();
     }
+    if (depth_[v] > 0 && std::abs(depth_[v] - handed_over_[v]) < least_move) continue;
+    handed_over_[v] = depth_[v];
     moved_ids_.push_back(v);
     const VertexId column = v % (n_ + 1), row = v / (n_ + 1);
     moved_positions_.push_back(

@@ -25,16 +25,16 @@ namespace limber::program {
 namespace {
 
 constexpr std::size_t most_ticks = 5'000'000;  // which take 250 MB
-constexpr double most_query_budget_us = 1e6;
+constexpr double most_tick_budget_us = 1e6;
 constexpr std::uint64_t least_triangles = 1000, most_triangles = 4'000'000;
 
-// What a query may take if the user does not say: a part of the period, so that the rest of the tick has its time, and
-// at most what queries in contact seldom need. docs/guide/haptics.md has the measurements.
-constexpr double query_part_of_period = 0.4, usual_query_us = 100;
+// What a tick's work may take if the user does not say: a part of the period, so that a late start does not miss it, and
+// at most what ticks in contact seldom need. docs/guide/haptics.md has the measurements.
+constexpr double budget_part_of_period = 0.45, most_automatic_us = 130;
 
 struct Arguments {
   LoopOptions loop;
-  std::optional<double> query_budget_us;
+  std::optional<double> tick_budget_us;
   std::optional<std::uint64_t> core, max_missed;
   std::string out, page;
   bool is_quiet = false;
@@ -48,9 +48,9 @@ int chosen_core(const Arguments& arguments) {
   throw BadInput(fmt::format("--core: {} is no core that may be used; there are {}", core, fmt::join(cores, ", ")));
 }
 
-std::chrono::nanoseconds query_budget(const Arguments& arguments) {
-  const double automatic_us = std::min(query_part_of_period * 1e6 / arguments.loop.scene.rate_hz, usual_query_us);
-  return std::chrono::nanoseconds(std::llround(1e3 * arguments.query_budget_us.value_or(automatic_us)));
+std::chrono::nanoseconds tick_budget(const Arguments& arguments) {
+  const double automatic_us = std::min(budget_part_of_period * 1e6 / arguments.loop.scene.rate_hz, most_automatic_us);
+  return std::chrono::nanoseconds(std::llround(1e3 * arguments.tick_budget_us.value_or(automatic_us)));
 }
 
 void check(const Arguments& arguments) {
@@ -79,7 +79,7 @@ ExitCode run(const Arguments& arguments) {
   check(arguments);
   LoopOptions options = arguments.loop;
   options.core = chosen_core(arguments);
-  options.scene.query_budget = query_budget(arguments);
+  options.scene.tick_budget = tick_budget(arguments);
   options.shows_progress = !arguments.is_quiet && isatty(STDERR_FILENO) != 0;
   const std::unique_ptr<OutputFile> out = opened("--out", arguments.out), page = opened("--page", arguments.page);
   const HapticRun run = run_haptics(options);
@@ -114,14 +114,15 @@ void add_scene_options(CLI::App& command, Arguments& arguments) {
   add_relative_error(command, scene.relative_error);
   const auto read = [&arguments](const std::string& text) {
     const std::optional<double> number = parsed_number(text);
-    if (!number || !(*number > 0 && *number <= most_query_budget_us)) {
-      throw CLI::ValidationError("--query-budget", fmt::format("must be a number > 0, at most 1e6, not '{}'", text));
+    if (!number || !(*number > 0 && *number <= most_tick_budget_us)) {
+      throw CLI::ValidationError("--tick-budget", fmt::format("must be a number > 0, at most 1e6, not '{}'", text));
     }
-    arguments.query_budget_us = number;
+    arguments.tick_budget_us = number;
   };
   command
-      .add_option_function<std::string>("--query-budget", read,
-                                        "how long a query may take; without it 40 % of the period, at most 100")
+      .add_option_function<std::string>("--tick-budget", read,
+                                        "how long the work of a tick may take: the query has what moves and commit "
+                                        "leave; without it 45 % of the period, at most 130")
       ->type_name("US");
 }
 
@@ -142,8 +143,8 @@ Verb add_haptics(CLI::App& app) {
   add_json(command, arguments->json, "answer with one JSON object instead of a table");
   command.footer(R"(
 Each tick moves the tool along a path that depends on the tick's number alone, dents the tissue below it and lets
-earlier dents come back, commits, asks for the distance within the budget, and answers with the force of a spring
-between the tool and its place in front of the tissue. Lengths are in mm, times in microseconds.
+earlier dents come back, commits, asks for the distance in what is left of the tick's budget, and answers with the
+force of a spring between the tool and its place in front of the tissue. Lengths are in mm, times in microseconds.
 
 The loop runs in a thread of its own, on one core, with real-time priority and locked memory where the system grants
 them; the answer says which it got. A tick whose work ends after its period is missed; none is left out.

@@ -53,12 +53,11 @@ void run_ticks(const TickSchedule& schedule, std::uint64_t first, const TickWork
     TickSample& sample = samples[i];
     sample.has_waited = TickClock::now() < time;
     const TickClock::time_point start = wait_until(time, schedule.spin);
-    const TickClock::time_point end = time + schedule.period;
-    work(first + i, end, sample);
+    work(first + i, sample);
     const TickClock::time_point done = TickClock::now();
     sample.late = ns_between(time, start);
     sample.work = ns_between(start, done);
-    sample.is_missed = done > end;
+    sample.is_missed = done > time + schedule.period;
     publish(sample, progress, missed);
     progress.done.store(i + 1, std::memory_order_relaxed);
   }

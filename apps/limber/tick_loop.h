@@ -44,8 +44,8 @@ struct TickSchedule {
   std::chrono::nanoseconds spin{0};
 };
 
-/// The work of one tick, which has to be done by `end`.
-using TickWork = std::function<void(std::uint64_t tick, TickClock::time_point end, TickSample& sample)>;
+/// The work of one tick.
+using TickWork = std::function<void(std::uint64_t tick, TickSample& sample)>;
 
 /// Runs one tick for each sample, the first of them numbered `first`. Tick i of them starts i periods after the first.
 /// A tick that comes too late is not left out: it starts at once.

@@ -26,6 +26,8 @@ DistanceResult interrupted(double lower, const Vec3& tissue, const Vec3& tool) {
   return {lower, length(tool - tissue), Status::interrupted, Witness{tissue, tool}};
 }
 
+constexpr double retreat_mm = 0.075;
+
 DistanceResult far_away(double lower) {
   return {lower, std::numeric_limits<double>::infinity(), Status::beyond_limit, std::nullopt};
 }
@@ -37,14 +39,14 @@ Vec3 settled(Proxy& proxy, const Vec3& device) {
 }
 
 TEST(Proxy, IsWhereTheDeviceIsInFreeMotion) {
-  Proxy proxy({0, 0, 9});
+  Proxy proxy({0, 0, 9}, retreat_mm);
   EXPECT_EQ(proxy.follow({0.3, 0, 9}, far_away(1)), Vec3{});
   EXPECT_EQ(proxy.place(), (Vec3{0.3, 0, 9}));
   EXPECT_EQ(length(proxy.follow({0, 0, 8.7}, above_plane(proxy.place()))), 0);
 }
 
 TEST(Proxy, StopsInFrontOfTheTissueAndPullsTheDeviceBack) {
-  Proxy proxy({0, 0, 5});
+  Proxy proxy({0, 0, 5}, retreat_mm);
   const Vec3 device{0, 0, -2};
   const Vec3 place = settled(proxy, device);
   EXPECT_NEAR(place.z, standoff_mm, 1e-9);
@@ -54,7 +56,7 @@ TEST(Proxy, StopsInFrontOfTheTissueAndPullsTheDeviceBack) {
 }
 
 TEST(Proxy, SlidesToTheNearestPlaceInFrontOfTheTissue) {
-  Proxy proxy({0, 0, 1});
+  Proxy proxy({0, 0, 1}, retreat_mm);
   const Vec3 place = settled(proxy, {5, -3, -1});
   EXPECT_NEAR(place.x, 5, 1e-9);
   EXPECT_NEAR(place.y, -3, 1e-9);
@@ -68,7 +70,7 @@ TEST(Proxy, TakesNoStepThatIsNotCertifiedExceptBack) {
   };
   int shorter_than_wanted = 0, back = 0;
   for (int i = 0; i < 10'000; ++i) {
-    Proxy proxy(anywhere(1));
+    Proxy proxy(anywhere(1), retreat_mm);
     const Vec3 before = proxy.place(), device = before + anywhere(2);
     const double lower = rng.uniform(0.001, 1);
     const Vec3 apart = anywhere(1) * 2;
@@ -82,7 +84,7 @@ TEST(Proxy, TakesNoStepThatIsNotCertifiedExceptBack) {
       ++back;
       EXPECT_LE(length(step - dot(step, away) * away), 1e-12);
       EXPECT_GT(dot(step, away), 0);
-      EXPECT_LE(length(step), standoff_mm / 4 + 1e-12);
+      EXPECT_LE(length(step), retreat_mm + 1e-12);
     }
     if (length(step) < 0.99 * length(device - before)) ++shorter_than_wanted;
   }
@@ -91,22 +93,22 @@ TEST(Proxy, TakesNoStepThatIsNotCertifiedExceptBack) {
 }
 
 TEST(Proxy, GoesBackTheKnownWayWhereNothingIsCertified) {
-  Proxy proxy({0, 0, 1});
+  Proxy proxy({0, 0, 1}, retreat_mm);
   settled(proxy, {0, 0, -1});
   const Vec3 rest = proxy.place(), device{0, 0, -1};
   // What an interrupted query has found is no closest point, so it does not tell the way.
   proxy.follow(device, interrupted(1e-6, rest - Vec3{0.7, 0, 0}, rest));
   Vec3 before = proxy.place();
   proxy.follow(device, interrupted(0, before + Vec3{0, 0.5, 0}, before));
-  EXPECT_NEAR(length(proxy.place() - before - standoff_mm / 4 * up), 0, 1e-12);
+  EXPECT_NEAR(length(proxy.place() - before - retreat_mm * up), 0, 1e-12);
   before = proxy.place();
   const Vec3 force = proxy.follow(device, {0, 0, Status::collision, Witness{before, before}});
-  EXPECT_NEAR(length(proxy.place() - before - standoff_mm / 4 * up), 0, 1e-12);
+  EXPECT_NEAR(length(proxy.place() - before - retreat_mm * up), 0, 1e-12);
   EXPECT_NEAR(length(force - stiffness_n_per_mm * (proxy.place() - device)), 0, 1e-12);
 }
 
 TEST(Proxy, IsNotCaughtByTissueThatComesUp) {
-  Proxy proxy({0, 0, 1});
+  Proxy proxy({0, 0, 1}, retreat_mm);
   settled(proxy, {0, 0, -1});
   double height = 0;  // of the tissue
   for (int tick = 0; tick < 500; ++tick) {

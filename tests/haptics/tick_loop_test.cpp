@@ -23,20 +23,20 @@ TEST(TickLoop, RunsEveryTickInItsPeriod) {
     const TickSchedule schedule{milliseconds(4), spin};
     std::vector<TickSample> samples(20);
     std::vector<std::uint64_t> numbers;
-    std::vector<TickClock::time_point> starts, ends;
+    std::vector<TickClock::time_point> starts;
     TickProgress progress;
-    const auto work = [&](std::uint64_t tick, TickClock::time_point end, TickSample&) {
+    const auto work = [&](std::uint64_t tick, TickSample&) {
       numbers.push_back(tick);
       starts.push_back(TickClock::now());
-      ends.push_back(end);
     };
+    const TickClock::time_point before = TickClock::now();
     run_ticks(schedule, 100, work, samples, progress);
     ASSERT_EQ(numbers.size(), 20U);
     for (std::size_t i = 0; i < 20; ++i) {
       EXPECT_EQ(numbers[i], 100 + i);
-      EXPECT_EQ(ends[i], ends[0] + i * schedule.period);
-      EXPECT_GE(starts[i], ends[i] - schedule.period);  // never early, whatever the machine does
-      if (starts[i] > ends[i]) {
+      EXPECT_GE(starts[i], before + i * schedule.period);  // never early, whatever the machine does
+      EXPECT_GE(starts[i] - before, i * schedule.period + std::chrono::nanoseconds(samples[i].late));
+      if (samples[i].late > 4'000'000) {
         EXPECT_TRUE(samples[i].is_missed);
       }
     }
@@ -50,7 +50,7 @@ TEST(TickLoop, RunsEveryTickInItsPeriod) {
 TEST(TickLoop, CatchesUpAfterATickThatTookTooLong) {
   std::vector<TickSample> samples(10);
   TickProgress progress;
-  const auto work = [](std::uint64_t tick, TickClock::time_point, TickSample&) {
+  const auto work = [](std::uint64_t tick, TickSample&) {
     if (tick == 3) stay_busy(milliseconds(25));
   };
   run_ticks({milliseconds(10), milliseconds(0)}, 0, work, samples, progress);

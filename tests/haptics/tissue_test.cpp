@@ -15,6 +15,8 @@
 namespace limber::program {
 namespace {
 
+constexpr double least_move = 0.005;  // mm; less is handed over later
+
 /// A sheet that is moved as a model would be.
 struct MovedTissue {
   explicit MovedTissue(double tick_s) : tissue(20'000, tick_s) {}
@@ -102,6 +104,25 @@ TEST(Tissue, IsDentedFurtherByADeeperTool) {
   EXPECT_LT(beside, 2 * second);
 }
 
+TEST(Tissue, HandsOverNoMoveThatCannotBeFelt) {
+  MovedTissue moved(1 / 5000.);
+  const Vec3 tip{10, 20, resting_height(10, 20) - 3}, lifted{0, 0, 10};
+  const std::size_t dented = moved.press(tip);
+  EXPECT_EQ(moved.press(tip), 0U);  // held still
+  std::size_t handed_over = 0;
+  int ticks = 0;
+  for (; moved.mesh.positions() != moved.resting.positions(); ++ticks) {
+    const Mesh before = moved.mesh;
+    handed_over += moved.press(lifted);
+    for (VertexId v = 0; v < before.positions().size(); ++v) {
+      const double z = moved.mesh.positions()[v].z, move = std::abs(z - before.positions()[v].z);
+      EXPECT_TRUE(move == 0 || move >= least_move || z == moved.resting.positions()[v].z) << v;
+    }
+  }
+  EXPECT_GT(ticks, 1000);
+  EXPECT_LT(handed_over, dented * static_cast<std::size_t>(ticks) / 2);
+}
+
 TEST(Tissue, ComesBackInTimeWhateverTheRate) {
   for (const double rate : {200., 1000., 5000.}) {
     MovedTissue moved(1 / rate);
@@ -116,7 +137,7 @@ TEST(Tissue, ComesBackInTimeWhateverTheRate) {
     };
     const double at_first = deepest();
     for (int tick = 0; tick < static_cast<int>(0.05 * rate); ++tick) moved.press(lifted);
-    EXPECT_NEAR(deepest(), at_first / std::exp(1), 1e-9);
+    EXPECT_NEAR(deepest(), at_first / std::exp(1), least_move);
     for (int tick = 0; tick < static_cast<int>(rate); ++tick) moved.press(lifted);
     EXPECT_EQ(moved.mesh.positions(), moved.resting.positions());
     EXPECT_EQ(moved.press(lifted), 0U);

@@ -36,7 +36,7 @@ TEST(ProgramHaptics, AnswersWithJson) {
   EXPECT_EQ(json["query"], "haptics");
   EXPECT_EQ(json["rate_hz"], 200);
   EXPECT_EQ(json["ticks"], 40);
-  EXPECT_EQ(json["query_budget_us"], 100);
+  EXPECT_EQ(json["tick_budget_us"], 130);
   EXPECT_LE(json["tissue_triangles"], 4000);
   EXPECT_GE(json["tissue_triangles"], 3000);
   std::uint64_t in_histogram = 0, answers = 0;
@@ -64,11 +64,11 @@ TEST(ProgramHaptics, ChoosesABudgetThatThePeriodHasRoomFor) {
     Words words = {"haptics", "--rate", rate,   "--seconds",        "0.01", "--tissue",
                    "1000",    "--tool", "1000", "--jitter-seconds", "0",    "--json"};
     words.insert(words.end(), more.begin(), more.end());
-    return json_of(run(words))["query_budget_us"].get<double>();
+    return json_of(run(words))["tick_budget_us"].get<double>();
   };
-  EXPECT_EQ(budget("100", {}), 100);
-  EXPECT_EQ(budget("5000", {}), 80);
-  EXPECT_EQ(budget("5000", {"--query-budget", "12.5"}), 12.5);
+  EXPECT_EQ(budget("100", {}), 130);
+  EXPECT_EQ(budget("5000", {}), 90);
+  EXPECT_EQ(budget("5000", {"--tick-budget", "12.5"}), 12.5);
 }
 
 TEST(ProgramHaptics, MeasuresTheMachineAlone) {
@@ -88,7 +88,7 @@ TEST(ProgramHaptics, WritesARowForEachTick) {
   const Folder folder;
   const std::string path = folder.path("ticks.csv");
   // A pressing takes two seconds. Queries have the whole tick, so that forces do not depend on the machine.
-  const nlohmann::json json = json_of(play({"--out", path, "--json", "--query-budget", "1000000"}, "2"));
+  const nlohmann::json json = json_of(play({"--out", path, "--json", "--tick-budget", "1000000"}, "2"));
   const std::vector<Row> rows = table_of(text_of(path));
   ASSERT_EQ(rows.size(), 400U);
   std::uint64_t missed = 0, moved = 0;
@@ -194,7 +194,7 @@ TEST(ProgramHaptics, RefusesWhatItCannotDo) {
   expect_haptics_refuses({"--seconds", "86400"}, "--seconds: 86400 seconds at 1000 Hz are more than 5000000 ticks");
   expect_haptics_refuses({"--jitter-seconds", "86400"}, "--jitter-seconds: 86400 seconds at 1000 Hz are more than");
   expect_haptics_refuses({"--spin-us", "1000"}, "--spin-us: must be less than the period of 1000 us");
-  expect_haptics_refuses({"--query-budget", "0"}, "--query-budget: must be a number > 0, at most 1e6, not '0'");
+  expect_haptics_refuses({"--tick-budget", "0"}, "--tick-budget: must be a number > 0, at most 1e6, not '0'");
   expect_haptics_refuses({"--tissue", "10"}, "--tissue: must be a whole number from 1000");
   expect_haptics_refuses({"--tool", "many"}, "--tool: must be a whole number from 1000");
   expect_haptics_refuses({"--core", "1000"}, "--core: 1000 is no core that may be used; there are ");
