@@ -12,7 +12,7 @@ namespace limber::bvh {
 namespace {
 
 // What a step costs, in ns (bench/develop/partial_rebuild.cpp).
-constexpr double ns_per_vertex = 2, ns_per_node = 500;
+constexpr double ns_per_vertex = 2, ns_per_listed_node = 500;
 
 // Vertices in one step.
 constexpr std::size_t vertices_at_once = 1024;
@@ -99,7 +99,7 @@ bool VertexIndex::build(const Tree& tree, core::WorkBudget& budget) {
       case Step::counting:
       case Step::filling:
         step_ == Step::counting ? count(tree, node) : fill(tree, node);
-        budget.spend(ns_per_node);
+        budget.spend(ns_per_listed_node);
         if (++done_ == node_count) go_on_with(step_ == Step::counting ? Step::adding_up : Step::complete);
         break;
       case Step::empty:
