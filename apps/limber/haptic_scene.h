@@ -35,8 +35,8 @@ class HapticScene {
   /// The work of one tick, with what it notes about it. The query ends with the tick's budget.
   void tick(std::uint64_t number, TickSample& sample);
 
-  /// Runs ticks of one pressing, as many as show everything that happens, without waiting: memory and caches have been
-  /// used before time counts. Returns the number of the tick after the pressing.
+  /// Runs at most some 500 ticks, spread over one pressing, without waiting: memory and caches have been used before
+  /// time counts. Returns the number of the tick after the pressing.
   std::uint64_t warm_up();
 
   const Model& tissue() const { return model_; }

@@ -31,9 +31,9 @@ class Tissue {
   };
 
   /// What moves in one tick while the lowest point of a tool is commanded to be at `tip`: what was dented before comes
-  /// back a little, and what is above the tip gives way to two thirds of its depth. The dent is a paraboloid, wider
-  /// than the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, which tells the
-  /// vertices near the tip. A vertex that has moved by less than 0.005 mm, which cannot be felt, is left for later.
+  /// back a little, and what is above the tip gives way, at the deepest point to two thirds of its depth. The dent is a paraboloid, wider
+  /// than the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, so the vertices
+  /// near the tip are known by their indices. A vertex that has moved by less than 0.005 mm, which cannot be felt, is left for later.
   ///
   /// Cost     O(vertices near the tip + vertices that are dented). Allocates nothing.
   Moves press(const Vec3& tip);
@@ -50,7 +50,7 @@ class Tissue {
   std::uint32_t n_;  // squares along a side
   double spacing_, kept_a_tick_;
   std::vector<double> resting_z_, depth_;  // of the upper face's vertices; how far each is below its resting height
-  std::vector<double> handed_over_;        // the depth at which press() has last told each of them to be
+  std::vector<double> handed_over_;        // the depth that press() has last reported of each
   std::vector<VertexId> dented_;           // those with a depth > 0; as much room as there are vertices, here and below
   std::vector<VertexId> moved_ids_;
   std::vector<Vec3> moved_positions_;

@@ -28,8 +28,8 @@ constexpr std::size_t most_ticks = 5'000'000;  // which take 250 MB
 constexpr double most_tick_budget_us = 1e6;
 constexpr std::uint64_t least_triangles = 1000, most_triangles = 4'000'000;
 
-// What a tick's work may take if the user does not say: a part of the period, so that a late start does not miss it, and
-// at most what ticks in contact seldom need. docs/guide/haptics.md has the measurements.
+// What a tick's work may take if the user does not say: a part of the period, so that a late start does not miss it,
+// and at most what ticks in contact seldom need. docs/guide/haptics.md has the measurements.
 constexpr double budget_part_of_period = 0.45, most_automatic_us = 130;
 
 struct Arguments {

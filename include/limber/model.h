@@ -188,7 +188,7 @@ class Placed {
 /// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
 /// by other models only costs time, and little of that.
 ///
-/// Cost     33 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
+/// Cost     50 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.
 /// Source   docs/algorithms/traversal.md, "Warm start".
 class QueryCache {

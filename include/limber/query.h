@@ -17,9 +17,9 @@
 /// distance is 0, both points of the witness are one point that lies on both up to rounding, and the triangle ids name
 /// a pair that truly intersects. `collide` says yes exactly when `distance` gives 0. Models are compared as placed:
 /// every vertex is moved to the world frame in float64 first, and the answer is for those rounded vertices. Whether
-/// they meet is exact. Distances are rounded: with E the largest extent of a pair of triangles that close, they are
-/// within 2^-46 E + 2^-44 distance of the true ones, plus 2^-45 of the sum of the models' largest coordinates and
-/// translations where a pose is not the identity. docs/algorithms/numerics.md has the details.
+/// they meet is exact. Distances are rounded: with E the largest extent of a pair of triangles at about that distance,
+/// they are within 2^-46 E + 2^-44 distance of the true ones, plus 2^-45 of the sum of the models' largest coordinates
+/// and translations where a pose is not the identity. docs/algorithms/numerics.md has the details.
 namespace limber {
 
 /// Why a query stopped where it did.
@@ -31,7 +31,8 @@ enum class Status {
   interrupted,   ///< the budget was spent: lower <= distance <= upper, farther apart than the errors allow
 };
 
-/// When a query has to end, whether or not it has its answer. Any of the limits will do.
+/// When a query has to end, whether or not it has its answer. Set any of them: the first that is reached ends the
+/// query.
 ///
 /// A query looks at its budget after every few steps, each of which takes some 0.1 to 1 us, and now and then several: a
 /// deadline is overrun by that much. Every query with a budget that is not cancelled or empty makes at least one step.

@@ -31,14 +31,16 @@ namespace limber::query {
 ///          resumed.
 class Front {
  public:
-  /// Children that are not expanded: pruned or compared, or still open when the traversal was interrupted.
-  enum Kind { settled, open };
+  /// Children that are not expanded: pruned or compared, some of them hardly beyond the prune distance; or still open
+  /// when the traversal was interrupted. Each kind is compared again as a whole.
+  enum Kind { settled, near, open };
+  static constexpr std::size_t kinds = 3;
   struct Record {
-    double distance[2];  ///< lower bounds for the children of each kind, when the odometer stood at `odometer`
+    double distance[kinds];  ///< lower bounds for the children of each kind, when the odometer stood at `odometer`
     double odometer;
     bvh::SlotId slot[2];
     bool expands_a;
-    std::uint8_t children[2];  ///< of each kind, a bit mask
+    std::uint8_t children[kinds];  ///< of each kind, a bit mask
   };
   static constexpr std::uint16_t none = 0xffff;
 
@@ -81,7 +83,8 @@ class Front {
 
   /// A lower bound of the distance of what a record has not expanded.
   double bound_of(const Record& record) const {
-    return remaining(std::min(record.distance[settled], record.distance[open]), record.odometer);
+    return remaining(std::min({record.distance[settled], record.distance[near], record.distance[open]}),
+                     record.odometer);
   }
   /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
   double bound() const { return remaining(distance_, distance_odometer_); }
@@ -120,7 +123,7 @@ class Front {
   /// Records an expansion. Returns `none` when there is no room.
   std::uint16_t add(const bvh::SlotId (&slot)[2], Side expanded) {
     if (count_ == capacity) return none;
-    records_[count_] = {{infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0}};
+    records_[count_] = {{infinity, infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
     return static_cast<std::uint16_t>(count_++);
   }
 
@@ -137,7 +140,7 @@ class Front {
     LIMBER_ASSERT(record < count_);
     Record& r = up_to_date(record);
     unsigned children = 0;
-    for (const Kind kind : {settled, open}) {
+    for (const Kind kind : {settled, near, open}) {
       if (r.distance[kind] >= distance) continue;
       children |= r.children[kind];
       r.children[kind] = 0;

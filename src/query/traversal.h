@@ -174,7 +174,12 @@ class Traversal {
   }
   /// Settles a pair, pruned or compared: what it holds is at least `distance` or the prune distance apart.
   void settle(const NodePair& pair, double distance) {
-    if (has_front) put_back(pair, Front::settled, std::max(distance, pruning_.distance()));
+    if (has_front) put_back(pair, kind_of(distance), std::max(distance, pruning_.distance()));
+  }
+  /// Of what is settled at that distance.
+  Front::Kind kind_of(double distance) const {
+    constexpr double hardly = 1 + 1. / 64;
+    return distance < hardly * pruning_.distance() ? Front::near : Front::settled;
   }
 
   /// Queues what has to be compared again. False if that is so much that a new traversal is cheaper, or if there are no
@@ -228,8 +233,9 @@ class Traversal {
     ++steps_;
     if (placed_.drift() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
-      if (compare_leaves(pair)) {
-        settle(pair, pruning_.distance());
+      double apart = 0;
+      if (compare_leaves(pair, apart)) {
+        settle(pair, apart);
       } else {
         queue_.push_first(pair);
       }
@@ -282,7 +288,7 @@ class Traversal {
     }
     const double distance = std::max(length_of(e.side, least), pruning_.distance());
     if (e.record == Front::none) return;
-    front_->put(e.record, e.has_record ? children : 1U << e.pair.child, Front::settled, distance);
+    front_->put(e.record, e.has_record ? children : 1U << e.pair.child, kind_of(distance), distance);
   }
 
   /// Puts the children that are kept where they will be taken in the right order.
@@ -334,13 +340,15 @@ class Traversal {
             static_cast<std::uint16_t>(e.has_record ? child : e.pair.child)};
   }
 
-  /// False if the goal or the budget has ended it before all triangles were compared.
-  bool compare_leaves(const NodePair& pair) {
+  /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
+  /// lower bound of their distance, which may be above the prune distance.
+  bool compare_leaves(const NodePair& pair, double& apart) {
     simd::Candidates found;
     kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
                              found);
     descends_ = false;
     ++work_;
+    apart = found.count == 0 ? static_cast<double>(found.apart) / found.scale : 0;
     if (found.count == 0) return true;
     // The nearest first: it may prune the others.
     std::uint32_t nearest = 0;

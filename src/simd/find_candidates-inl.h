@@ -10,7 +10,10 @@
 #define LIMBER_SIMD_FIND_CANDIDATES_INL_H
 #endif
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
@@ -24,6 +27,8 @@ namespace {
 
 // Directions shorter than the root of this have lost too many digits.
 inline constexpr float smallest_direction_sq = 1e-20F;
+
+inline constexpr float infinite = std::numeric_limits<float>::infinity();
 
 /// The corners of the triangles of a leaf: [3 * corner + axis][slot].
 struct alignas(64) LeafCorners {
@@ -58,7 +63,7 @@ LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
 }
 
 /// Compares triangles `b` with one triangle of the other leaf, which `rows` has in every lane. Returns those of
-/// `wanted` that are not pruned, and leaves in `bound_sq` the best bound that was computed.
+/// `wanted` that are not pruned, and leaves in `bound_sq` the best bounds that were computed.
 LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                    Packet& bound_sq) {
   // Along the line of the centroids: best where the triangles are small next to their distance.
@@ -68,7 +73,10 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
   const Packet w_sq = dot(w, w);
   const Packet gap_w = gap_along_sq(interval(dot(w, rows[0]), dot(w, rows[1]), dot(w, rows[2])),
                                     interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
-  unsigned kept = wanted & ~bits(is_pruned(gap_w, w_sq, limit_sq));
+  const Packet least = Packet::set(smallest_direction_sq);
+  const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
+  bound_sq = gap_w / max(w_sq, least);
+  unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
   // Along the normal of either triangle, from a corner of a so that the numbers are small.
   const Packet3 r0[3] = {b[0] - rows[0], b[1] - rows[0], b[2] - rows[0]};
@@ -82,25 +90,39 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
   const Packet gap_m =
       gap_along_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
   kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
-  const Packet least = Packet::set(smallest_direction_sq);
-  bound_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
+  // What the first direction has pruned keeps its bound, whatever else is in the packet.
+  const Packet best_sq = max(max(bound_sq, gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
+  bound_sq = select(is_pruned_w, bound_sq, best_sq);
   return kept;
 }
 
-/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
+LIMBER_KERNEL float smallest(Packet p) {
+  alignas(64) float x[Packet::lanes];
+  p.store(x);
+  return *std::min_element(x, x + Packet::lanes);
+}
+
+/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. Leaves
+/// in `apart` how far apart the others are along it at least, beyond the prune distance.
 LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
-                                       const ProjectedLeaves& pair, const PruneLimits& pruning) {
+                                       const ProjectedLeaves& pair, const PruneLimits& pruning, float& apart) {
   alignas(64) float high[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
   }
   std::uint64_t wanted = 0;
+  const Packet gap = Packet::set(pair.gap), far = Packet::set(core::max_units);
+  Packet least = far;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet other = farthest_corners(b, i, broadcast(pruning.other_normal)) * Packet::set(pair.step_b);
     for (std::uint32_t row = 0; row < width; ++row) {
-      wanted |= std::uint64_t{bits(Packet::set(high[row]) + other > Packet::set(pair.gap))} << (8 * row + i);
+      const Packet sum = Packet::set(high[row]) + other;
+      const Mask is_wanted = sum > gap;
+      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
+      least = min(least, select(is_wanted, far, gap - sum));
     }
   }
+  apart = smallest(least);
   return wanted;
 }
 
@@ -119,12 +141,14 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
-/// The pairs that bounding boxes do not prune.
-LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq) {
+/// The pairs that bounding boxes do not prune. Leaves in `apart_sq` the least squared distance of the others' boxes.
+LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
   find_boxes(b, boxes_b);
   std::uint64_t wanted = 0;
+  const Packet far = Packet::set(infinite);
+  Packet least = far;
   for (std::uint32_t row = 0; row < width; ++row) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       Packet sum = zero();
@@ -134,9 +158,12 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
         const Packet gap = max(max(above, below), zero());
         sum = sum + gap * gap;
       }
-      wanted |= std::uint64_t{bits(sum < limit_sq)} << (8 * row + i);
+      const Mask is_wanted = sum < limit_sq;
+      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
+      least = min(least, select(is_wanted, far, sum));
     }
   }
+  apart_sq = smallest(least);
   return wanted;
 }
 
@@ -184,9 +211,14 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
                                    const PruneLimits& pruning, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
-  std::uint64_t wanted =
-      pruning.has_direction ? near_along(*a.triangles, *b.triangles, pair, pruning) : ~std::uint64_t{0};
-  if (wanted == 0) return;
+  std::uint64_t wanted = ~std::uint64_t{0};
+  candidates.apart = infinite;
+  if (pruning.has_direction) {
+    float beyond;
+    wanted = near_along(*a.triangles, *b.triangles, pair, pruning, beyond);
+    candidates.apart = (pair.prune_distance + beyond) * core::squares_down;
+    if (wanted == 0) return;
+  }
   LeafCorners ca, cb;
   unpack(*a.triangles, pair.step_a, ca);
   unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
@@ -194,7 +226,8 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
   // Boxes prune something only where triangles that matter are closer than they are large.
-  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) wanted &= near_by_box(ca, cb, limit_sq);
+  float apart_sq = infinite;
+  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) wanted &= near_by_box(ca, cb, limit_sq, apart_sq);
 
   // One triangle of `rows` at a time is compared with all of `columns`: the fewer rows the better.
   const std::uint64_t transposed = transpose(wanted);
@@ -214,6 +247,9 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
       kept |= compare_row(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq) << i;
       bound_sq.store(bounds + i);
     }
+    for (unsigned pruned = these & ~kept; pruned != 0; pruned &= pruned - 1) {
+      apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
+    }
     for (; kept != 0; kept &= kept - 1) {
       const auto column = static_cast<std::uint32_t>(std::countr_zero(kept));
       const auto slot_a = static_cast<std::uint8_t>(swaps ? column : row);
@@ -221,6 +257,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
       candidates.pairs[candidates.count++] = {bounds[column], slot_a, slot_b};
     }
   }
+  candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * core::squares_down) - pair.error);
 }
 
 }  // namespace

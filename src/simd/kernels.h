@@ -63,6 +63,7 @@ struct Candidates {
   std::uint32_t count;
   float error;   ///< more than rounding and quantization can change any gap by
   double scale;  ///< from lengths to those of bounds and error, a power of two
+  float apart;   ///< at most distance * scale of every pair that is not a candidate
   Candidate pairs[width * width];
 };
 

@@ -126,6 +126,10 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_EQ(front.take(record, 4), 0b101U);
   front.put(record, 0b001, Front::settled, 1.0);
   EXPECT_EQ(front.bound_of(front.records()[record]), 1);
+  front.put(record, 0b100, Front::near, 0.5);
+  EXPECT_EQ(front.bound_of(front.records()[record]), 0.5);
+  EXPECT_EQ(front.take(record, 0.75), 0b100U);  // the others stay
+  EXPECT_EQ(front.bound_of(front.records()[record]), 1);
 }
 
 TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {

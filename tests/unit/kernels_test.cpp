@@ -132,7 +132,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
 
 TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   Rng rng(202);
-  int not_candidates = 0;
+  int not_candidates = 0, beyond = 0;
   for (int i = 0; i < 3000; ++i) {
     const KernelCase c(rng);
     const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
@@ -152,6 +152,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
                                     pruning.of(Side::a), found);
+    const double apart = static_cast<double>(found.apart) / found.scale;
     for (std::uint8_t s = 0; s < bvh::width; ++s) {
       for (std::uint8_t t = 0; t < bvh::width; ++t) {
         const double true_distance = closest_points(c.world_a[la.triangle[s]], c.world_b[lb.triangle[t]]).distance;
@@ -160,7 +161,9 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
             std::find_if(begin, end, [&](const simd::Candidate& f) { return f.slot_a == s && f.slot_b == t; });
         if (it == end) {
           ASSERT_GE(true_distance, prune_distance * (1 - 1e-15)) << "case " << i;
+          ASSERT_GE(true_distance, apart) << "case " << i;
           ++not_candidates;
+          beyond += apart > prune_distance ? 1 : 0;
         } else {
           const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(found.error);
           ASSERT_LE(least, true_distance * found.scale * (1 + 1e-6)) << "case " << i;
@@ -169,6 +172,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     }
   }
   EXPECT_GT(not_candidates, 50000);
+  EXPECT_GT(beyond, 10000);
 }
 
 TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
@@ -202,6 +206,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
       set.find_candidates(leaf_a, leaf_b, in_a, of_a, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
+      ASSERT_EQ(std::memcmp(&found.apart, &found0.apart, sizeof(float)), 0) << set.name;
       ASSERT_EQ(std::memcmp(&found.scale, &found0.scale, sizeof(double)), 0) << set.name;
       for (std::uint32_t k = 0; k < found0.count; ++k) {
         ASSERT_EQ(std::memcmp(&found.pairs[k].bound_sq, &found0.pairs[k].bound_sq, sizeof(float)), 0) << set.name;
