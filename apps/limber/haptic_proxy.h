@@ -12,8 +12,8 @@ namespace limber::program {
 /// What it concludes from the interval [lower, upper] of the distance between the tissue and the tool at its place:
 ///
 /// - No point of either is closer than `lower`. A step shorter than that cannot make the tool touch, whatever its
-///   direction and however the query ended. A step takes at most half of `lower`, unless it leads back from the witness: the other half
-///   is left to what the tissue moves, and the tool turns, before the next query.
+///   direction and however the query ended. A step takes at most half of `lower`, unless it leads back from the
+///   witness: the other half is left to what the tissue moves, and the tool turns, before the next query.
 /// - The witness points are truly `upper` apart. They give a direction in which tissue is in the way and where to stop,
 ///   never whether there is room elsewhere.
 /// - `beyond_limit` has no witness and needs none: nothing is in the way as far as the step may go.

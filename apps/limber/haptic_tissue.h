@@ -31,9 +31,10 @@ class Tissue {
   };
 
   /// What moves in one tick while the lowest point of a tool is commanded to be at `tip`: what was dented before comes
-  /// back a little, and what is above the tip gives way, at the deepest point to two thirds of its depth. The dent is a paraboloid, wider
-  /// than the tool, as tissue is drawn down around what presses into it. The sheet at rest is a grid, so the vertices
-  /// near the tip are known by their indices. A vertex that has moved by less than 0.005 mm, which cannot be felt, is left for later.
+  /// back a little, and what is above the tip gives way, at the deepest point to two thirds of its depth. The dent is
+  /// a paraboloid, wider than the tool, as tissue is drawn down around what presses into it. The sheet at rest is a
+  /// grid, so the vertices near the tip are known by their indices. A vertex that has moved by less than 0.005 mm,
+  /// which cannot be felt, is left for later.
   ///
   /// Cost     O(vertices near the tip + vertices that are dented). Allocates nothing.
   Moves press(const Vec3& tip);
