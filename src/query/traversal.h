@@ -345,11 +345,13 @@ class Traversal {
   bool compare_leaves(const NodePair& pair, double& apart) {
     simd::Candidates found;
     kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
-                             found);
+                             has_front, found);
     descends_ = false;
     ++work_;
-    apart = found.count == 0 ? static_cast<double>(found.apart) / found.scale : 0;
-    if (found.count == 0) return true;
+    if (found.count == 0) {
+      if (has_front) apart = static_cast<double>(found.apart) / found.scale;
+      return true;
+    }
     // The nearest first: it may prune the others.
     std::uint32_t nearest = 0;
     for (std::uint32_t i = 1; i < found.count; ++i) {

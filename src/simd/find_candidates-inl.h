@@ -63,7 +63,9 @@ LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
 }
 
 /// Compares triangles `b` with one triangle of the other leaf, which `rows` has in every lane. Returns those of
-/// `wanted` that are not pruned, and leaves in `bound_sq` the best bounds that were computed.
+/// `wanted` that are not pruned, and leaves in `bound_sq` the best bounds that were computed: of these, and with
+/// `bounds_rest` of those that are pruned.
+template <bool bounds_rest>
 LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                    Packet& bound_sq) {
   // Along the line of the centroids: best where the triangles are small next to their distance.
@@ -75,7 +77,7 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
                                     interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
   const Packet least = Packet::set(smallest_direction_sq);
   const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
-  bound_sq = gap_w / max(w_sq, least);
+  if (bounds_rest) bound_sq = gap_w / max(w_sq, least);
   unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
   // Along the normal of either triangle, from a corner of a so that the numbers are small.
@@ -90,9 +92,9 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
   const Packet gap_m =
       gap_along_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
   kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
+  const Packet best_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
   // What the first direction has pruned keeps its bound, whatever else is in the packet.
-  const Packet best_sq = max(max(bound_sq, gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
-  bound_sq = select(is_pruned_w, bound_sq, best_sq);
+  bound_sq = bounds_rest ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
   return kept;
 }
 
@@ -102,10 +104,11 @@ LIMBER_KERNEL float smallest(Packet p) {
   return *std::min_element(x, x + Packet::lanes);
 }
 
-/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. Leaves
-/// in `apart` how far apart the others are along it at least, beyond the prune distance.
+/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
+/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the prune distance.
+template <bool bounds_rest>
 LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
-                                       const ProjectedLeaves& pair, const PruneLimits& pruning, float& apart) {
+                                       const ProjectedLeaves& pair, const PruneLimits& pruning, float& beyond) {
   alignas(64) float high[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
@@ -119,10 +122,10 @@ LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const b
       const Packet sum = Packet::set(high[row]) + other;
       const Mask is_wanted = sum > gap;
       wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      least = min(least, select(is_wanted, far, gap - sum));
+      if (bounds_rest) least = min(least, select(is_wanted, far, gap - sum));
     }
   }
-  apart = smallest(least);
+  if (bounds_rest) beyond = smallest(least);
   return wanted;
 }
 
@@ -141,7 +144,9 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
-/// The pairs that bounding boxes do not prune. Leaves in `apart_sq` the least squared distance of the others' boxes.
+/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of the
+/// others' boxes.
+template <bool bounds_rest>
 LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
@@ -160,10 +165,10 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
       }
       const Mask is_wanted = sum < limit_sq;
       wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      least = min(least, select(is_wanted, far, sum));
+      if (bounds_rest) least = min(least, select(is_wanted, far, sum));
     }
   }
-  apart_sq = smallest(least);
+  if (bounds_rest) apart_sq = smallest(least);
   return wanted;
 }
 
@@ -207,6 +212,7 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
   }
 }
 
+template <bool bounds_rest>
 LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
@@ -214,9 +220,9 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   std::uint64_t wanted = ~std::uint64_t{0};
   candidates.apart = infinite;
   if (pruning.has_direction) {
-    float beyond;
-    wanted = near_along(*a.triangles, *b.triangles, pair, pruning, beyond);
-    candidates.apart = (pair.prune_distance + beyond) * core::squares_down;
+    float beyond = 0;
+    wanted = near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
+    if (bounds_rest) candidates.apart = (pair.prune_distance + beyond) * core::squares_down;
     if (wanted == 0) return;
   }
   LeafCorners ca, cb;
@@ -227,7 +233,9 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
   // Boxes prune something only where triangles that matter are closer than they are large.
   float apart_sq = infinite;
-  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) wanted &= near_by_box(ca, cb, limit_sq, apart_sq);
+  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
+    wanted &= near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+  }
 
   // One triangle of `rows` at a time is compared with all of `columns`: the fewer rows the better.
   const std::uint64_t transposed = transpose(wanted);
@@ -244,10 +252,11 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       const Packet3 others[3] = {columns.at(0, i), columns.at(1, i), columns.at(2, i)};
       Packet bound_sq = zero();
-      kept |= compare_row(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq) << i;
+      kept |= compare_row<bounds_rest>(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq)
+              << i;
       bound_sq.store(bounds + i);
     }
-    for (unsigned pruned = these & ~kept; pruned != 0; pruned &= pruned - 1) {
+    for (unsigned pruned = bounds_rest ? these & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
       apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
     }
     for (; kept != 0; kept &= kept - 1) {
@@ -257,7 +266,15 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
       candidates.pairs[candidates.count++] = {bounds[column], slot_a, slot_b};
     }
   }
-  candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * core::squares_down) - pair.error);
+  if (bounds_rest) {
+    candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * core::squares_down) - pair.error);
+  }
+}
+
+LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, bool bounds_rest, Candidates& candidates) {
+  bounds_rest ? find_candidates<true>(a, b, transform, pruning, candidates)
+              : find_candidates<false>(a, b, transform, pruning, candidates);
 }
 
 }  // namespace

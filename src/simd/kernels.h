@@ -80,9 +80,9 @@ using BoundChildren = KeptSlots (*)(const bvh::WideNode& node, const OtherNode& 
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
 /// The pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are those
-/// of the tree of `a`.
+/// of the tree of `a`. Candidates::apart is written if `bounds_rest`.
 using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                const PruneLimits& pruning, Candidates& candidates);
+                                const PruneLimits& pruning, bool bounds_rest, Candidates& candidates);
 
 /// Fits a wide node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
 /// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. The leaves that
