@@ -178,7 +178,7 @@ class Traversal {
   }
   /// Of what is settled at that distance.
   Front::Kind kind_of(double distance) const {
-    constexpr double hardly = 1 + 1. / 64;
+    constexpr double hardly = 1 + 1. / 64;  // (docs/design/real_time.md)
     return distance < hardly * pruning_.distance() ? Front::near : Front::settled;
   }
 

@@ -144,8 +144,8 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
-/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of the
-/// others' boxes.
+/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
+/// the others' boxes.
 template <bool bounds_rest>
 LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
   Boxes boxes_a, boxes_b;
