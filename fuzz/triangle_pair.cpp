@@ -131,6 +131,26 @@ void check_closest_points(const Scene& s, bool meet) {
   require(meet || found.distance >= nearest - s.tolerance, "apart, an edge or corner is as close as the triangles");
 }
 
+bool is_same(const Triangle& a, const Triangle& b) { return a.v0 == b.v0 && a.v1 == b.v1 && a.v2 == b.v2; }
+
+void check_contact(const Scene& s, bool meet) {
+  const TriangleContact found = in_environment(s.environment, [&] { return contact(s.a, s.b); });
+  const TriangleContact swapped = in_environment(s.environment, [&] { return contact(s.b, s.a); });
+  require((found.distance == 0) == meet, "a contact's distance is 0 exactly when the triangles meet");
+  require(std::abs(length(found.normal) - 1) <= 0x1p-50, "a contact's normal has length 1");
+  require(std::isfinite(found.depth) && found.depth >= 0, "a depth is finite and not negative");
+  require(meet || found.depth == 0, "triangles that are apart have no depth");
+  require(!meet || is_same(s.a, s.b) || swapped.normal == -found.normal,
+          "swapping triangles that meet negates the normal");
+  double end = -HUGE_VAL, start = HUGE_VAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    end = std::max(end, dot(found.normal, s.a[i])), start = std::min(start, dot(found.normal, s.b[i]));
+  }
+  require(start + found.depth >= end - s.tolerance, "the depth along the normal parts the triangles");
+  const bool has_faces = found.feature_a.kind == FeatureKind::face && found.feature_b.kind == FeatureKind::face;
+  require(!has_faces, "at most one feature of a contact is a face");
+}
+
 void check_spheres(const Scene& s) {
   const auto [holds_a, holds_b, holds_both] = in_environment(s.environment, [&] {
     const Sphere a = enclosing_sphere(s.a), b = enclosing_sphere(s.b), both = enclosing_sphere(a, b);
@@ -146,7 +166,9 @@ void check_spheres(const Scene& s) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace limber::fuzz;
   const Scene s = scene(ByteReader({data, size}));
-  check_closest_points(s, check_predicates(s));
+  const bool meet = check_predicates(s);
+  check_closest_points(s, meet);
+  check_contact(s, meet);
   check_spheres(s);
   return 0;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "answers.h"
 
+#include <cmath>
+
 #include "text.h"
 
 namespace limber::program {
@@ -37,7 +39,7 @@ std::string csv_cells(const std::optional<FoundWitness>& witness) {
 
 void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness) {
   json["status"] = to_text(result.status);
-  json["lower"] = result.lower;
+  json["lower"] = std::isfinite(result.lower) ? Json(result.lower) : Json(nullptr);  // where there is no pair at all
   json["upper"] = result.status == Status::beyond_limit ? Json(nullptr) : Json(result.upper);
   json["witness"] = to_json(witness);
 }

@@ -50,6 +50,8 @@ class DeformingModel {
   Result<void> move_all(std::span<const Vec3> positions);
   void commit();
   const Mesh& mesh() const;
+  /// Pre: the engine is the fast one.
+  const Model& fast() const { return std::get<Model>(model_); }
   DeformingWork work() const;
 
   /// Pre: both are of the same engine.

@@ -29,7 +29,7 @@ ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& an
 
 void append_answer(Json& json, const DistanceAnswer& answer) {
   append_distance(json, answer.result, answer.witness);
-  json["too_close"] = answer.too_close ? Json(*answer.too_close) : Json(nullptr);
+  json["too_close"] = to_json(answer.too_close);
   json["inside"] = to_json(answer.nesting);
 }
 

@@ -85,12 +85,6 @@ void warn_about(std::size_t nested_count) {
   warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
 }
 
-/// Whether both names are those of one file.
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code failed;
-  return std::filesystem::equivalent(a, b, failed);
-}
-
 }  // namespace
 
 std::string pairs_answer_columns() {

@@ -38,6 +38,8 @@ class RigidModel {
   RigidModel(MeshFile file, Engine engine);
 
   const Mesh& mesh() const;
+  /// Pre: the engine is the fast one.
+  const Model& fast() const { return std::get<Model>(model_); }
   std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
   double build_us() const { return build_us_; }  ///< time for the tree
   const Box& box() const { return box_; }        ///< of the triangles, in the model's frame

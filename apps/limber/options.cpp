@@ -14,6 +14,14 @@ namespace {
 
 constexpr double largest = std::numeric_limits<double>::max();
 
+double read_number(const std::string& text, const std::string& name, const NumberRange& range) {
+  const std::optional<double> number = parsed_number(text);
+  if (!number || !(*number >= range.low && *number <= range.high)) {
+    throw CLI::ValidationError(name, fmt::format("must be {}, not '{}'", range.text, text));
+  }
+  return *number;
+}
+
 std::uint64_t read_count(const std::string& text, const std::string& name, std::uint64_t low, std::uint64_t high) {
   const std::optional<std::uint64_t> count = parsed_count(text);
   if (!count || *count < low || *count > high) {
@@ -26,16 +34,16 @@ std::uint64_t read_count(const std::string& text, const std::string& name, std::
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
                         const std::string& description) {
-  const auto read = [&target, range, name](const std::string& text) {
-    const std::optional<double> number = parsed_number(text);
-    if (!number || !(*number >= range.low && *number <= range.high)) {
-      throw CLI::ValidationError(name, fmt::format("must be {}, not '{}'", range.text, text));
-    }
-    target = *number;
-  };
+  const auto read = [&target, range, name](const std::string& text) { target = read_number(text, name, range); };
   return command.add_option_function<std::string>(name, read, description)
       ->type_name("NUMBER")
       ->default_str(fmt::format("{}", target));
+}
+
+CLI::Option* add_optional_number(CLI::App& command, const std::string& name, std::optional<double>& target,
+                                 const NumberRange& range, const std::string& description) {
+  const auto read = [&target, range, name](const std::string& text) { target = read_number(text, name, range); };
+  return command.add_option_function<std::string>(name, read, description)->type_name("NUMBER");
 }
 
 CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,

@@ -23,6 +23,10 @@ struct NumberRange {
 CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
                         const std::string& description);
 
+/// The same, without a default.
+CLI::Option* add_optional_number(CLI::App& command, const std::string& name, std::optional<double>& target,
+                                 const NumberRange& range, const std::string& description);
+
 /// A whole number from `low` to `high`.
 CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
                        std::uint64_t high, const std::string& description);

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "bad_input.h"
 #include "text.h"
@@ -90,6 +92,11 @@ bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
 void OutputFile::write(std::string_view text) {
   write_to(stream_, text);
   flush(stream_);
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code failed;
+  return std::filesystem::equivalent(a, b, failed);
 }
 
 void warn(const std::string& verb, const std::string& text) {

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -54,6 +55,9 @@ class OutputFile {
   std::FILE* stream_;
 };
 
+/// Whether both names are those of one file.
+bool is_same_file(const std::string& a, const std::string& b);
+
 /// One line on standard error about an answer that may not mean what it seems to.
 void warn(const std::string& verb, const std::string& text);
 
@@ -63,6 +67,11 @@ void warn(const std::string& verb, const std::string& text);
 std::string to_line(const Json& json);
 
 Json to_json(const Vec3& point);
+/// Null without a value.
+template <typename T>
+Json to_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
 const char* to_text(Status status);
 
 /// The text without line ends or other control characters, so that it stays on one line.

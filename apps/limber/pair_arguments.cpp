@@ -7,7 +7,6 @@
 #include "verb.h"
 
 namespace limber::program {
-namespace {
 
 void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model) {
   const auto read = [&target, name](const std::string& text) {
@@ -23,13 +22,15 @@ void add_pose(CLI::App& command, const std::string& name, Transform& target, con
       ->default_str("0,0,0,1,0,0,0");
 }
 
-}  // namespace
-
-void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told) {
+void add_placed_arguments(CLI::App& command, PlacedArguments& arguments) {
   command.add_option("A", arguments.a, model_argument_help)->type_name("MODEL")->required();
   command.add_option("B", arguments.b, "as A, in the same length unit")->type_name("MODEL")->required();
   add_pose(command, "--pose-a", arguments.pose_a, "A");
   add_pose(command, "--pose-b", arguments.pose_b, "B");
+}
+
+void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told) {
+  add_placed_arguments(command, arguments);
   add_choice(command, "--engine", arguments.engine,
              {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
              "8-wide trees, binary sphere trees, or every triangle against every other");
@@ -37,7 +38,7 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::
   add_exit_code(command, arguments.exit_code, told);
 }
 
-Pair::Pair(const PairArguments& arguments)
+Pair::Pair(const PlacedArguments& arguments)
     : arguments_(arguments),
       a_(load_mesh_argument(arguments.a), arguments.engine),
       b_(load_mesh_argument(arguments.b), arguments.engine) {}

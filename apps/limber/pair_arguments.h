@@ -12,29 +12,39 @@ class App;
 
 namespace limber::program {
 
-/// The arguments that the verbs about two rigid models share.
-struct PairArguments {
+/// Two rigid models, and where they stand.
+struct PlacedArguments {
   std::string a, b;
   Transform pose_a, pose_b;  // world_from_model
   Engine engine = Engine::fast;
+};
+
+/// An option that says where a model stands: "A".
+void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model);
+
+/// `A`, `B`, `--pose-a`, `--pose-b`.
+void add_placed_arguments(CLI::App& command, PlacedArguments& arguments);
+
+/// The arguments that the verbs about the closest or any pair of points of two rigid models share.
+struct PairArguments : PlacedArguments {
   bool json = false;
   bool exit_code = false;
 };
 
-/// `A`, `B`, `--pose-a`, `--pose-b`, `--engine`, `--json`, and `--exit-code` with what it tells: "the models collide".
+/// Those above, `--engine`, `--json`, and `--exit-code` with what it tells: "the models collide".
 void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
 
 /// The two models that the arguments name.
 class Pair {
  public:
-  explicit Pair(const PairArguments& arguments);
+  explicit Pair(const PlacedArguments& arguments);
 
   PlacedModel a() const { return {a_, arguments_.pose_a}; }
   PlacedModel b() const { return {b_, arguments_.pose_b}; }
   double build_us() const;  ///< of the trees of both
 
  private:
-  PairArguments arguments_;
+  PlacedArguments arguments_;
   RigidModel a_, b_;
 };
 

@@ -19,6 +19,7 @@
 #include "progress_bar.h"
 #include "stopwatch.h"
 #include "text.h"
+#include "track_contacts.h"
 #include "track_inputs.h"
 #include "verb.h"
 
@@ -36,6 +37,7 @@ struct TrackArguments {
   ModelArguments a, b;
   DistanceOptions query;
   DeformingOptions model;
+  TrackContactArguments contacts;
   std::uint64_t loops = 1;
   bool json = false;
 };
@@ -114,17 +116,53 @@ struct Row {
   double query_us = 0;
   DistanceResult result;
   std::optional<FoundWitness> witness;
+  std::vector<FrameContacts> contacts;
 };
 
-std::string csv_header() {
-  return fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests\n",
-                     distance_columns, witness_columns);
+/// Which pairs of triangles are counted in each frame: those of two models, or of one with itself.
+struct AskedContacts {
+  std::string name;
+  const TrackedModel *a, *b;
+};
+
+std::vector<AskedContacts> asked_contacts(const TrackContactArguments& arguments, const TrackedModel& a,
+                                          const TrackedModel& b) {
+  std::vector<AskedContacts> asked;
+  if (arguments.contacts) asked.push_back({"contact", &a, &b});
+  if (!arguments.self) return asked;
+  if (a.mesh_count() == 1 && b.mesh_count() == 1) {
+    throw BadInput("--self: neither model deforms; limber self tells about one that does not");
+  }
+  if (a.mesh_count() > 1) asked.push_back({"self_a", &a, &a});
+  if (b.mesh_count() > 1) asked.push_back({"self_b", &b, &b});
+  return asked;
+}
+
+FrameContacts find_contacts(const AskedContacts& asked, double margin) {
+  FrameContacts answer{asked.name, collect_contacts(1, ContactDetail::all, [&](ContactCollector& visit) {
+                         const Model &a = asked.a->model().fast(), &b = asked.b->model().fast();
+                         if (&a == &b) return visit_self_contacts(a, margin, visit);
+                         return visit_contacts({a, asked.a->pose()}, {b, asked.b->pose()}, margin, visit);
+                       })};
+  set_faces(answer.found, *asked.a, *asked.b);
+  return answer;
+}
+
+std::string csv_header(const std::vector<AskedContacts>& asked) {
+  std::string header =
+      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests",
+                  distance_columns, witness_columns);
+  for (const AskedContacts& contacts : asked) header += ',' + frame_contact_columns(contacts.name);
+  return header + '\n';
 }
 
 std::string csv_line(const Row& row) {
-  return fmt::format("{},{},{},{},{},{},{},{},{}\n", row.frame, to_text(row.update.elapsed_us), to_text(row.query_us),
-                     csv_cells(row.result, row.witness), row.update.done.moved_vertices, row.update.done.refits,
-                     row.update.done.absorbed, row.result.stats.node_tests, row.result.stats.triangle_tests);
+  std::string line =
+      fmt::format("{},{},{},{},{},{},{},{},{}", row.frame, to_text(row.update.elapsed_us), to_text(row.query_us),
+                  csv_cells(row.result, row.witness), row.update.done.moved_vertices, row.update.done.refits,
+                  row.update.done.absorbed, row.result.stats.node_tests, row.result.stats.triangle_tests);
+  for (const FrameContacts& contacts : row.contacts) line += ',' + csv_cells(contacts);
+  return line + '\n';
 }
 
 std::string json_line(const Row& row) {
@@ -135,6 +173,7 @@ std::string json_line(const Row& row) {
   json["absorbed"] = row.update.done.absorbed;
   json["node_tests"] = row.result.stats.node_tests;
   json["triangle_tests"] = row.result.stats.triangle_tests;
+  for (const FrameContacts& contacts : row.contacts) append_contacts(json, contacts);
   return to_line(json);
 }
 
@@ -150,17 +189,22 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
 }
 
 ExitCode run(const TrackArguments& arguments) {
+  check_track_contacts(arguments.contacts, arguments.model.engine);
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
   TrackedModel b(arguments.b, arguments.model, arguments.loops > 1);
   const std::size_t frame_count = common_frame_count(
       {{"--a", a.mesh_count()}, {"--b", b.mesh_count()}, {"--poses-a", a.pose_count()}, {"--poses-b", b.pose_count()}});
   const std::size_t row_count = frame_count * arguments.loops;
+  const std::vector<AskedContacts> asked = asked_contacts(arguments.contacts, a, b);
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) write(csv_header());
+  if (!arguments.json) write(csv_header(asked));
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
     Row row = track_frame(a, b, r % frame_count, arguments.query);
     row.frame = r;
+    for (const AskedContacts& contacts : asked) {
+      row.contacts.push_back(find_contacts(contacts, arguments.contacts.margin.value_or(0)));
+    }
     if (isatty(STDOUT_FILENO) != 0) bar.clear();
     write(arguments.json ? json_line(row) : csv_line(row));
     flush();
@@ -189,6 +233,7 @@ Verb add_track(CLI::App& app) {
       ->type_name("CSV");
   add_distance_options(command, arguments->query);
   add_deforming(command, arguments->model);
+  add_track_contacts(command, arguments->contacts);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
   command.footer(R"(
@@ -202,6 +247,11 @@ The answer is CSV with a header, or with --json an object for each frame. lower 
 models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.
 Whether one model lies inside the other is not looked at.
+
+--contacts adds columns that start with contact_, and --self those that start with self_a_ and self_b_ for each model
+that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;
+and the deepest pair or else the nearest, under the names that limber contacts has. Its cells are empty where there is
+no pair. In JSON they are an object contact, self_a or self_b, with query_us, count, intersecting and pair, or null.
 )");
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -32,6 +32,7 @@ enum class ErrorCode {
   unsupported_format,    ///< the file's extension is not one of those read
   changed_connectivity,  ///< a frame whose faces differ from those of the first frame
   broken_invariant,      ///< `validate()` found the structure damaged
+  not_closed,            ///< a surface that has no inside: an edge that is not shared by two triangles, in order
 };
 
 /// One line for a person, a code for a program, and the place.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "limber/math.h"
 
@@ -36,6 +37,32 @@ struct Box {
 struct ClosestPoints {
   double distance = 0;
   Vec3 point_a, point_b;
+};
+
+/// A part of a triangle.
+enum class FeatureKind : std::uint8_t { vertex, edge, face };
+
+/// The vertex, edge or face of a triangle that a closest point lies on.
+struct Feature {
+  FeatureKind kind = FeatureKind::face;
+  std::uint8_t index = 0;  ///< vertex i is corner i, edge i goes from corner i to the next one; 0 for the face
+  friend bool operator==(const Feature&, const Feature&) = default;
+};
+
+/// The closest points of two triangles, and the features that they lie on.
+struct ClosestFeatures {
+  double distance = 0;
+  Vec3 point_a, point_b;
+  Feature feature_a, feature_b;
+};
+
+/// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.
+struct TriangleContact {
+  double distance = 0;    ///< 0 exactly when the triangles intersect
+  double depth = 0;       ///< 0 unless they intersect: moving b by that much along the normal parts the two
+  Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect
+  Vec3 normal;            ///< of length 1, from a to b
+  Feature feature_a, feature_b;
 };
 
 /// On which side of the plane through (a, b, c) the point d lies, exact: +1 on the side that the normal
@@ -83,6 +110,38 @@ ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 /// Throws   std::invalid_argument if a coordinate is not finite, or above `max_coordinate` in size.
 /// Source   docs/algorithms/triangle_distance.md, docs/algorithms/numerics.md.
 ClosestPoints closest_points(const Triangle& a, const Triangle& b);
+
+/// Closest points of two triangles, and the features that they lie on.
+///
+/// Promise  Distance and points are those of closest_points(), to the bit.
+///          Apart: each point lies inside its feature, and the distance of the two features is `distance`. The pair is
+///          two vertices, a vertex and an edge, two edges, or a vertex and a face.
+///          Intersecting: the two features meet, and at most one of them is a face. The shared point lies on both, or
+///          the triangles cross in a line, and the features meet at the end of it that is next to the point.
+///          All this holds up to the rounding of the points. A degenerate triangle may have several features in one
+///          place; any of them is named, but none of length 0 that is not a vertex.
+/// Throws   As closest_points().
+/// Source   docs/algorithms/triangle_distance.md.
+ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
+
+/// What keeps two triangles apart, or would part them: closest features, normal and depth.
+///
+/// Promise  Distance, points and features are those of closest_features(). The normal has length 1 within 2^-50, for
+///          every input.
+///          Apart: the normal is the direction from point_a to point_b. It differs from the true direction by no more
+///          than 2^-24 times the root of (extent / distance), and the triangles do not overlap along it by more than
+///          2^-48 of the extent.
+///          Intersecting: the normal is that normal of a face, or common perpendicular of two edges, along which the
+///          triangles overlap least. `depth` is that overlap rounded up: once b has moved by depth + 2^-1000 (1 +
+///          extent) along the normal, none of its points is behind a point of a, in exact arithmetic. `depth` exceeds
+///          the least overlap by at most 2^-47 of the extent; if one is a sliver, by at most 2^-24. Coplanar triangles
+///          get the normal of their plane, collinear ones a perpendicular, points at one place the z axis.
+///          Swapping a and b negates the normal: to the bit if they intersect, unless their corners are equal in
+///          order, so that the swap changes nothing; if they are apart, within the above error.
+/// Throws   As closest_points().
+/// Cost     That of closest_points(), or twice that much if the triangles intersect.
+/// Source   docs/algorithms/triangle_distance.md; separating axes, [Ericson2005] 5.2.1.
+TriangleContact contact(const Triangle& a, const Triangle& b);
 
 /// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 Sphere enclosing_sphere(const Triangle& triangle);

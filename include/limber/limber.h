@@ -5,9 +5,13 @@
 /// Everything of the core library; mesh files are in limber/io.h.
 #include "limber/base.h"
 #include "limber/classic.h"
+#include "limber/contacts.h"
+#include "limber/function_ref.h"
 #include "limber/geometry.h"
 #include "limber/math.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
+#include "limber/points.h"
 #include "limber/query.h"
 #include "limber/reference.h"
+#include "limber/scene.h"

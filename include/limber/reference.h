@@ -2,8 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "limber/contacts.h"
 #include "limber/mesh.h"
+#include "limber/points.h"
 #include "limber/query.h"
+#include "limber/scene.h"
 
 /// Brute-force twins of every query: each triangle of one mesh against each of the other, no tree and no tricks.
 ///
@@ -33,5 +39,43 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 ///
 /// Cost     O(n m).
 WithinResult within(const Placed& a, const Placed& b, double max_distance);
+
+/// All pairs of contacts.h, in the order of ids: first of the triangles of a, then of those of b.
+///
+/// Throws   As above; also unless the margin is finite and >= 0.
+/// Cost     O(n m); O(n^2) for a mesh with itself.
+std::vector<TrianglePair> intersections(const Placed& a, const Placed& b);
+std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
+std::vector<TrianglePair> self_intersections(MeshView mesh);
+std::vector<Contact> self_contacts(MeshView mesh, double margin);
+
+/// The point of the mesh that is closest to a point of the world; of several triangles that are equally close, to the
+/// bit, it is that of the lowest id.
+///
+/// Throws   As above; also unless the point is finite and at most `max_coordinate` in size.
+/// Cost     O(n).
+PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOptions& options = {});
+
+/// Whether a mesh that is closed and oriented, as ClosedSurface says, encloses a point, or the point lies on it.
+///
+/// Throws   As above.
+/// Cost     O(n).
+bool contains(const Placed& mesh, const Vec3& point);
+
+/// The generalised winding number.
+///
+/// Throws   As above.
+/// Cost     O(n).
+double winding_number(const Placed& mesh, const Vec3& point);
+
+/// The pairs of some objects, whose ids are their indices, that are at most `max_distance` apart, in the order of ids.
+///
+/// Cost     O(n^2) for n triangles together.
+std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max_distance);
+
+/// The closest two of some objects, whose ids are their indices.
+///
+/// Cost     O(n^2) for n triangles together.
+ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options = {});
 
 }  // namespace limber::reference

@@ -162,14 +162,15 @@ void Rebuild::write(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
 }
 
 void Rebuild::start_sweep(const Tree& tree) {
-  next_.unit = tree.unit;
+  unit_before_ = tree.unit;
+  next_.unit = better_unit(tree);
   dirty_->clear();
   round_.clear();
   step_ = Step::sweeping, done_ = next_.first_lowest_node();
 }
 
 void Rebuild::fit(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
-  if (step_ == Step::assigned || next_.unit != tree.unit) start_sweep(tree);
+  if (step_ == Step::assigned || unit_before_ != tree.unit) start_sweep(tree);
   while (step_ == Step::sweeping) {
     if (budget.is_spent()) return;
     const auto node = static_cast<std::uint32_t>(--done_);
@@ -219,7 +220,7 @@ double Rebuild::ns_beside_budget() const {
 bool Rebuild::can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const {
   if (stage_ != Stage::fitting) return false;
   if (dirty.covers_most_of(tree)) return true;  // all has to be fitted anyway
-  if (step_ != Step::refitting || next_.unit != tree.unit) return false;
+  if (step_ != Step::refitting || unit_before_ != tree.unit) return false;
   const double due = ns_per_lowest_node * static_cast<double>(dirty_count());
   return due <= ns_per_lowest_node * static_cast<double>(dirty_->marked_count()) + ns;
 }
@@ -227,8 +228,12 @@ bool Rebuild::can_take_over(const Tree& tree, const DirtySet& dirty, double ns) 
 void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
   LIMBER_ASSERT(stage_ == Stage::fitting);
   dirty.set_follower(nullptr);
-  if (step_ != Step::refitting || next_.unit != tree.unit || dirty.covers_most_of(tree)) dirty_->add_all();
+  if (step_ != Step::refitting || unit_before_ != tree.unit || dirty.covers_most_of(tree)) {
+    dirty_->add_all();
+    next_.unit = tree.unit;
+  }
   for (const std::uint32_t node : round_) dirty_->add_node(lowest_level(next_), node);
+  std::swap(tree.unit, next_.unit);
   tree.nodes.swap(next_.nodes);
   tree.leaves.swap(next_.leaves);
   tree.assignment_id = new_assignment_id();

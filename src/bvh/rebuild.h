@@ -97,6 +97,7 @@ class Rebuild {
   std::vector<BuildRange> ranges_;  // still to be partitioned
   std::optional<Split> split_;      // of the last of them
 
+  double unit_before_ = 1;  // of the tree when the sweep began: in another one the bounds have to be fitted anew
   Tree next_;
   std::optional<DirtySet> dirty_;     // of next_
   std::vector<std::uint32_t> round_;  // lowest nodes that are refitted before any that become dirty meanwhile

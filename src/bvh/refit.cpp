@@ -27,8 +27,10 @@ using core::outward;
 // Fewer nodes are not worth a task.
 constexpr std::size_t nodes_per_task = 16;
 
-// A unit may be this factor too large or too small before the whole tree is fitted in another one.
-constexpr double tolerated_unit_ratio = 1024;
+// A unit may be this factor too large or too small before a rebuild of the tree writes it in another one, and before
+// the whole tree is fitted in another one at once. Float32 has the digits for more: all that it costs is bounds of tiny
+// gaps.
+constexpr double good_unit_ratio = 0x1p10, tolerated_unit_ratio = 0x1p20;
 
 // An origin may be this multiple of the largest child's radius away from its node's first child.
 constexpr double tolerated_origin_distance = 64;
@@ -120,6 +122,17 @@ void find_radius(WideNode& node) {
   node.radius = core::float_up(radius * outward);
 }
 
+/// The unit for a model of the size of the root's bounds.
+double unit_of_bounds(const Tree& tree) {
+  const Volume root = volume_of_slot(tree.nodes[0], 0);
+  return unit_for(2 * tree.unit * length(root.half), max_abs(tree.nodes[0].origin));
+}
+/// Whether the unit of a tree is at most so many times larger or smaller than that.
+bool has_unit_within(const Tree& tree, double ratio) {
+  const double unit = unit_of_bounds(tree);
+  return unit <= ratio * tree.unit && tree.unit <= ratio * unit;
+}
+
 class Refitter {
  public:
   Refitter(Tree& tree, MeshView mesh)
@@ -199,9 +212,7 @@ class Refitter {
   /// did. The bounds are enough to notice that; once a model has shrunk by more than 2^60 they no longer tell its size,
   /// so the new unit is measured from the vertices.
   bool adapts_unit(MeshView mesh) const {
-    const Volume root = volume_of_slot(tree_.nodes[0], 0);
-    const double unit = unit_for(2 * tree_.unit * length(root.half), max_abs(tree_.nodes[0].origin));
-    if (unit <= tolerated_unit_ratio * tree_.unit && tree_.unit <= tolerated_unit_ratio * unit) return false;
+    if (has_unit_within(tree_, tolerated_unit_ratio)) return false;
     const double before = std::exchange(tree_.unit, bounding_box_of(mesh).unit());
     return tree_.unit != before;
   }
@@ -283,6 +294,10 @@ double unit_for(double size, double magnitude) {
   int exponent = 0;
   const double fraction = std::frexp(std::max({size, magnitude_resolved * magnitude, smallest_unit}), &exponent);
   return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);
+}
+
+double better_unit(const Tree& tree) {
+  return has_unit_within(tree, good_unit_ratio) ? tree.unit : unit_of_bounds(tree);
 }
 
 void fit(Tree& tree, MeshView mesh) {

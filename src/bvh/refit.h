@@ -16,6 +16,11 @@ namespace limber::bvh {
 /// Cost     O(nodes refitted); fit() at most.
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty);
 
+/// The unit that a tree should be written in: its own, or another once the model has become far larger or smaller.
+///
+/// Cost     O(1), from the bounds of the root.
+double better_unit(const Tree& tree);
+
 /// Fits the child slots of a node above the lowest level: one step of fitting a tree from its last such node to its
 /// first.
 ///

@@ -184,7 +184,7 @@ CollideResult collide(const Placed& a, const Placed& b) {
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  query::check_options(options);
+  query::check_options(options, "limber::distance");
   check_placed(a, b);
   DistanceResult result;
   DistanceQuery query(options, 0);

@@ -23,6 +23,10 @@ inline constexpr float sine_error = 0.0016F;
 /// of 2^-24 each.
 inline constexpr float projection_error = 0x1p-19F;
 
+/// What comparing a node or a leaf with a point changes a length by, as a part of the magnitudes involved: at most 10
+/// roundings of 2^-24 each.
+inline constexpr float point_error = 0x1p-20F;
+
 /// What placing a corner relative to another, and the few operations that follow, change a length by, as a part of the
 /// leaf's extent.
 inline constexpr float corner_error = 0x1p-21F;
@@ -31,6 +35,15 @@ inline constexpr float smallest_corner_error = 0x1p-60F;
 
 /// What quantization moves a corner by, in steps: a coordinate by at most 0.52, so a corner by sqrt(3) * 0.52.
 inline constexpr double quantization_error = 0.91;
+
+/// What quantization, and the rounding of a few operations, change a coordinate of the difference of two corners by, in
+/// steps: 2 * 0.52 and some 0.02.
+inline constexpr float corner_difference_error = 1.08F;
+inline constexpr float root_of_3 = 1.7321F;  // rounded up
+
+/// What rounding changes ee * pq - ep * eq by, formed from the inner products of three vectors, as a part of
+/// ee * (pp + qq): 12.5 u.
+inline constexpr float edge_plane_error = 0x1p-20F;
 
 /// What all of float32 changes a gap between two triangles of a pair of leaves by, scaled so that all numbers are about
 /// 1 or less.
@@ -70,6 +83,15 @@ inline constexpr double root_error = 0x1p-20;
 /// Rotations that are orthonormal to 1e-9 only, in the poses of both models before and after a motion, and rounding, as
 /// a part of the lengths involved.
 inline constexpr double rigidity_error = 4e-8;
+
+// --- scenes: bounds of placed models ---
+
+/// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum
+/// of its translation, its coordinates and twice its radius.
+inline constexpr double scene_bounds_error = 0x1p-44;
+
+/// What rounding makes of distances between models, as a part of them.
+inline constexpr double scene_distance_error = 0x1p-43;
 
 // --- ties: pairs of triangles that are as far apart as the closest pair, up to rounding ---
 

@@ -22,6 +22,9 @@ namespace limber::core {
 
 /// Puts the calling thread into the default floating-point environment for the lifetime of the object.
 ///
+/// A function whose last step is arithmetic on its return value passes that value through `settled`: a compiler may
+/// otherwise move the arithmetic behind the change back.
+///
 /// Cost     One read of the control register when the environment is the default one, about 1 ns.
 class DefaultFloatEnvironment {
  public:
@@ -35,6 +38,13 @@ class DefaultFloatEnvironment {
   }
   DefaultFloatEnvironment(const DefaultFloatEnvironment&) = delete;
   DefaultFloatEnvironment& operator=(const DefaultFloatEnvironment&) = delete;
+
+  /// `value`, computed before this object changes the environment back.
+  template <typename T>
+  T settled(T value) const {
+    asm volatile("" : "+m"(value) : : "memory");
+    return value;
+  }
 
  private:
   // The barriers keep loads of operands, and so the arithmetic on them, from moving across a change.

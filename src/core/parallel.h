@@ -6,6 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include "core/float_environment.h"
@@ -25,6 +26,12 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
     const DefaultFloatEnvironment environment;
     for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
   });
+}
+
+/// Calls body(begin, end) for ranges of `size` numbers, the last one shorter, that together are those below `count`.
+template <typename Body>
+void parallel_for_ranges(std::size_t count, std::size_t size, const Body& body) {
+  parallel_for((count + size - 1) / size, 1, [&](std::size_t i) { body(i * size, std::min(count, (i + 1) * size)); });
 }
 
 /// Calls both, at the same time if `worthwhile`.

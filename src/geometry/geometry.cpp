@@ -74,6 +74,20 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b) {
   return geometry::closest_points(a, b);
 }
 
+ClosestFeatures closest_features(const Triangle& a, const Triangle& b) {
+  const DefaultFloatEnvironment environment;
+  LIMBER_REQUIRE(are_in_range(a.v0, a.v1, a.v2, b.v0, b.v1, b.v2),
+                 "limber::closest_features: a coordinate is not finite, or above 2^200");
+  return geometry::closest_features(a, b);
+}
+
+TriangleContact contact(const Triangle& a, const Triangle& b) {
+  const DefaultFloatEnvironment environment;
+  LIMBER_REQUIRE(are_in_range(a.v0, a.v1, a.v2, b.v0, b.v1, b.v2),
+                 "limber::contact: a coordinate is not finite, or above 2^200");
+  return geometry::contact(a, b);
+}
+
 Sphere enclosing_sphere(const Triangle& triangle) {
   const DefaultFloatEnvironment environment;
   return geometry::enclosing_sphere(triangle);

@@ -22,11 +22,22 @@ bool intersects(const Segment& segment, const Triangle& triangle);
 ClosestPoints closest_points(const Segment& a, const Segment& b);
 ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 ClosestPoints closest_points(const Triangle& a, const Triangle& b);
+ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
+TriangleContact contact(const Triangle& a, const Triangle& b);
 
 Sphere enclosing_sphere(const Triangle& triangle);
 Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
 bool contains(const Sphere& outer, const Sphere& inner);
 bool contains(const Sphere& sphere, const Triangle& triangle);
+
+/// The point of a triangle that is closest to some point.
+struct PointOnTriangle {
+  double distance;
+  Vec3 weights;  ///< of the corners, >= 0, together 1 up to rounding; exactly 0 for corners that have no part in it
+};
+/// It depends on nothing but its arguments, to the bit, and not on their place: a common offset that is exact changes
+/// nothing. Promise as for closest_points() of triangles, but distances may be 0 where the point is as good as on it.
+PointOnTriangle closest_on(const Triangle& triangle, const Vec3& point);
 
 /// The corner that follows each corner of a triangle.
 inline constexpr std::array<std::size_t, 3> after{1, 2, 0};

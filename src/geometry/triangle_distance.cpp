@@ -13,53 +13,19 @@
 #include <limits>
 
 #include "core/check.h"
+#include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
+#include "geometry/triangle_contact.h"
 
 namespace limber {
 namespace {
 
 using geometry::after;
-
-/// Moves coordinates near the origin and, if need be, near unit size: v -> (v - origin) * scale, scale a power of two.
-class LocalFrame {
- public:
-  LocalFrame(const Vec3& origin, std::initializer_list<Vec3> points) : origin_(origin) {
-    for (const Vec3& p : points) extent_ = std::max(extent_, max_abs(p - origin));
-    if (extent_ == 0 || (extent_ > 0x1p-100 && extent_ < 0x1p100)) return;
-    int exponent = 0;
-    std::frexp(extent_, &exponent);
-    // Subnormal extents may need more than the largest power of two; what is lost then is below any double.
-    scale_ = std::ldexp(1.0, -std::max(exponent, -1000));
-    extent_ *= scale_;
-  }
-  Vec3 to_local(const Vec3& v) const { return (v - origin_) * scale_; }
-  Triangle to_local(const Triangle& t) const { return {to_local(t.v0), to_local(t.v1), to_local(t.v2)}; }
-  Segment to_local(const Segment& s) const { return {to_local(s.p0), to_local(s.p1)}; }
-  Vec3 from_local(const Vec3& v) const { return origin_ + v * (1 / scale_); }
-  double length_from_local(double length) const { return length / scale_; }
-  double extent() const { return extent_; }  ///< largest local coordinate
-
- private:
-  Vec3 origin_;
-  double extent_ = 0;
-  double scale_ = 1;
-};
-
-/// Length that stays positive where the square underflows.
-double safe_length(const Vec3& v) {
-  const double v_sq = length_sq(v);
-  if (v_sq > 0x1p-900) return std::sqrt(v_sq);
-  const double size = max_abs(v);
-  return size == 0 ? 0 : size * length(v * (1 / std::max(size, 0x1p-1000)));
-}
-
-/// The point of a triangle with the given weights; a corner is met exactly.
-Vec3 point_at(const Triangle& t, const Vec3& weights) {
-  const std::size_t k = weights.x >= weights.y ? (weights.x >= weights.z ? 0 : 2) : (weights.y >= weights.z ? 1 : 2);
-  const std::size_t i = after[k], j = after[i];
-  return t[k] + (weights[i] * (t[i] - t[k]) + weights[j] * (t[j] - t[k]));
-}
+using geometry::feature_of;
+using geometry::LocalFrame;
+using geometry::point_at;
+using geometry::safe_length;
 
 Vec3 corner_weights(std::size_t corner) {
   Vec3 w;
@@ -125,7 +91,7 @@ struct Best {
   }
 };
 
-Best closest_features(const Face& a, const Face& b) {
+Best closest_pair(const Face& a, const Face& b) {
   Best best;
   for (std::size_t i = 0; i < 3; ++i) {
     const Segment edge_a{a.corner[i], a.corner[after[i]]};
@@ -168,6 +134,19 @@ double distance_to(const Face& face, const Vec3& p) {
   return std::sqrt(best_sq);
 }
 
+/// Calls `visit` for each edge of `owner` that is not parallel to the plane of `target`, with the parameter and the
+/// place of the edge's point that is nearest to where its line passes through that plane.
+template <typename Visit>
+void for_each_crossing(const Face& owner, const Face& target, const Visit& visit) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double height0 = dot(owner.corner[i] - target.corner.v0, target.normal);
+    const double height1 = dot(owner.corner[after[i]] - target.corner.v0, target.normal);
+    if (height0 == height1) continue;
+    const double parameter = std::clamp(height0 / (height0 - height1), 0.0, 1.0);
+    visit(i, parameter, owner.corner[i] + parameter * owner.edge[i]);
+  }
+}
+
 /// The point that fits best on both triangles, which are known to intersect.
 ///
 /// Candidates are the closest features (contacts of boundaries, coplanar overlap) and the points where an edge passes
@@ -175,40 +154,138 @@ double distance_to(const Face& face, const Vec3& p) {
 Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = distance_to(b, contact);
-  const auto consider_edges_of = [&](const Face& owner, const Face& target) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double height0 = dot(owner.corner[i] - target.corner.v0, target.normal);
-      const double height1 = dot(owner.corner[after[i]] - target.corner.v0, target.normal);
-      if (height0 == height1) continue;
-      const double parameter = std::clamp(height0 / (height0 - height1), 0.0, 1.0);
-      const Vec3 p = owner.corner[i] + parameter * owner.edge[i];
-      const double candidate = std::max(distance_to(a, p), distance_to(b, p));
-      if (candidate < misfit) contact = p, misfit = candidate;
-    }
+  const auto consider = [&](std::size_t, double, const Vec3& p) {
+    const double candidate = std::max(distance_to(a, p), distance_to(b, p));
+    if (candidate < misfit) contact = p, misfit = candidate;
   };
-  if (misfit > 0) consider_edges_of(a, b);
-  if (misfit > 0) consider_edges_of(b, a);
+  if (misfit > 0) for_each_crossing(a, b, consider);
+  if (misfit > 0) for_each_crossing(b, a, consider);
   // Let h be the smallest height of the triangles. Rounding moves a point on a plane by about u * extent^2 / h, and
   // no point of a triangle is further than h / 2 from an edge. The smaller of the two is largest at h = 2^-26 * extent.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
 
+/// Two triangles compared once, for everything that is asked about them.
+///
+/// Pre      The extent of the frame is not 0.
+class Comparison {
+ public:
+  Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
+      : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
+    const Best best = closest_pair(local_a_, local_b_);  // a local variable stays in registers
+    are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.between, frame.extent());
+    intersect_ = !are_proven_apart_ && geometry::intersects(a, b);
+    best_ = best;
+  }
+
+  ClosestPoints points() const {
+    if (intersect_) {
+      const Vec3 shared = frame_.from_local(contact_point(local_a_, local_b_, best_, frame_.extent()));
+      return {0, shared, shared};
+    }
+    const double distance = frame_.length_from_local(safe_length(best_.between));
+    return {std::max(distance, std::numeric_limits<double>::min()), point_at(a_, best_.weights_a),
+            point_at(b_, best_.weights_b)};
+  }
+  const Face& local_a() const { return local_a_; }
+  const Face& local_b() const { return local_b_; }
+  const Best& best() const { return best_; }
+  double extent() const { return frame_.extent(); }
+  bool are_proven_apart() const { return are_proven_apart_; }
+  bool intersect() const { return intersect_; }
+
+ private:
+  const LocalFrame& frame_;
+  const Triangle& a_;
+  const Triangle& b_;
+  Face local_a_, local_b_;
+  Best best_;
+  bool are_proven_apart_ = false, intersect_ = false;
+};
+
+LocalFrame frame_of(const Triangle& a, const Triangle& b) {
+  LIMBER_ASSERT(is_finite(a.v0) && is_finite(b.v0));
+  return {a.v0, {a.v1, a.v2, b.v0, b.v1, b.v2}};
+}
+
+/// The best pair of a point and a triangle, which is the second; the point has no weights.
+Best closest_pair(const Vec3& point, const Face& face) {
+  Best best;
+  Vec3 weights;
+  if (face.foot(point, weights)) best.set(point_at(face.corner, weights) - point, {}, weights);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double t = geometry::closest_parameters({point, point}, {face.corner[i], face.corner[after[i]]}).t;
+    const Vec3 between = face.corner[i] + t * face.edge[i] - point;
+    if (best.improves(between)) best.set(between, {}, edge_weights(i, t));
+  }
+  return best;
+}
+
+struct FeaturePair {
+  Feature a, b;
+};
+
+FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), feature_of(best.weights_b)}; }
+
+/// A point where an edge of one triangle passes through the plane of the other.
+struct Crossing {
+  double misfit;  ///< distance from the other triangle
+  Vec3 point;
+  Vec3 weights;  ///< in the triangle that has the edge
+  bool is_edge_of_a;
+};
+
+/// The features that meet at the contact point of two intersecting triangles, or next to it.
+///
+/// Those of the best pair do if they are no further apart than rounding. Otherwise the line in which the triangles
+/// cross ends where an edge of one passes through the other; the end next to the contact point counts.
+FeaturePair features_at(const Vec3& contact, const Comparison& c) {
+  const Face &a = c.local_a(), &b = c.local_b();
+  const double rounding = 0x1p-46 * c.extent();
+  if (max_abs(c.best().between) <= rounding) return features_of(c.best());
+  std::array<Crossing, 6> crossings;
+  std::size_t count = 0;
+  double least_misfit = std::numeric_limits<double>::infinity();
+  for (const bool is_edge_of_a : {true, false}) {
+    for_each_crossing(is_edge_of_a ? a : b, is_edge_of_a ? b : a, [&](std::size_t edge, double at, const Vec3& p) {
+      crossings[count++] = {distance_to(is_edge_of_a ? b : a, p), p, edge_weights(edge, at), is_edge_of_a};
+      least_misfit = std::min(least_misfit, crossings[count - 1].misfit);
+    });
+  }
+  const Crossing* nearest = nullptr;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (crossings[i].misfit > least_misfit + rounding) continue;
+    if (nearest == nullptr || length_sq(crossings[i].point - contact) < length_sq(nearest->point - contact)) {
+      nearest = &crossings[i];
+    }
+  }
+  if (nearest == nullptr) return features_of(c.best());  // both are degenerate
+  const Feature of_edge = feature_of(nearest->weights);
+  const Feature of_other = feature_of(closest_pair(nearest->point, nearest->is_edge_of_a ? b : a).weights_b);
+  return nearest->is_edge_of_a ? FeaturePair{of_edge, of_other} : FeaturePair{of_other, of_edge};
+}
+
 }  // namespace
 
 ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
-  LIMBER_ASSERT(is_finite(a.v0) && is_finite(b.v0));
-  const LocalFrame frame(a.v0, {a.v1, a.v2, b.v0, b.v1, b.v2});
+  const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return {0, a.v0, a.v0};
-  const Face local_a(frame.to_local(a)), local_b(frame.to_local(b));
-  const Best best = closest_features(local_a, local_b);
-  if (!is_separated(local_a.corner, local_b.corner, best.between, frame.extent()) && geometry::intersects(a, b)) {
-    const Vec3 shared = frame.from_local(contact_point(local_a, local_b, best, frame.extent()));
-    return {0, shared, shared};
-  }
-  const double distance = frame.length_from_local(safe_length(best.between));
-  return {std::max(distance, std::numeric_limits<double>::min()), point_at(a, best.weights_a),
-          point_at(b, best.weights_b)};
+  return Comparison(frame, a, b).points();
+}
+
+geometry::DirectedFeatures geometry::directed_features(const Triangle& a, const Triangle& b) {
+  const LocalFrame frame = frame_of(a, b);
+  const Feature vertex{FeatureKind::vertex, 0};
+  if (frame.extent() == 0) return {{0, a.v0, a.v0, vertex, vertex}, {}, false};
+  const Comparison c(frame, a, b);
+  const auto [distance, point_a, point_b] = c.points();
+  const FeaturePair features = c.intersect() ? features_at(frame.to_local(point_a), c) : features_of(c.best());
+  return {{distance, point_a, point_b, features.a, features.b}, c.best().between, c.are_proven_apart()};
+}
+
+ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b) {
+  return directed_features(a, b).closest;
 }
 
 ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
@@ -218,20 +295,6 @@ ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
   const Vec3 between = (local_b.p0 - local_a.p0) + (t * (local_b.p1 - local_b.p0) - s * (local_a.p1 - local_a.p0));
   return {frame.length_from_local(safe_length(between)), point_at({a.p0, a.p1, a.p1}, {1 - s, s, 0}),
           point_at({b.p0, b.p1, b.p1}, {1 - t, t, 0})};
-}
-
-ClosestPoints geometry::closest_points(const Vec3& point, const Triangle& triangle) {
-  const LocalFrame frame(point, {triangle.v0, triangle.v1, triangle.v2});
-  const Face face(frame.to_local(triangle));
-  Best best;
-  Vec3 weights;
-  if (face.foot({}, weights)) best.set(point_at(face.corner, weights), {}, weights);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double t = geometry::closest_parameters({}, {face.corner[i], face.corner[after[i]]}).t;
-    const Vec3 between = face.corner[i] + t * face.edge[i];
-    if (best.improves(between)) best.set(between, {}, edge_weights(i, t));
-  }
-  return {frame.length_from_local(safe_length(best.between)), point, point_at(triangle, best.weights_b)};
 }
 
 }  // namespace limber

@@ -10,26 +10,18 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <tuple>
 
+#include "geometry/collinear.h"
 #include "geometry/primitives.h"
 
 namespace limber {
 namespace {
 
 using geometry::after;
-
-bool lexicographically_less(const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+using geometry::faithful_axis;
+using geometry::lexicographically_less;
 
 bool opposite(int sign_a, int sign_b) { return sign_a * sign_b < 0; }
-
-/// An axis along which the three points keep a non-zero area, if they are not collinear.
-std::optional<std::size_t> faithful_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (geometry::orient2d(a, b, c, axis) != 0) return axis;
-  }
-  return {};
-}
 
 /// Closed segments on one line: their lexicographic intervals overlap.
 bool collinear_segments_meet(const Segment& s, const Segment& t) {

@@ -169,7 +169,7 @@ Box Model::bounding_box() const {
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
   const Vec3 center = bvh::slot_center(tree, bvh::root), extents = half + Vec3{1, 1, 1} * (tree.drift + rounding(tree));
-  return {center - extents, center + extents};
+  return environment.settled(Box{center - extents, center + extents});
 }
 
 Sphere Model::bounding_sphere() const {
@@ -178,7 +178,8 @@ Sphere Model::bounding_sphere() const {
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
   const bvh::Tree& tree = impl_->tree;
   const double radius = tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]);
-  return {bvh::slot_center(tree, bvh::root), (radius + tree.drift + rounding(tree)) * core::outward};
+  return environment.settled(
+      Sphere{bvh::slot_center(tree, bvh::root), (radius + tree.drift + rounding(tree)) * core::outward});
 }
 
 Result<void> Model::validate() const {

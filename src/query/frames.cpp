@@ -9,18 +9,16 @@
 #include "core/rounding.h"
 
 namespace limber::query {
-namespace {
 
-/// Infinity above what the kernels can square: they treat such a node as if it were everywhere. A finite number in its
-/// place would make the node smaller than it is.
-double or_infinite(double x) { return x < core::max_units ? x : std::numeric_limits<double>::infinity(); }
+double or_infinite(double units) { return units < core::max_units ? units : std::numeric_limits<double>::infinity(); }
 
-/// The inverse of a matrix that is nearly a rotation; unlike the transpose, as exact as float64 allows.
 Mat3 inverse_of(const Mat3& m) {
   const Vec3 c0 = cross(m.row1, m.row2), c1 = cross(m.row2, m.row0), c2 = cross(m.row0, m.row1);
   const double scale = 1 / dot(m.row0, c0);
   return transpose({c0 * scale, c1 * scale, c2 * scale});
 }
+
+namespace {
 
 Transform relative(const Transform& own, const Transform& other) {
   const Mat3 back = inverse_of(own.rotation);

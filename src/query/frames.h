@@ -7,6 +7,13 @@
 
 namespace limber::query {
 
+/// Infinity above what the kernels can square: they treat such a node as if it were everywhere. A finite number in its
+/// place would make the node smaller than it is.
+double or_infinite(double units);
+
+/// The inverse of a matrix that is nearly a rotation; unlike the transpose, as exact as float64 allows.
+Mat3 inverse_of(const Mat3& m);
+
 /// The transforms between the frames of two models, as the kernels need them. Computed when they are first asked for.
 class Frames {
  public:

@@ -32,15 +32,14 @@ double root_gap(const bvh::Tree& tree, const Vec3& point) {
   return std::max({length(out), above, below}) - tree.drift;
 }
 
-/// At least the distance of any point of the placed model from the world's origin. A model that has drifted may be many
-/// radii away from the origin of its root.
+}  // namespace
+
+// A model that has drifted may be many radii away from the origin of its root.
 double magnitude(const bvh::Tree& tree, const Transform& pose) {
   const double from_origin = tree.unit * static_cast<double>(tree.nodes[0].radius) + tree.drift;
   return sum_of_coordinates(pose.translation) +
          (sum_of_coordinates(tree.nodes[0].origin) + std::max(2 * root_radius(tree), from_origin)) * core::magnitude_up;
 }
-
-}  // namespace
 
 PlacedModels::PlacedModels(const Placed& a, const Placed& b)
     : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {

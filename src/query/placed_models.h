@@ -14,6 +14,9 @@ enum class Side { a, b };
 inline Side other(Side s) { return s == Side::a ? Side::b : Side::a; }
 inline std::size_t index(Side s) { return s == Side::a ? 0 : 1; }
 
+/// At least the distance of any point of the placed model from the world's origin.
+double magnitude(const bvh::Tree& tree, const Transform& pose);
+
 /// The two models of a query and where they are. Constant while the query runs.
 class PlacedModels {
  public:

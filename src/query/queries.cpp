@@ -7,6 +7,7 @@
 
 #include "core/float_environment.h"
 #include "limber/model.h"
+#include "query/distance_answer.h"
 #include "query/goals/any_contact.h"
 #include "query/goals/closest_pair.h"
 #include "query/options.h"
@@ -43,32 +44,16 @@ StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, Bud
   return stopped_by;
 }
 
-Status status_of(const DistanceResult& result) {
-  if (result.upper == 0) return Status::collision;
-  if (result.stopped_by != StoppedBy::nothing) return Status::interrupted;
-  return result.lower == result.upper ? Status::exact : Status::within_error;
-}
-
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter meter,
                         QueryCache* cache) {
   const core::DefaultFloatEnvironment environment;
-  query::check_options(options);
+  query::check_options(options, "limber::distance");
   const query::PlacedModels placed(a, b);
   DistanceResult result;
   query::ClosestPair goal(options, 0);
   const query::Unsearched unsearched = query::search(placed, cache, goal, meter, result.stats);
-  result.stopped_by = unsearched.stopped_by;
-  if (goal.upper > options.max_distance && unsearched.stopped_by == StoppedBy::nothing) {
-    result.upper = std::numeric_limits<double>::infinity();
-    result.lower = options.max_distance;
-    result.status = Status::beyond_limit;
-    return result;
-  }
-  query::remember(cache, *goal.witness);
-  result.upper = goal.upper;
-  result.lower = std::min(goal.upper, unsearched.distance);
-  result.witness = goal.witness;
-  result.status = status_of(result);
+  query::set_answer(result, goal, unsearched, options.max_distance);
+  if (result.witness) query::remember(cache, *result.witness);
   return result;
 }
 

@@ -45,6 +45,7 @@ Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& prun
 /// Looks for what a goal wants, first where the last query ended if there is a cache.
 template <typename Goal>
 Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, BudgetMeter& meter, QueryStats& stats) {
+  static_assert(!Goal::is_self);
   LIMBER_ASSERT(!Goal::needs_all || cache == nullptr);  // a front skips what the last query has compared
   Pruning pruning(placed, goal.initial_prune_distance());
   ++stats.node_tests;
@@ -76,6 +77,15 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
   if (Goal::takes_any ? goal.is_done() && stats.triangle_tests == 1 : at_first <= nearly * pruning.distance())
     last->front.be_useful();
   return left;
+}
+
+/// Looks for what a goal wants among the triangles of one model, which stands on both sides.
+template <typename Goal>
+Unsearched search_self(const PlacedModels& placed, Goal& goal, BudgetMeter& meter, QueryStats& stats) {
+  static_assert(Goal::is_self);
+  LIMBER_ASSERT(&placed.tree(Side::a) == &placed.tree(Side::b) && placed.is_placed_exactly());
+  Pruning pruning(placed, goal.initial_prune_distance());
+  return traverse<false>(placed, 0, pruning, nullptr, goal, meter, stats);
 }
 
 /// Notes an answer for the next query.

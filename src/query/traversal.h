@@ -20,7 +20,7 @@
 
 namespace limber::query {
 
-/// The one loop of all queries between two models.
+/// The one loop of all queries between two models, and of a model with itself.
 ///
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
@@ -48,6 +48,11 @@ class Traversal {
   /// Begins with the two roots, or where the front ended if that saves work. `front` is null unless one is recorded.
   void start(double root_bound, Front* front) {
     queue_.clear();
+    if constexpr (Goal::is_self) {
+      static_assert(!has_front && Goal::needs_all);
+      next_node_ = static_cast<std::uint32_t>(placed_.tree(Side::a).nodes.size());
+      return;
+    }
     if constexpr (has_front) {
       front_ = front;
       if (!front_->can_resume(placed_)) {
@@ -68,7 +73,8 @@ class Traversal {
 
   /// Takes one more pair. False when none that matters is left, or the budget is spent.
   bool step() {
-    if (meter_.is_spent(steps_) || queue_.empty() || goal_.is_done()) return false;
+    if (meter_.is_spent(steps_) || goal_.is_done()) return false;
+    if (queue_.empty()) return Goal::is_self && next_node_ > 0 && compare_siblings();
     update_limits();
     Expansion e;
     e.pair = queue_.pop();
@@ -94,6 +100,7 @@ class Traversal {
     } else if (!queue_.empty()) {
       least = length_of(Side::a, queue_.least_bound_sq());
     }
+    if (Goal::is_self && next_node_ > 0) least = 0;  // siblings overlap
     return least;
   }
 
@@ -138,6 +145,9 @@ class Traversal {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
     return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &tree.leaves[child_of(s, slot)].corners};
+  }
+  const bvh::Leaf& leaf(Side s, const NodePair& pair) const {
+    return placed_.tree(s).leaves[child_of(s, leaf_slot(s, pair))];
   }
 
   /// How loose the bound of a slot makes a pair: half the thickness of its slab, and a little of its radius.
@@ -250,6 +260,29 @@ class Traversal {
     return true;
   }
 
+  /// Takes the next node of a model that is compared with itself, from the last to the first: its child slots with each
+  /// other, and leaves with themselves. All nodes together have every pair of triangles once. Always true.
+  bool compare_siblings() {
+    LIMBER_ASSERT(next_node_ > 0 && queue_.empty());
+    update_limits();
+    ++steps_;
+    const bvh::Tree& tree = placed_.tree(Side::a);
+    const std::uint32_t n = --next_node_, count = tree.nodes[n].child_count;
+    const bool has_leaves = n >= tree.first_lowest_node();
+    for (std::uint32_t k = 0; k < count && !goal_.is_done(); ++k) {
+      const bvh::SlotId slot = n * bvh::width + k;
+      if (has_leaves) queue_.push_first({0, {slot, slot}, Front::none, 0});
+      if (k + 1 == count) break;
+      Expansion e;
+      e.pair = {0, {slot, bvh::root}, Front::none, 0};
+      e.side = Side::b, e.node = n;
+      e.children = (1U << count) - (2U << k);  // those after k
+      e.record = Front::none, e.has_record = false;
+      compare_children(e);
+    }
+    return true;
+  }
+
   /// Expands again what a record has not expanded. False if that is pruned.
   bool expand_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
@@ -344,7 +377,9 @@ class Traversal {
   /// lower bound of their distance, which may be above the prune distance.
   bool compare_leaves(const NodePair& pair, double& apart) {
     simd::Candidates found;
-    kernels_.find_candidates(as_leaf(Side::a, pair), as_leaf(Side::b, pair), frames_.of(Side::a), pruning_.of(Side::a),
+    const simd::OtherNode leaf_a = as_leaf(Side::a, pair), leaf_b = as_leaf(Side::b, pair);
+    const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};
+    kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), pruning_.of(Side::a), Goal::is_self ? &self : nullptr,
                              has_front, found);
     descends_ = false;
     ++work_;
@@ -358,8 +393,7 @@ class Traversal {
       if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
     std::swap(found.pairs[0], found.pairs[nearest]);
-    PlacedLeaf a(placed_, Side::a, placed_.tree(Side::a).leaves[child_of(Side::a, leaf_slot(Side::a, pair))]);
-    PlacedLeaf b(placed_, Side::b, placed_.tree(Side::b).leaves[child_of(Side::b, leaf_slot(Side::b, pair))]);
+    PlacedLeaf a(placed_, Side::a, self.a), b(placed_, Side::b, self.b);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       if (goal_.is_done()) return false;
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
@@ -400,6 +434,7 @@ class Traversal {
   float least_sq_ = 0, focus_sq_ = BucketQueue::no_limit_sq;  // the focus of the queue
   double margin_cost_ = 0;
   std::uint64_t steps_ = 0, work_ = 0;  // the latter with what is compared again
+  std::uint32_t next_node_ = 0;         // for one model: after the node whose child slots are compared next
   bool descends_ = true;                // until triangles have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;

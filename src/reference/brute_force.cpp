@@ -3,29 +3,16 @@
 #include <limits>
 #include <vector>
 
-#include "core/check.h"
 #include "core/float_environment.h"
 #include "geometry/primitives.h"
 #include "limber/reference.h"
-#include "math/rigid.h"
 #include "query/options.h"
+#include "reference/place.h"
 
 namespace limber::reference {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::vector<Triangle> place(const Placed& placed) {
-  LIMBER_REQUIRE(math::is_rigid(placed.pose),
-                 "limber::reference: a query needs rigid poses; one of a mesh is not (see is_rigid())");
-  std::vector<Triangle> triangles;
-  triangles.reserve(placed.mesh.triangles.size());
-  for (TriangleId t = 0; t < placed.mesh.triangles.size(); ++t) {
-    const Triangle model = placed.mesh.triangle(t);
-    triangles.push_back({placed.pose(model.v0), placed.pose(model.v1), placed.pose(model.v2)});
-  }
-  return triangles;
-}
 
 }  // namespace
 
@@ -48,7 +35,7 @@ CollideResult collide(const Placed& a, const Placed& b) {
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  query::check_options(options);
+  query::check_options(options, "limber::distance");
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);

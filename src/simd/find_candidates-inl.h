@@ -15,11 +15,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/check.h"
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
 #include "simd/leaf_support-inl.h"
 #include "simd/packets-inl.h"
 #include "simd/project-inl.h"
+#include "simd/separated_neighbors-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
@@ -212,16 +214,17 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
   }
 }
 
-template <bool bounds_rest>
+template <bool bounds_rest, bool is_self>
 LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                   const PruneLimits& pruning, Candidates& candidates) {
+                                   const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
-  std::uint64_t wanted = ~std::uint64_t{0};
   candidates.apart = infinite;
+  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
+  std::uint64_t wanted = is_self && &self->a == &self->b ? later : ~std::uint64_t{0};
   if (pruning.has_direction) {
     float beyond = 0;
-    wanted = near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
+    wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
     if (bounds_rest) candidates.apart = (pair.prune_distance + beyond) * core::squares_down;
     if (wanted == 0) return;
   }
@@ -235,6 +238,10 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   float apart_sq = infinite;
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
     wanted &= near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+  }
+  if (is_self) {
+    const float radius_a = a.node->bounds.radius[a.slot], radius_b = b.node->bounds.radius[b.slot];
+    wanted &= ~separated_neighbors(self->a, self->b, radius_a, radius_b, transform.error_units, wanted);
   }
 
   // One triangle of `rows` at a time is compared with all of `columns`: the fewer rows the better.
@@ -272,9 +279,16 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
 }
 
 LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                   const PruneLimits& pruning, bool bounds_rest, Candidates& candidates) {
-  bounds_rest ? find_candidates<true>(a, b, transform, pruning, candidates)
-              : find_candidates<false>(a, b, transform, pruning, candidates);
+                                   const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+                                   Candidates& candidates) {
+  if (self != nullptr) {
+    LIMBER_ASSERT(!bounds_rest);
+    find_candidates<false, true>(a, b, transform, pruning, self, candidates);
+  } else if (bounds_rest) {
+    find_candidates<true, false>(a, b, transform, pruning, self, candidates);
+  } else {
+    find_candidates<false, false>(a, b, transform, pruning, self, candidates);
+  }
 }
 
 }  // namespace

@@ -56,9 +56,22 @@ HWY_INLINE Mask operator<(Packet a, Packet b) { return {hn::Lt(a.v, b.v)}; }
 HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
 /// a, or -a where `sign` is negative.
 HWY_INLINE Packet flipped_as(Packet a, Packet sign) { return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Lanes(), -0.0F)))}; }
+/// a, with its three last bits replaced by the number of its slot, which is `first` in the first lane.
+HWY_INLINE Packet numbered(Packet a, std::uint32_t first) {
+  const hn::RebindToUnsigned<Lanes> whole;
+  const auto slot = hn::Iota(whole, first);
+  return {hn::BitCast(Lanes(), hn::Or(hn::AndNot(hn::Set(whole, width - 1), hn::BitCast(whole, a.v)), slot))};
+}
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+
+/// Which of as many ids as a packet has numbers are `id`.
+HWY_INLINE Mask same_ids(const std::uint32_t* ids, std::uint32_t id) {
+  const hn::RebindToUnsigned<Lanes> unsigned_lanes;
+  return {hn::RebindMask(Lanes(), hn::Eq(hn::LoadU(unsigned_lanes, ids), hn::Set(unsigned_lanes, id)))};
+}
 
 /// Two packets at once where there is room, otherwise one.
 #if HWY_MAX_BYTES == 64
@@ -124,6 +137,11 @@ struct DoublesMask {
 };
 HWY_INLINE DoublesMask operator<=(Doubles a, Doubles b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE DoublesMask operator&(DoublesMask a, DoublesMask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE unsigned bits(DoublesMask a) {
+  std::uint8_t byte = 0;
+  hn::StoreMaskBits(Doubles::Tag(), a.m, &byte);
+  return byte;
+}
 HWY_INLINE bool all_of(DoublesMask a) { return hn::AllTrue(Doubles::Tag(), a.m); }
 
 /// As many points as there are numbers in a packet.

@@ -16,17 +16,33 @@
 #include <hwy/highway.h>
 
 #include "simd/bound_children-inl.h"
+#include "simd/bound_far_point-inl.h"
+#include "simd/bound_point-inl.h"
 #include "simd/find_candidates-inl.h"
+#include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
 #include "simd/max_displacement-inl.h"
 #include "simd/merge_bounds-inl.h"
+#include "simd/overlapping_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {
 
 const Kernels* kernel_table() {
-  static const Kernels set{
-      hwy::TargetName(HWY_TARGET), bound_children, find_candidates, fit_leaves, merge_bounds, max_displacement};
+  static const Kernels set{hwy::TargetName(HWY_TARGET),
+                           bound_children,
+                           find_candidates,
+                           bound_children_to_point,
+                           bound_children_along,
+                           bound_triangles_to_point,
+                           bound_triangles_along,
+                           find_crossed_children,
+                           find_crossed_triangles,
+                           fit_leaves,
+                           merge_bounds,
+                           max_displacement,
+                           overlapping_boxes,
+                           overlapping_pairs};
   return &set;
 }
 

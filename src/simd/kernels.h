@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "layout/wide_boxes.h"
 #include "layout/wide_node.h"
+#include "limber/geometry.h"
 
 /// The SIMD kernels: bounds, and what they prune. Numbers that reach the user come from float64 routines.
 ///
@@ -67,6 +70,49 @@ struct Candidates {
   Candidate pairs[width * width];
 };
 
+/// A point to be compared with a tree, in the tree's frame.
+struct QueryPoint {
+  alignas(32) double position[4];  ///< the fourth number is 0
+  double unit, per_unit;           ///< of the tree
+  double error;       ///< most that rounding of placed points and the drift of the model change a length by
+  float error_units;  ///< the same in units; infinite where float32 could not square it
+  bool is_far;        ///< next to the size of the model; only then there is a direction
+  /// From the model to the point: heights along it are measured from `base`. `height` is that of the point itself. In
+  /// the world the direction has length 1.
+  double direction[3], base[3], height;
+  float normal[3];  ///< the direction, rounded
+};
+
+/// How far the children of a wide node are from a point at least.
+struct ChildrenInOrder {
+  alignas(32) float bound[width];   ///< in the measure of the kernel; infinite for slots without a child
+  alignas(32) float behind[width];  ///< see place_of()
+  float upper;                      ///< there is a triangle within that distance, in units
+  unsigned kept;                    ///< bit mask: children whose bound is at most the limit
+
+  /// The place of a slot when the kept children are lined up, the nearest last; behind them for those not kept. Every
+  /// slot has a place of its own.
+  std::uint32_t place_of(std::uint32_t slot) const { return std::bit_cast<std::uint32_t>(behind[slot]) % width; }
+};
+
+/// Intervals of the distances of a point from the triangles of a leaf, in quantization steps of the leaf.
+struct TriangleIntervals {
+  alignas(32) float lower[width];
+  float upper;    ///< of the nearest: at least one of the triangles is at most that far away
+  unsigned kept;  ///< bit mask: triangles whose lower bound is at most the limit, and at most `upper`
+  double step;    ///< length of one step
+};
+
+/// A ray to be compared with a tree, in the tree's frame.
+struct QueryRay {
+  alignas(32) double origin[4];  ///< the fourth number is 0
+  double unit, per_unit;         ///< of the tree
+  double error;                  ///< as QueryPoint::error
+  float error_units;             ///< as QueryPoint::error_units
+  float forward[3];              ///< the direction of the ray, of length 1 up to rounding
+  float left[3], up[3];          ///< normal to it and to each other, of length 1
+};
+
 // --- kernels ---
 
 /// Lower bounds of the distances between the children of a wide node and one slot of the other tree.
@@ -79,10 +125,45 @@ struct Candidates {
 using BoundChildren = KeptSlots (*)(const bvh::WideNode& node, const OtherNode& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
+/// Two leaves of one tree, which is compared with itself, or one leaf twice.
+struct SelfPair {
+  const bvh::Leaf &a, &b;
+};
+
 /// The pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are those
 /// of the tree of `a`. Candidates::apart is written if `bounds_rest`.
+///
+/// `self` is nullptr unless both are leaves of one tree. Then triangles are no candidates if they share a vertex or an
+/// edge and certainly have nothing else in common; and of a leaf and itself, triangles are compared with those after
+/// them.
 using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                const PruneLimits& pruning, bool bounds_rest, Candidates& candidates);
+                                const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+                                Candidates& candidates);
+
+/// Bounds of the distances between a point and the children of a wide node, and the order of those whose bound is at
+/// most `limit`, which is finite.
+///
+/// bound_children_to_point gives squared distances in squared units; for children that may hold the point how deep it
+/// is inside their sphere, as a fraction of the radius, negative. bound_children_along, for points far away, gives how
+/// far the highest points of the children are under QueryPoint::base, in units, so large distances take no precision
+/// away; its `upper` is infinite.
+using BoundChildrenToPoint = void (*)(const bvh::WideNode& node, const QueryPoint& point, float limit,
+                                      ChildrenInOrder& children);
+
+/// Intervals of the distances between a point and the triangles of a leaf, which is the child of a slot of `node`. The
+/// triangles that are not kept are farther away than `limit`, a length, or than another one.
+///
+/// bound_triangles_along, for points far away, has 0 for all lower bounds and an infinite upper one.
+using BoundTrianglesToPoint = void (*)(const bvh::WideNode& node, std::uint32_t slot,
+                                       const bvh::QuantizedTriangles& triangles, const QueryPoint& point, double limit,
+                                       TriangleIntervals& intervals);
+
+/// The children of a wide node, as a bit mask, that a ray may cross: their boxes along the ray's three directions do.
+using FindCrossedChildren = unsigned (*)(const bvh::WideNode& node, const QueryRay& ray);
+
+/// The triangles of a leaf, which is the child of a slot of `node`, that a ray may cross.
+using FindCrossedTriangles = unsigned (*)(const bvh::WideNode& node, std::uint32_t slot,
+                                          const bvh::QuantizedTriangles& triangles, const QueryRay& ray);
 
 /// Fits a wide node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
 /// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. The leaves that
@@ -100,14 +181,28 @@ struct Displacement {
 /// The displacements of points from `from` to `to`, and whether all coordinates of `to` are at most `most` in size.
 using MaxDisplacement = Displacement (*)(const Vec3* from, const Vec3* to, std::size_t count, double most);
 
+/// Which of some boxes have a point in common with the box from `low` to `high`, as a bit mask. Pre: these are finite.
+using OverlappingBoxes = unsigned (*)(const bvh::WideBoxes& boxes, const Vec3& low, const Vec3& high);
+
+/// Which boxes of `a`, made larger by a margin on all sides, have points in common with which of `b`, whose boxes are
+/// all inside of `around_b`: bit 8 k + i stands for box k of a and box i of b. Pre: the margin is finite.
+using OverlappingPairs = std::uint64_t (*)(const bvh::WideBoxes& a, const bvh::WideBoxes& b, const Box& around_b,
+                                           double margin);
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
   BoundChildren bound_children;
   FindCandidates find_candidates;
+  BoundChildrenToPoint bound_children_to_point, bound_children_along;
+  BoundTrianglesToPoint bound_triangles_to_point, bound_triangles_along;
+  FindCrossedChildren find_crossed_children;
+  FindCrossedTriangles find_crossed_triangles;
   FitLeaves fit_leaves;
   MergeBounds merge_bounds;
   MaxDisplacement max_displacement;
+  OverlappingBoxes overlapping_boxes;
+  OverlappingPairs overlapping_pairs;
 };
 
 /// The best set this processor runs.

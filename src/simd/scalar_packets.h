@@ -5,6 +5,7 @@
 // Packets of one number, in plain C++; see packets-inl.h.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -43,8 +44,13 @@ inline Mask operator<(Packet a, Packet b) { return {a.v < b.v}; }
 inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
 inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
+inline Mask operator|(Mask a, Mask b) { return {a.m || b.m}; }
 inline Packet flipped_as(Packet a, Packet sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
+inline Packet numbered(Packet a, std::uint32_t first) {
+  return {std::bit_cast<float>((std::bit_cast<std::uint32_t>(a.v) & ~(width - 1)) | first)};
+}
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
+inline Mask same_ids(const std::uint32_t* ids, std::uint32_t id) { return {*ids == id}; }
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
@@ -77,6 +83,7 @@ struct DoublesMask {
 };
 inline DoublesMask operator<=(Doubles a, Doubles b) { return {a.v <= b.v}; }
 inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}; }
+inline unsigned bits(DoublesMask a) { return a.m ? 1 : 0; }
 inline bool all_of(DoublesMask a) { return a.m; }
 
 inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }

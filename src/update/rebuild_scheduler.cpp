@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bvh/refit.h"
 #include "core/check.h"
 #include "core/float_environment.h"
 
@@ -173,8 +174,9 @@ bool RebuildScheduler::count_refits(const bvh::Tree& tree, const Mesh& mesh, std
 void RebuildScheduler::schedule(const bvh::Tree& tree, const Mesh& mesh) {
   if (!may_rebuild() || tree.leaves.size() <= 1) return;
   if (worker_.valid() || comparison_ != Comparison::none || rebuild_.stage() != bvh::Rebuild::Stage::idle) return;
+  const bool is_whole = passes_ >= interval_ || bvh::better_unit(tree) != tree.unit;
   const std::optional<bvh::Subtree> degraded =
-      passes_ >= interval_ ? bvh::subtree_of(tree, bvh::root) : cost_.most_degraded(tree, tolerated_);
+      is_whole ? bvh::subtree_of(tree, bvh::root) : cost_.most_degraded(tree, tolerated_);
   if (!degraded) return;
   try {
     rebuild_.start(tree, mesh, *degraded);

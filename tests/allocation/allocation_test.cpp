@@ -9,14 +9,20 @@
 #include <cstdint>
 
 #include "heap.h"
+#include "limber/contacts.h"
 #include "limber/model.h"
+#include "limber/points.h"
+#include "limber/scene.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
 namespace {
 
+std::array<Contact, 20> contacts_found;
+
 /// One of each query at every separation, near, touching and overlapping included.
-void ask_everything(const Model& square, const Model& ball, QueryCache& cache) {
+void ask_everything(const Model& square, const ClosedSurface& surface, QueryCache& cache) {
+  const Model& ball = surface.model();
   for (const double separation : {8.0, 1.0, 0.01, 0.0, -0.5}) {
     const Placed a{square}, b{ball, scenes::ball_over_square(ball.mesh(), separation, 0)};
     distance(a, b);
@@ -27,7 +33,19 @@ void ask_everything(const Model& square, const Model& ball, QueryCache& cache) {
     collide(a, b, cache);
     within(a, b, 0.5);
     within(a, b, 0.5, cache);
+    const Vec3 point{0, separation, 1};
+    closest_point(b, point);
+    closest_point(b, 1e9 * point, {.max_distance = 0.5});
+    surface.contains(point, b.pose);
+    surface.signed_distance(point, b.pose);
+    intersections(a, b, {});
+    contacts(a, b, 0.5, contacts_found);
+    closest_pairs(a, b, contacts_found);
   }
+  self_collide(ball);
+  self_distance(ball);
+  self_intersections(ball, {});
+  self_contacts(ball, 0.1, contacts_found);
 }
 
 TEST(Allocation, IsSeenByThisTest) {
@@ -52,6 +70,30 @@ TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
       within(a, b, 1, budget, cache);
     }
   }
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(Allocation, DoesNotHappenInFramesOfAScene) {
+  const Model ball(scenes::thesis_ball());
+  Scene scene;
+  std::array<ObjectId, 200> ids;
+  for (ObjectId& id : ids) id = scene.add({ball});
+  std::array<ObjectPair, 1000> pairs;
+  scenes::Rng rng(11);
+  std::size_t found = 0;
+  std::uint64_t before = 0;
+  for (int frame = 0; frame < 20; ++frame) {
+    for (const ObjectId id : ids) {
+      scene.set_pose(id, {scenes::random_rotation(rng), {rng.uniform(0, 8), rng.uniform(0, 8), rng.uniform(0, 8)}});
+    }
+    scene.commit();
+    const auto counts = [](ObjectId a, ObjectId b) { return a % 2 != b % 2; };
+    found += scene.candidate_pairs(0.1, pairs, {.filter = counts}).count;
+    scene.remove(ids[7]);
+    ids[7] = scene.add({ball});
+    if (frame == 0) before = allocation_count();
+  }
+  EXPECT_GT(found, 1000U);
   EXPECT_EQ(allocation_count(), before);
 }
 
@@ -82,10 +124,11 @@ TEST(Allocation, DoesNotHappenInRealTime) {
 
 TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const ClosedSurface surface = ClosedSurface::create(ball).value();
   QueryCache cache;
-  ask_everything(square, ball, cache);
+  ask_everything(square, surface, cache);
   const std::uint64_t before = allocation_count();
-  ask_everything(square, ball, cache);
+  ask_everything(square, surface, cache);
   EXPECT_EQ(allocation_count(), before);
 }
 

@@ -7,13 +7,15 @@
 #include <filesystem>
 
 #include "program/run_program.h"
+#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
 
 TEST(ProgramBadInput, VerbsAndOptions) {
   expect_refused({},
-                 "a verb is missing; there are info, distance, collide, within, track, demo, haptics, help, version");
+                 "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, demo, "
+                 "haptics, help, version");
   expect_refused({"measure"}, "'measure' is no verb; there are info, distance, collide, within");
   expect_refused({"--jason"}, "'--jason' is no option");
   expect_refused({"--json", "distance", "scene:ball", "scene:ball"}, "distance: '--json' stands before the verb");
@@ -32,6 +34,41 @@ TEST(ProgramBadInput, VerbsAndOptions) {
   expect_refused({"distance", "scene:ball", "scene:ball", "--out", "x.csv"}, "--out: belongs to --pairs");
   expect_refused({"distance", "scene:ball", "--pairs", "x.csv"}, "--pairs: leaves no room for A");
   expect_refused({"distance", "--pairs", "x.csv", "--pose-b", "0,0,0,1,0,0,0"}, "--pairs: leaves no room for --pose-b");
+}
+
+TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
+  const auto contacts = [](const Words& more) {
+    Words words = {"contacts", "scene:ball", "scene:ball"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refused(contacts({}), "contacts: --margin, --intersections or --closest is required");
+  expect_refused(contacts({"--margin", "1", "--closest", "2"}), "contacts: --margin: leaves no room for --closest");
+  expect_refused(contacts({"--margin", "1", "--intersections"}), "--margin: leaves no room for --intersections");
+  expect_refused(contacts({"--closest", "0"}), "--closest: must be a whole number from 1");
+  expect_refused(contacts({"--closest", "1000001"}), "--closest: must be a whole number from 1 to 1000000, not");
+  expect_refused(contacts({"--margin", "1", "--limit", "-1"}), "--limit: must be a whole number from 0");
+  expect_refused(contacts({"--margin", "1", "--csv", "-", "--json"}), "--csv: leaves no room on standard output");
+  expect_refused(contacts({"--margin", "1", "--engine", "fast"}), "'--engine' is no option");
+  expect_refused({"contacts", "scene:ball", "--margin", "1"}, "contacts: B is required");
+  expect_refused({"self", "--margin", "1"}, "self: M is required");
+  expect_refused({"self", "scene:ball", "--margin", "1", "--intersections"}, "self: --margin: leaves no room for");
+  expect_refused({"self", "scene:ball", "--closest", "1"}, "self: '--closest' is no option");
+  expect_refused({"self", "scene:ball", "--pose-a", "0,0,0,1,0,0,0"}, "self: '--pose-a' is no option");
+  for (const std::string value : {"-1", "-1e-300", "nan", "inf", "ten", ""}) {
+    expect_refused(contacts({"--margin", value}), "--margin: must be a finite number >= 0");
+    expect_refused({"self", "scene:ball", "--margin", value}, "--margin: must be a finite number >= 0");
+  }
+  const auto track = [](const Words& more) {
+    Words words = {"track", "--a", "scene:ball", "--b", "scene:ball"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refused(track({"--margin", "1"}), "track: --margin: belongs to --contacts and --self");
+  expect_refused(track({"--contacts", "--margin", "-1"}), "--margin: must be a finite number >= 0");
+  expect_refused(track({"--contacts", "--engine", "classic"}), "track: --contacts: belongs to --engine fast");
+  expect_refused(track({"--self", "--engine", "classic"}), "track: --self: belongs to --engine fast");
+  expect_refused(track({"--self"}), "track: --self: neither model deforms");
 }
 
 TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
@@ -183,6 +220,27 @@ TEST(ProgramBadInput, PosesThatAreNoRegularFiles) {
   const std::string large = folder.store("large.csv", "0,0,3,1,0,0,0\n");
   std::filesystem::resize_file(large, (std::uintmax_t{1} << 28U) + 1);  // takes no room on disk
   expect_refused(with_poses(large), "large.csv: has 268435457 bytes, more than the limit");
+}
+
+TEST(ProgramBadInput, RowsThatCannotBeWritten) {
+  const Folder folder;
+  const std::string ball = folder.store("ball.obj", scenes::ball(8, 4).view()), before = text_of(ball);
+  for (const Words& question : {Words{"contacts", ball, "scene:ball"}, Words{"self", ball}}) {
+    const auto with_csv = [&](const std::string& path) {
+      Words words = question;
+      words.insert(words.end(), {"--margin", "1", "--csv", path});
+      return words;
+    };
+    expect_refused(with_csv(folder.path("no/such/folder.csv")), "--csv: cannot write");
+    expect_refused(with_csv(folder.path("")), "--csv: cannot write");
+    expect_refused(with_csv(folder.path("./ball.obj")), "--csv: is a model's own file");
+    EXPECT_EQ(text_of(ball), before);
+    if (!std::filesystem::exists("/dev/full")) continue;
+    const Outcome full = run(with_csv("/dev/full"));
+    EXPECT_EQ(full.exit_code, 1);
+    EXPECT_EQ(full.out, "");
+    EXPECT_EQ(lines_of(full.err).size(), 1U) << full.err;
+  }
 }
 
 TEST(ProgramBadInput, PagesThatCannotBeWritten) {

@@ -10,7 +10,8 @@
 namespace limber::program_tests {
 namespace {
 
-const Words verbs = {"info", "distance", "collide", "within", "track", "demo", "haptics", "help", "version"};
+const Words verbs = {"info",   "distance", "collide", "within",  "contacts", "self",
+                     "points", "track",    "demo",    "haptics", "help",     "version"};
 
 std::string answer_of(const Words& words) {
   const Outcome outcome = run(words);
@@ -34,7 +35,7 @@ TEST(ProgramHelp, IsTheSameWhicheverWayItIsAskedFor) {
 
 TEST(ProgramHelp, TellsExitCodesAndFitsIntoATerminal) {
   EXPECT_NE(answer_of({"help"}).find("\n  3  there is an answer, and something was found"), std::string::npos);
-  for (const std::string verb : {"distance", "collide", "within"}) {
+  for (const std::string verb : {"distance", "collide", "within", "contacts", "self"}) {
     EXPECT_NE(answer_of({"help", verb}).find("exit with 3 instead of 0 when"), std::string::npos) << verb;
   }
   for (const std::string& verb : verbs) {

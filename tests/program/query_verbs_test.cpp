@@ -24,8 +24,6 @@ Keys keys_of(const nlohmann::json& json) {
 
 const Keys witness_keys = {"face_a", "face_b", "point_a", "point_b", "triangle_a", "triangle_b"};
 
-Vec3 point_of(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
-
 /// Two soups that stay clear of each other when the second is moved by the pose.
 struct SoupFiles {
   Folder folder;

@@ -104,9 +104,14 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 std::vector<std::string> cells_of(const std::string& csv_line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(csv_line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  std::vector<std::string> cells(1);
+  for (const char c : csv_line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
   return cells;
 }
 

@@ -69,4 +69,17 @@ class Folder {
   std::filesystem::path path_;
 };
 
+/// The words that follow one frame after the other of two lists of files.
+inline Words track(const Words& a, const Words& b, const Words& options) {
+  Words words = {"track", "--a"};
+  words.insert(words.end(), a.begin(), a.end());
+  words.emplace_back("--b");
+  words.insert(words.end(), b.begin(), b.end());
+  words.insert(words.end(), options.begin(), options.end());
+  return words;
+}
+
+/// A point that the program has written as three numbers.
+inline Vec3 point_of(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }
+
 }  // namespace limber::program_tests

@@ -35,15 +35,6 @@ Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial) {
   return files;
 }
 
-Words track(const Words& a, const Words& b, const Words& options) {
-  Words words = {"track", "--a"};
-  words.insert(words.end(), a.begin(), a.end());
-  words.push_back("--b");
-  words.insert(words.end(), b.begin(), b.end());
-  words.insert(words.end(), options.begin(), options.end());
-  return words;
-}
-
 constexpr const char* ball_above = "2,2,1.5,1,0,0,0\n";
 
 TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {

@@ -58,12 +58,34 @@ inline Integer shifted(const Whole& w, int lowest_exponent) {
 
 inline Fraction fraction(double value) {
   const Whole w(value);
+  if (w.mantissa == 0) return 0;  // with another denominator than 1 it would not equal 0
   Integer numerator = static_cast<long>(w.mantissa), denominator = 1;
   (w.exponent > 0 ? numerator : denominator) <<= static_cast<unsigned>(std::abs(w.exponent));
   return Fraction(numerator, denominator);
 }
 
 using Corners3 = std::array<Vec, 3>;
+
+/// Points as integers, all multiplied by one power of two that makes them whole.
+class WholeCoordinates {
+ public:
+  WholeCoordinates(std::initializer_list<Vec3> points) {
+    for (const Vec3& p : points) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Whole w(p[axis]);
+        if (w.mantissa != 0) lowest_ = std::min(lowest_, w.exponent);
+      }
+    }
+  }
+  Vec operator()(const Vec3& v) const {
+    return {shifted(Whole(v.x), lowest_), shifted(Whole(v.y), lowest_), shifted(Whole(v.z), lowest_)};
+  }
+  Corners3 operator()(const Triangle& t) const { return {(*this)(t.v0), (*this)(t.v1), (*this)(t.v2)}; }
+  int lowest_exponent() const { return lowest_; }
+
+ private:
+  int lowest_ = 2000;
+};
 
 /// The least of some fractions, compared by cross-multiplication.
 struct Least {
@@ -117,17 +139,9 @@ inline void put_corner_and_face(Least& least, const Vec& p, const Corners3& t, c
 
 /// The squared distance.
 inline Fraction squared_distance(const Triangle& a, const Triangle& b) {
-  int lowest = 2000;
-  for (const Triangle* t : {&a, &b}) {
-    for (std::size_t i = 0; i < 9; ++i) {
-      const Whole w((*t)[i / 3][i % 3]);
-      if (w.mantissa != 0) lowest = std::min(lowest, w.exponent);
-    }
-  }
-  const auto whole = [&](const Vec3& v) {
-    return Vec{shifted(Whole(v.x), lowest), shifted(Whole(v.y), lowest), shifted(Whole(v.z), lowest)};
-  };
-  const Corners3 s{whole(a.v0), whole(a.v1), whole(a.v2)}, t{whole(b.v0), whole(b.v1), whole(b.v2)};
+  const WholeCoordinates whole({a.v0, a.v1, a.v2, b.v0, b.v1, b.v2});
+  const int lowest = whole.lowest_exponent();
+  const Corners3 s = whole(a), t = whole(b);
   const Vec normal_s = cross(s[1] - s[0], s[2] - s[0]), normal_t = cross(t[1] - t[0], t[2] - t[0]);
   const bool has_face_s = !is_zero(normal_s), has_face_t = !is_zero(normal_t);
   Least least;

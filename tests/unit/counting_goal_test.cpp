@@ -27,6 +27,7 @@ class PairsWithin {
  public:
   static constexpr bool takes_any = true;  // there is no closest pair to descend to first
   static constexpr bool needs_all = true;
+  static constexpr bool is_self = false;
 
   explicit PairsWithin(double max_distance) : max_distance_(max_distance) {}
 

@@ -6,6 +6,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cfenv>
 #include <cstring>
 #include <functional>
@@ -16,7 +17,9 @@
 
 #include "bvh/tree.h"
 #include "limber/classic.h"
+#include "limber/contacts.h"
 #include "limber/model.h"
+#include "limber/points.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
@@ -77,10 +80,39 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).collision);
   const WithinResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
   put(classic_near.within), put(classic_near.witness.value_or(Witness{}).point_b.z);
+  std::vector<Contact> found(100);
+  put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
+  put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
+  put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).collision);
+  put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);
   const reference::Placed mesh_a{s.mesh_a, s.pose_a}, mesh_b{s.mesh_b, s.pose_b};
+  if (s.mesh_a.triangles().size() + s.mesh_b.triangles().size() < 20) {
+    put(reference::contacts(mesh_a, mesh_b, limit).size()), put(reference::intersections(mesh_a, mesh_b).size());
+    put(reference::self_contacts(s.mesh_a, 0).size()), put(reference::self_intersections(s.mesh_a).size());
+  }
   put_distance(reference::distance(mesh_a, mesh_b));
   put(reference::within(mesh_a, mesh_b, limit).within);
   put(reference::collide(mesh_a, mesh_b).witness.value_or(Witness{}).point_a.x);
+  std::vector<Vec3> points = s.mesh_b.positions();
+  points.resize(std::min<std::size_t>(points.size(), 20));
+  std::vector<PointResult> closest(points.size());
+  closest_points(a, points, closest);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PointResult alone = closest_point(a, points[i]), brute = reference::closest_point(mesh_a, points[i]);
+    for (const PointResult& r : {closest[i], alone, brute}) {
+      put(r.closest.value().distance), put(r.closest->position.x), put(r.closest->barycentric[1]);
+    }
+  }
+  put(winding_number(a, points[0])), put(reference::winding_number(mesh_a, points[0]));
+  if (const auto surface = ClosedSurface::create(model_a)) {
+    std::vector<SignedDistance> distances(points.size());
+    surface->signed_distances(points, distances, s.pose_a);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      put(distances[i].distance()), put(surface->signed_distance(points[i], s.pose_a).distance());
+      put(surface->contains(points[i], s.pose_a)), put(reference::contains(mesh_a, points[i]));
+    }
+  }
+  put(model_a.bounding_box().high.z), put(model_a.bounding_sphere().radius);
   std::vector<Vec3> positions = s.mesh_a.positions();
   positions[rng.below(positions.size())] = s.mesh_b.positions().front();
   model_a.move_all(positions).value();
@@ -99,7 +131,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put(intersects(t, u)), put(closest_points(t, u).distance), put(orient3d(t.v0, t.v1, t.v2, u.v0));
   put(orient2d(t.v0, t.v1, u.v0, 2)), put(enclosing_sphere(t).radius), put(intersects(Segment{t.v0, u.v0}, u));
   put(closest_points(Segment{t.v0, t.v1}, Segment{u.v0, u.v1}).distance), put(closest_points(t.v0, u).distance);
-  put(contains(enclosing_sphere(t), t));
+  put(contains(enclosing_sphere(t), t)), put(closest_features(t, u).distance), put(contact(t, u).normal.x);
   put(is_rigid(s.pose_a)), put(is_rigid({s.pose_b.rotation * s.pose_a.rotation, {}}));
   put(max_stretch(s.pose_a.rotation));
   const Mat3 turned = transform_from_quaternion(t.v0, rng.uniform(-1, 1), 0.1, 0x1p-1070, 0.3).value().rotation;

@@ -151,7 +151,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     const Pruning pruning = pruning_along(placed, prune_distance, direction);
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
-                                    pruning.of(Side::a), true, found);
+                                    pruning.of(Side::a), nullptr, true, found);
     const double apart = static_cast<double>(found.apart) / found.scale;
     for (std::uint8_t s = 0; s < bvh::width; ++s) {
       for (std::uint8_t t = 0; t < bvh::width; ++t) {
@@ -196,14 +196,14 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     simd::Candidates found0, found;
     const simd::Kernels& first = simd::scalar_kernels;
     const simd::KeptSlots kept0 = first.bound_children(node, other, in_b, of_b, limit_sq, order0, bound_sq0);
-    first.find_candidates(leaf_a, leaf_b, in_a, of_a, true, found0);
+    first.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found0);
     for (const simd::Kernels& set : sets) {
       const simd::KeptSlots kept = set.bound_children(node, other, in_b, of_b, limit_sq, order, bound_sq);
       ASSERT_EQ(kept.all, kept0.all) << set.name;
       ASSERT_EQ(kept.overlapping, kept0.overlapping) << set.name;
       ASSERT_EQ(std::memcmp(order, order0, node.child_count * sizeof(float)), 0) << set.name;
       ASSERT_EQ(std::memcmp(bound_sq, bound_sq0, node.child_count * sizeof(float)), 0) << set.name;
-      set.find_candidates(leaf_a, leaf_b, in_a, of_a, true, found);
+      set.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
       ASSERT_EQ(std::memcmp(&found.apart, &found0.apart, sizeof(float)), 0) << set.name;

@@ -108,6 +108,8 @@ TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
     const Triangle triangle{{0, 0, 0}, point, {1, 0, 0}};
     EXPECT_THROW(closest_points(good, triangle), std::invalid_argument);
     EXPECT_THROW(closest_points(triangle, good), std::invalid_argument);
+    EXPECT_THROW(closest_features(good, triangle), std::invalid_argument);
+    EXPECT_THROW(contact(triangle, good), std::invalid_argument);
     EXPECT_THROW(closest_points(point, good), std::invalid_argument);
     EXPECT_THROW(closest_points(Vec3{}, triangle), std::invalid_argument);
     EXPECT_THROW(closest_points(edge, Segment{point, {}}), std::invalid_argument);

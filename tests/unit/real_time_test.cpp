@@ -12,11 +12,12 @@
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
 
-constexpr std::uint32_t side = 36;
+constexpr std::uint32_t grid_side = 36;
 constexpr double commit_budget_us = 5, longest_step_us = 10, us_per_refit = 0.6;
 
 /// Moves some vertices near one, or anywhere, a little.
@@ -37,8 +38,8 @@ void move_some(Model& model, Rng& rng, bool anywhere) {
 TEST(RealTime, NoMoveAndNoCommitGoesOverTheWholeTreeWhileItIsRebuilt) {
   for (const bool anywhere : {false, true}) {
     SCOPED_TRACE(anywhere);
-    Model model(scenes::grid(side, side, 0, 0, 1, 1), ModelOptions::real_time(commit_budget_us));
-    Model never_rebuilt(scenes::grid(side, side, 0, 0, 1, 1), {.rebuild_policy = RebuildPolicy::off});
+    Model model(scenes::grid(grid_side, grid_side, 0, 0, 1, 1), ModelOptions::real_time(commit_budget_us));
+    Model never_rebuilt(scenes::grid(grid_side, grid_side, 0, 0, 1, 1), {.rebuild_policy = RebuildPolicy::off});
     Rng rng(81), same_rng(81);
     std::uint64_t most_own = 0;
     for (int frame = 0; frame < 1000; ++frame) {
@@ -57,13 +58,13 @@ TEST(RealTime, NoMoveAndNoCommitGoesOverTheWholeTreeWhileItIsRebuilt) {
       ASSERT_LE(after.rebuild_us - before.rebuild_us, commit_budget_us + longest_step_us + us_per_refit * most_refits)
           << frame;
     }
-    EXPECT_GE(model.maintenance_stats().rebuilt_triangles, 2 * side * side);  // often enough
-    EXPECT_EQ(never_rebuilt.maintenance_stats().whole_passes, 1U);            // the first move
+    EXPECT_GE(model.maintenance_stats().rebuilt_triangles, 2 * grid_side * grid_side);  // often enough
+    EXPECT_EQ(never_rebuilt.maintenance_stats().whole_passes, 1U);                      // the first move
   }
 }
 
 TEST(RealTime, CountsWholePasses) {
-  const Mesh mesh = scenes::grid(side, side, 0, 0, 1, 1);
+  const Mesh mesh = scenes::grid(grid_side, grid_side, 0, 0, 1, 1);
   std::vector<Vec3> positions = mesh.positions();
   Model model(mesh, {.motion_margin = 0.5, .rebuild_policy = RebuildPolicy::off});
   EXPECT_EQ(model.maintenance_stats().whole_passes, 0U);
@@ -91,6 +92,29 @@ TEST(RealTime, CountsWholePasses) {
   model.set_motion_margin(0.125);
   move(7, 9);
   EXPECT_EQ(passes(), 1U);
+}
+
+TEST(RealTime, WritesTheTreeInAnotherUnitInSmallSteps) {
+  // One vertex flies away, so that the model is 4000 times as large, and comes back.
+  constexpr double size = 51;
+  Model model(scenes::grid(grid_side, grid_side, 0, 0, 1, 1), ModelOptions::real_time(commit_budget_us));
+  const double unit = tree_of(model).unit;
+  Rng rng(85);
+  const std::vector<VertexId> flier{7};
+  int frame = 0;
+  const auto moves_until = [&](double height, double wanted_unit) {
+    for (const int end = frame + 1000; frame < end && tree_of(model).unit != wanted_unit; ++frame) {
+      move_some(model, rng, false);
+      const std::vector<Vec3> to{{0, 0, height}};
+      ASSERT_TRUE(static_cast<bool>(model.move_vertices(flier, to)));
+      model.commit();
+      ASSERT_EQ(model.maintenance_stats().whole_passes, 0U) << frame;
+    }
+    EXPECT_EQ(tree_of(model).unit, wanted_unit);
+    EXPECT_TRUE(static_cast<bool>(model.validate()));
+  };
+  moves_until(4000 * size, 0x1p18);
+  moves_until(0, unit);
 }
 
 TEST(RealTime, KeepsATreeAsGoodAsNew) {

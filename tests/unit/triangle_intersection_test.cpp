@@ -8,7 +8,7 @@
 namespace limber::testing {
 namespace {
 
-const Triangle flat{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+const Triangle flat_triangle{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
 
 struct KnownCase {
   const char* what;
@@ -27,7 +27,7 @@ TEST(TriangleIntersection, KnownCases) {
       {"corner touches an edge", {{2, 0, 0}, {2, -3, 1}, {3, -3, 1}}, true},
       {"edge touches an edge", {{2, -1, -1}, {2, 1, 1}, {2, -5, 0}}, true},
       {"shares an edge", {{0, 0, 0}, {4, 0, 0}, {0, -4, 3}}, true},
-      {"the same", flat, true},
+      {"the same", flat_triangle, true},
       {"the same reversed", {{0, 4, 0}, {4, 0, 0}, {0, 0, 0}}, true},
       {"coplanar, inside", {{0.5, 0.5, 0}, {1, 0.5, 0}, {0.5, 1, 0}}, true},
       {"coplanar, around", {{-9, -9, 0}, {20, -9, 0}, {-9, 20, 0}}, true},
@@ -51,8 +51,8 @@ TEST(TriangleIntersection, KnownCases) {
       {"point above", {{1, 1, 1e-300}, {1, 1, 1e-300}, {1, 1, 1e-300}}, false},
   };
   for (const KnownCase& c : cases) {
-    EXPECT_EQ(intersects(flat, c.other), c.meets) << c.what;
-    EXPECT_EQ(intersects(c.other, flat), c.meets) << c.what;
+    EXPECT_EQ(intersects(flat_triangle, c.other), c.meets) << c.what;
+    EXPECT_EQ(intersects(c.other, flat_triangle), c.meets) << c.what;
   }
 }
 
@@ -110,9 +110,9 @@ TEST(TriangleIntersection, DoesNotDependOnOrderOrScale) {
 }
 
 TEST(TriangleIntersection, SegmentOverloadAgreesWithSegmentLikeTriangle) {
-  EXPECT_TRUE(intersects(Segment{{1, 1, -1}, {1, 1, 1}}, flat));
-  EXPECT_FALSE(intersects(Segment{{5, 5, -1}, {5, 5, 1}}, flat));
-  EXPECT_TRUE(intersects(Segment{{4, 0, 0}, {9, 0, 0}}, flat));
+  EXPECT_TRUE(intersects(Segment{{1, 1, -1}, {1, 1, 1}}, flat_triangle));
+  EXPECT_FALSE(intersects(Segment{{5, 5, -1}, {5, 5, 1}}, flat_triangle));
+  EXPECT_TRUE(intersects(Segment{{4, 0, 0}, {9, 0, 0}}, flat_triangle));
 }
 
 }  // namespace

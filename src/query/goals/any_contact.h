@@ -16,6 +16,7 @@ class AnyContact {
  public:
   static constexpr bool takes_any = true;
   static constexpr bool needs_all = false;
+  static constexpr bool is_self = false;
 
   double initial_prune_distance() const { return std::numeric_limits<double>::min(); }
   bool is_done() const { return witness.has_value(); }

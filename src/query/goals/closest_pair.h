@@ -19,6 +19,7 @@ class ClosestPair {
  public:
   static constexpr bool takes_any = false;
   static constexpr bool needs_all = false;
+  static constexpr bool is_self = false;
 
   /// A pair at most `close_enough` apart ends the query.
   ClosestPair(const DistanceOptions& options, double close_enough) : options_(options), close_enough_(close_enough) {}

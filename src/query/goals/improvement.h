@@ -18,14 +18,17 @@ struct Improvement {
 ///
 /// Needs    static constexpr bool takes_any;
 ///          static constexpr bool needs_all;
+///          static constexpr bool is_self;
 ///          double initial_prune_distance() const;
 ///          bool is_done() const;
 ///          std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b);
 ///
 /// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. needs_all: whether every
 /// pair within the prune distance matters, and not just the best; such a goal is offered each pair once, and cannot use
-/// a QueryCache. initial_prune_distance(): above 0. is_done(): whether no other pair can matter. compare(): nullopt if
-/// the pair changes nothing that the traversal could use.
+/// a QueryCache. is_self: whether the two models are one; then needs_all too, and pairs of different triangles are
+/// offered, but for neighbors that certainly meet only in what they share. initial_prune_distance(): above 0.
+/// is_done(): whether no other pair can matter. compare(): nullopt if the pair changes nothing that the traversal could
+/// use.
 ///
 /// See      docs/design/adding_a_query.md.
 

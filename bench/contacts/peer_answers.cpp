@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/contacts/peer_answers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "limber/geometry.h"
+#include "limber/reference.h"
+
+namespace limber::bench {
+namespace {
+
+std::runtime_error bad_line(const std::filesystem::path& file, const std::string& line) {
+  return std::runtime_error(file.string() + ": not as expected: " + line);
+}
+
+std::size_t shared_vertices(const Corners& a, const Corners& b) {
+  std::size_t count = 0;
+  for (const VertexId id : a) count += static_cast<std::size_t>(std::count(b.begin(), b.end(), id));
+  return count;
+}
+
+/// Whether an edge of `a` passes through the inside of `b`, exactly.
+bool has_edge_through(const Triangle& a, const Triangle& b) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 &p = a[i], &q = a[(i + 1) % 3];
+    if (orient3d(b.v0, b.v1, b.v2, p) * orient3d(b.v0, b.v1, b.v2, q) >= 0) continue;
+    const int first = orient3d(p, q, b.v0, b.v1);
+    if (first != 0 && first == orient3d(p, q, b.v1, b.v2) && first == orient3d(p, q, b.v2, b.v0)) return true;
+  }
+  return false;
+}
+
+bool pass_through_each_other(const Triangle& a, const Triangle& b) {
+  return has_edge_through(a, b) || has_edge_through(b, a);
+}
+
+Triangle as_float(const Triangle& t) {
+  const auto rounded = [](const Vec3& v) {
+    return Vec3{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  };
+  return {rounded(t.v0), rounded(t.v1), rounded(t.v2)};
+}
+
+/// Whether one pair meets, by brute force.
+bool meets(const MeshPair& meshes, TriangleId a, TriangleId b) {
+  if (!meshes.is_self) return intersects(meshes.a.triangle(a), meshes.b.triangle(b));
+  const std::array<Corners, 2> both{meshes.a.triangles[a], meshes.a.triangles[b]};
+  return !reference::self_intersections({meshes.a.positions, both}).empty();
+}
+
+/// Why a pair is in one of the answers alone; empty without a reason.
+std::string reason_of_crossing(const MeshPair& meshes, TriangleId id_a, TriangleId id_b, bool is_ours) {
+  if (meets(meshes, id_a, id_b) != is_ours) return "";
+  const std::size_t shared = meshes.is_self ? shared_vertices(meshes.a.triangles[id_a], meshes.a.triangles[id_b]) : 0;
+  if (shared >= 2) return is_ours ? "share an edge" : "";
+  const Triangle a = meshes.a.triangle(id_a), b = meshes.b.triangle(id_b);
+  if (is_ours && !pass_through_each_other(a, b)) {
+    return shared == 1 ? "share a vertex, touch elsewhere" : "touch only";
+  }
+  return pass_through_each_other(as_float(a), as_float(b)) != is_ours ? "positions as float" : "";
+}
+
+std::string reason_of_distance(double distance, double margin, bool is_ours, const Tolerance& tolerance) {
+  if (distance <= margin * (1 - 1e-12) && !is_ours) return "";  // ours lacks it
+  if (distance > margin * (1 + 1e-12) && is_ours) return "";    // ours has it without reason
+  if (std::abs(distance - margin) <= tolerance.relative * margin + tolerance.absolute) return "distance at the margin";
+  return is_ours && distance == 0 && !tolerance.finds_intersections ? "intersect" : "";
+}
+
+/// Takes differences apart; reason(a, b, is_ours) says why a pair is in one of the answers alone.
+template <typename Reason>
+Difference compare(Difference difference, const IdPairs& ours, const IdPairs& theirs, Checker& checker,
+                   const Reason& reason) {
+  difference.ours = ours.size(), difference.theirs = theirs.size();
+  for (const bool is_ours : {true, false}) {
+    const IdPairs &one = is_ours ? ours : theirs, &other = is_ours ? theirs : ours;
+    IdPairs only;
+    std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only));
+    difference.both = one.size() - only.size();
+    std::size_t unexplained = 0;
+    for (const auto& [a, b] : only) {
+      const std::string why = reason(a, b, is_ours);
+      ++(is_ours ? difference.only_ours : difference.only_theirs)[why.empty() ? "no reason" : why];
+      if (!why.empty() || ++unexplained > 5) continue;  // a few are enough on the console
+      checker.check(false, "{}, {}: the pair {} {} is only in {}", difference.mesh, difference.question, a, b,
+                    is_ours ? "ours" : difference.library + "'s");
+    }
+  }
+  return difference;
+}
+
+/// The triangles at each vertex, in the order of ids.
+class Incidence {
+ public:
+  explicit Incidence(MeshView mesh) : at_(mesh.positions.size()) {
+    for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
+      for (const VertexId v : mesh.triangles[t]) at_[v].push_back(t);
+    }
+  }
+  const std::vector<TriangleId>& at(VertexId v) const { return at_.at(v); }
+  std::vector<TriangleId> at(VertexId v, VertexId w) const {
+    std::vector<TriangleId> common;
+    std::set_intersection(at(v).begin(), at(v).end(), at(w).begin(), at(w).end(), std::back_inserter(common));
+    return common;
+  }
+
+ private:
+  std::vector<std::vector<TriangleId>> at_;
+};
+
+}  // namespace
+
+std::vector<PeerRow> read_peer_rows(const std::filesystem::path& csv) {
+  std::vector<PeerRow> rows;
+  std::ifstream file(csv);
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    PeerRow row;
+    std::string us;
+    for (std::string* cell : {&row.peer, &row.mesh, &row.question, &us, &row.count}) {
+      if (!std::getline(cells, *cell, ',')) throw bad_line(csv, line);
+    }
+    std::getline(cells, row.details);
+    std::erase(row.details, '"');  // around details that have commas
+    if (!us.empty()) row.us = std::stod(us);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::optional<PeerRow> fastest(const std::vector<PeerRow>& rows, const std::string& peer, const std::string& mesh,
+                               const std::string& question, const std::string& part) {
+  std::optional<PeerRow> best;
+  for (const PeerRow& row : rows) {
+    if (row.peer != peer || row.mesh != mesh || row.question != question) continue;
+    if (row.us <= 0 || row.details.find(part) == std::string::npos) continue;
+    if (!best || row.us < best->us) best = row;
+  }
+  return best;
+}
+
+void sort_pairs(IdPairs& pairs) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+std::optional<IdPairs> read_pairs(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  IdPairs pairs;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    TriangleId a = 0, b = 0;
+    if (!(words >> a >> b)) throw bad_line(path, line);
+    pairs.emplace_back(a, b);
+  }
+  sort_pairs(pairs);
+  return pairs;
+}
+
+std::optional<IdPairs> read_ipc_pairs(const std::filesystem::path& edge_edge, const std::filesystem::path& face_vertex,
+                                      MeshView mesh) {
+  std::ifstream edges(edge_edge), faces(face_vertex);
+  if (!edges || !faces) return std::nullopt;
+  const Incidence incidence(mesh);
+  IdPairs pairs;
+  const auto add = [&](TriangleId a, TriangleId b) {
+    if (shared_vertices(mesh.triangles[a], mesh.triangles[b]) == 0) pairs.emplace_back(std::minmax(a, b));
+  };
+  for (std::string line; std::getline(edges, line);) {
+    std::istringstream words(line);
+    std::array<VertexId, 4> v{};
+    if (!(words >> v[0] >> v[1] >> v[2] >> v[3])) throw bad_line(edge_edge, line);
+    for (const TriangleId a : incidence.at(v[0], v[1])) {
+      for (const TriangleId b : incidence.at(v[2], v[3])) add(a, b);
+    }
+  }
+  for (std::string line; std::getline(faces, line);) {
+    std::istringstream words(line);
+    TriangleId face = 0;
+    VertexId v = 0;
+    if (!(words >> face >> v) || face >= mesh.triangles.size()) throw bad_line(face_vertex, line);
+    for (const TriangleId b : incidence.at(v)) add(face, b);
+  }
+  sort_pairs(pairs);
+  return pairs;
+}
+
+Difference compare_crossings(const std::string& mesh, const std::string& library, const MeshPair& meshes,
+                             const IdPairs& ours, const IdPairs& theirs, Checker& checker) {
+  const std::string question = meshes.is_self ? "self_intersections" : "intersections";
+  return compare({mesh, question, library, 0, 0, 0, {}, {}}, ours, theirs, checker,
+                 [&](TriangleId a, TriangleId b, bool is_ours) { return reason_of_crossing(meshes, a, b, is_ours); });
+}
+
+Difference compare_within(const std::string& mesh, const std::string& library, const MeshPair& meshes, double margin,
+                          const IdPairs& ours, const IdPairs& theirs, const Tolerance& tolerance, Checker& checker) {
+  const std::string question = fmt::format("{} within {:.4g}", meshes.is_self ? "self_contacts" : "contacts", margin);
+  return compare({mesh, question, library, 0, 0, 0, {}, {}}, ours, theirs, checker,
+                 [&](TriangleId a, TriangleId b, bool is_ours) {
+                   const double distance = closest_points(meshes.a.triangle(a), meshes.b.triangle(b)).distance;
+                   return reason_of_distance(distance, margin, is_ours, tolerance);
+                 });
+}
+
+}  // namespace limber::bench

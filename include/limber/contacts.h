@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "limber/base.h"
+#include "limber/function_ref.h"
+#include "limber/geometry.h"
+#include "limber/model.h"
+#include "limber/query.h"
+
+/// All pairs of triangles that intersect or are close: of two models, and of one model with itself.
+///
+/// Triangles are as query.h says: surfaces, closed sets, compared as placed. Whether two of them intersect is exact;
+/// distances are rounded as stated there, so a pair whose distance equals the margin up to that rounding may be in or
+/// out.
+///
+/// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the
+///          processor, and not on threads. It is not sorted.
+namespace limber {
+
+/// Two triangles, one of each model, or two of one model.
+struct TrianglePair {
+  TriangleId a = no_id, b = no_id;
+  friend bool operator==(const TrianglePair&, const TrianglePair&) = default;
+};
+
+/// Two triangles that intersect, or are close.
+///
+/// Frame    World; for pairs of one model, the model's own frame.
+struct Contact : TriangleContact {
+  TriangleId triangle_a = no_id, triangle_b = no_id;  ///< index each model's own mesh
+};
+
+/// Called for each pair; returns whether to go on.
+using TrianglePairVisitor = FunctionRef<bool(const TrianglePair&)>;
+using ContactVisitor = FunctionRef<bool(const Contact&)>;
+
+/// Which pairs count: called with the ids of two triangles whose bounds are close, before they are compared.
+using TrianglePairFilter = FunctionRef<bool(TriangleId a, TriangleId b)>;
+
+struct PairOptions {
+  std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
+};
+
+/// How many pairs were found.
+struct PairCount {
+  std::size_t count = 0;    ///< all that were found, whether or not they fitted
+  bool is_complete = true;  ///< false if the visitor has stopped the query: there may be more
+  QueryStats stats{};
+};
+
+/// All pairs of triangles that intersect.
+///
+/// Promise  Each intersecting pair exactly once, decided exactly. The second form writes the first pairs.size() of
+///          them; count says how many there are.
+/// Throws   std::invalid_argument unless both models are committed and both poses are rigid; whatever a visitor or a
+///          filter throws.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
+/// Threads  Reentrant; any number of calls may share models.
+/// Source   docs/algorithms/contacts.md.
+PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit,
+                              const PairOptions& options = {});
+PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs,
+                        const PairOptions& options = {});
+
+/// All pairs of triangles at most `margin` apart. With a margin of 0, those that intersect.
+///
+/// Promise  Each pair exactly once. The second form writes the first contacts.size() of them; count says how many there
+///          are.
+/// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
+/// Cost     As visit_intersections().
+/// Threads  As visit_intersections().
+PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
+                         const PairOptions& options = {});
+PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
+                   const PairOptions& options = {});
+
+/// The closest pairs of triangles, as many as `closest` has room for, nearest first. The count is smaller if there are
+/// fewer pairs, or fewer that the filter lets through. Which of several equally close pairs are among them is not
+/// defined.
+///
+/// Throws   As visit_intersections().
+/// Cost     As visit_intersections().
+/// Threads  As visit_intersections().
+PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options = {});
+
+// --- one model with itself ---
+//
+// Pairs of different triangles of one model, each once, with a < b. Triangles that share vertices, by id, meet only if
+// they have a point in common beyond the shared vertices and the edge between them; that is decided exactly. Otherwise
+// such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
+// triangles meet. Poses do not matter, so there are none; results are in the model's own frame.
+
+/// Whether a model meets itself; stops at the first such pair found.
+///
+/// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
+/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing.
+/// Threads  Reentrant.
+/// Source   docs/algorithms/contacts.md.
+CollideResult self_collide(const Model& model, const PairOptions& options = {});
+
+/// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
+/// most max_distance apart, the status is `beyond_limit`.
+///
+/// Promise  As distance(), for those pairs.
+/// Throws   As self_collide(); also unless the options are what DistanceOptions says.
+/// Cost     As self_collide().
+/// Threads  Reentrant.
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
+                             const PairOptions& options = {});
+
+/// All pairs of triangles that meet.
+///
+/// Promise  As visit_intersections().
+/// Throws   As self_collide(); whatever the visitor throws.
+/// Cost     As self_collide().
+/// Threads  Reentrant.
+PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options = {});
+PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options = {});
+
+/// All pairs of triangles that meet, or are no neighbors and at most `margin` apart.
+///
+/// Promise  As visit_contacts().
+/// Throws   As visit_self_intersections(); also unless the margin is finite and >= 0.
+/// Cost     As self_collide().
+/// Threads  Reentrant.
+PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options = {});
+PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
+                        const PairOptions& options = {});
+
+}  // namespace limber

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+
+#include "geometry/primitives.h"
+
+/// What distances of triangles are computed with.
+namespace limber::geometry {
+
+/// Moves coordinates near the origin and, if need be, near unit size: v -> (v - origin) * scale, scale a power of two.
+class LocalFrame {
+ public:
+  LocalFrame(const Vec3& origin, std::initializer_list<Vec3> points) : origin_(origin) {
+    for (const Vec3& p : points) extent_ = std::max(extent_, max_abs(p - origin));
+    if (extent_ == 0 || (extent_ > 0x1p-100 && extent_ < 0x1p100)) return;
+    int exponent = 0;
+    std::frexp(extent_, &exponent);
+    // Subnormal extents may need more than the largest power of two; what is lost then is below any double.
+    scale_ = std::ldexp(1.0, -std::max(exponent, -1000));
+    extent_ *= scale_;
+  }
+  Vec3 to_local(const Vec3& v) const { return (v - origin_) * scale_; }
+  Triangle to_local(const Triangle& t) const { return {to_local(t.v0), to_local(t.v1), to_local(t.v2)}; }
+  Segment to_local(const Segment& s) const { return {to_local(s.p0), to_local(s.p1)}; }
+  Vec3 from_local(const Vec3& v) const { return origin_ + v * (1 / scale_); }
+  double length_from_local(double length) const { return length / scale_; }
+  double extent() const { return extent_; }  ///< largest local coordinate
+
+ private:
+  Vec3 origin_;
+  double extent_ = 0;
+  double scale_ = 1;
+};
+
+/// Length that stays positive where the square underflows.
+inline double safe_length(const Vec3& v) {
+  const double v_sq = length_sq(v);
+  if (v_sq > 0x1p-900) return std::sqrt(v_sq);
+  const double size = max_abs(v);
+  return size == 0 ? 0 : size * length(v * (1 / std::max(size, 0x1p-1000)));
+}
+
+/// The point of a triangle with the given weights; a corner is met exactly.
+inline Vec3 point_at(const Triangle& t, const Vec3& weights) {
+  const std::size_t k = weights.x >= weights.y ? (weights.x >= weights.z ? 0 : 2) : (weights.y >= weights.z ? 1 : 2);
+  const std::size_t i = after[k], j = after[i];
+  return t[k] + (weights[i] * (t[i] - t[k]) + weights[j] * (t[j] - t[k]));
+}
+
+/// The smallest feature that has a point of these weights: a weight of 0 leaves its corner out.
+inline Feature feature_of(const Vec3& weights) {
+  const auto named = [](FeatureKind kind, std::size_t index) {
+    return Feature{kind, static_cast<std::uint8_t>(index)};
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (weights[i] != 0) continue;
+    const std::size_t j = after[i], k = after[j];  // edge j goes from corner j to corner k
+    return weights[j] == 0   ? named(FeatureKind::vertex, k)
+           : weights[k] == 0 ? named(FeatureKind::vertex, j)
+                             : named(FeatureKind::edge, j);
+  }
+  return named(FeatureKind::face, 0);
+}
+
+}  // namespace limber::geometry

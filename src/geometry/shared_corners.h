@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "limber/base.h"
+#include "limber/geometry.h"
+
+/// Triangles of one mesh that share vertices always intersect: in the vertex, or the edge, that they share. These
+/// functions decide whether they share anything else.
+///
+/// Pre      The thread is in the default floating-point environment. Coordinates are at most max_coordinate in size.
+/// Promise  Exact, for triangles of every rank; a and b may be swapped, and corners be in any order.
+/// Source   docs/algorithms/intersection.md, "Triangles that share corners".
+namespace limber::geometry {
+
+/// Whether two triangles of one mesh share a point that is not on what they have in common by their vertex ids.
+///
+/// Nothing in common: as intersects(). One vertex: any other point counts. Two vertices: any point off the edge between
+/// them counts. Three vertices, in any order: nothing counts, for both are the same set of points. A triangle may name
+/// a vertex more than once.
+/// Pre      Equal ids stand for equal positions.
+bool meets_elsewhere(const Triangle& a, const std::array<VertexId, 3>& ids_a, const Triangle& b,
+                     const std::array<VertexId, 3>& ids_b);
+
+/// Whether two triangles share any point but one corner of both: corner_a of a, corner_b of b.
+///
+/// Pre      Both corners have one position.
+bool meet_beyond_shared_corner(const Triangle& a, std::size_t corner_a, const Triangle& b, std::size_t corner_b);
+
+/// Whether two triangles share any point off a common edge: that of a without corner apex_a, that of b without apex_b.
+///
+/// Pre      The ends of both edges have the same two positions, in either order.
+bool meet_beyond_shared_edge(const Triangle& a, std::size_t apex_a, const Triangle& b, std::size_t apex_b);
+
+}  // namespace limber::geometry

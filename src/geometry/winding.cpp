@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/winding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+#include "geometry/primitives.h"
+
+namespace limber {
+namespace {
+
+int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+
+/// On which side of the line from a to b the point lies, seen along `axis`: +1 to the left. The point is moved by an
+/// infinitesimal amount along the first axis that is left, and by a much smaller one along the second. 0 only where a
+/// and b are one point, seen so.
+int side_of(const Vec3& a, const Vec3& b, const Vec3& point, std::size_t axis) {
+  const int side = geometry::orient2d(a, b, point, axis);
+  if (side != 0) return side;
+  const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+  return a[j] != b[j] ? sign_of(a[j] - b[j]) : sign_of(b[i] - a[i]);
+}
+
+}  // namespace
+
+bool geometry::lies_on(const Vec3& point, const Triangle& t) {
+  const Vec3 low = min(min(t.v0, t.v1), t.v2), high = max(max(t.v0, t.v1), t.v2);
+  if (min(low, point) != low || max(high, point) != high) return false;
+  return geometry::orient3d(t.v0, t.v1, t.v2, point) == 0 && geometry::intersects(Segment{point, point}, t);
+}
+
+int geometry::winding_along(const Vec3& point, const Triangle& t, std::size_t axis, bool is_upward) {
+  LIMBER_ASSERT(axis < 3);
+  const int turn = side_of(t.v0, t.v1, point, axis);
+  if (turn == 0 || side_of(t.v1, t.v2, point, axis) != turn || side_of(t.v2, t.v0, point, axis) != turn) return 0;
+  // The normal points up where the corners turn left.
+  const bool is_above = geometry::orient3d(t.v0, t.v1, t.v2, point) == turn;
+  if (is_above == is_upward) return 0;
+  return is_upward ? turn : -turn;
+}
+
+double geometry::half_solid_angle(const Vec3& point, const Triangle& t) {
+  Vec3 a = t.v0 - point, b = t.v1 - point, c = t.v2 - point;
+  const double size = std::max({max_abs(a), max_abs(b), max_abs(c)});
+  if (!(size > 0x1p-900)) return 0;
+  // So that no product leaves the range of float64.
+  const double scale = 1 / size;
+  a *= scale, b *= scale, c *= scale;
+  const double la = length(a), lb = length(b), lc = length(c);
+  const double along = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+  return std::atan2(dot(a, cross(b, c)), along);
+}
+
+}  // namespace limber

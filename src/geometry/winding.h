@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "limber/geometry.h"
+
+/// Exact decisions about a point and a surface of triangles. Pre: as geometry/primitives.h.
+namespace limber::geometry {
+
+/// Whether a closed triangle, which may be degenerate, contains a point.
+bool lies_on(const Vec3& point, const Triangle& triangle);
+
+/// What a triangle adds to the winding number of a closed surface around a point, counted along the ray from the point
+/// in the direction of an axis: +1 where the ray leaves, on the side that the normal points to, -1 where it enters, 0
+/// where it misses.
+///
+/// Based on  Simulation of simplicity [EdelsbrunnerMuecke1990]: the ray is moved aside by an infinitesimal amount, the
+///           same for all triangles, so it never meets an edge or a corner.
+///
+/// Pre      The point does not lie on the triangle.
+int winding_along(const Vec3& point, const Triangle& triangle, std::size_t axis, bool is_upward);
+
+/// Half of the solid angle under which a point sees a triangle, positive where it sees the back: from -pi to pi. 0
+/// where the triangle is degenerate, or all of it within 2^-900 of the point.
+///
+/// Source   [VanOosteromStrackee1983].
+double half_solid_angle(const Vec3& point, const Triangle& triangle);
+
+}  // namespace limber::geometry

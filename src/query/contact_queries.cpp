@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The public queries for all pairs, and those of one model with itself: each checks its arguments, and searches with a
+// goal.
+#include <algorithm>
+#include <limits>
+
+#include "core/float_environment.h"
+#include "limber/contacts.h"
+#include "query/distance_answer.h"
+#include "query/goals/all_intersections.h"
+#include "query/goals/closest_pairs.h"
+#include "query/goals/pairs_within.h"
+#include "query/goals/self_pairs.h"
+#include "query/options.h"
+#include "query/search.h"
+
+namespace limber {
+namespace {
+
+using query::PairsOfOne;
+using query::PairsOfTwo;
+
+/// A model twice in the same place.
+query::PlacedModels with_itself(const Model& model) { return {Placed{model}, Placed{model}}; }
+
+template <typename Goal>
+PairCount count_with(const query::PlacedModels& placed, Goal& goal) {
+  PairCount result;
+  query::BudgetMeter meter;  // without limits
+  if constexpr (Goal::is_self) {
+    query::search_self(placed, goal, meter, result.stats);
+  } else {
+    query::search(placed, nullptr, goal, meter, result.stats);
+  }
+  result.count = goal.count;
+  return result;
+}
+
+template <typename Pairs>
+PairCount visit_intersections(const query::PlacedModels& placed, const Pairs& pairs, TrianglePairVisitor visit) {
+  query::AllIntersections<Pairs> goal(pairs, visit);
+  PairCount result = count_with(placed, goal);
+  result.is_complete = !goal.is_done();
+  return result;
+}
+
+template <typename Pairs>
+PairCount visit_contacts(const query::PlacedModels& placed, const Pairs& pairs, double margin, ContactVisitor visit) {
+  query::PairsWithin<Pairs> goal(pairs, margin, visit);
+  PairCount result = count_with(placed, goal);
+  result.is_complete = !goal.is_done();
+  return result;
+}
+
+/// Writes what it is called with to a span, as far as there is room.
+template <typename T>
+class Filler {
+ public:
+  explicit Filler(std::span<T> room) : room_(room) {}
+  bool operator()(const T& found) {
+    if (next_ < room_.size()) room_[next_++] = found;
+    return true;
+  }
+
+ private:
+  std::span<T> room_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  return visit_intersections(query::PlacedModels(a, b), PairsOfTwo(options), visit);
+}
+
+PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
+  Filler<TrianglePair> fill(pairs);
+  return visit_intersections(a, b, fill, options);
+}
+
+PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
+                         const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_margin(margin, "limber::visit_contacts");
+  return visit_contacts(query::PlacedModels(a, b), PairsOfTwo(options), margin, visit);
+}
+
+PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
+                   const PairOptions& options) {
+  Filler<Contact> fill(contacts);
+  return visit_contacts(a, b, margin, fill, options);
+}
+
+PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  const query::PlacedModels placed(a, b);
+  query::ClosestPairs<PairsOfTwo> goal(PairsOfTwo(options), closest);
+  const PairCount result = count_with(placed, goal);
+  goal.sort();
+  return result;
+}
+
+CollideResult self_collide(const Model& model, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  const query::PlacedModels placed = with_itself(model);
+  query::AnySelfContact goal(PairsOfOne(model.mesh(), options));
+  CollideResult result;
+  query::BudgetMeter meter;
+  query::search_self(placed, goal, meter, result.stats);
+  result.collision = goal.witness.has_value();
+  result.witness = goal.witness;
+  return result;
+}
+
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_options(distance_options, "limber::self_distance");
+  const query::PlacedModels placed = with_itself(model);
+  query::ClosestSelfPair goal(PairsOfOne(model.mesh(), options), distance_options);
+  DistanceResult result;
+  query::BudgetMeter meter;
+  const query::Unsearched unsearched = query::search_self(placed, goal, meter, result.stats);
+  query::set_answer(result, goal.closest, unsearched, distance_options.max_distance);
+  return result;
+}
+
+PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  return visit_intersections(with_itself(model), PairsOfOne(model.mesh(), options), visit);
+}
+
+PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options) {
+  Filler<TrianglePair> fill(pairs);
+  return visit_self_intersections(model, fill, options);
+}
+
+PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_margin(margin, "limber::visit_self_contacts");
+  return visit_contacts(with_itself(model), PairsOfOne(model.mesh(), options), margin, visit);
+}
+
+PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {
+  Filler<Contact> fill(contacts);
+  return visit_self_contacts(model, margin, fill, options);
+}
+
+}  // namespace limber

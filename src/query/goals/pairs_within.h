@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+#include "core/check.h"
+#include "geometry/primitives.h"
+#include "limber/contacts.h"
+#include "query/goals/improvement.h"
+
+namespace limber::query {
+
+/// The goal of visit_contacts(): all pairs of triangles that meet or are at most a margin apart. `Pairs` is PairsOfTwo
+/// or PairsOfOne.
+template <typename Pairs>
+class PairsWithin {
+ public:
+  static constexpr bool takes_any = true;
+  static constexpr bool needs_all = true;
+  static constexpr bool is_self = Pairs::is_self;
+
+  PairsWithin(const Pairs& pairs, double margin, ContactVisitor visit)
+      : pairs_(pairs), margin_(margin), visit_(visit) {}
+
+  /// Just above the margin: a pair exactly that far apart counts.
+  double initial_prune_distance() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  bool is_done() const { return is_stopped_; }
+
+  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    if (is_self && b.id < a.id) return compare(b, a);
+    if (!pairs_.counts(a, b)) return std::nullopt;
+    if (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b)) return std::nullopt;
+    const Contact contact{geometry::contact(a.corners, b.corners), a.id, b.id};
+    LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
+    if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
+    return std::nullopt;
+  }
+
+  std::size_t count = 0;
+
+ private:
+  Pairs pairs_;
+  double margin_;
+  ContactVisitor visit_;
+  bool is_stopped_ = false;
+};
+
+}  // namespace limber::query

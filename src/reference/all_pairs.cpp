@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <vector>
+
+#include "core/float_environment.h"
+#include "geometry/primitives.h"
+#include "geometry/shared_corners.h"
+#include "limber/reference.h"
+#include "query/options.h"
+#include "reference/place.h"
+
+namespace limber::reference {
+namespace {
+
+/// Whether two triangles of a mesh share a vertex.
+bool are_neighbors(const Corners& a, const Corners& b) {
+  for (const VertexId v : a) {
+    for (const VertexId w : b) {
+      if (v == w) return true;
+    }
+  }
+  return false;
+}
+
+template <typename Visit>
+void for_all_pairs(MeshView mesh, const Visit& visit) {
+  for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
+    for (TriangleId j = i + 1; j < mesh.triangles.size(); ++j) visit(i, j);
+  }
+}
+
+bool meet(MeshView mesh, TriangleId i, TriangleId j) {
+  return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
+}
+
+}  // namespace
+
+std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
+  const core::DefaultFloatEnvironment environment;
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  std::vector<TrianglePair> pairs;
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      if (geometry::intersects(triangles_a[i], triangles_b[j])) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_margin(margin, "limber::reference::contacts");
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  std::vector<Contact> found;
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      const Contact contact{geometry::contact(triangles_a[i], triangles_b[j]), i, j};
+      if (contact.distance <= margin) found.push_back(contact);
+    }
+  }
+  return found;
+}
+
+std::vector<TrianglePair> self_intersections(MeshView mesh) {
+  const core::DefaultFloatEnvironment environment;
+  std::vector<TrianglePair> pairs;
+  for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
+    if (meet(mesh, i, j)) pairs.push_back({i, j});
+  });
+  return pairs;
+}
+
+std::vector<Contact> self_contacts(MeshView mesh, double margin) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_margin(margin, "limber::reference::self_contacts");
+  std::vector<Contact> found;
+  for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
+    if (are_neighbors(mesh.triangles[i], mesh.triangles[j]) && !meet(mesh, i, j)) return;
+    const Contact contact{geometry::contact(mesh.triangle(i), mesh.triangle(j)), i, j};
+    if (contact.distance <= margin) found.push_back(contact);
+  });
+  return found;
+}
+
+}  // namespace limber::reference

@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene/box_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "core/check.h"
+#include "simd/kernels.h"
+
+namespace limber::scene {
+namespace {
+
+using bvh::WideBoxes;
+using bvh::width;
+
+// More levels than any tree has whose models can be numbered.
+constexpr std::size_t max_levels = 12;
+
+// What rounding of lengths and their squares, relative to the squares, may hide.
+constexpr double squares_down = 1 - 0x1p-48;
+
+WideBoxes empty_boxes() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  WideBoxes boxes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::fill_n(boxes.low[axis], width, infinity);
+    std::fill_n(boxes.high[axis], width, -infinity);
+  }
+  return boxes;
+}
+
+void set_box(WideBoxes& boxes, std::size_t slot, const Box& box) {
+  boxes.low[0][slot] = box.low.x, boxes.low[1][slot] = box.low.y, boxes.low[2][slot] = box.low.z;
+  boxes.high[0][slot] = box.high.x, boxes.high[1][slot] = box.high.y, boxes.high[2][slot] = box.high.z;
+}
+
+Box box_of(const WideBoxes& boxes, std::size_t slot) {
+  return {{boxes.low[0][slot], boxes.low[1][slot], boxes.low[2][slot]},
+          {boxes.high[0][slot], boxes.high[1][slot], boxes.high[2][slot]}};
+}
+
+/// The smallest box around some boxes.
+Box box_around(const WideBoxes& boxes) {
+  Box box = box_of(boxes, 0);
+  for (std::size_t slot = 1; slot < width; ++slot) {
+    const Box next = box_of(boxes, slot);
+    box = {min(box.low, next.low), max(box.high, next.high)};
+  }
+  return box;
+}
+
+/// Which of some boxes may be within the margin of one more.
+unsigned near(const WideBoxes& boxes, const Box& box, double margin) {
+  const Vec3 by{margin, margin, margin};
+  return simd::kernels().overlapping_boxes(boxes, box.low - by, box.high + by);
+}
+
+// The pairs of a leaf with itself, of which the second slot is after the first.
+constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
+
+/// Whether a length may be at most another one, by their squares. Those below 2^-900 may be anything.
+bool may_be_at_most(double length_sq, double limit) {
+  return length_sq * squares_down <= limit * limit + core::tiny_square;
+}
+
+}  // namespace
+
+void BoxTree::build(std::span<const std::uint32_t> ids, std::span<const WorldBounds> bounds) {
+  LIMBER_ASSERT(ids.size() < no_id);
+  centers_.resize(ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) centers_[i] = bounds[ids[i]].sphere.center;
+  const std::span<const std::uint32_t> order = spatial_order_.sort(centers_);
+
+  level_begin_.assign(1, 0);
+  for (std::size_t count = ids.size(); count > 0 && (count > 1 || level_begin_.size() == 1);) {
+    count = (count + width - 1) / width;
+    level_begin_.push_back(level_begin_.back() + count);
+  }
+  LIMBER_ASSERT(level_count() <= max_levels);
+  boxes_.resize(level_begin_.back());
+  spheres_.resize(ids.size()), ids_.resize(ids.size());
+  for (std::size_t level = 0; level < level_count(); ++level) boxes_[level_begin_[level + 1] - 1] = empty_boxes();
+  for (std::uint32_t rank = 0; rank < size(); ++rank) {
+    ids_[rank] = ids[order[rank]];
+    const WorldBounds& of = bounds[ids_[rank]];
+    spheres_[rank] = of.sphere;
+    set_box(boxes_[rank / width], rank % width, of.box);
+  }
+  for (std::size_t level = 1; level < level_count(); ++level) {
+    const std::size_t begin = level_begin_[level], below = level_begin_[level - 1];
+    for (std::size_t i = 0; i < begin - below; ++i) {
+      set_box(boxes_[begin + i / width], i % width, box_around(boxes_[below + i]));
+    }
+  }
+}
+
+bool BoxTree::spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const {
+  const Sphere &a = spheres_[rank_a], &b = spheres_[rank_b];
+  return may_be_at_most(length_sq(b.center - a.center), a.radius + b.radius + margin);
+}
+
+bool BoxTree::may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const {
+  LIMBER_ASSERT(rank_a < size() && rank_b < size());
+  if (!spheres_may_be_within(rank_a, rank_b, margin)) return false;
+  const Box box_a = box_of(boxes_[rank_a / width], rank_a % width);
+  const Box box_b = box_of(boxes_[rank_b / width], rank_b % width);
+  return may_be_at_most(length_sq(gaps(box_a, box_b)), margin);
+}
+
+double BoxTree::lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
+  LIMBER_ASSERT(rank_a < size() && rank_b < size());
+  const Sphere &a = spheres_[rank_a], &b = spheres_[rank_b];
+  const Box box_a = box_of(boxes_[rank_a / width], rank_a % width);
+  const Box box_b = box_of(boxes_[rank_b / width], rank_b % width);
+  const double of_spheres = core::distance_down(a.center, b.center) - (a.radius + b.radius) * (1 + 0x1p-50);
+  const double of_boxes = core::distance_down({}, gaps(box_a, box_b));
+  return std::max(of_spheres, of_boxes) * (1 - core::scene_distance_error);
+}
+
+bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
+                          FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const {
+  LIMBER_ASSERT(leaf < leaf_count() && margin >= 0);
+  const WideBoxes& own = boxes(0, leaf);
+  const std::size_t top = level_count() - 1;
+  const auto box_of_leaf = [&](std::uint32_t i) {
+    return top > 0 ? box_of(boxes(1, i / width), i % width) : box_around(own);
+  };
+  const Box around = box_of_leaf(leaf);
+
+  // Pairs are collected before they are visited, without branches that could not be foreseen.
+  constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
+  std::uint32_t found_a[room], found_b[room];
+  std::size_t count = 0;
+  const auto visit_found = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!visit(found_a[i], found_b[i])) return false;
+    }
+    count = 0;
+    return true;
+  };
+  const auto visit_leaf = [&](std::uint32_t other) {
+    std::uint64_t boxes_meet = simd::kernels().overlapping_pairs(own, boxes(0, other), box_of_leaf(other), margin);
+    if (other == leaf) boxes_meet &= each_pair_once;
+    for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
+      const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
+      found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
+      const bool is_near = margin == 0 ? spheres_may_be_within(found_a[count], found_b[count], 0)
+                                       : may_be_within(found_a[count], found_b[count], margin);
+      count += is_near ? 1 : 0;
+    }
+    return count + most_of_two_leaves <= room || visit_found();
+  };
+
+  if (top == 0) return visit_leaf(leaf) && visit_found();
+  // Depth first, children in order, without those whose leaves are all before this one.
+  std::uint32_t node[max_levels];
+  unsigned waiting[max_levels];
+  const auto enter = [&](std::size_t level, std::uint32_t i) {
+    const std::uint32_t first = leaf >> (3 * (level - 1));  // the child that this leaf is in, or below
+    node[level] = i;
+    waiting[level] = near(boxes(level, i), around, margin);
+    if (first / width == i) waiting[level] &= ~0U << first % width;
+  };
+  enter(top, 0);
+  for (std::size_t level = top; level <= top;) {
+    if (waiting[level] == 0) {
+      ++level;
+      continue;
+    }
+    const auto slot = static_cast<std::uint32_t>(std::countr_zero(waiting[level]));
+    waiting[level] &= waiting[level] - 1;
+    const std::uint32_t child = node[level] * width + slot;
+    if (level > 1) {
+      enter(--level, child);
+    } else if (!visit_leaf(child)) {
+      return false;
+    }
+  }
+  return visit_found();
+}
+
+}  // namespace limber::scene

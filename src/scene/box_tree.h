@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "layout/wide_boxes.h"
+#include "limber/function_ref.h"
+#include "scene/spatial_order.h"
+#include "scene/world_bounds.h"
+
+namespace limber::scene {
+
+/// An 8-wide tree over the bounds of placed models, built anew whenever some have moved.
+///
+/// The models are numbered in spatial order; these numbers are their ranks. Eight consecutive ones are a leaf, eight
+/// consecutive leaves the children of a node, and so on, so a node's number tells its children's.
+class BoxTree {
+ public:
+  /// Builds the tree of the models with these ids, which index `bounds`.
+  ///
+  /// Cost     O(n) for models that are spread out, O(n log n) for others; allocates where there are more than ever.
+  void build(std::span<const std::uint32_t> ids, std::span<const WorldBounds> bounds);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(ids_.size()); }
+  std::uint32_t leaf_count() const { return static_cast<std::uint32_t>((ids_.size() + bvh::width - 1) / bvh::width); }
+  /// The id of a model. Pre: rank < size().
+  std::uint32_t id_of(std::uint32_t rank) const { return ids_[rank]; }
+
+  /// Whether two models may be at most so far apart. Pre: the margin is one with room for errors.
+  bool may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
+  /// At most the distance of two models.
+  double lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const;
+
+  /// Calls visit(rank_a, rank_b) once for every two models that may be within the margin, of which the one with the
+  /// lower rank, rank_a, is in the given leaf, until that returns false. Returns whether it never did. Pre: the margin
+  /// is one with room for errors; leaf < leaf_count().
+  bool visit_pairs(std::uint32_t leaf, double margin, FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const;
+
+ private:
+  bool spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
+
+  /// The boxes of a leaf's models on level 0, those of a node's children above.
+  const bvh::WideBoxes& boxes(std::size_t level, std::size_t node) const { return boxes_[level_begin_[level] + node]; }
+  std::size_t level_count() const { return level_begin_.size() - 1; }
+
+  SpatialOrder spatial_order_;
+  std::vector<Vec3> centers_;
+  std::vector<std::uint32_t> ids_;        // by rank
+  std::vector<Sphere> spheres_;           // by rank
+  std::vector<bvh::WideBoxes> boxes_;     // level by level
+  std::vector<std::size_t> level_begin_;  // and one past the last, which has one node
+};
+
+}  // namespace limber::scene

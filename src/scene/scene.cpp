@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/scene.h"
+
+#include <algorithm>
+#include <string>
+
+#include "core/float_environment.h"
+#include "core/parallel.h"
+#include "math/rigid.h"
+#include "query/options.h"
+#include "scene/scene_impl.h"
+
+namespace limber {
+namespace {
+
+// Objects whose bounds one task updates.
+constexpr std::size_t worth_a_task = 4096;
+
+}  // namespace
+
+Scene::Scene() : impl_(std::make_unique<Impl>()) {}
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+const Scene::Impl& Scene::impl(const char* function) const {
+  if (impl_ != nullptr) return *impl_;
+  core::throw_invalid_argument((std::string("limber::Scene::") + function + ": the scene has been moved from").c_str());
+}
+Scene::Impl& Scene::impl(const char* function) { return const_cast<Impl&>(std::as_const(*this).impl(function)); }
+
+// --- objects ---
+
+ObjectId Scene::add(const Placed& object) {
+  const core::DefaultFloatEnvironment environment;
+  Impl& scene = impl("add");
+  LIMBER_REQUIRE(object.model().is_committed(),
+                 "limber::Scene::add: the model has moves that are not committed, or has been moved from");
+  LIMBER_REQUIRE(math::is_rigid(object.pose), "limber::Scene::add: the pose is not rigid (see is_rigid())");
+  if (!scene.free_ids.empty()) {
+    const ObjectId id = scene.free_ids.back();
+    scene.objects[id] = {object};
+    scene.free_ids.pop_back();
+    scene.is_changed = true;
+    return id;
+  }
+  LIMBER_REQUIRE(scene.objects.size() < no_id, "limber::Scene::add: there are more objects than ids can count");
+  scene.bounds.resize(scene.objects.size() + 1);
+  scene.objects.push_back({object});
+  scene.is_changed = true;
+  return static_cast<ObjectId>(scene.objects.size() - 1);
+}
+
+void Scene::remove(ObjectId id) {
+  Impl& scene = impl("remove");
+  LIMBER_REQUIRE(scene.contains(id), "limber::Scene::remove: id names no object of the scene");
+  scene.free_ids.push_back(id);
+  scene.objects[id].exists = false;
+  scene.is_changed = true;
+}
+
+void Scene::set_pose(ObjectId id, const Transform& world_from_model) {
+  const core::DefaultFloatEnvironment environment;
+  Impl& scene = impl("set_pose");
+  LIMBER_REQUIRE(scene.contains(id), "limber::Scene::set_pose: id names no object of the scene");
+  LIMBER_REQUIRE(math::is_rigid(world_from_model), "limber::Scene::set_pose: the pose is not rigid (see is_rigid())");
+  scene.objects[id].placed.pose = world_from_model;
+  scene.objects[id].is_moved = scene.is_changed = true;
+}
+
+void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses) {
+  const core::DefaultFloatEnvironment environment;
+  Impl& scene = impl("set_poses");
+  LIMBER_REQUIRE(ids.size() == poses.size(), "limber::Scene::set_poses: there are not as many poses as ids");
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    LIMBER_REQUIRE(scene.contains(ids[i]), "limber::Scene::set_poses: one of the ids names no object of the scene");
+    LIMBER_REQUIRE(math::is_rigid(poses[i]),
+                   "limber::Scene::set_poses: one of the poses is not rigid (see is_rigid())");
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    scene.objects[ids[i]].placed.pose = poses[i];
+    scene.objects[ids[i]].is_moved = true;
+  }
+  scene.is_changed = scene.is_changed || !ids.empty();
+}
+
+std::size_t Scene::size() const {
+  const Impl& scene = impl("size");
+  return scene.objects.size() - scene.free_ids.size();
+}
+ObjectId Scene::id_bound() const { return static_cast<ObjectId>(impl("id_bound").objects.size()); }
+bool Scene::contains(ObjectId id) const { return impl("contains").contains(id); }
+
+const Placed& Scene::object(ObjectId id) const {
+  const Impl& scene = impl("object");
+  LIMBER_REQUIRE(scene.contains(id), "limber::Scene::object: id names no object of the scene");
+  return scene.placed(id);
+}
+
+Box Scene::bounding_box(ObjectId id) const {
+  const Impl& scene = impl("bounding_box");
+  LIMBER_REQUIRE(scene.contains(id), "limber::Scene::bounding_box: id names no object of the scene");
+  LIMBER_REQUIRE(!scene.is_changed, "limber::Scene::bounding_box: objects have changed since the last commit");
+  return scene.bounds[id].box;
+}
+
+// --- commits ---
+
+bool Scene::Impl::is_committed() const {
+  if (is_changed) return false;
+  return std::all_of(ids.begin(), ids.end(), [&](ObjectId id) {
+    const Object& object = objects[id];
+    return object.placed.model().is_committed() && object.state == scene::state_of(object.placed.model());
+  });
+}
+
+bool Scene::is_committed() const { return impl("is_committed").is_committed(); }
+
+void Scene::Impl::update_bounds(ObjectId id) {
+  Object& object = objects[id];
+  const scene::ModelState state = scene::state_of(object.placed.model());
+  if (!object.is_moved && object.state == state) return;
+  if (object.state != state) object.local = scene::local_bounds(object.placed.model());
+  bounds[id] = scene::world_bounds(object.local, object.placed.pose);
+  object.state = state, object.is_moved = false;
+}
+
+void Scene::commit() {
+  const core::DefaultFloatEnvironment environment;
+  Impl& scene = impl("commit");
+  for (const Impl::Object& object : scene.objects) {
+    LIMBER_REQUIRE(!object.exists || object.placed.model().is_committed(),
+                   "limber::Scene::commit: a model of the scene has moves that are not committed, or was moved from");
+  }
+  if (!scene.is_changed && scene.is_committed()) return;
+  scene.is_changed = true;  // in case a step throws
+  scene.ids.clear();
+  for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+    if (scene.objects[id].exists) scene.ids.push_back(id);
+  }
+  core::parallel_for(scene.ids.size(), worth_a_task, [&](std::size_t i) { scene.update_bounds(scene.ids[i]); });
+  scene.tree.build(scene.ids, scene.bounds);
+  scene.is_changed = false;
+}
+
+// --- candidate pairs ---
+
+PairCount Scene::visit_candidate_pairs(double margin, ObjectPairVisitor visit, const ObjectPairOptions& options) const {
+  const core::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("visit_candidate_pairs");
+  LIMBER_REQUIRE(query::is_finite_and_not_negative(margin),
+                 "limber::Scene::candidate_pairs: margin must be finite and at least 0");
+  LIMBER_REQUIRE(scene.is_committed(),
+                 "limber::Scene::candidate_pairs: objects or models have changed since the last commit");
+  PairCount found;
+  const auto visit_ranks = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
+    const ObjectPair pair = scene.pair_of(rank_a, rank_b);
+    if (options.filter && !(*options.filter)(pair.a, pair.b)) return true;
+    ++found.count;
+    found.is_complete = visit(pair);
+    return found.is_complete;
+  };
+  const double enlarged = scene::margin_with_error(margin);
+  for (std::uint32_t leaf = 0; leaf < scene.tree.leaf_count() && found.is_complete; ++leaf) {
+    scene.tree.visit_pairs(leaf, enlarged, visit_ranks);
+  }
+  return found;
+}
+
+PairCount Scene::candidate_pairs(double margin, std::span<ObjectPair> pairs, const ObjectPairOptions& options) const {
+  std::size_t count = 0;
+  const auto write = [&](const ObjectPair& pair) {
+    if (count < pairs.size()) pairs[count] = pair;
+    ++count;
+    return true;
+  };
+  return visit_candidate_pairs(margin, write, options);
+}
+
+}  // namespace limber

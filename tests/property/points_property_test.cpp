@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Closest points against brute force, to the bit: in random scenes, on every instruction set, and while models deform.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "limber/points.h"
+#include "limber/reference.h"
+#include "simd/kernels.h"
+#include "support/random_points.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+/// Whether no two triangles of a mesh have equal corners, in order. Otherwise either of them may be named.
+bool has_distinct_triangles(MeshView mesh) {
+  std::set<std::array<double, 9>> seen;
+  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle c = mesh.triangle(t);
+    if (!seen.insert({c.v0.x, c.v0.y, c.v0.z, c.v1.x, c.v1.y, c.v1.z, c.v2.x, c.v2.y, c.v2.z}).second) return false;
+  }
+  return true;
+}
+
+/// Asks for some points, with and without a limit, on every instruction set.
+void check_points(Rng& rng, const Placed& model, double size, int count, const std::string& what) {
+  const reference::Placed mesh{model.model().mesh(), model.pose};
+  const bool is_distinct = has_distinct_triangles(mesh.mesh);
+  for (int i = 0; i < count; ++i) {
+    const Vec3 point = arbitrary_query_point(rng, mesh, size);
+    const PointResult truth = reference::closest_point(mesh, point);
+    const double limit = truth.closest->distance * (rng.below(3) == 0 ? 1 : rng.uniform(0, 2));
+    const PointResult limited_truth = reference::closest_point(mesh, point, {.max_distance = limit});
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      simd::use_kernels(&set);
+      const std::string where = what + ", point " + std::to_string(i) + ", " + set.name;
+      expect_same_point(closest_point(model, point), truth, where, is_distinct);
+      expect_same_point(closest_point(model, point, {.max_distance = limit}), limited_truth, where + ", limited",
+                        is_distinct);
+      simd::use_kernels(nullptr);
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(PointsProperty, AreThoseOfBruteForceInAnyScene) {
+  Rng rng(801);
+  for (int i = 0; i < 1500 && !HasFatalFailure(); ++i) {
+    const Scene s = arbitrary_scene(rng);
+    const Model model(s.mesh_a);
+    check_points(rng, {model, s.pose_a}, s.size / 4, 10, "scene " + std::to_string(i));
+  }
+}
+
+TEST(PointsProperty, AreThoseOfBruteForceAtEveryScale) {
+  Rng rng(802);
+  for (int i = 0; i < 400 && !HasFatalFailure(); ++i) {
+    const double scale = std::pow(10.0, rng.uniform(-300, 58));
+    Mesh mesh = arbitrary_mesh(rng, 60, {}, scale);
+    if (rng.below(3) == 0) {  // and something tiny beside it
+      std::vector<Vec3> positions = mesh.positions();
+      std::vector<Corners> triangles = mesh.triangles();
+      const auto first = static_cast<VertexId>(positions.size());
+      const double tiny = scale * std::pow(10.0, rng.uniform(-40, 0));
+      for (int k = 0; k < 60; ++k) positions.push_back(tiny * uniform_point(rng));
+      for (VertexId k = 0; k < 60; k += 3) triangles.push_back({first + k, first + k + 1, first + k + 2});
+      mesh = Mesh::create(std::move(positions), std::move(triangles)).value();
+    }
+    const Model model(mesh);
+    Transform pose;
+    if (rng.below(2) == 0) pose = random_pose(rng, 3), pose.translation *= scale;
+    check_points(rng, {model, pose}, 6 * scale, 10, "scale " + std::to_string(scale) + ", case " + std::to_string(i));
+  }
+}
+
+TEST(PointsProperty, AreThoseOfBruteForceWhileModelsDeform) {
+  Rng rng(803);
+  for (int i = 0; i < 150 && !HasFatalFailure(); ++i) {
+    const Scene s = arbitrary_scene(rng);
+    Model model(s.mesh_a);
+    const double size = s.size / 4;
+    for (int step = 0; step < 6 && !HasFatalFailure(); ++step) {
+      const std::uint64_t kind = rng.below(8);
+      if (kind == 0) model.rebuild();
+      if (kind <= 2) model.set_motion_margin(kind == 1 ? 0 : size * std::pow(10.0, rng.uniform(-9, 0)));
+      std::vector<Vec3> positions = model.mesh().positions();
+      const double most = size * std::pow(10.0, rng.uniform(-12, rng.below(4) == 0 ? 1 : -1));
+      for (Vec3& p : positions) {
+        if (kind != 7) p += rng.below(3) == 0 ? most * uniform_point(rng) : Vec3{};
+        if (kind == 7) p = positions[0];  // all at one place
+      }
+      model.move_all(positions).value();
+      model.commit();
+      check_points(rng, {model, s.pose_a}, size, 6, "model " + std::to_string(i) + ", step " + std::to_string(step));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

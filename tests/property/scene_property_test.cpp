@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Random scenes, in which objects are added, removed and moved, and models deform, next to brute force.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "limber/reference.h"
+#include "limber/scene.h"
+#include "support/brute_force.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+/// A scene, and beside it what is in it.
+struct SceneCase {
+  explicit SceneCase(std::uint64_t seed) : rng(seed) {
+    scale = rng.below(3) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(600)) - 540) : 1;
+    offset = rng.below(4) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{};
+    range = std::pow(10.0, rng.uniform(-1, 2));
+    for (std::uint64_t i = 0, count = 1 + rng.below(3); i < count; ++i) {
+      // Tiny ones beside huge ones, now and then.
+      const double size = rng.below(4) == 0 ? std::ldexp(scale, static_cast<int>(rng.below(80)) - 40) : scale;
+      models.push_back(std::make_unique<Model>(arbitrary_mesh(rng, 5, {}, size)));
+    }
+    for (std::uint64_t i = 0, count = rng.below(7); i < count; ++i) add();
+  }
+
+  Transform pose() {
+    Transform pose = random_pose(rng, range);
+    if (rng.below(4) == 0) pose.rotation = {};
+    if (rng.below(8) == 0) pose.translation = {};
+    if (rng.below(30) == 0) pose.translation *= 0x1p50;
+    pose.translation = (pose.translation + offset) * scale;
+    return pose;
+  }
+  void add() {
+    const std::size_t model = rng.below(models.size());
+    const Transform at = pose();
+    const ObjectId id = scene.add({*models[model], at});
+    if (id >= objects.size()) objects.resize(id + 1);
+    RC_ASSERT(!objects[id]);
+    objects[id] = {models[model].get(), at};
+  }
+  void deform() {
+    Model& model = *models[rng.below(models.size())];
+    std::vector<Vec3> positions = model.mesh().positions();
+    const double step = std::pow(10.0, rng.uniform(-6, 0)) * model.bounding_sphere().radius;
+    for (Vec3& p : positions) p += step * uniform_point(rng);
+    RC_ASSERT(static_cast<bool>(model.move_all(positions)));
+    model.commit();
+  }
+  void change() {
+    const ObjectId id = objects.empty() ? 0 : static_cast<ObjectId>(rng.below(objects.size()));
+    switch (rng.below(6)) {
+      case 0:
+        return add();
+      case 1:
+        if (!scene.contains(id)) return;
+        scene.remove(id);
+        objects[id].reset();
+        return;
+      case 2:
+        return deform();
+      default:
+        if (!scene.contains(id)) return;
+        objects[id]->pose = pose();
+        scene.set_pose(id, objects[id]->pose);
+    }
+  }
+
+  /// What rounding is relative to.
+  double size() const {
+    double largest = 0;
+    for (const std::optional<Object>& o : objects) {
+      if (!o) continue;
+      const Sphere sphere = o->model->bounding_sphere();
+      largest = std::max(largest, max_abs(o->pose.translation) + max_abs(sphere.center) + sphere.radius);
+    }
+    return largest;
+  }
+
+  struct Object {
+    const Model* model;
+    Transform pose;
+  };
+  Rng rng;
+  double scale, range;
+  Vec3 offset;
+  std::vector<std::unique_ptr<Model>> models;
+  limber::Scene scene;
+  std::vector<std::optional<Object>> objects;  // by id
+};
+
+RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
+  SceneCase c(seed);
+  SceneCache cache(4);
+  for (int step = 0; step < 3; ++step) {
+    for (std::uint64_t i = 0, count = c.rng.below(4); i < count; ++i) c.change();
+    c.scene.commit();
+    RC_ASSERT(c.scene.size() == static_cast<std::size_t>(std::count_if(c.objects.begin(), c.objects.end(),
+                                                                       [](const auto& o) { return o.has_value(); })));
+    const double margin = c.rng.below(3) == 0 ? 0 : c.scale * c.range * c.rng.uniform(0, 0.3);
+    std::vector<ObjectPair> pairs(c.objects.size() * c.objects.size());
+    const auto are_far = [&](ObjectId a, ObjectId b) {
+      return std::find(pairs.begin(), pairs.end(), ObjectPair{a, b}) == pairs.end();
+    };
+    pairs.resize(c.scene.candidate_pairs(margin, pairs).count);
+    double closest = INFINITY;
+    for (ObjectId a = 0; a < c.objects.size(); ++a) {
+      for (ObjectId b = a + 1; b < c.objects.size(); ++b) {
+        if (!c.objects[a] || !c.objects[b]) {
+          RC_ASSERT(are_far(a, b));
+          continue;
+        }
+        const reference::Placed placed_a{c.objects[a]->model->mesh(), c.objects[a]->pose};
+        const reference::Placed placed_b{c.objects[b]->model->mesh(), c.objects[b]->pose};
+        const double distance = brute_force_distance(placed_a, placed_b);
+        closest = std::min(closest, distance);
+        const bool is_within = within(c.scene.object(a), c.scene.object(b), margin).within;
+        RC_ASSERT(!are_far(a, b) || (distance > margin && !is_within));
+        // The distance itself is a margin too.
+        const double exactly = limber::distance(c.scene.object(a), c.scene.object(b)).upper;
+        bool is_candidate = false;
+        const auto visit = [&](const ObjectPair& pair) { return !(is_candidate = pair == ObjectPair{a, b}); };
+        c.scene.visit_candidate_pairs(exactly, visit);
+        RC_ASSERT(is_candidate);
+      }
+    }
+    const ClosestObjects found = c.scene.closest_objects({}, {}, c.rng.below(2) == 0 ? &cache : nullptr);
+    if (std::isinf(closest)) {
+      RC_ASSERT(found.result.status == Status::beyond_limit);
+      continue;
+    }
+    RC_ASSERT((found.result.upper == 0) == (closest == 0));
+    RC_ASSERT(std::abs(found.result.upper - closest) <= 1e-13 * (c.size() + closest));
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,348 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Inside and outside of closed surfaces, and winding numbers of any.
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/task_arena.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "geometry/winding.h"
+#include "limber/points.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "simd/kernels.h"
+#include "support/random_points.h"
+#include "support/rational_winding.h"
+#include "unit/kernel_cases.h"
+
+namespace limber::testing {
+namespace {
+
+/// A box, its normals pointing outward.
+void add_box(const Vec3& low, const Vec3& high, bool is_turned, std::vector<Vec3>& positions,
+             std::vector<Corners>& triangles) {
+  const auto first = static_cast<VertexId>(positions.size());
+  for (unsigned k = 0; k < 8; ++k) {
+    positions.push_back({k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z});
+  }
+  constexpr VertexId corners[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (const auto& c : corners) {
+    triangles.push_back({first + c[0], first + c[is_turned ? 2 : 1], first + c[is_turned ? 1 : 2]});
+  }
+}
+
+Mesh box(const Vec3& low, const Vec3& high, bool is_turned = false) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  add_box(low, high, is_turned, positions, triangles);
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+Error refusal_of(std::vector<Corners> triangles) {
+  VertexId most = 0;
+  for (const Corners& c : triangles) most = std::max({most, c[0], c[1], c[2]});
+  const Model model(Mesh::create(std::vector<Vec3>(most + 1), std::move(triangles)).value());
+  const Result<ClosedSurface> surface = ClosedSurface::create(model);
+  EXPECT_FALSE(static_cast<bool>(surface));
+  return surface ? Error{} : surface.error();
+}
+
+TEST(ClosedSurface, WhatIsNotClosedIsRefusedNamingTheEdge) {
+  std::vector<Corners> triangles = scenes::ball(6, 4).triangles();
+  {
+    const Model model(scenes::ball(6, 4));
+    EXPECT_TRUE(static_cast<bool>(ClosedSurface::create(model)));
+  }
+  const auto expect = [](const Error& error, std::size_t where, const std::string& part) {
+    EXPECT_EQ(error.code, ErrorCode::not_closed);
+    EXPECT_EQ(error.where, where) << error.text;
+    EXPECT_NE(error.text.find(part), std::string::npos) << error.text;
+  };
+  expect(refusal_of({{0, 1, 2}}), 0, "vertices 0 and 1 belongs to no other triangle");
+  expect(refusal_of({{0, 1, 2}, {2, 1, 0}, {0, 1, 3}, {3, 1, 0}}), 0, "belongs to 4 triangles");
+  expect(refusal_of({{0, 1, 2}, {0, 1, 2}}), 0, "same direction by triangle 1");
+  expect(refusal_of({{0, 1, 2}, {2, 1, 0}, {3, 3, 4}, {4, 3, 3}}), 2, "between vertices 3 and 3 is a point");
+  // Without one triangle, and with one turned round.
+  std::vector<Corners> open = triangles, turned = triangles;
+  open.pop_back();
+  std::swap(turned[7][0], turned[7][1]);
+  expect(refusal_of(open), *refusal_of(open).where, "no other");
+  EXPECT_LE(*refusal_of(turned).where, 7U);
+}
+
+TEST(ClosedSurface, KnownAnswers) {
+  for (const bool is_turned : {false, true}) {
+    const Model model(box({0, 0, 0}, {1, 1, 1}, is_turned));
+    const ClosedSurface surface = ClosedSurface::create(model).value();
+    EXPECT_EQ(surface.winding_number({0.5, 0.25, 0.125}), is_turned ? -1 : 1);
+    EXPECT_EQ(surface.winding_number({0.5, 0.5, 1.5}), 0);
+    EXPECT_EQ(surface.winding_number({0.5, 0.5, 1}), std::nullopt);
+    // Along rays that pass through corners and edges, and next to faces in their plane.
+    for (const Vec3& p : {Vec3{0.5, 0.5, 0.5}, {0.25, 0.25, 0.25}, {0.5, 0.5, 0x1p-1074}}) {
+      EXPECT_TRUE(surface.contains(p));
+    }
+    for (const double x : {-1.0, 0.0, 0.5, 1.0, 2.0}) {
+      for (const double y : {-1.0, 0.0, 0.5, 1.0, 2.0}) {
+        for (const double z : {-1.0, 0.0, 0.5, 1.0, 2.0}) {
+          const bool is_in = std::max({std::abs(x - 0.5), std::abs(y - 0.5), std::abs(z - 0.5)}) <= 0.5;
+          EXPECT_EQ(surface.contains({x, y, z}), is_in) << x << " " << y << " " << z;
+          const SignedDistance found = surface.signed_distance({x, y, z});
+          EXPECT_EQ(found.is_inside, is_in);
+          EXPECT_EQ(found.distance(), is_in ? -found.closest->distance : found.closest->distance);
+          EXPECT_EQ(found.closest->distance, closest_point({model}, {x, y, z}).closest->distance);
+        }
+      }
+    }
+    EXPECT_EQ(surface.signed_distance({0.5, 0.5, 0.75}).distance(), -0.25);
+    EXPECT_EQ(surface.signed_distance({0.5, 0.5, 3}).distance(), 2);
+    EXPECT_FALSE(surface.signed_distance({0.5, 0.5, 3}, {}, {.max_distance = 1}).closest.has_value());
+    EXPECT_TRUE(surface.signed_distance({0.5, 0.5, 0.5}, {}, {.max_distance = 0.1}).is_inside);
+  }
+}
+
+TEST(ClosedSurface, PartsOverlapAndCavitiesAreOutside) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  add_box({0, 0, 0}, {4, 4, 4}, false, positions, triangles);
+  add_box({1, 1, 1}, {2, 2, 2}, true, positions, triangles);   // a cavity
+  add_box({3, 3, 3}, {5, 5, 5}, false, positions, triangles);  // overlaps
+  const Model model(Mesh::create(std::move(positions), std::move(triangles)).value());
+  const ClosedSurface surface = ClosedSurface::create(model).value();
+  EXPECT_EQ(surface.winding_number({0.5, 0.5, 0.5}), 1);
+  EXPECT_EQ(surface.winding_number({1.5, 1.5, 1.5}), 0);
+  EXPECT_EQ(surface.winding_number({3.5, 3.5, 3.5}), 2);
+  EXPECT_EQ(surface.winding_number({4.5, 4.5, 4.5}), 1);
+  EXPECT_EQ(surface.winding_number({4.5, 4.5, 2.5}), 0);
+}
+
+/// Tetrahedra, each with its own corners: closed, whatever they look like and however they overlap.
+struct Tetrahedra {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+
+  void add(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    const auto v = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), {a, b, c, d});
+    for (const Corners& t : {Corners{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
+      triangles.push_back({v + t[0], v + t[1], v + t[2]});
+    }
+  }
+  Mesh mesh() const { return Mesh::create(positions, triangles).value(); }
+
+  /// By the four planes of each; nothing where the point is on a face.
+  static std::optional<int> winding_number(const std::vector<Vec3>& placed, const Vec3& p) {
+    int sum = 0;
+    for (std::size_t i = 0; i < placed.size(); i += 4) {
+      const Vec3 &a = placed[i], &b = placed[i + 1], &c = placed[i + 2], &d = placed[i + 3];
+      const int signs[] = {orient3d(a, b, c, p), orient3d(a, d, b, p), orient3d(b, d, c, p), orient3d(c, d, a, p)};
+      const auto [low, high] = std::minmax_element(signs, signs + 4);
+      if (*low * *high < 0) continue;
+      for (const Triangle& t : {Triangle{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}}) {
+        if (intersects(Segment{p, p}, t)) return std::nullopt;
+      }
+      if (*low != 0 && *low == *high) sum += *low;
+    }
+    return sum;
+  }
+};
+
+TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
+  Rng rng(851);
+  int on = 0, in = 0;
+  for (int i = 0; i < 1500; ++i) {
+    Tetrahedra tetrahedra;
+    const bool is_lattice = rng.below(2) == 0, is_clustered = rng.below(3) == 0;
+    const double scale = rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1;
+    const auto corner = [&] { return scale * (is_lattice ? lattice_point(rng) : uniform_point(rng, 0, 3)); };
+    Vec3 center;
+    for (std::uint64_t k = 0, count = 1 + rng.below(40); k < count; ++k) {
+      if (k % 2 == 0) center = corner();
+      // A leaf holds two tetrahedra, here so small that float32 tells little about where they are.
+      const auto near = [&] { return is_clustered ? center + 1e-8 * corner() : corner(); };
+      const Vec3 a = near(), b = near(), c = near(), d = near();
+      tetrahedra.add(a, b, c, d);
+    }
+    Transform pose;
+    if (rng.below(3) == 0) pose = random_pose(rng, 3), pose.translation *= scale;
+    std::vector<Vec3> placed = tetrahedra.positions;
+    for (Vec3& p : placed) p = pose(p);
+    const Model model(tetrahedra.mesh());
+    const ClosedSurface surface = ClosedSurface::create(model).value();
+    for (int k = 0; k < 10; ++k) {
+      Vec3 point = rng.below(3) == 0 ? pose(corner()) : pose(scale * lattice_point(rng));
+      if (rng.below(4) == 0) point = 0.5 * (placed[rng.below(placed.size())] + placed[rng.below(placed.size())]);
+      if (rng.below(4) == 0) point = nudged(rng, placed[rng.below(placed.size())]);
+      if (rng.below(4) == 0) {  // in the middle of one
+        const std::size_t v = 4 * rng.below(placed.size() / 4);
+        point = 0.25 * (placed[v] + placed[v + 1] + placed[v + 2] + placed[v + 3]);
+      }
+      const std::optional<int> truth = Tetrahedra::winding_number(placed, point);
+      for (const simd::Kernels& set : simd::all_kernels()) {
+        simd::use_kernels(&set);
+        const std::optional<int> found = surface.winding_number(point, pose);
+        simd::use_kernels(nullptr);
+        ASSERT_EQ(found, truth) << set.name << ", case " << i << ", point " << k;
+      }
+      ASSERT_EQ(reference::contains({model.mesh(), pose}, point), truth.value_or(1) != 0) << "case " << i;
+      on += truth ? 0 : 1, in += truth && *truth != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(on, 1000);
+  EXPECT_GT(in, 1000);
+}
+
+TEST(ClosedSurface, OfDeformingModelsIsExactWithAnyMotionMargin) {
+  Rng rng(852);
+  for (int i = 0; i < 40; ++i) {
+    const Mesh home =
+        scenes::ball(static_cast<std::uint32_t>(5 + rng.below(12)), static_cast<std::uint32_t>(4 + rng.below(6)));
+    // Moves are absorbed by the larger half of the margins.
+    const double margin = rng.below(3) == 0 ? 0 : std::pow(10.0, rng.uniform(-2, 0));
+    const double most = rng.below(2) == 0 ? 0.5 * margin + 0.01 : 1;
+    Model model(home, {.motion_margin = margin});
+    const ClosedSurface surface = ClosedSurface::create(model).value();
+    for (int step = 0; step < 4; ++step) {
+      std::vector<VertexId> ids;
+      std::vector<Vec3> positions;
+      for (VertexId v = 0; v < home.positions().size(); ++v) {
+        if (rng.below(3) != 0) continue;
+        ids.push_back(v);
+        positions.push_back(home.positions()[v] + most * rng.uniform() * uniform_point(rng));
+      }
+      model.move_vertices(ids, positions).value();
+      model.commit();
+      const Transform pose = rng.below(2) == 0 ? Transform{} : random_pose(rng, 2);
+      const std::vector<Triangle> world = placed_triangles(model.mesh(), pose);
+      for (int k = 0; k < 4; ++k) {
+        const Vec3 point = pose(1.2 * uniform_point(rng));
+        const int truth = rational_winding(world, point);
+        ASSERT_EQ(surface.winding_number(point, pose), truth) << "model " << i << ", step " << step;
+        ASSERT_NEAR(winding_number({model, pose}, point), truth, 1e-9) << "model " << i;
+        ASSERT_EQ(surface.signed_distance(point, pose).is_inside, truth != 0) << "model " << i;
+      }
+    }
+  }
+}
+
+TEST(ClosedSurface, NextToAFaceTheSideIsRightToTheLastDigit) {
+  Rng rng(853);
+  const Model model(scenes::ball(24, 13));
+  const ClosedSurface surface = ClosedSurface::create(model).value();
+  int inside = 0, near = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Triangle t = model.mesh().triangle(static_cast<TriangleId>(rng.below(model.mesh().triangles().size())));
+    const double u = rng.uniform(0.1, 0.4), v = rng.uniform(0.1, 0.4);
+    const Vec3 point = nudged(rng, point_on(t, u, v), 3);
+    const int side = orient3d(t.v0, t.v1, t.v2, point);
+    ASSERT_EQ(surface.contains(point), side <= 0) << "case " << i;
+    inside += side < 0 ? 1 : 0, near += side != 0 ? 1 : 0;
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_GT(near - inside, 500);
+}
+
+TEST(ClosedSurface, BatchesAreThoseOneByOne) {
+  const Model model(scenes::ball(30, 16));
+  const ClosedSurface surface = ClosedSurface::create(model).value();
+  const Transform pose{{}, {1, 2, 3}};
+  Rng rng(854);
+  std::vector<Vec3> points(500);
+  for (Vec3& p : points) p = pose.translation + 1.5 * uniform_point(rng);
+  const PointOptions options{.max_distance = 0.5};
+  for (const int threads : {1, 2}) {
+    std::vector<SignedDistance> results(points.size());
+    oneapi::tbb::task_arena(threads).execute([&] { surface.signed_distances(points, results, pose, options); });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const SignedDistance alone = surface.signed_distance(points[i], pose, options);
+      ASSERT_EQ(results[i].is_inside, alone.is_inside);
+      ASSERT_EQ(results[i].is_inside, surface.contains(points[i], pose));
+      expect_same_point({results[i].closest}, {alone.closest}, std::to_string(i));
+    }
+  }
+}
+
+TEST(ClosedSurface, MisuseIsRefused) {
+  Model model(scenes::ball(6, 4));
+  const ClosedSurface surface = ClosedSurface::create(model).value();
+  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  const Transform scaled{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
+  std::vector<SignedDistance> results(2);
+  EXPECT_THROW(surface.contains({not_a_number, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(surface.contains({}, scaled), std::invalid_argument);
+  EXPECT_THROW(surface.winding_number({0, 0x1p201, 0}), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distance({}, {}, {.max_distance = -1}), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distance({}, scaled), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(1), results), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(2, {0, not_a_number, 0}), results), std::invalid_argument);
+  EXPECT_THROW(winding_number({model}, {not_a_number, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(winding_number({model, scaled}, {}), std::invalid_argument);
+  const std::vector<VertexId> ids{0};
+  const std::vector<Vec3> to{{0, 0, 3}};
+  model.move_vertices(ids, to).value();
+  EXPECT_THROW(surface.contains({}), std::invalid_argument);
+  EXPECT_THROW(winding_number({model}, {}), std::invalid_argument);
+  model.commit();
+  EXPECT_TRUE(surface.contains({}));
+  model.reset(scenes::ball(8, 5));
+  EXPECT_THROW(surface.contains({}), std::invalid_argument);
+  EXPECT_TRUE(ClosedSurface::create(model).value().contains({}));
+}
+
+TEST(WindingNumber, OfOpenSurfacesIsThePartTheyCover) {
+  // A square seen from its axis, and a box without its lid.
+  const Model square(Mesh::create({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}).value());
+  EXPECT_NEAR(winding_number({square}, {0, 0, -1}), 1.0 / 6, 1e-15);  // the face of a cube from its center
+  EXPECT_NEAR(winding_number({square}, {0, 0, 1}), -1.0 / 6, 1e-15);
+  EXPECT_NEAR(winding_number({square}, {0.25, 0.5, -1e-9}), 0.5, 1e-8);
+  EXPECT_NEAR(winding_number({square}, {0, 0, -1e-9}), 0.5, 1e-6);  // next to an edge
+  EXPECT_NEAR(winding_number({square, {{}, {5, 6, 7}}}, {5, 6, 6}), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(winding_number({square}, {0, 0, -1e60}), 0, 1e-100);
+  const Mesh closed = box({-1, -1, -1}, {1, 1, 1});
+  std::vector<Corners> open = closed.triangles();
+  open.erase(open.begin() + 2, open.begin() + 4);
+  const Model lidless(Mesh::create(closed.positions(), open).value());
+  EXPECT_NEAR(winding_number({lidless}, {0, 0, 0}), 5.0 / 6, 1e-15);
+  EXPECT_LT(winding_number({lidless}, {0, 0, 3}), 0.1);
+}
+
+TEST(WindingNumber, IsTheTwinsAndTheSameOnAnyNumberOfThreads) {
+  Rng rng(855);
+  for (const std::size_t count : {1, 511, 512, 513, 5000, 200'000}) {
+    std::vector<Triangle> triangles(count);
+    for (Triangle& t : triangles) t = uniform_triangle(rng);
+    const Model model(soup(triangles));
+    const Vec3 point = uniform_point(rng);
+    const double truth = reference::winding_number({model.mesh()}, point);
+    double first = 0;
+    for (const int threads : {1, 2}) {
+      double found = 0;
+      oneapi::tbb::task_arena(threads).execute([&] { found = winding_number({model}, point); });
+      EXPECT_NEAR(found, truth, 1e-16 * static_cast<double>(count)) << count;
+      if (threads == 1) first = found;
+      EXPECT_EQ(found, first) << count;
+    }
+  }
+}
+
+TEST(WindingNumber, IsANumberAtEveryScaleAndOnTriangles) {
+  Rng rng(856);
+  for (int i = 0; i < 2000; ++i) {
+    const double scale = std::pow(10.0, rng.uniform(-320, 60));
+    Triangle t = rng.below(2) == 0 ? lattice_triangle(rng) : uniform_triangle(rng);
+    t = {t.v0 * scale, t.v1 * scale, t.v2 * scale};
+    const Vec3 point = rng.below(3) == 0 ? t[rng.below(3)] : scale * lattice_point(rng);
+    const double found = geometry::half_solid_angle(point, t);
+    ASSERT_TRUE(std::abs(found) <= 3.1415926535897936) << "case " << i;
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,340 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/exact_distance.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+using exact::Fraction;
+
+double extent_of_pair(const Triangle& a, const Triangle& b) {
+  double extent = 0;
+  for (std::size_t i = 0; i < 3; ++i) extent = std::max({extent, max_abs(a[i] - a.v0), max_abs(b[i] - a.v0)});
+  return extent;
+}
+
+double largest_coordinate(const Triangle& a, const Triangle& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) largest = std::max({largest, max_abs(a[i]), max_abs(b[i])});
+  return largest;
+}
+
+Triangle scaled_triangle(const Triangle& t, double scale) { return {t.v0 * scale, t.v1 * scale, t.v2 * scale}; }
+
+/// A feature as the triangle that it is.
+Triangle hull_of(const Triangle& t, const Feature& f) {
+  const Vec3 &p = t[f.index], &q = t[(f.index + 1U) % 3];
+  return f.kind == FeatureKind::vertex ? Triangle{p, p, p} : f.kind == FeatureKind::edge ? Triangle{p, q, q} : t;
+}
+
+std::string name_of(const Feature& f) {
+  return std::string(f.kind == FeatureKind::vertex ? "vertex"
+                     : f.kind == FeatureKind::edge ? "edge"
+                                                   : "face") +
+         std::to_string(f.index);
+}
+
+bool is_pair_of_disjoint_triangles(const Feature& a, const Feature& b) {
+  if (a.kind == FeatureKind::face) return b.kind == FeatureKind::vertex;
+  return b.kind != FeatureKind::face || a.kind == FeatureKind::vertex;
+}
+
+using FractionVec = std::array<Fraction, 3>;
+
+FractionVec exactly(const Vec3& v) { return {exact::fraction(v.x), exact::fraction(v.y), exact::fraction(v.z)}; }
+Fraction exact_dot(const FractionVec& a, const FractionVec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+FractionVec exact_difference(const FractionVec& a, const FractionVec& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+FractionVec exact_cross(const FractionVec& a, const FractionVec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// How far b has to move along `axis`, in units of the axis, until it is not behind a. Exact.
+Fraction overlap_along(const FractionVec& axis, const Triangle& a, const Triangle& b) {
+  Fraction end = exact_dot(axis, exactly(a.v0)), start = exact_dot(axis, exactly(b.v0));
+  for (std::size_t i = 1; i < 3; ++i) {
+    end = std::max(end, exact_dot(axis, exactly(a[i])));
+    start = std::min(start, exact_dot(axis, exactly(b[i])));
+  }
+  return end - start;
+}
+
+/// The normals of both faces and the cross products of edges, without rounding.
+std::vector<FractionVec> separating_axes(const Triangle& a, const Triangle& b) {
+  const auto edges = [](const Triangle& t) {
+    return std::array{exact_difference(exactly(t.v1), exactly(t.v0)), exact_difference(exactly(t.v2), exactly(t.v1)),
+                      exact_difference(exactly(t.v0), exactly(t.v2))};
+  };
+  const auto e = edges(a), f = edges(b);
+  std::vector<FractionVec> axes{exact_cross(e[0], e[1]), exact_cross(f[0], f[1])};
+  for (const auto& e_i : e) {
+    for (const auto& f_j : f) axes.push_back(exact_cross(e_i, f_j));
+  }
+  return axes;
+}
+
+/// Checks everything that does not depend on how well shaped the triangles are.
+void expect_sound(const Triangle& a, const Triangle& b) {
+  const TriangleContact c = contact(a, b);
+  const ClosestFeatures features = closest_features(a, b);
+  const ClosestPoints points = closest_points(a, b);
+  const double extent = extent_of_pair(a, b);
+  EXPECT_EQ(c.distance, points.distance);
+  EXPECT_EQ(c.point_a, points.point_a);
+  EXPECT_EQ(c.point_b, points.point_b);
+  EXPECT_EQ(features.distance, points.distance);
+  EXPECT_EQ(features.point_a, points.point_a);
+  EXPECT_EQ(features.point_b, points.point_b);
+  EXPECT_EQ(features.feature_a, c.feature_a);
+  EXPECT_EQ(features.feature_b, c.feature_b);
+
+  EXPECT_NEAR(length(c.normal), 1, 0x1p-50);
+  const TriangleContact swapped = contact(b, a);
+  const bool is_swap = a.v0 != b.v0 || a.v1 != b.v1 || a.v2 != b.v2;
+  const Triangle hull_a = hull_of(a, c.feature_a), hull_b = hull_of(b, c.feature_b);
+  const std::string pair = name_of(c.feature_a) + " " + name_of(c.feature_b);
+  if (c.distance > 0) {
+    EXPECT_EQ(c.depth, 0);
+    EXPECT_TRUE(is_pair_of_disjoint_triangles(c.feature_a, c.feature_b)) << pair;
+    EXPECT_NEAR(closest_points(hull_a, hull_b).distance, c.distance, 0x1p-47 * extent) << pair;
+    const double rounding = 0x1p-46 * extent + 0x1p-51 * largest_coordinate(a, b);
+    // Points that are further apart than the closest by 8 u extent may be off sideways by the root of 16 u extent d.
+    const double sideways = 2 * std::sqrt(16 * 0x1p-53 * extent * c.distance);
+    const Vec3 between = points.point_b - points.point_a;
+    EXPECT_LE(max_abs(between - c.distance * c.normal), rounding + sideways + 0x1p-1000);
+    EXPECT_LE(max_abs(swapped.normal + c.normal) * c.distance, rounding + sideways);
+    EXPECT_LE(overlap_along(exactly(c.normal), a, b), exact::fraction(0x1p-48 * extent + 0x1p-1000));
+    EXPECT_LE(closest_points(points.point_a, hull_a).distance, rounding + 0x1p-1000) << pair;
+    EXPECT_LE(closest_points(points.point_b, hull_b).distance, rounding + 0x1p-1000) << pair;
+    return;
+  }
+  EXPECT_FALSE(c.feature_a.kind == FeatureKind::face && c.feature_b.kind == FeatureKind::face);
+  EXPECT_LE(closest_points(hull_a, hull_b).distance, 0x1p-26 * extent) << pair;
+  EXPECT_GE(c.depth, 0);
+  EXPECT_LE(c.depth, 2 * extent);
+  EXPECT_EQ(swapped.depth, c.depth);
+  EXPECT_EQ(swapped.normal, is_swap ? -c.normal : c.normal);
+  // Moving b by the depth parts the two, without rounding.
+  const FractionVec n = exactly(c.normal);
+  const Fraction room = exact::fraction(0x1p-1000 * (extent + 1));
+  EXPECT_GE((exact::fraction(c.depth) + room) * exact_dot(n, n), overlap_along(n, a, b));
+}
+
+double smallest_height_of(const Triangle& t) {
+  const double longest = std::max({length(t.v1 - t.v0), length(t.v2 - t.v1), length(t.v0 - t.v2)});
+  return longest == 0 ? 0 : length(cross(t.v1 - t.v0, t.v2 - t.v0)) / longest;
+}
+
+/// Checks that the depth exceeds the overlap along no axis by more than docs/algorithms/numerics.md says.
+void expect_least_overlap(const Triangle& a, const Triangle& b) {
+  const TriangleContact c = contact(a, b);
+  if (c.distance > 0) return;
+  const double extent = extent_of_pair(a, b), height = std::min(smallest_height_of(a), smallest_height_of(b));
+  const double of_slivers = height > 0 ? 32 * 0x1p-53 * extent / height * extent : extent;
+  const double tolerance = 0x1p-47 * extent + std::min(of_slivers, 0x1p-24 * extent) + 0x1p-1000;
+  for (const FractionVec& axis : separating_axes(a, b)) {
+    const Fraction axis_sq = exact_dot(axis, axis);
+    if (axis_sq == 0) continue;
+    for (const FractionVec& direction : {axis, FractionVec{-axis[0], -axis[1], -axis[2]}}) {
+      const Fraction overlap = overlap_along(direction, a, b);
+      EXPECT_TRUE(exact::is_at_most(c.depth, overlap * overlap / axis_sq, tolerance));
+    }
+  }
+}
+
+const Triangle ground{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+constexpr Feature on_vertex(std::uint8_t i) { return {FeatureKind::vertex, i}; }
+constexpr Feature on_edge(std::uint8_t i) { return {FeatureKind::edge, i}; }
+constexpr Feature on_face{FeatureKind::face, 0};
+
+TEST(ClosestFeatures, KnownValues) {
+  struct Known {
+    const char* what;
+    Triangle other;
+    Feature of_ground, of_other;
+  };
+  const Known cases[] = {
+      {"corner above a face", {{1, 5, 5}, {1, 1, 2}, {2, 1, 5}}, on_face, on_vertex(1)},
+      {"corner beside a corner", {{7, -4, 0}, {9, -4, 0}, {7, -9, 0}}, on_vertex(1), on_vertex(0)},
+      {"corner beside an edge", {{9, -9, 0}, {1, -9, 0}, {2, -1, 0}}, on_edge(0), on_vertex(2)},
+      {"corner beside the slanted edge", {{3, 3, 0}, {9, 9, 0}, {9, 8, 0}}, on_edge(1), on_vertex(0)},
+      {"edges that cross", {{-1, 1, -3}, {-1, 1, 3}, {-9, 1, 0}}, on_edge(2), on_edge(0)},
+      {"face above a corner", {{3, -9, -9}, {7, 9, -9}, {5, 0, 9}}, on_vertex(1), on_face},
+      {"pierced by a standing edge near an edge", {{0.25, 1, 3}, {0.25, 1, -1}, {3, 1, 9}}, on_face, on_edge(0)},
+      {"corner on a face", {{1, 1, 0}, {1, 2, 3}, {2, 1, 3}}, on_face, on_vertex(0)},
+      {"corner on a corner", {{9, 9, 9}, {4, 0, 0}, {9, -9, 9}}, on_vertex(1), on_vertex(1)},
+      {"corner on an edge", {{2, 0, 0}, {2, -3, 1}, {3, -3, 1}}, on_edge(0), on_vertex(0)},
+      {"edge on an edge", {{2, -1, -1}, {2, 1, 1}, {2, -5, 0}}, on_edge(0), on_edge(0)},
+  };
+  for (const Known& k : cases) {
+    const ClosestFeatures found = closest_features(ground, k.other), swapped = closest_features(k.other, ground);
+    EXPECT_EQ(found.feature_a, k.of_ground) << k.what << ": " << name_of(found.feature_a);
+    EXPECT_EQ(found.feature_b, k.of_other) << k.what << ": " << name_of(found.feature_b);
+    EXPECT_EQ(swapped.feature_b, k.of_ground) << k.what << ", swapped: " << name_of(swapped.feature_b);
+    EXPECT_EQ(swapped.feature_a, k.of_other) << k.what << ", swapped: " << name_of(swapped.feature_a);
+  }
+}
+
+TEST(TriangleContact, KnownValues) {
+  const TriangleContact above = contact(ground, {{1, 1, 2}, {2, 1, 5}, {1, 2, 5}});
+  EXPECT_EQ(above.distance, 2);
+  EXPECT_EQ(above.normal, (Vec3{0, 0, 1}));
+  const TriangleContact corner = contact(ground, {{7, -4, 0}, {9, -4, 0}, {7, -9, 0}});
+  EXPECT_NEAR(max_abs(corner.normal - Vec3{0.6, -0.8, 0}), 0, 1e-15);
+
+  // A corner a little below the face: b moves up.
+  const TriangleContact pierced = contact(ground, {{1, 1, -0.25}, {1, 2, 5}, {2, 1, 5}});
+  EXPECT_EQ(pierced.distance, 0);
+  EXPECT_NEAR(pierced.depth, 0.25, 1e-14);
+  EXPECT_EQ(pierced.normal, (Vec3{0, 0, 1}));
+  EXPECT_EQ(contact({{1, 1, -0.25}, {1, 2, 5}, {2, 1, 5}}, ground).normal, (Vec3{0, 0, -1}));
+
+  // A standing triangle that reaches over the edge x = 0 by less than it reaches below the face.
+  const TriangleContact edges = contact(ground, {{0.5, 1, -3}, {0.5, 1, 3}, {-5, 1, 0}});
+  EXPECT_NEAR(edges.depth, 0.5, 1e-14);
+  EXPECT_EQ(edges.normal, (Vec3{-1, 0, 0}));
+
+  // In one plane: the normal of the plane, and nothing to part.
+  const TriangleContact coplanar = contact(ground, {{1, 1, 0}, {5, 1, 0}, {1, 5, 0}});
+  EXPECT_EQ(coplanar.depth, 0);
+  EXPECT_EQ(coplanar.normal.x, 0);
+  EXPECT_EQ(coplanar.normal.y, 0);
+}
+
+TEST(TriangleContact, DegenerateTrianglesHaveNormals) {
+  const Vec3 o{0, 0, 0}, x{4, 0, 0}, y{0, 4, 0}, m{1, 0, 0};
+  const Triangle point{o, o, o}, segment{o, x, o}, long_segment{-x, x, x}, middle{m, m, m}, crossing{y, -y, y};
+  const std::vector<Triangle> all{point, segment, long_segment, middle, crossing, ground, {o, {2, 2, 0}, {3, 1, 0}}};
+  for (const Triangle& a : all) {
+    for (const Triangle& b : all) {
+      for (const double scale : {1.0, 1e-150, 1e55, max_coordinate / 16, 0x1p-1072}) {
+        const Triangle t = scaled_triangle(a, scale), u = scaled_triangle(b, scale);
+        expect_sound(t, u);
+        EXPECT_LE(contact(t, u).depth, scale * 0x1p-49);  // all are in the plane z = 0
+        expect_sound(t, {u.v0 + x * scale, u.v1 + x * scale, u.v2 + x * scale});
+      }
+    }
+  }
+  // Along one line: across it.
+  EXPECT_NEAR(dot(contact(segment, long_segment).normal, x), 0, 1e-15);
+  EXPECT_NEAR(dot(contact(middle, segment).normal, x), 0, 1e-15);
+  EXPECT_EQ(abs(contact(segment, crossing).normal), (Vec3{0, 0, 1}));
+}
+
+TEST(TriangleContact, NeedlesOfAnyWidthHaveTheNormalOfTheirPlane) {
+  for (const double width : {1e-5, 1e-20, 1e-110, 1e-250}) {
+    const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.5, width, 2 * width}};
+    const Triangle b{{0.25, 0, 0}, {0.75, width, 2 * width}, {2, 0, 0}};
+    const TriangleContact c = contact(a, b);
+    EXPECT_EQ(c.distance, 0);
+    EXPECT_LE(c.depth, 4e-15 * width);
+    EXPECT_NEAR(c.normal.y, -2 * c.normal.z, 1e-15) << width;
+    EXPECT_EQ(c.normal.x, 0) << width;
+  }
+}
+
+TEST(TriangleContact, TheSmallestGapHasANormal) {
+  for (const double gap : {0x1p-1074, 0x1p-1022, 1e-200, 1e-30}) {
+    const TriangleContact above = contact(ground, {{1, 1, gap}, {2, 1, 5}, {1, 2, 5}});
+    EXPECT_GT(above.distance, 0);
+    EXPECT_EQ(above.depth, 0);
+    EXPECT_EQ(above.normal, (Vec3{0, 0, 1})) << gap;
+    // Two corners, of which only the connecting line is known.
+    const TriangleContact corners =
+        contact({{0, 0, 0}, {-4, -1, 0}, {-1, -4, 0}}, {{3 * gap, 0, 4 * gap}, {5, 1, 5}, {5, -1, 5}});
+    EXPECT_NEAR(max_abs(corners.normal - Vec3{0.6, 0, 0.8}), 0, 1e-15) << gap;
+  }
+}
+
+TEST(TriangleContact, OfPiercedSliversIsSound) {
+  Rng rng(402);
+  const auto direction = [&] {
+    const Vec3 v = uniform_point(rng);
+    return v * (1 / std::max(length(v), 1e-3));
+  };
+  for (int i = 0; i < 600 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const Vec3 side = direction(), at = rng.below(2) == 0 ? Vec3{} : direction(), inside = at + rng.uniform() * side;
+    const double width = std::ldexp(rng.uniform(1, 2), -static_cast<int>(rng.below(60)));
+    const Triangle a{at, at + side, inside + width * cross(side, direction())};
+    const Vec3 out = std::ldexp(1.0, -static_cast<int>(rng.below(50))) * direction();
+    const Vec3 off = i % 3 == 0 ? Vec3{} : std::ldexp(1.0, -static_cast<int>(rng.below(50))) * direction();
+    const Triangle b{inside - out, inside + rng.uniform() * out + off, inside + out};
+    expect_sound(a, b);
+    expect_least_overlap(a, b);
+  }
+}
+
+TEST(ClosestFeatures, ThatCrossReallyCross) {
+  Rng rng(403);
+  int crossing = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const auto [a, b] = random_pair(rng, PairKind::uniform);
+    const ClosestFeatures found = closest_features(a, b);
+    if (found.distance > 0) continue;
+    ++crossing;
+    const Feature& of_edge = found.feature_a.kind == FeatureKind::edge ? found.feature_a : found.feature_b;
+    const Feature& of_face = found.feature_a.kind == FeatureKind::edge ? found.feature_b : found.feature_a;
+    ASSERT_EQ(of_edge.kind, FeatureKind::edge) << "case " << i;
+    ASSERT_EQ(of_face, on_face) << "case " << i;
+    ASSERT_TRUE(intersects(hull_of(a, found.feature_a), hull_of(b, found.feature_b))) << "case " << i;
+  }
+  EXPECT_GT(crossing, 100);
+}
+
+class TriangleContactOfKind : public ::testing::TestWithParam<PairKind> {};
+
+TEST_P(TriangleContactOfKind, IsSound) {
+  Rng rng(401 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 400 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    auto [a, b] = random_pair(rng, GetParam());
+    if (i % 8 == 0) a.v2 = a.v1;
+    if (i % 16 == 0) b.v0 = b.v2;
+    expect_sound(a, b);
+  }
+}
+
+TEST_P(TriangleContactOfKind, HasTheLeastOverlap) {
+  Rng rng(421 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 150 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const auto [a, b] = random_pair(rng, GetParam());
+    expect_least_overlap(a, b);
+  }
+}
+
+TEST_P(TriangleContactOfKind, ScalesWithPowersOfTwo) {
+  if (GetParam() == PairKind::mixed_scale || GetParam() == PairKind::tiny_coordinates) return;
+  if (GetParam() == PairKind::near_lattice) return;  // coordinates that are nearly 0 would vanish
+  Rng rng(441 + static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 300; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    const TriangleContact c = contact(a, b);
+    for (const double scale : {0x1p-500, 0x1p-30, 0x1p60, 0x1p150}) {
+      const TriangleContact scaled = contact(scaled_triangle(a, scale), scaled_triangle(b, scale));
+      ASSERT_EQ(scaled.feature_a, c.feature_a) << "case " << i << ", scale " << scale;
+      ASSERT_EQ(scaled.feature_b, c.feature_b) << "case " << i << ", scale " << scale;
+      ASSERT_LE(max_abs(scaled.normal - c.normal), 1e-15) << "case " << i << ", scale " << scale;
+      ASSERT_NEAR(scaled.depth / scale, c.depth, 1e-15) << "case " << i << ", scale " << scale;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleContactOfKind,
+                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
+                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
+                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
+                                           PairKind::tiny_coordinates));
+
+}  // namespace
+}  // namespace limber::testing
