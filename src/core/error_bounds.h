@@ -41,6 +41,10 @@ inline constexpr double quantization_error = 0.91;
 inline constexpr float corner_difference_error = 1.08F;
 inline constexpr float root_of_3 = 1.7321F;  // rounded up
 
+/// What rounding changes the cross product of two vectors in a plane by, as a part of the product of the largest
+/// coordinates of the corners that they lead to: 8 products of half of theirs, each with 2 u.
+inline constexpr float sector_rounding_error = 0x1p-19F;
+
 /// What rounding changes ee * pq - ep * eq by, formed from the inner products of three vectors, as a part of
 /// ee * (pp + qq): 12.5 u.
 inline constexpr float edge_plane_error = 0x1p-20F;

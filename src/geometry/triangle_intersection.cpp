@@ -1,17 +1,20 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Based on  the observation behind [GuigueDevillers2003] that signs of orient3d and orient2d decide everything.
-// Differs   Instead of ordering intervals on a common line it asks whether an edge of one triangle meets the other: two
-//           closed triangles share a point exactly when that is so. The question has a plain answer for every rank
-//           (triangle, segment, point), so degenerate input needs no promise and no epsilon. The nine volumes spanned
-//           by pairs of edges serve both directions and are computed when first asked for.
+// Based on  [GuigueDevillers2003]: signs of orient3d and orient2d decide everything. Where no corner is in the plane of
+//           the other triangle, two volumes tell whether the intervals in which the triangles cut the common line of
+//           their planes overlap.
+// Differs   Otherwise it asks whether an edge of one triangle meets the other: two closed triangles share a point
+//           exactly when that is so. The question has a plain answer for every rank (triangle, segment, point), so
+//           degenerate input needs no promise and no epsilon. The nine volumes spanned by pairs of edges serve both
+//           directions and are computed when first asked for.
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
 
 #include "geometry/collinear.h"
+#include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
 
 namespace limber {
@@ -65,17 +68,33 @@ bool flat_segment_meets(const Segment& s, const Triangle& t) {
   return inside;
 }
 
-/// The signs that decide whether edges of two triangles meet the other triangle.
-class EdgeTests {
+/// The signs that decide whether two triangles meet.
+class SideTests {
  public:
-  EdgeTests(const Triangle& a, const Triangle& b) : a_(a), b_(b) {}
+  SideTests(const Triangle& a, const Triangle& b) : a_(a), b_(b) {}
 
   /// Whether some corner or edge of a reaches the plane of b, and the other way round; nothing meets otherwise.
   bool planes_are_reached() {
-    for (std::size_t i = 0; i < 3; ++i) side_of_b_[i] = geometry::orient3d(b_.v0, b_.v1, b_.v2, a_[i]);
+    const geometry::PlaneSides of_b(b_.v0, b_.v1, b_.v2);
+    for (std::size_t i = 0; i < 3; ++i) side_of_b_[i] = of_b.of(a_[i]);
     if (strictly_on_one_side(side_of_b_)) return false;
-    for (std::size_t i = 0; i < 3; ++i) side_of_a_[i] = geometry::orient3d(a_.v0, a_.v1, a_.v2, b_[i]);
+    const geometry::PlaneSides of_a(a_.v0, a_.v1, a_.v2);
+    for (std::size_t i = 0; i < 3; ++i) side_of_a_[i] = of_a.of(b_[i]);
     return !strictly_on_one_side(side_of_a_);
+  }
+
+  /// Whether no corner is in the plane of the other triangle. Then intervals_overlap() is the answer.
+  bool are_in_general_position() const { return none_is_zero(side_of_a_) && none_is_zero(side_of_b_); }
+
+  /// Pre: planes_are_reached(), are_in_general_position().
+  bool intervals_overlap() const {
+    // The corner that is alone on its side, and the other two in the order in which the other triangle's lone corner is
+    // above this one.
+    const std::size_t lone_a = lone(side_of_b_), lone_b = lone(side_of_a_);
+    const bool turns_a = side_of_a_[lone_b] < 0, turns_b = side_of_b_[lone_a] < 0;
+    const Vec3 &p = a_[lone_a], &p1 = a_[after_if(lone_a, turns_a)], &p2 = a_[after_if(lone_a, !turns_a)];
+    const Vec3 &q = b_[lone_b], &q1 = b_[after_if(lone_b, turns_b)], &q2 = b_[after_if(lone_b, !turns_b)];
+    return geometry::orient3d(p, p1, q, q1) <= 0 && geometry::orient3d(p, p2, q2, q) <= 0;
   }
 
   bool edge_of_a_meets_b(std::size_t i) {
@@ -90,6 +109,16 @@ class EdgeTests {
  private:
   static bool strictly_on_one_side(const std::array<int, 3>& sides) {
     return sides[0] != 0 && sides[0] == sides[1] && sides[1] == sides[2];
+  }
+
+  static bool none_is_zero(const std::array<int, 3>& sides) { return sides[0] * sides[1] * sides[2] != 0; }
+  /// The corner on the one side, if two are on the other.
+  static std::size_t lone(const std::array<int, 3>& sides) {
+    return sides[0] == sides[1] ? 2 : sides[0] == sides[2] ? 1 : 0;
+  }
+  /// The corner after another, or the one before it.
+  static std::size_t after_if(std::size_t corner, bool turns) {
+    return geometry::after[turns ? geometry::after[corner] : corner];
   }
 
   template <typename Volume>
@@ -132,8 +161,9 @@ Vec3 high(const Triangle& t) { return max(t.v0, max(t.v1, t.v2)); }
 
 bool geometry::intersects(const Triangle& a, const Triangle& b) {
   if (boxes_are_apart(low(a), high(a), low(b), high(b))) return false;
-  EdgeTests tests(a, b);
+  SideTests tests(a, b);
   if (!tests.planes_are_reached()) return false;
+  if (tests.are_in_general_position()) return tests.intervals_overlap();
   for (std::size_t i = 0; i < 3; ++i) {
     if (tests.edge_of_a_meets_b(i) || tests.edge_of_b_meets_a(i)) return true;
   }

@@ -59,6 +59,7 @@ PlacedModels::PlacedModels(const Placed& a, const Placed& b)
 
 Triangle PlacedModels::triangle(Side s, TriangleId t) const {
   const Triangle local = local_triangle(s, t);
+  if (is_placed_exactly_) return local;
   const Transform& pose = at(s).pose;
   return {pose(local.v0), pose(local.v1), pose(local.v2)};
 }

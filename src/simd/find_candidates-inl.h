@@ -20,6 +20,7 @@
 #include "simd/kernels.h"
 #include "simd/leaf_support-inl.h"
 #include "simd/packets-inl.h"
+#include "simd/pair_list-inl.h"
 #include "simd/project-inl.h"
 #include "simd/separated_neighbors-inl.h"
 
@@ -31,21 +32,6 @@ namespace {
 inline constexpr float smallest_direction_sq = 1e-20F;
 
 inline constexpr float infinite = std::numeric_limits<float>::infinity();
-
-/// The corners of the triangles of a leaf: [3 * corner + axis][slot].
-struct alignas(64) LeafCorners {
-  float v[9][width];
-
-  /// Those of the slots from `i` on.
-  LIMBER_KERNEL Packet3 at(int corner, std::uint32_t i) const {
-    return {Packet::load(v[3 * corner] + i), Packet::load(v[3 * corner + 1] + i), Packet::load(v[3 * corner + 2] + i)};
-  }
-  /// That of one slot, in every lane.
-  LIMBER_KERNEL Packet3 repeated(int corner, std::uint32_t slot) const {
-    return {Packet::set(v[3 * corner][slot]), Packet::set(v[3 * corner + 1][slot]),
-            Packet::set(v[3 * corner + 2][slot])};
-  }
-};
 
 /// The interval of three numbers, one for each corner.
 struct Interval {
@@ -64,18 +50,17 @@ LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
   return (gap >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
 }
 
-/// Compares triangles `b` with one triangle of the other leaf, which `rows` has in every lane. Returns those of
-/// `wanted` that are not pruned, and leaves in `bound_sq` the best bounds that were computed: of these, and with
-/// `bounds_rest` of those that are pruned.
+/// Compares triangles of two leaves. Returns those of the `wanted` lanes that are not pruned, and leaves in `bound_sq`
+/// the best bounds that were computed: of these, and with `bounds_rest` of those that are pruned.
 template <bool bounds_rest>
-LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
-                                   Packet& bound_sq) {
+LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
+                                     Packet& bound_sq) {
   // Along the line of the centroids: best where the triangles are small next to their distance.
-  const Packet3 w{b[0].x + b[1].x + b[2].x - (rows[0].x + rows[1].x + rows[2].x),
-                  b[0].y + b[1].y + b[2].y - (rows[0].y + rows[1].y + rows[2].y),
-                  b[0].z + b[1].z + b[2].z - (rows[0].z + rows[1].z + rows[2].z)};
+  const Packet3 w{b[0].x + b[1].x + b[2].x - (a[0].x + a[1].x + a[2].x),
+                  b[0].y + b[1].y + b[2].y - (a[0].y + a[1].y + a[2].y),
+                  b[0].z + b[1].z + b[2].z - (a[0].z + a[1].z + a[2].z)};
   const Packet w_sq = dot(w, w);
-  const Packet gap_w = gap_along_sq(interval(dot(w, rows[0]), dot(w, rows[1]), dot(w, rows[2])),
+  const Packet gap_w = gap_along_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])),
                                     interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
   const Packet least = Packet::set(smallest_direction_sq);
   const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
@@ -83,8 +68,8 @@ LIMBER_KERNEL unsigned compare_row(const Packet3 (&rows)[3], const Packet3 (&b)[
   unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
   // Along the normal of either triangle, from a corner of a so that the numbers are small.
-  const Packet3 r0[3] = {b[0] - rows[0], b[1] - rows[0], b[2] - rows[0]};
-  const Packet3 e1 = rows[1] - rows[0], e2 = rows[2] - rows[0];
+  const Packet3 r0[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
+  const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0];
   const Packet3 n = cross(e1, e2);
   const Packet n_sq = dot(n, n);
   const Packet gap_n =
@@ -174,23 +159,6 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
   return wanted;
 }
 
-/// Transposes a matrix of 8 by 8 bits.
-LIMBER_KERNEL std::uint64_t transpose(std::uint64_t m) {
-  std::uint64_t t = (m ^ (m >> 7)) & 0x00aa00aa00aa00aaU;
-  m ^= t ^ (t << 7);
-  t = (m ^ (m >> 14)) & 0x0000cccc0000ccccU;
-  m ^= t ^ (t << 14);
-  t = (m ^ (m >> 28)) & 0x00000000f0f0f0f0U;
-  return m ^ t ^ (t << 28);
-}
-/// How many rows are not 0.
-LIMBER_KERNEL int rows_in_use(std::uint64_t m) {
-  m |= m >> 4;
-  m |= m >> 2;
-  m |= m >> 1;
-  return std::popcount(m & 0x0101010101010101U);
-}
-
 /// The corners of a leaf about its center; or in the frame and about the center of the other leaf.
 LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, LeafCorners& c) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
@@ -214,6 +182,21 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
   }
 }
 
+/// The corners of a leaf moved by `offset`.
+LIMBER_KERNEL void move(const LeafCorners& from, const float* offset, LeafCorners& to) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::load(from.v[k] + i) + Packet::set(offset[k % 3])).store(to.v[k] + i);
+  }
+}
+
+/// The two axes across which the triangles of a slot are seen best.
+LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axis)[2]) {
+  const float x = std::abs(bounds.normal_x[slot]), y = std::abs(bounds.normal_y[slot]);
+  const float z = std::abs(bounds.normal_z[slot]);
+  const int along = z >= std::max(x, y) ? 2 : static_cast<int>(y >= x);
+  axis[0] = along == 0 ? 1 : 0, axis[1] = along == 2 ? 1 : 2;
+}
+
 template <bool bounds_rest, bool is_self>
 LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
@@ -228,9 +211,14 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
     if (bounds_rest) candidates.apart = (pair.prune_distance + beyond) * core::squares_down;
     if (wanted == 0) return;
   }
-  LeafCorners ca, cb;
+  LeafCorners ca, cb, own_b;  // of b also about its own center
   unpack(*a.triangles, pair.step_a, ca);
-  unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+  if (is_self) {
+    unpack(*b.triangles, pair.step_b, own_b);
+    move(own_b, pair.offset, cb);
+  } else {
+    unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+  }
 
   const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
@@ -239,38 +227,33 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
     wanted &= near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
   }
+  PairList pairs;
+  add(wanted, pairs);
   if (is_self) {
-    const float radius_a = a.node->bounds.radius[a.slot], radius_b = b.node->bounds.radius[b.slot];
-    wanted &= ~separated_neighbors(self->a, self->b, radius_a, radius_b, transform.error_units, wanted);
+    const float away = core::float_up(transform.error * pair.scale);
+    int axis[2];
+    find_wide_axes(a.node->bounds, a.slot, axis);
+    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
+                               LeafOfMesh(self->b, own_b, pair.step_b, away), axis, pairs);
   }
-
-  // One triangle of `rows` at a time is compared with all of `columns`: the fewer rows the better.
-  const std::uint64_t transposed = transpose(wanted);
-  const bool swaps = rows_in_use(transposed) < rows_in_use(wanted);
-  if (swaps) wanted = transposed;
-  const LeafCorners &rows = swaps ? cb : ca, &columns = swaps ? ca : cb;
-  while (wanted != 0) {
-    const auto row = static_cast<std::uint32_t>(std::countr_zero(wanted)) / 8;
-    const auto these = static_cast<unsigned>(wanted >> (8 * row) & 0xff);
-    wanted &= ~(std::uint64_t{0xff} << (8 * row));
-    const Packet3 corners[3] = {rows.repeated(0, row), rows.repeated(1, row), rows.repeated(2, row)};
-    alignas(64) float bounds[width];
-    unsigned kept = 0;
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 others[3] = {columns.at(0, i), columns.at(1, i), columns.at(2, i)};
-      Packet bound_sq = zero();
-      kept |= compare_row<bounds_rest>(corners, others, limit_sq, these >> i & ((1U << Packet::lanes) - 1), bound_sq)
-              << i;
-      bound_sq.store(bounds + i);
-    }
-    for (unsigned pruned = bounds_rest ? these & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
+  pairs.fill_last_packet();
+  for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
+    const unsigned lanes = pairs.lanes_at(i);
+    const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
+    const Packet3 corners_a[3] = {ca.at(0, in_a), ca.at(1, in_a), ca.at(2, in_a)};
+    const Packet3 corners_b[3] = {cb.at(0, in_b), cb.at(1, in_b), cb.at(2, in_b)};
+    Packet bound_sq = zero();
+    unsigned kept = compare_pairs<bounds_rest>(corners_a, corners_b, limit_sq, lanes, bound_sq);
+    alignas(64) float bounds[Packet::lanes];
+    bound_sq.store(bounds);
+    for (unsigned pruned = bounds_rest ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
       apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
     }
     for (; kept != 0; kept &= kept - 1) {
-      const auto column = static_cast<std::uint32_t>(std::countr_zero(kept));
-      const auto slot_a = static_cast<std::uint8_t>(swaps ? column : row);
-      const auto slot_b = static_cast<std::uint8_t>(swaps ? row : column);
-      candidates.pairs[candidates.count++] = {bounds[column], slot_a, slot_b};
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(kept));
+      const std::uint8_t slots = pairs.pair[i + lane];
+      candidates.pairs[candidates.count++] = {bounds[lane], static_cast<std::uint8_t>(slots / width),
+                                              static_cast<std::uint8_t>(slots % width)};
     }
   }
   if (bounds_rest) {

@@ -57,6 +57,7 @@ HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
 HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
 HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
 HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
+HWY_INLINE Mask operator^(Mask a, Mask b) { return {hn::Xor(a.m, b.m)}; }
 /// a, or -a where `sign` is negative.
 HWY_INLINE Packet flipped_as(Packet a, Packet sign) { return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Lanes(), -0.0F)))}; }
 /// a, with its three last bits replaced by the number of its slot, which is `first` in the first lane.
@@ -67,10 +68,68 @@ HWY_INLINE Packet numbered(Packet a, std::uint32_t first) {
 }
 HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
-/// Which of as many ids as a packet has numbers are `id`.
-HWY_INLINE Mask same_ids(const std::uint32_t* ids, std::uint32_t id) {
-  const hn::RebindToUnsigned<Lanes> unsigned_lanes;
-  return {hn::RebindMask(Lanes(), hn::Eq(hn::LoadU(unsigned_lanes, ids), hn::Set(unsigned_lanes, id)))};
+/// Slots of a leaf, one in each lane; numbers and ids that are picked by them from tables of `width`.
+struct Slots {
+  using Whole = hn::RebindToSigned<Lanes>;
+#if HWY_TARGET == HWY_SCALAR
+  std::uint32_t slot;
+#else
+  decltype(hn::IndicesFromVec(Lanes(), hn::Zero(Whole()))) in_vector;
+  hn::Mask<Lanes> is_upper;  // of two vectors, where one does not hold a table
+#endif
+
+  /// Of pairs 8 * slot + slot, as many as there are lanes: the first slots, or the second.
+  static HWY_INLINE Slots first_of(const std::uint8_t* pairs) { return from(hn::ShiftRight<3>(load(pairs))); }
+  static HWY_INLINE Slots second_of(const std::uint8_t* pairs) {
+    return from(hn::And(load(pairs), hn::Set(Whole(), width - 1)));
+  }
+
+  template <typename Tag, typename T>
+  HWY_INLINE hn::Vec<Tag> pick(Tag tag, const T* table) const {
+#if HWY_TARGET == HWY_SCALAR
+    return hn::Load(tag, table + slot);
+#else
+    const auto first = hn::BitCast(Lanes(), hn::Load(tag, table));
+    if constexpr (Packet::lanes == width) {
+      return hn::BitCast(tag, hn::TableLookupLanes(first, in_vector));
+    } else {
+      const auto second = hn::BitCast(Lanes(), hn::Load(tag, table + Packet::lanes));
+      return hn::BitCast(tag, hn::IfThenElse(is_upper, hn::TableLookupLanes(second, in_vector),
+                                             hn::TableLookupLanes(first, in_vector)));
+    }
+#endif
+  }
+
+ private:
+  static HWY_INLINE hn::Vec<Whole> load(const std::uint8_t* pairs) {
+    const hn::Rebind<std::uint8_t, Whole> narrow;
+    return hn::PromoteTo(Whole(), hn::Load(narrow, pairs));
+  }
+  static HWY_INLINE Slots from(hn::Vec<Whole> slots) {
+#if HWY_TARGET == HWY_SCALAR
+    return {static_cast<std::uint32_t>(hn::GetLane(slots))};
+#else
+    const auto last = hn::Set(Whole(), static_cast<std::int32_t>(Packet::lanes) - 1);
+    return {hn::IndicesFromVec(Lanes(), hn::And(slots, last)), hn::RebindMask(Lanes(), hn::Gt(slots, last))};
+#endif
+  }
+};
+HWY_INLINE Packet pick(const float* table, const Slots& slots) { return {slots.pick(Lanes(), table)}; }
+
+/// As many ids as a packet has numbers.
+struct Ids {
+  using Tag = hn::RebindToUnsigned<Lanes>;
+  hn::Vec<Tag> v;
+};
+HWY_INLINE Ids pick(const std::uint32_t* table, const Slots& slots) { return {slots.pick(Ids::Tag(), table)}; }
+HWY_INLINE Mask operator==(Ids a, Ids b) { return {hn::RebindMask(Lanes(), hn::Eq(a.v, b.v))}; }
+/// The first, second and third of each three ids, as many as there are lanes.
+HWY_INLINE void deinterleave(const std::uint32_t* ids, std::uint32_t* first, std::uint32_t* second,
+                             std::uint32_t* third) {
+  const Ids::Tag tag;
+  hn::Vec<Ids::Tag> x, y, z;
+  hn::LoadInterleaved3(tag, ids, x, y, z);
+  hn::Store(x, tag, first), hn::Store(y, tag, second), hn::Store(z, tag, third);
 }
 
 /// Two packets at once where there is room, otherwise one.

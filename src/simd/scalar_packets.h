@@ -45,12 +45,29 @@ inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
 inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
 inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
 inline Mask operator|(Mask a, Mask b) { return {a.m || b.m}; }
+inline Mask operator^(Mask a, Mask b) { return {a.m != b.m}; }
 inline Packet flipped_as(Packet a, Packet sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
 inline Packet numbered(Packet a, std::uint32_t first) {
   return {std::bit_cast<float>((std::bit_cast<std::uint32_t>(a.v) & ~(width - 1)) | first)};
 }
 inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
-inline Mask same_ids(const std::uint32_t* ids, std::uint32_t id) { return {*ids == id}; }
+
+struct Slots {
+  std::uint32_t slot;
+
+  static Slots first_of(const std::uint8_t* pairs) { return {*pairs / width}; }
+  static Slots second_of(const std::uint8_t* pairs) { return {*pairs % width}; }
+};
+inline Packet pick(const float* table, const Slots& slots) { return {table[slots.slot]}; }
+
+struct Ids {
+  std::uint32_t v;
+};
+inline Ids pick(const std::uint32_t* table, const Slots& slots) { return {table[slots.slot]}; }
+inline Mask operator==(Ids a, Ids b) { return {a.v == b.v}; }
+inline void deinterleave(const std::uint32_t* ids, std::uint32_t* first, std::uint32_t* second, std::uint32_t* third) {
+  *first = ids[0], *second = ids[1], *third = ids[2];
+}
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;

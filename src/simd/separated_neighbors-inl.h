@@ -11,71 +11,122 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
+#include "simd/pair_list-inl.h"
+#include "simd/project-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The vertices of the triangles of a leaf: [corner][slot].
-struct alignas(64) LeafVertices {
-  VertexId id[3][width];
-};
+/// A leaf of a mesh that is compared with itself: the vertices of its triangles, [corner][slot]; their corners, each
+/// leaf about its own center, so that differences of two corners are good to a few quantization steps.
+struct LeafOfMesh {
+  alignas(64) VertexId id[3][width];
+  const LeafCorners& corners;
+  float extent;  // of all coordinates
+  float error;   // of a coordinate of the difference of two corners
 
-LIMBER_KERNEL void transpose_vertices(const bvh::Leaf& leaf, LeafVertices& v) {
-  for (std::uint32_t slot = 0; slot < width; ++slot) {
-    for (std::size_t corner = 0; corner < 3; ++corner) v.id[corner][slot] = leaf.vertices[slot][corner];
+  /// `away` is the most that a corner may be away from where the leaf says it is, beside quantization.
+  LIMBER_KERNEL LeafOfMesh(const bvh::Leaf& leaf, const LeafCorners& leaf_corners, float step, float away)
+      : corners(leaf_corners),
+        extent(bvh::max_quantized * step),
+        error((core::corner_difference_error * step + 2 * away) * core::squares_up) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      deinterleave(leaf.vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
+    }
   }
-}
+};
 
 /// Which corners of two triangles are the same vertex.
 struct SharedCorners {
   Mask a[3], b[3];    // corner k of one is a corner of the other
-  unsigned one, two;  // lanes: as many corners of a are
+  unsigned one, two;  // lanes: as many corners are shared
 };
 
-LIMBER_KERNEL SharedCorners shared_corners(const std::array<VertexId, 3>& a, const LeafVertices& b, std::uint32_t i) {
+LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_a, const LeafOfMesh& b,
+                                           const Slots& in_b) {
   Mask same[3][3];
+  const Ids of_b[3] = {pick(b.id[0], in_b), pick(b.id[1], in_b), pick(b.id[2], in_b)};
   for (int k = 0; k < 3; ++k) {
-    for (int l = 0; l < 3; ++l) same[k][l] = same_ids(b.id[l] + i, a[static_cast<std::size_t>(k)]);
+    const Ids of_a = pick(a.id[k], in_a);
+    for (int l = 0; l < 3; ++l) same[k][l] = of_a == of_b[l];
   }
   SharedCorners s;
   for (int k = 0; k < 3; ++k) {
     s.a[k] = same[k][0] | same[k][1] | same[k][2];
     s.b[k] = same[0][k] | same[1][k] | same[2][k];
   }
-  const auto count_of = [](const Mask(&of)[3], unsigned& one, unsigned& two) {
-    const unsigned x = bits(of[0]), y = bits(of[1]), z = bits(of[2]);
-    two = ((x & y) | (y & z) | (x & z)) & ~(x & y & z);
-    one = (x ^ y ^ z) & ~(x & y & z);
-  };
   // A triangle may name a vertex more than once; then the counts differ.
-  unsigned one_b = 0, two_b = 0;
-  count_of(s.a, s.one, s.two);
-  count_of(s.b, one_b, two_b);
-  s.one &= one_b, s.two &= two_b;
+  const auto is_odd = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
+  const auto is_several = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
+  const Mask odd_a = is_odd(s.a), odd_b = is_odd(s.b), several_a = is_several(s.a), several_b = is_several(s.b);
+  const unsigned odd = bits(odd_a & odd_b), several = bits(several_a & several_b);
+  const unsigned odd_in_any = bits(odd_a | odd_b), several_in_any = bits(several_a | several_b);
+  s.one = odd & ~several_in_any;
+  s.two = several & ~odd_in_any;
   return s;
 }
 
-LIMBER_KERNEL Packet3 corner_of(const bvh::QuantizedTriangles& leaf, int corner, std::uint32_t i, Packet step) {
-  return {Packet::from_int16(leaf.corner[3 * corner] + i) * step,
-          Packet::from_int16(leaf.corner[3 * corner + 1] + i) * step,
-          Packet::from_int16(leaf.corner[3 * corner + 2] + i) * step};
-}
-LIMBER_KERNEL Packet3 corner_of(const bvh::QuantizedTriangles& leaf, int corner, std::uint32_t slot) {
-  return {Packet::set(leaf.corner[3 * corner][slot]), Packet::set(leaf.corner[3 * corner + 1][slot]),
-          Packet::set(leaf.corner[3 * corner + 2][slot])};
+/// A triangle with a shared corner in the plane of two axes, seen from there. If two corners are shared, the first is
+/// the other one.
+struct Sector {
+  Packet x[2], y[2];  // of the first and second other corner
+
+  LIMBER_KERNEL Sector(const Mask (&is_shared)[3], const LeafCorners& c, const Slots& slots, const int (&axis)[2]) {
+    // Of one shared corner or two: the first, the first of those that are not, and the one that is left.
+    const Mask is_middle_left = is_shared[0] ^ is_shared[1];
+    Packet* const to[2] = {x, y};
+    for (int k = 0; k < 2; ++k) {
+      const Packet p0 = pick(c.v[axis[k]], slots), p1 = pick(c.v[3 + axis[k]], slots);
+      const Packet p2 = pick(c.v[6 + axis[k]], slots);
+      const Packet at = select(is_shared[0], p0, select(is_shared[1], p1, p2));
+      to[k][0] = select(is_middle_left, p2, p1) - at;
+      to[k][1] = select(is_shared[0], select(is_shared[1], p2, p1), p0) - at;
+    }
+  }
+};
+
+/// The largest errors of cross products of sectors.
+struct SectorErrors {
+  Packet aa, ab, bb;
+};
+
+/// Lanes in which a line through the shared corner, along an edge of one of the triangles, separates their images along
+/// an axis: the triangles have only the shared corner in common, or the shared edge.
+LIMBER_KERNEL unsigned separated_along_axis(const SharedCorners& shared, const Sector& a, const Sector& b,
+                                            const SectorErrors& error) {
+  const auto turn = [](const Sector& p, int i, const Sector& q, int j) { return p.x[i] * q.y[j] - p.y[i] * q.x[j]; };
+  const Packet turn_a = turn(a, 0, a, 1), turn_b = turn(b, 0, b, 1);
+  const Packet t00 = turn(a, 0, b, 0), t01 = turn(a, 0, b, 1), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
+  // Signs as if either triangle turned left.
+  const Packet a00 = flipped_as(t00, turn_a), a01 = flipped_as(t01, turn_a), a10 = flipped_as(t10, turn_a),
+               a11 = flipped_as(t11, turn_a);
+  const Packet b00 = flipped_as(t00, turn_b), b01 = flipped_as(t01, turn_b), b10 = flipped_as(t10, turn_b),
+               b11 = flipped_as(t11, turn_b);
+  const Mask is_a = abs(turn_a) > error.aa, is_b = abs(turn_b) > error.bb;
+  // b is to the right of the first edge of a, or to the left of its second; and the other way round.
+  const Packet beyond_a = max(zero() - max(a00, a01), min(a10, a11));
+  const Packet beyond_b = max(min(b00, b10), zero() - max(b01, b11));
+  const Mask is_one = (is_a & (beyond_a > error.ab)) | (is_b & (beyond_b > error.ab));
+  // The first edges are the shared one: the other corners are on different sides of it.
+  const Mask is_two = is_a & (zero() - a01 > error.ab);
+  return (bits(is_one) & shared.one) | (bits(is_two) & shared.two);
 }
 
 /// Errors of the difference of two corners of a triangle: of each coordinate, and of its length.
 struct CornerError {
   Packet coordinate, length;
 };
+
+// Keeps products that underflow, which have no relative error, from deciding anything.
+inline constexpr float smallest_product = 1e-30F;
 
 /// Lanes in which a plane through the one shared corner separates the triangles.
 ///
@@ -94,7 +145,8 @@ LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Pa
     nearest_b = min(nearest_b, select(shared.b[k], far, dot(m, q[k])));
   }
   const Packet sum = abs(m.x) + abs(m.y) + abs(m.z);
-  return bits((nearest_a > sum * error_a.coordinate) & (nearest_b > sum * error_b.coordinate));
+  const Packet least = Packet::set(smallest_product);
+  return bits((nearest_a > sum * error_a.coordinate + least) & (nearest_b > sum * error_b.coordinate + least));
 }
 
 /// Inner products of three vectors.
@@ -110,7 +162,8 @@ LIMBER_KERNEL Mask point_apart(const EdgeProducts& d, Packet error_e, Packet err
   // What errors of the three change the product by, and what rounding does.
   const Packet changed = most_e * most_e * (p + error_p) * (q + error_q) * Packet::set(core::squares_up) -
                          d.ee * p * q * Packet::set(core::squares_down);
-  return across + changed + d.ee * (d.pp + d.qq) * Packet::set(core::edge_plane_error) < zero();
+  const Packet rounding = d.ee * (d.pp + d.qq) * Packet::set(core::edge_plane_error);
+  return across + changed + rounding + Packet::set(smallest_product) < zero();
 }
 
 /// Lanes in which a plane through the shared edge separates the triangles.
@@ -141,48 +194,65 @@ LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Pa
               (apart({p22, p12, p2q1, p1q1, p11, q11}) & apart({p22, p12, p2q2, p1q2, p11, q22})));
 }
 
-/// Of the `wanted` pairs, those that share one vertex or one edge and certainly have nothing else in common: bit
-/// 8 * i + j is triangle i of a and j of b. `radius_a` and `radius_b` are those of the leaves' spheres, `error` is the
-/// most that a vertex may be away from where a leaf says it is, beside quantization; all in units of the tree.
-LIMBER_KERNEL std::uint64_t separated_neighbors(const bvh::Leaf& a, const bvh::Leaf& b, float radius_a, float radius_b,
-                                                float error, std::uint64_t wanted) {
-  LIMBER_ASSERT(radius_a >= 0 && radius_b >= 0 && error >= 0);
-  LeafVertices vertices;
-  transpose_vertices(b, vertices);
-  // Lengths are in quantization steps of a.
-  const float step = radius_b / radius_a, lost = 2 * error * (bvh::max_quantized / radius_a) * core::squares_up;
-  const Packet steps = Packet::set(step);
-  const auto error_of = [lost](float s) {
-    return CornerError{Packet::set(core::corner_difference_error * s + lost),
-                       Packet::set(core::corner_difference_error * core::root_of_3 * s + lost)};
-  };
-  const CornerError error_a = error_of(1), error_b = error_of(step);
-  std::uint64_t found = 0;
-  for (std::uint32_t row = 0; row < width; ++row) {
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const auto these = static_cast<unsigned>(wanted >> (8 * row + i)) & ((1U << Packet::lanes) - 1);
-      if (these == 0) continue;
-      const SharedCorners shared = shared_corners(a.vertices[row], vertices, i);
-      const unsigned one = shared.one & these, two = shared.two & these;
-      if ((one | two) == 0) continue;
-      const Packet3 corners_a[3] = {corner_of(a.corners, 0, row), corner_of(a.corners, 1, row),
-                                    corner_of(a.corners, 2, row)};
-      const Packet3 corners_b[3] = {corner_of(b.corners, 0, i, steps), corner_of(b.corners, 1, i, steps),
-                                    corner_of(b.corners, 2, i, steps)};
-      unsigned apart = 0;
-      if (one != 0) {
-        apart |= one & separated_at_corner(shared, corners_a, corners_b, error_a, error_b);
-        if ((one & ~apart) != 0) {
-          apart |=
-              one & (separated_along_edges(shared.a, corners_a, error_a.length, shared.b, corners_b, error_b.length) |
-                     separated_along_edges(shared.b, corners_b, error_b.length, shared.a, corners_a, error_a.length));
-        }
-      }
-      if (two != 0) apart |= two & separated_at_edge(shared, corners_a, corners_b, error_a, error_b);
-      found |= std::uint64_t{apart} << (8 * row + i);
+/// Lanes in which a plane separates the triangles beyond the corner or the edge that they share.
+LIMBER_KERNEL unsigned separated_by_plane(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
+                                          const CornerError& error_a, const CornerError& error_b) {
+  unsigned apart = 0;
+  if (shared.one != 0) {
+    apart |= shared.one & separated_at_corner(shared, a, b, error_a, error_b);
+    if ((shared.one & ~apart) != 0) {
+      apart |= shared.one & (separated_along_edges(shared.a, a, error_a.length, shared.b, b, error_b.length) |
+                             separated_along_edges(shared.b, b, error_b.length, shared.a, a, error_a.length));
     }
   }
-  return found;
+  if (shared.two != 0) apart |= shared.two & separated_at_edge(shared, a, b, error_a, error_b);
+  return apart;
+}
+
+/// Removes those pairs from a list that share one vertex or one edge and certainly have nothing else in common. Those
+/// that share vertices and are kept go to its end. `axis` are two axes that triangles are looked at in.
+LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfMesh& b, const int (&axis)[2],
+                                              PairList& pairs) {
+  // Coordinates of differences are at most twice the extent.
+  const auto error_of = [](const LeafOfMesh& p, const LeafOfMesh& q) {
+    const float crossed = 4 * (p.extent * q.error + q.extent * p.error) + 2 * p.error * q.error;
+    const float rounding = core::sector_rounding_error * p.extent * q.extent;
+    return Packet::set((crossed + rounding) * core::squares_up + smallest_product);
+  };
+  const SectorErrors errors{error_of(a, a), error_of(a, b), error_of(b, b)};
+  PairList open;
+  std::uint32_t kept = 0;
+  pairs.fill_last_packet();
+  for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
+    const unsigned lanes = pairs.lanes_at(i);
+    const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
+    const SharedCorners shared = shared_corners(a, in_a, b, in_b);
+    const unsigned are_neighbors = shared.one | shared.two;
+    unsigned apart = 0;
+    if ((are_neighbors & lanes) != 0) {
+      apart = separated_along_axis(shared, Sector(shared.a, a.corners, in_a, axis),
+                                   Sector(shared.b, b.corners, in_b, axis), errors);
+    }
+    open.add(pairs, i, lanes & are_neighbors & ~apart);
+    // In place: as many have been read.
+    for (unsigned rest = lanes & ~are_neighbors; rest != 0; rest &= rest - 1) {
+      pairs.pair[kept++] = pairs.pair[i + static_cast<std::uint32_t>(std::countr_zero(rest))];
+    }
+  }
+  pairs.count = kept;
+  if (open.count == 0) return;
+  const auto corner_error = [](const LeafOfMesh& leaf) {
+    return CornerError{Packet::set(leaf.error), Packet::set(leaf.error * core::root_of_3)};
+  };
+  const CornerError error_a = corner_error(a), error_b = corner_error(b);
+  open.fill_last_packet();
+  for (std::uint32_t i = 0; i < open.count; i += Packet::lanes) {
+    const Slots in_a = Slots::first_of(open.pair + i), in_b = Slots::second_of(open.pair + i);
+    const Packet3 corners_a[3] = {a.corners.at(0, in_a), a.corners.at(1, in_a), a.corners.at(2, in_a)};
+    const Packet3 corners_b[3] = {b.corners.at(0, in_b), b.corners.at(1, in_b), b.corners.at(2, in_b)};
+    const unsigned apart = separated_by_plane(shared_corners(a, in_a, b, in_b), corners_a, corners_b, error_a, error_b);
+    pairs.add(open, i, open.lanes_at(i) & ~apart);
+  }
 }
 
 }  // namespace

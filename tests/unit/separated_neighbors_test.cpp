@@ -32,6 +32,12 @@ Mesh nearly_meeting(Rng& rng) {
     const double s = rng.uniform(0, 1), t = rng.uniform(0.5, 2);
     p[3] = p[0] + t * (p[1] + s * (p[2] - p[1]) - p[0]) + nearly * uniform_point(rng);
     triangles = {{0, 1, 2}, {0, 3, 4}};
+    if (rng.below(3) == 0) {  // one far smaller than the other, about the origin; their products leave float32
+      const Vec3 at = p[0];
+      const double tiny = std::pow(10.0, rng.uniform(-40, 0));
+      for (Vec3& v : p) v = v - at;
+      p[3] = tiny * p[3], p[4] = tiny * p[4];
+    }
   } else {  // an edge: slivers on the same side of it, in one plane or nearly so
     const double flat = rng.below(3) == 0 ? 0 : nearly;
     const Vec3 across = nearly * (p[2] - p[0]);

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Pairs of triangles of two leaves: lists of them, and their corners, a pair in each lane.
+
+#if defined(LIMBER_SIMD_PAIR_LIST_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_PAIR_LIST_INL_H
+#undef LIMBER_SIMD_PAIR_LIST_INL_H
+#else
+#define LIMBER_SIMD_PAIR_LIST_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "simd/packets-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+/// The corners of the triangles of a leaf: [3 * corner + axis][slot].
+struct alignas(64) LeafCorners {
+  float v[9][width];
+
+  /// Those of the slots from `i` on.
+  LIMBER_KERNEL Packet3 at(int corner, std::uint32_t i) const {
+    return {Packet::load(v[3 * corner] + i), Packet::load(v[3 * corner + 1] + i), Packet::load(v[3 * corner + 2] + i)};
+  }
+  /// Those of some slots.
+  LIMBER_KERNEL Packet3 at(int corner, const Slots& slots) const {
+    return {pick(v[3 * corner], slots), pick(v[3 * corner + 1], slots), pick(v[3 * corner + 2], slots)};
+  }
+};
+
+/// Pairs of triangles of two leaves, as 8 * slot of the first + slot of the second.
+struct PairList {
+  std::uint32_t count = 0;
+  alignas(64) std::uint8_t pair[width * width + width];
+
+  LIMBER_KERNEL void add(std::uint8_t p) { pair[count++] = p; }
+  /// Appends pairs of another list: of those from `i` on the ones whose lanes are in `which`.
+  LIMBER_KERNEL void add(const PairList& list, std::uint32_t i, unsigned which) {
+    for (; which != 0; which &= which - 1) add(list.pair[i + static_cast<std::uint32_t>(std::countr_zero(which))]);
+  }
+  /// Makes lanes after the last pair hold some pair.
+  LIMBER_KERNEL void fill_last_packet() { std::fill_n(pair + count, width, std::uint8_t{0}); }
+  /// The lanes, from pair `i` on, that hold a pair of the list.
+  LIMBER_KERNEL unsigned lanes_at(std::uint32_t i) const { return (1U << std::min(count - i, Packet::lanes)) - 1; }
+};
+
+/// Adds the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second.
+LIMBER_KERNEL void add(std::uint64_t pairs, PairList& list) {
+  for (; pairs != 0; pairs &= pairs - 1) list.add(static_cast<std::uint8_t>(std::countr_zero(pairs)));
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif
