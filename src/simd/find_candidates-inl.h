@@ -131,6 +131,17 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
+/// How far the boxes of slots from `i` on are apart from that of a slot of the other leaf, along each axis; negative
+/// where they overlap.
+LIMBER_KERNEL Packet3 box_gaps(const Boxes& a, std::uint32_t row, const Boxes& b, std::uint32_t i) {
+  const auto gap = [&](int axis) {
+    const Packet above = Packet::load(b.low[axis] + i) - Packet::set(a.high[axis][row]);
+    const Packet below = Packet::set(a.low[axis][row]) - Packet::load(b.high[axis] + i);
+    return max(above, below);
+  };
+  return {gap(0), gap(1), gap(2)};
+}
+
 /// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
 /// the others' boxes.
 template <bool bounds_rest>
@@ -143,19 +154,31 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
   Packet least = far;
   for (std::uint32_t row = 0; row < width; ++row) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      Packet sum = zero();
-      for (int axis = 0; axis < 3; ++axis) {
-        const Packet above = Packet::load(boxes_b.low[axis] + i) - Packet::set(boxes_a.high[axis][row]);
-        const Packet below = Packet::set(boxes_a.low[axis][row]) - Packet::load(boxes_b.high[axis] + i);
-        const Packet gap = max(max(above, below), zero());
-        sum = sum + gap * gap;
-      }
+      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      const Packet3 out{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
+      const Packet sum = dot(out, out);
       const Mask is_wanted = sum < limit_sq;
       wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
       if (bounds_rest) least = min(least, select(is_wanted, far, sum));
     }
   }
   if (bounds_rest) apart_sq = smallest(least);
+  return wanted;
+}
+
+/// The pairs whose bounding boxes are closer than `limit` along every axis. That prunes less and takes less, and is as
+/// good where the limit is small next to the triangles.
+LIMBER_KERNEL std::uint64_t near_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (8 * row + i);
+    }
+  }
   return wanted;
 }
 
@@ -225,7 +248,8 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   // Boxes prune something only where triangles that matter are closer than they are large.
   float apart_sq = infinite;
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
-    wanted &= near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+    wanted &= is_self ? near_along_axes(ca, cb, Packet::set(limit * core::squares_up))
+                      : near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
   }
   PairList pairs;
   add(wanted, pairs);
