@@ -63,14 +63,12 @@ LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_
     s.a[k] = same[k][0] | same[k][1] | same[k][2];
     s.b[k] = same[0][k] | same[1][k] | same[2][k];
   }
-  // A triangle may name a vertex more than once; then the counts differ.
+  // Three shared corners are both one and several, and nothing is beyond them. Where a triangle names a vertex more than
+  // once, edges between its corners have no length and prove nothing.
   const auto is_odd = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
   const auto is_several = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
-  const Mask odd_a = is_odd(s.a), odd_b = is_odd(s.b), several_a = is_several(s.a), several_b = is_several(s.b);
-  const unsigned odd = bits(odd_a & odd_b), several = bits(several_a & several_b);
-  const unsigned odd_in_any = bits(odd_a | odd_b), several_in_any = bits(several_a | several_b);
-  s.one = odd & ~several_in_any;
-  s.two = several & ~odd_in_any;
+  s.one = bits(is_odd(s.a) & is_odd(s.b));
+  s.two = bits(is_several(s.a) & is_several(s.b));
   return s;
 }
 
@@ -125,9 +123,6 @@ struct CornerError {
   Packet coordinate, length;
 };
 
-// Keeps products that underflow, which have no relative error, from deciding anything.
-inline constexpr float smallest_product = 1e-30F;
-
 /// Lanes in which a plane through the one shared corner separates the triangles.
 ///
 /// The plane is across the sum of the edges of b from that corner less those of a. Whatever it is: if the other corners
@@ -145,8 +140,7 @@ LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Pa
     nearest_b = min(nearest_b, select(shared.b[k], far, dot(m, q[k])));
   }
   const Packet sum = abs(m.x) + abs(m.y) + abs(m.z);
-  const Packet least = Packet::set(smallest_product);
-  return bits((nearest_a > sum * error_a.coordinate + least) & (nearest_b > sum * error_b.coordinate + least));
+  return bits((nearest_a > sum * error_a.coordinate) & (nearest_b > sum * error_b.coordinate));
 }
 
 /// Inner products of three vectors.
@@ -163,7 +157,7 @@ LIMBER_KERNEL Mask point_apart(const EdgeProducts& d, Packet error_e, Packet err
   const Packet changed = most_e * most_e * (p + error_p) * (q + error_q) * Packet::set(core::squares_up) -
                          d.ee * p * q * Packet::set(core::squares_down);
   const Packet rounding = d.ee * (d.pp + d.qq) * Packet::set(core::edge_plane_error);
-  return across + changed + rounding + Packet::set(smallest_product) < zero();
+  return across + changed + rounding < zero();
 }
 
 /// Lanes in which a plane through the shared edge separates the triangles.
@@ -217,7 +211,7 @@ LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfM
   const auto error_of = [](const LeafOfMesh& p, const LeafOfMesh& q) {
     const float crossed = 4 * (p.extent * q.error + q.extent * p.error) + 2 * p.error * q.error;
     const float rounding = core::sector_rounding_error * p.extent * q.extent;
-    return Packet::set((crossed + rounding) * core::squares_up + smallest_product);
+    return Packet::set((crossed + rounding) * core::squares_up);
   };
   const SectorErrors errors{error_of(a, a), error_of(a, b), error_of(b, b)};
   PairList open;
