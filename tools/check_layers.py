@@ -15,9 +15,9 @@ from repository import CPP_SUFFIXES, Finding, files, run, shown, text_of
 PRIVATE = {
     "core": (),
     "math": ("core",),
-    "geometry": ("math", "core"),
     "layout": ("core",),
     "simd": ("layout", "math", "core"),
+    "geometry": ("simd", "math", "core"),
     "mesh": ("simd", "layout", "math", "core"),
     "bvh": ("simd", "layout", "geometry", "math", "core"),
     "update": ("mesh", "bvh", "simd", "layout", "math", "core"),

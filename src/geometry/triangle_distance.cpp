@@ -17,6 +17,7 @@
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
 #include "geometry/triangle_contact.h"
+#include "simd/kernels.h"
 
 namespace limber {
 namespace {
@@ -41,13 +42,12 @@ Vec3 edge_weights(std::size_t edge, double parameter) {
 }
 
 /// A triangle with what its face tests need.
-struct Face {
-  Triangle corner;
-  std::array<Vec3, 3> edge;
+struct Face : simd::FaceVectors {
   Vec3 normal;
-  std::array<Vec3, 3> inward;  ///< in the plane, across the edge, towards the third corner
 
-  explicit Face(const Triangle& t) : corner(t), edge{t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2} {
+  explicit Face(const Triangle& t) {
+    corner = t;
+    edge = {t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2};
     normal = cross(edge[0], edge[1]);
     for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
@@ -92,25 +92,21 @@ struct Best {
 };
 
 Best closest_pair(const Face& a, const Face& b) {
+  simd::TriangleFeatures found;
+  simd::kernels().compare_triangles(a, b, found);
   Best best;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Segment edge_a{a.corner[i], a.corner[after[i]]};
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Segment edge_b{b.corner[j], b.corner[after[j]]};
-      const auto [s, t] = geometry::closest_parameters(edge_a, edge_b);
-      const Vec3 between = (edge_b.p0 - edge_a.p0) + (t * b.edge[j] - s * a.edge[i]);
-      if (best.improves(between)) best.set(between, edge_weights(i, s), edge_weights(j, t));
-    }
-  }
+  const std::size_t i = found.edge_a, j = found.edge_b;
+  const Vec3 of_edges = (b.corner[j] - a.corner[i]) + (found.at_b * b.edge[j] - found.at_a * a.edge[i]);
+  if (best.improves(of_edges)) best.set(of_edges, edge_weights(i, found.at_a), edge_weights(j, found.at_b));
   Vec3 weights;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (b.foot(a.corner[i], weights)) {
-      const Vec3 between = point_at(b.corner, weights) - a.corner[i];
-      if (best.improves(between)) best.set(between, corner_weights(i), weights);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if ((found.feet_of_a >> k & 1) != 0 && b.foot(a.corner[k], weights)) {
+      const Vec3 between = point_at(b.corner, weights) - a.corner[k];
+      if (best.improves(between)) best.set(between, corner_weights(k), weights);
     }
-    if (a.foot(b.corner[i], weights)) {
-      const Vec3 between = b.corner[i] - point_at(a.corner, weights);
-      if (best.improves(between)) best.set(between, weights, corner_weights(i));
+    if ((found.feet_of_b >> k & 1) != 0 && a.foot(b.corner[k], weights)) {
+      const Vec3 between = b.corner[k] - point_at(a.corner, weights);
+      if (best.improves(between)) best.set(between, weights, corner_weights(k));
     }
   }
   return best;

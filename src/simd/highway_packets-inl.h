@@ -203,6 +203,34 @@ HWY_INLINE unsigned bits(DoublesMask a) {
 }
 HWY_INLINE bool all_of(DoublesMask a) { return hn::AllTrue(Doubles::Tag(), a.m); }
 
+/// A vector of at most four numbers in float64.
+struct Quad {
+  using Tag = hn::CappedTag<double, 4>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  hn::Vec<Tag> v;
+
+  static HWY_INLINE Quad set(double x) { return {hn::Set(Tag(), x)}; }
+  static HWY_INLINE Quad load(const double* p) { return {hn::LoadU(Tag(), p)}; }
+  HWY_INLINE void store(double* p) const { hn::StoreU(v, Tag(), p); }
+};
+struct QuadMask {
+  hn::Mask<Quad::Tag> m;
+};
+
+HWY_INLINE Quad operator+(Quad a, Quad b) { return {hn::Add(a.v, b.v)}; }
+HWY_INLINE Quad operator-(Quad a, Quad b) { return {hn::Sub(a.v, b.v)}; }
+HWY_INLINE Quad operator*(Quad a, Quad b) { return {hn::Mul(a.v, b.v)}; }
+HWY_INLINE Quad operator/(Quad a, Quad b) { return {hn::Div(a.v, b.v)}; }
+HWY_INLINE QuadMask operator>(Quad a, Quad b) { return {hn::Gt(a.v, b.v)}; }
+HWY_INLINE QuadMask operator>=(Quad a, Quad b) { return {hn::Ge(a.v, b.v)}; }
+HWY_INLINE QuadMask operator&(QuadMask a, QuadMask b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE Quad select(QuadMask m, Quad a, Quad b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+HWY_INLINE unsigned bits(QuadMask a) {
+  std::uint8_t byte = 0;
+  hn::StoreMaskBits(Quad::Tag(), a.m, &byte);
+  return byte;
+}
+
 /// As many points as there are numbers in a packet.
 HWY_INLINE void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) {
   hn::LoadInterleaved3(Doubles::Tag(), p, x.v, y.v, z.v);

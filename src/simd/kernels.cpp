@@ -18,6 +18,7 @@
 #include "simd/bound_children-inl.h"
 #include "simd/bound_far_point-inl.h"
 #include "simd/bound_point-inl.h"
+#include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
@@ -42,7 +43,8 @@ const Kernels* kernel_table() {
                            merge_bounds,
                            max_displacement,
                            overlapping_boxes,
-                           overlapping_pairs};
+                           overlapping_pairs,
+                           compare_triangles};
   return &set;
 }
 

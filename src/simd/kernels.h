@@ -103,6 +103,22 @@ struct TriangleIntervals {
   double step;    ///< length of one step
 };
 
+/// A triangle with vectors across its edges, in its plane, towards the third corner.
+struct FaceVectors {
+  Triangle corner;
+  std::array<Vec3, 3> edge;    ///< edge k goes from corner k to the next
+  std::array<Vec3, 3> inward;  ///< inward[k] is across edge k
+};
+
+/// Features of two triangles that may be closest.
+struct TriangleFeatures {
+  double distance_sq;            ///< of the closest edges; infinite if no distance is a number
+  double at_a, at_b;             ///< where on the two edges, from 0 to 1
+  std::uint32_t edge_a, edge_b;  ///< of equally close pairs the first, in the order of edges of a
+  unsigned feet_of_a;            ///< bit mask: corners of a whose foot on the plane of b is in b
+  unsigned feet_of_b;            ///< bit mask: the other way round
+};
+
 /// A ray to be compared with a tree, in the tree's frame.
 struct QueryRay {
   alignas(32) double origin[4];  ///< the fourth number is 0
@@ -189,6 +205,10 @@ using OverlappingBoxes = unsigned (*)(const bvh::WideBoxes& boxes, const Vec3& l
 using OverlappingPairs = std::uint64_t (*)(const bvh::WideBoxes& a, const bvh::WideBoxes& b, const Box& around_b,
                                            double margin);
 
+/// Compares the edges of two triangles, and their corners with the other's face. Pre: coordinates are at most 2^100 in
+/// size.
+using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
@@ -203,6 +223,7 @@ struct Kernels {
   MaxDisplacement max_displacement;
   OverlappingBoxes overlapping_boxes;
   OverlappingPairs overlapping_pairs;
+  CompareTriangles compare_triangles;
 };
 
 /// The best set this processor runs.

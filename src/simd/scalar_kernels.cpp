@@ -6,6 +6,7 @@
 #include "simd/bound_children-inl.h"
 #include "simd/bound_far_point-inl.h"
 #include "simd/bound_point-inl.h"
+#include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
@@ -29,6 +30,7 @@ const Kernels scalar_kernels{"scalar",
                              scalar::merge_bounds,
                              scalar::max_displacement,
                              scalar::overlapping_boxes,
-                             scalar::overlapping_pairs};
+                             scalar::overlapping_pairs,
+                             scalar::compare_triangles};
 
 }  // namespace limber::simd

@@ -103,6 +103,25 @@ inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}
 inline unsigned bits(DoublesMask a) { return a.m ? 1 : 0; }
 inline bool all_of(DoublesMask a) { return a.m; }
 
+/// A number in float64.
+struct Quad {
+  static constexpr std::uint32_t lanes = 1;
+  double v;
+
+  static Quad set(double x) { return {x}; }
+  static Quad load(const double* p) { return {*p}; }
+  void store(double* p) const { *p = v; }
+};
+using QuadMask = DoublesMask;
+
+inline Quad operator+(Quad a, Quad b) { return {a.v + b.v}; }
+inline Quad operator-(Quad a, Quad b) { return {a.v - b.v}; }
+inline Quad operator*(Quad a, Quad b) { return {a.v * b.v}; }
+inline Quad operator/(Quad a, Quad b) { return {a.v / b.v}; }
+inline QuadMask operator>(Quad a, Quad b) { return {a.v > b.v}; }
+inline QuadMask operator>=(Quad a, Quad b) { return {a.v >= b.v}; }
+inline Quad select(QuadMask m, Quad a, Quad b) { return m.m ? a : b; }
+
 inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }
 
