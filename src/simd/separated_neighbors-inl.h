@@ -63,8 +63,8 @@ LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_
     s.a[k] = same[k][0] | same[k][1] | same[k][2];
     s.b[k] = same[0][k] | same[1][k] | same[2][k];
   }
-  // Three shared corners are both one and several, and nothing is beyond them. Where a triangle names a vertex more than
-  // once, edges between its corners have no length and prove nothing.
+  // Three shared corners are both one and several, and nothing is beyond them. Where a triangle names a vertex more
+  // than once, edges between its corners have no length and prove nothing.
   const auto is_odd = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
   const auto is_several = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
   s.one = bits(is_odd(s.a) & is_odd(s.b));
