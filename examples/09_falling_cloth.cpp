@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -260,12 +261,19 @@ void print(int frame, const Costs& sum, int frames) {
               sum.check / frames, all / frames);
 }
 
+/// Not a number, where the whole text is none.
+double number(const char* text) {
+  char* end = nullptr;
+  const double value = std::strtod(text, &end);
+  return end != text && *end == 0 ? value : std::nan("");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const double seconds = argc > 1 ? std::stod(argv[1]) : 10;
-  const int squares = argc > 2 ? std::stoi(argv[2]) : 71;
-  if (!(seconds > 0 && seconds <= 3600) || squares < 2 || squares > 1000) {
+  const double seconds = argc > 1 ? number(argv[1]) : 10;
+  const double squares = argc > 2 ? number(argv[2]) : 71;
+  if (!(seconds > 0 && seconds <= 3600 && squares >= 2 && squares <= 1000)) {
     throw std::runtime_error("seconds are above 0 and at most 3600, squares from 2 to 1000");
   }
   const std::filesystem::path folder = argc > 4 ? argv[4] : "";
