@@ -66,8 +66,9 @@ class Pruning {
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
-  // Contacts matter at any setting, so the prune distance stays above 0.
-  static constexpr double smallest = std::numeric_limits<double>::min();
+  // Contacts matter at any setting, so the prune distance stays above 0; and so far above the smallest number that
+  // scaling it to a pair of leaves gives no subnormal one, which processors take long to compute with.
+  static constexpr double smallest = 0x1p-960;
   // A shorter one has no direction.
   static constexpr double shortest_separation = 0x1p-500;
 

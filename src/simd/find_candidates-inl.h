@@ -252,7 +252,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
                       : near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
   }
   PairList pairs;
-  add(wanted, pairs);
+  pairs.add(wanted);
   if (is_self) {
     const float away = core::float_up(transform.error * pair.scale);
     int axis[2];

@@ -39,21 +39,25 @@ struct PairList {
   std::uint32_t count = 0;
   alignas(64) std::uint8_t pair[width * width + width];
 
-  LIMBER_KERNEL void add(std::uint8_t p) { pair[count++] = p; }
+  /// Appends the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second.
+  LIMBER_KERNEL void add(std::uint64_t pairs) {
+    std::uint32_t n = count;  // a local variable: bytes that are written could be any other
+    for (; pairs != 0; pairs &= pairs - 1) pair[n++] = static_cast<std::uint8_t>(std::countr_zero(pairs));
+    count = n;
+  }
   /// Appends pairs of another list: of those from `i` on the ones whose lanes are in `which`.
   LIMBER_KERNEL void add(const PairList& list, std::uint32_t i, unsigned which) {
-    for (; which != 0; which &= which - 1) add(list.pair[i + static_cast<std::uint32_t>(std::countr_zero(which))]);
+    std::uint32_t n = count;
+    for (; which != 0; which &= which - 1) {
+      pair[n++] = list.pair[i + static_cast<std::uint32_t>(std::countr_zero(which))];
+    }
+    count = n;
   }
   /// Makes lanes after the last pair hold some pair.
   LIMBER_KERNEL void fill_last_packet() { std::fill_n(pair + count, width, std::uint8_t{0}); }
   /// The lanes, from pair `i` on, that hold a pair of the list.
   LIMBER_KERNEL unsigned lanes_at(std::uint32_t i) const { return (1U << std::min(count - i, Packet::lanes)) - 1; }
 };
-
-/// Adds the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second.
-LIMBER_KERNEL void add(std::uint64_t pairs, PairList& list) {
-  for (; pairs != 0; pairs &= pairs - 1) list.add(static_cast<std::uint8_t>(std::countr_zero(pairs)));
-}
 
 }  // namespace
 }  // namespace limber::simd::LIMBER_TARGET
