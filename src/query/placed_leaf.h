@@ -30,7 +30,7 @@ class PlacedLeaf {
     if (number != direction_number_) direction_number_ = number, supported_slots_ = 0;
     if ((supported_slots_ >> slot & 1) == 0) {
       supported_slots_ |= 1U << slot;
-      const Triangle t = placed_.local_triangle(side_, leaf_.triangle[slot]);
+      const Triangle t = placed_.local_triangle(side_, leaf_.vertices[slot]);
       supports_[slot] = std::max({dot(direction, t.v0), dot(direction, t.v1), dot(direction, t.v2)});
     }
     return supports_[slot];
@@ -39,7 +39,7 @@ class PlacedLeaf {
     PlacedTriangle& triangle = triangles[slot];
     if ((placed_slots_ >> slot & 1) == 0) {
       placed_slots_ |= 1U << slot;
-      triangle = {leaf_.triangle[slot], placed_.triangle(side_, leaf_.triangle[slot])};
+      triangle = {leaf_.triangle[slot], placed_.triangle(side_, leaf_.vertices[slot])};
     }
     return triangle;
   }

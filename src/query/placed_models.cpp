@@ -57,8 +57,7 @@ PlacedModels::PlacedModels(const Placed& a, const Placed& b)
   error_ = core::placement_error * (magnitude(model_a.tree, a.pose) + magnitude(model_b.tree, b.pose));
 }
 
-Triangle PlacedModels::triangle(Side s, TriangleId t) const {
-  const Triangle local = local_triangle(s, t);
+Triangle PlacedModels::placed(Side s, const Triangle& local) const {
   if (is_placed_exactly_) return local;
   const Transform& pose = at(s).pose;
   return {pose(local.v0), pose(local.v1), pose(local.v2)};

@@ -32,7 +32,13 @@ class PlacedModels {
     LIMBER_ASSERT(has_triangle(s, t));
     return sides_[index(s)].mesh.triangle(t);
   }
-  Triangle triangle(Side s, TriangleId t) const;
+  Triangle triangle(Side s, TriangleId t) const { return placed(s, local_triangle(s, t)); }
+  /// The same of a triangle whose vertices are at hand.
+  Triangle local_triangle(Side s, const Corners& corners) const {
+    const std::span<const Vec3> positions = sides_[index(s)].mesh.positions;
+    return {positions[corners[0]], positions[corners[1]], positions[corners[2]]};
+  }
+  Triangle triangle(Side s, const Corners& corners) const { return placed(s, local_triangle(s, corners)); }
   /// Some triangle.
   TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
 
@@ -60,6 +66,7 @@ class PlacedModels {
     Transform pose;
   };
   const PlacedTree& at(Side s) const { return sides_[index(s)]; }
+  Triangle placed(Side s, const Triangle& local) const;
 
   PlacedTree sides_[2];
   double error_;
