@@ -5,6 +5,7 @@
 /// Everything of the core library; mesh files are in limber/io.h.
 #include "limber/base.h"
 #include "limber/classic.h"
+#include "limber/contact_reduction.h"
 #include "limber/contacts.h"
 #include "limber/function_ref.h"
 #include "limber/geometry.h"
