@@ -12,6 +12,7 @@
 #include "limber/math.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
+#include "limber/neighbor_rings.h"
 #include "limber/points.h"
 #include "limber/query.h"
 #include "limber/reference.h"

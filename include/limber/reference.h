@@ -50,6 +50,12 @@ std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
 std::vector<TrianglePair> self_intersections(MeshView mesh);
 std::vector<Contact> self_contacts(MeshView mesh, double margin);
 
+/// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each vertex.
+///
+/// Pre      The mesh is sound.
+/// Cost     O(n^2).
+std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
+
 /// What reduce_contacts() keeps, in its order.
 ///
 /// Pre      The options and the contacts are what reduce_contacts() takes.

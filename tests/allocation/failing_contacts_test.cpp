@@ -10,6 +10,7 @@
 #include "allocation/heap.h"
 #include "limber/contact_reduction.h"
 #include "limber/contacts.h"
+#include "limber/neighbor_rings.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -50,6 +51,11 @@ TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
                                 }
                               });
   EXPECT_GT(count, 5);
+}
+
+TEST(FailingHeap, IsReportedByNeighborRings) {
+  const Mesh ball = scenes::ball(12, 8);
+  EXPECT_GT(fail_each([&] { const NeighborRings rings(ball, 2); }, [] {}), 5);
 }
 
 }  // namespace
