@@ -133,4 +133,12 @@ PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
                         const PairOptions& options = {});
 
+/// The closest pairs of triangles that meet or are no neighbors, as many as `closest` has room for, nearest first, as
+/// closest_pairs() says.
+///
+/// Throws   As self_collide().
+/// Cost     As self_collide().
+/// Threads  Reentrant.
+PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options = {});
+
 }  // namespace limber

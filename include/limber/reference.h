@@ -50,6 +50,10 @@ std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
 std::vector<TrianglePair> self_intersections(MeshView mesh);
 std::vector<Contact> self_contacts(MeshView mesh, double margin);
 
+/// The closest pairs, at most `count`, nearest first; of equally close ones the first in the order of ids.
+std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);
+std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count);
+
 /// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each vertex.
 ///
 /// Pre      The mesh is sound.

@@ -54,6 +54,14 @@ PairCount visit_contacts(const query::PlacedModels& placed, const Pairs& pairs, 
   return result;
 }
 
+template <typename Pairs>
+PairCount closest_pairs(const query::PlacedModels& placed, const Pairs& pairs, std::span<Contact> closest) {
+  query::ClosestPairs<Pairs> goal(pairs, closest);
+  const PairCount result = count_with(placed, goal);
+  goal.sort();
+  return result;
+}
+
 /// Writes what it is called with to a span, as far as there is room.
 template <typename T>
 class Filler {
@@ -96,11 +104,7 @@ PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Co
 
 PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  const query::PlacedModels placed(a, b);
-  query::ClosestPairs<PairsOfTwo> goal(PairsOfTwo(options), closest);
-  const PairCount result = count_with(placed, goal);
-  goal.sort();
-  return result;
+  return closest_pairs(query::PlacedModels(a, b), PairsOfTwo(options), closest);
 }
 
 CollideResult self_collide(const Model& model, const PairOptions& options) {
@@ -146,6 +150,11 @@ PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {
   Filler<Contact> fill(contacts);
   return visit_self_contacts(model, margin, fill, options);
+}
+
+PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  return closest_pairs(with_itself(model), PairsOfOne(model.mesh(), options), closest);
 }
 
 }  // namespace limber
