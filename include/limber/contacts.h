@@ -103,6 +103,7 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 CollideResult self_collide(const Model& model, const PairOptions& options = {});
+CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache);
 
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
@@ -113,6 +114,8 @@ CollideResult self_collide(const Model& model, const PairOptions& options = {});
 /// Threads  Reentrant.
 DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
                              const PairOptions& options = {});
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
+                             QueryCache& cache);
 
 /// All pairs of triangles that meet.
 ///

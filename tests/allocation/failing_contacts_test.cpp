@@ -53,6 +53,16 @@ TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
   EXPECT_GT(count, 5);
 }
 
+TEST(FailingHeap, LeavesAnEmptyCacheForSelfQueries) {
+  const Model ball(scenes::ball(12, 8));
+  const double truth = self_distance(ball).upper;
+  QueryCache cache;
+  const auto check = [&] { EXPECT_EQ(self_distance(ball, {}, {}, cache).upper, truth), cache.clear(); };
+  EXPECT_EQ(fail_each([&] { self_distance(ball, {}, {}, cache); }, check), 1);
+  cache.clear();
+  EXPECT_EQ(fail_each([&] { self_collide(ball, {}, cache); }, check), 1);
+}
+
 TEST(FailingHeap, IsReportedByNeighborRings) {
   const Mesh ball = scenes::ball(12, 8);
   EXPECT_GT(fail_each([&] { const NeighborRings rings(ball, 2); }, [] {}), 5);
