@@ -98,8 +98,13 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///
+/// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair of
+///          triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do, also
+///          one that another model, another mesh or queries of two models have filled: which pair is the witness may
+///          depend on it, and nothing else.
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
-/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing.
+/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing but a
+///          cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 CollideResult self_collide(const Model& model, const PairOptions& options = {});
@@ -108,7 +113,10 @@ CollideResult self_collide(const Model& model, const PairOptions& options, Query
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
 ///
-/// Promise  As distance(), for those pairs.
+/// Promise  As distance(), for those pairs. If no error is asked for, upper is the least distance that closest_points()
+///          gives for any of them, smaller id first, to the bit; so is the status.
+/// Cache    The pair of the last answer is compared first and gives an upper bound. What is said there about other
+///          caches holds here; where errors are asked for, the interval may depend on it, within these errors.
 /// Throws   As self_collide(); also unless the options are what DistanceOptions says.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
