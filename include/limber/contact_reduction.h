@@ -19,8 +19,8 @@ struct ReductionOptions {
 
 /// Keeps a few contacts of each region, and moves them to the front.
 ///
-/// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the middle
-/// of its two points. A contact joins the deepest region whose first contact is at most `radius` away and has a normal
+/// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the
+/// middle of its two points. A contact joins the deepest region whose first contact is at most `radius` away and has a normal
 /// within `max_angle`; if there is none, it is the first of a new region. Of each region the first contact is kept, then
 /// one at a time the one that is farthest from those kept, as seen along the normal of the first. That ends where there
 /// are max_points, or where all others are within a quarter of the radius of one that is kept.
@@ -37,7 +37,8 @@ struct ReductionOptions {
 /// Cost     O(n log n) for n contacts, times at most the number of regions that fit around one point: about
 ///          16 / max_angle^2 where normals differ so much there. Allocates O(n).
 /// Threads  Reentrant.
-/// Source   Deepest contact first, then those that span most: as in Bullet, Jolt and Rapier; docs/algorithms/contacts.md.
+/// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
+///          docs/algorithms/contacts.md.
 std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
                             std::span<std::uint32_t> regions = {});
 

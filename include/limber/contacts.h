@@ -98,10 +98,10 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///
-/// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair of
-///          triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do, also
-///          one that another model, another mesh or queries of two models have filled: which pair is the witness may
-///          depend on it, and nothing else.
+/// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair
+///          of triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do,
+///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
+///          may depend on it, and nothing else.
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
 /// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing but a
 ///          cache's memory.

@@ -54,7 +54,8 @@ std::vector<Contact> self_contacts(MeshView mesh, double margin);
 std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);
 std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count);
 
-/// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each vertex.
+/// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each
+/// vertex.
 ///
 /// Pre      The mesh is sound.
 /// Cost     O(n^2).

@@ -3,9 +3,9 @@
 
 // Based on  The reduction of contact manifolds in Bullet, Jolt and Rapier: the deepest contact, then those that span
 //           most.
-// Differs   Those reduce the contacts of one pair of convex shapes. Here regions come first: by distance and normal from
-//           the deepest contact that is in none yet, found in a grid. Further contacts of a region are sampled farthest
-//           first [Gonzalez1985], which serves any number of them.
+// Differs   Those reduce the contacts of one pair of convex shapes. Here regions come first: by distance and normal
+//           from the deepest contact that is in none yet, found in a grid. Further contacts of a region are sampled
+//           farthest first [Gonzalez1985], which serves any number of them.
 #include "limber/contact_reduction.h"
 
 #include <algorithm>

@@ -16,8 +16,8 @@
 
 namespace limber::query {
 
-/// What is done with pairs that are as far apart as the best one, up to rounding: skipped, or compared, so that the answer
-/// is the least distance to the bit, whatever pair comes first.
+/// What is done with pairs that are as far apart as the best one, up to rounding: skipped, or compared, so that the
+/// answer is the least distance to the bit, whatever pair comes first.
 enum class Ties { skipped, compared };
 
 /// What a query prunes: pairs at least the prune distance apart. Once two triangles have been compared, it knows the

@@ -18,7 +18,6 @@
 namespace limber::testing {
 namespace {
 
-
 /// A regular sheet somewhere in space: a great many pairs are equally close up to rounding.
 Mesh regular(Rng& rng) {
   const Mesh flat = scenes::grid(some(rng, 2, 8), some(rng, 2, 8), 0, 0, 0.125, 0.125);
