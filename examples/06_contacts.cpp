@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pairs of triangles that are close: of two models, a few contacts of them for a solver, and of a sheet with itself while
-// it is rolled up.
+// Pairs of triangles that are close: of two models, with a few contacts of them for a solver, and of a sheet with
+// itself while it is rolled up.
 #include <cmath>
 #include <cstdio>
 #include <numbers>

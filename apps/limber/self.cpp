@@ -88,10 +88,11 @@ ExitCode run(const SelfArguments& arguments) {
 }
 
 constexpr const char* self_help = R"(
-Without --margin, --intersections and --closest the answer is whether the model meets itself, in which pairs of triangles, and the
-shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber distance tells
-them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit. With --closest the count is
-less than K where there are fewer pairs; which of several equally close ones are among the K is not defined.
+Without --margin, --intersections and --closest the answer is whether the model meets itself, in which pairs of
+triangles, and the shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber
+distance tells them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit. With
+--closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K is
+not defined.
 
 Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond the shared vertices
 and the edge between them, which is decided exactly; otherwise such a pair does not count, however large the margin. In

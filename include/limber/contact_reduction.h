@@ -20,10 +20,10 @@ struct ReductionOptions {
 /// Keeps a few contacts of each region, and moves them to the front.
 ///
 /// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the
-/// middle of its two points. A contact joins the deepest region whose first contact is at most `radius` away and has a normal
-/// within `max_angle`; if there is none, it is the first of a new region. Of each region the first contact is kept, then
-/// one at a time the one that is farthest from those kept, as seen along the normal of the first. That ends where there
-/// are max_points, or where all others are within a quarter of the radius of one that is kept.
+/// middle of its two points. A contact joins the deepest region whose first contact is at most `radius` away and has a
+/// normal within `max_angle`; if there is none, it is the first of a new region. Of each region the first contact is
+/// kept, then one at a time the one that is farthest from those kept, as seen along the normal of the first. That ends
+/// where there are max_points, or where all others are within a quarter of the radius of one that is kept.
 ///
 /// Shape    `contacts` as contacts() and self_contacts() write them, of any number of pairs of models. Returns how many
 ///          are kept. They are in front, region by region, the deepest region and the first of a region first. The
