@@ -73,11 +73,14 @@ TEST(NeighborRings, LeaveOnlyContactsOfOtherParts) {
 
 TEST(NeighborRings, RefuseMeshesAndTrianglesThatAreNotThere) {
   Mesh mesh = scenes::grid(2, 2, 0, 0, 1, 1);
-  const NeighborRings rings(mesh, 1);
+  NeighborRings rings(mesh, 1);
   EXPECT_THROW((void)rings.are_near(0, 8), std::invalid_argument);
   EXPECT_THROW((void)rings(no_id, 0), std::invalid_argument);
   const Model larger(scenes::grid(6, 6, 0, 0, 1, 1));
   EXPECT_THROW(self_contacts(larger, 10, {}, {.filter = rings}), std::invalid_argument);
+  const NeighborRings taken_rings = std::move(rings);
+  EXPECT_TRUE(taken_rings.are_near(0, 1));
+  EXPECT_THROW((void)rings.are_near(0, 1), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
   const Mesh taken = std::move(mesh);
   EXPECT_EQ(taken.triangles().size(), 8U);
   EXPECT_THROW(NeighborRings(mesh, 1), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
