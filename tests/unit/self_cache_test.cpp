@@ -52,6 +52,21 @@ TEST(SelfCache, FindsTheSameContactAtOnce) {
   EXPECT_EQ(distance.stats.node_tests, 0U);
 }
 
+TEST(SelfCache, KnowsTheClosestPair) {
+  const Model above(bent_strip(0.05)), through(bent_strip(-0.1));
+  for (const Model* const model : {&above, &through}) {
+    QueryCache cache;
+    const DistanceResult cold = self_distance(*model, {}, {}, cache), warm = self_distance(*model, {}, {}, cache);
+    EXPECT_EQ(warm.upper, cold.upper);
+    EXPECT_EQ(cache.impl().triangle_a, cold.witness.value().triangle_a);
+    EXPECT_EQ(cache.impl().triangle_b, cold.witness->triangle_b);
+    EXPECT_EQ(warm.witness.value().triangle_a, cold.witness->triangle_a);  // it comes first, so no tie replaces it
+    EXPECT_EQ(warm.witness->triangle_b, cold.witness->triangle_b);
+    EXPECT_LE(warm.stats.triangle_tests, cold.stats.triangle_tests);
+    EXPECT_EQ(warm.stats.node_tests == 0, model == &through);
+  }
+}
+
 TEST(SelfCache, SavesWorkWhileAClothCrumples) {
   const scenes::Motion motion = scenes::crumpling_cloth(24);
   Model model(motion.mesh);
