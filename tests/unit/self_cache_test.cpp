@@ -62,7 +62,7 @@ TEST(SelfCache, KnowsTheClosestPair) {
     EXPECT_EQ(cache.impl().triangle_b, cold.witness->triangle_b);
     EXPECT_EQ(warm.witness.value().triangle_a, cold.witness->triangle_a);  // it comes first, so no tie replaces it
     EXPECT_EQ(warm.witness->triangle_b, cold.witness->triangle_b);
-    EXPECT_LE(warm.stats.triangle_tests, cold.stats.triangle_tests);
+    EXPECT_LE(warm.stats.triangle_tests, cold.stats.triangle_tests + 1);  // it comes twice
     EXPECT_EQ(warm.stats.node_tests == 0, model == &through);
   }
 }
