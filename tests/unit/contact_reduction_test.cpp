@@ -32,9 +32,11 @@ Contact contact_at(const Vec3& position, double depth, const Vec3& normal = {0, 
 /// A square of k x k contacts with sides of length 1, the deepest at a corner.
 std::vector<Contact> patch(int k) {
   std::vector<Contact> contacts;
-  for (int i = 0; i < k * k; ++i) {
-    const double x = (i % k) / (k - 1.0), y = (i / k) / (k - 1.0);
-    contacts.push_back(contact_at({x, y, 0}, 0.01 - 0.001 * (x + 2 * y)));
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; j < k; ++j) {
+      const double x = j / (k - 1.0), y = i / (k - 1.0);
+      contacts.push_back(contact_at({x, y, 0}, 0.01 - 0.001 * (x + 2 * y)));
+    }
   }
   return contacts;
 }
@@ -59,8 +61,8 @@ TEST(ContactReduction, KeepsAsManyPointsAsAskedFor) {
 }
 
 TEST(ContactReduction, MakesOneContactOfManyInOnePlace) {
-  std::vector<Contact> contacts;
-  for (int i = 0; i < 20; ++i) contacts.push_back(contact_at({3, 2, 1e-9 * i}, 0.1 * (i % 7)));
+  std::vector<Contact> contacts(20);
+  for (int i = 0; i < 20; ++i) contacts[i] = contact_at({3, 2, 1e-9 * i}, 0.1 * (i % 7));
   EXPECT_EQ(reduce_contacts(contacts, {.radius = 0.1}), 1U);
   EXPECT_EQ(contacts[0].depth, 0.1 * 6);
 }

@@ -80,7 +80,7 @@ TEST(NeighborRings, RefuseMeshesAndTrianglesThatAreNotThere) {
   EXPECT_THROW(self_contacts(larger, 10, {}, {.filter = rings}), std::invalid_argument);
   const NeighborRings taken_rings = std::move(rings);
   EXPECT_TRUE(taken_rings.are_near(0, 1));
-  EXPECT_THROW((void)rings.are_near(0, 1), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
+  EXPECT_THROW((void)rings.are_near(0, 1), std::invalid_argument);  // NOLINT(*-use-after-move,*-cplusplus.Move)
   const Mesh taken = std::move(mesh);
   EXPECT_EQ(taken.triangles().size(), 8U);
   EXPECT_THROW(NeighborRings(mesh, 1), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
