@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pairs of triangles that are close: of two models, and of a sheet with itself while it is rolled up.
+// Pairs of triangles that are close: of two models, with a few contacts of them for a solver, and of a sheet with
+// itself while it is rolled up.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -49,9 +50,19 @@ int main() {
   std::printf("%zu pairs within 0.01; the deepest by %g, along (%g, %g, %g)\n", found.count, deepest.depth,
               deepest.normal.x, deepest.normal.y, deepest.normal.z);
 
+  // A solver of rigid bodies wants a few points of each region. All contacts are needed for that.
+  contacts.resize(found.count);
+  limber::contacts(a, b, 0.01, contacts);
+  const std::size_t kept = limber::reduce_contacts(contacts, {.radius = 0.6, .max_angle = 1});
+  for (std::size_t i = 0; i < kept; ++i) {
+    const limber::Contact& c = contacts[i];
+    std::printf("  at (%.3f, %.3f, %.3f), gap %.4f\n", c.point_a.x, c.point_a.y, c.point_a.z, c.distance - c.depth);
+  }
+
   limber::Model sheet(shapes::sheet(squares, 4));
   const limber::Mesh flat = sheet.mesh();
-  bool is_as_expected = found.count > 0 && found.count == visited.count && deepest.depth > 0;
+  bool is_as_expected =
+      found.count == visited.count && deepest.depth > 0 && kept > 0 && kept < 20 && contacts[0].depth == deepest.depth;
   for (const double gap : {0.2, 0.05, 0.0}) {
     sheet.move_all(rolled(flat, gap)).value();
     sheet.commit();

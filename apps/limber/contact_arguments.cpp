@@ -14,6 +14,7 @@ namespace limber::program {
 namespace {
 
 constexpr std::uint64_t table_rows_unless_told = 10;
+constexpr std::uint64_t most_closest = 1'000'000;
 constexpr std::size_t csv_chunk_bytes = std::size_t{1} << 16U;
 
 }  // namespace
@@ -28,6 +29,7 @@ void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const
   add_margin(command, arguments.margin, "all pairs at most that far apart; with 0 those that intersect");
   command.add_flag("--intersections", arguments.intersections,
                    "all pairs that intersect, by their ids alone: faster than --margin 0");
+  add_optional_count(command, "--closest", arguments.closest, 1, most_closest, "the K closest pairs")->type_name("K");
   command
       .add_option("--csv", arguments.csv,
                   "where a row for each pair is written; - for standard output, which then has nothing else")
@@ -38,9 +40,9 @@ void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const
   add_exit_code(command, arguments.exit_code, told);
 }
 
-bool check_contact_arguments(const CLI::App& command, const std::vector<std::string>& questions) {
+bool check_contact_arguments(const CLI::App& command) {
   std::string question;
-  for (const std::string& name : questions) {
+  for (const std::string name : {"--margin", "--intersections", "--closest"}) {
     if (command.get_option(name)->count() == 0) continue;
     if (!question.empty()) throw CLI::ValidationError(question, "leaves no room for " + name);
     question = name;

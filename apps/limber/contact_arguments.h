@@ -22,6 +22,7 @@ namespace limber::program {
 struct ContactArguments {
   std::optional<double> margin;
   bool intersections = false;
+  std::optional<std::uint64_t> closest;
   std::string csv;  // empty: no file
   std::optional<std::uint64_t> limit;
   bool json = false;
@@ -31,12 +32,12 @@ struct ContactArguments {
 /// `--margin`, with what it means.
 void add_margin(CLI::App& command, std::optional<double>& target, const std::string& description);
 
-/// `--margin`, `--intersections`, `--csv`, `--limit`, `--json`, and `--exit-code` with what it tells.
+/// `--margin`, `--intersections`, `--closest`, `--csv`, `--limit`, `--json`, and `--exit-code` with what it tells.
 void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const std::string& told);
 
-/// To be called once everything is parsed: at most one of the options in `questions` may be given, and standard output
-/// is for one answer. Returns whether there is a question.
-bool check_contact_arguments(const CLI::App& command, const std::vector<std::string>& questions);
+/// To be called once everything is parsed: at most one of the first three options may be given, and standard output is
+/// for one answer. Returns whether there is such a question.
+bool check_contact_arguments(const CLI::App& command);
 
 /// The help about rows and columns.
 std::string contact_rows_help();

@@ -45,6 +45,14 @@ FoundContacts ContactCollector::take() {
   return std::exchange(found_, {});
 }
 
+PairCount visit_closest(std::uint64_t count, std::uint64_t pair_count,
+                        const std::function<PairCount(std::span<Contact>)>& closest_pairs, ContactCollector& visit) {
+  std::vector<Contact> closest(std::min(count, pair_count));
+  const PairCount found = closest_pairs(closest);
+  for (std::size_t i = 0; i < found.count; ++i) visit(closest[i]);
+  return found;
+}
+
 FoundContacts collect_contacts(std::size_t room, ContactDetail detail,
                                const std::function<PairCount(ContactCollector&)>& query) {
   ContactCollector collector(room);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "limber/contacts.h"
@@ -52,6 +53,10 @@ class ContactCollector {
 /// Runs a query, which hands its pairs to a collector with room for some of them. Faces are not set.
 FoundContacts collect_contacts(std::size_t room, ContactDetail detail,
                                const std::function<PairCount(ContactCollector&)>& query);
+
+/// Asks for the closest of so many pairs, as many as `count`, and hands them to a collector.
+PairCount visit_closest(std::uint64_t count, std::uint64_t pair_count,
+                        const std::function<PairCount(std::span<Contact>)>& closest_pairs, ContactCollector& visit);
 
 /// Sets the faces; `a` and `b` have `face_of(triangle)`.
 template <typename Faces>

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
-#include <vector>
+#include <span>
 
 #include "answers.h"
 #include "contact_answers.h"
 #include "contact_arguments.h"
-#include "options.h"
 #include "pair_arguments.h"
 #include "text.h"
 #include "verb.h"
@@ -16,27 +14,21 @@
 namespace limber::program {
 namespace {
 
-constexpr std::uint64_t most_closest = 1'000'000;
-
 struct ContactsArguments {
   PlacedArguments models;
   ContactArguments contacts;
-  std::optional<std::uint64_t> closest;
 };
-
-PairCount visit_closest(const Placed& a, const Placed& b, std::size_t count, ContactCollector& visit) {
-  const std::size_t pair_count = a.model().mesh().triangles().size() * b.model().mesh().triangles().size();
-  std::vector<Contact> closest(std::min(count, pair_count));
-  const PairCount found = closest_pairs(a, b, closest);
-  for (std::size_t i = 0; i < found.count; ++i) visit(closest[i]);
-  return found;
-}
 
 FoundContacts find(const ContactsArguments& arguments, const Pair& pair, std::size_t room) {
   const Placed a{pair.a().model.fast(), pair.a().pose}, b{pair.b().model.fast(), pair.b().pose};
   const ContactDetail detail = arguments.contacts.intersections ? ContactDetail::ids : ContactDetail::all;
   FoundContacts found = collect_contacts(room, detail, [&](ContactCollector& visit) {
-    if (arguments.closest) return visit_closest(a, b, *arguments.closest, visit);
+    if (arguments.contacts.closest) {
+      const std::uint64_t pair_count =
+          std::uint64_t{a.model().mesh().triangles().size()} * b.model().mesh().triangles().size();
+      const auto ask = [&](std::span<Contact> closest) { return closest_pairs(a, b, closest); };
+      return visit_closest(*arguments.contacts.closest, pair_count, ask, visit);
+    }
     if (arguments.contacts.margin) return visit_contacts(a, b, *arguments.contacts.margin, visit);
     return visit_intersections(a, b, visit);
   });
@@ -52,7 +44,7 @@ ExitCode run(const ContactsArguments& arguments) {
   const auto json = [&] {
     Json answer = {{"query", "contacts"}};
     answer["margin"] = to_json(arguments.contacts.margin);
-    answer["closest"] = to_json(arguments.closest);
+    answer["closest"] = to_json(arguments.contacts.closest);
     append_contacts(answer, found);
     answer["inside"] = to_json(nesting);
     append_work(answer, found.stats, pair.build_us(), found.elapsed_us);
@@ -83,10 +75,9 @@ Verb add_contacts(CLI::App& app) {
   const auto arguments = std::make_shared<ContactsArguments>();
   CLI::App& command = *app.add_subcommand("contacts", "Pairs of triangles of two models that intersect or are close");
   add_placed_arguments(command, arguments->models);
-  add_optional_count(command, "--closest", arguments->closest, 1, most_closest, "the K closest pairs")->type_name("K");
   add_contact_arguments(command, arguments->contacts, "there is such a pair");
   command.parse_complete_callback([&command] {
-    if (check_contact_arguments(command, {"--margin", "--intersections", "--closest"})) return;
+    if (check_contact_arguments(command)) return;
     throw CLI::RequiredError("--margin, --intersections or --closest");
   });
   command.footer(contacts_help + contact_rows_help());

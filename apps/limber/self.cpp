@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "answers.h"
 #include "contact_answers.h"
@@ -25,7 +26,9 @@ struct SelfDistance {
 };
 
 /// Where no pairs are asked for, what intersects, and how far apart the rest is.
-bool is_overview(const ContactArguments& arguments) { return !arguments.margin && !arguments.intersections; }
+bool is_overview(const ContactArguments& arguments) {
+  return !arguments.margin && !arguments.intersections && !arguments.closest;
+}
 
 struct SelfAnswer {
   FoundContacts found;
@@ -35,11 +38,16 @@ struct SelfAnswer {
 };
 
 SelfAnswer ask(const RigidModel& model, const ContactArguments& arguments, std::size_t room) {
-  const ContactDetail detail = arguments.margin ? ContactDetail::all : ContactDetail::ids;
+  const ContactDetail detail = arguments.margin || arguments.closest ? ContactDetail::all : ContactDetail::ids;
   SelfAnswer answer;
   answer.found = collect_contacts(room, detail, [&](ContactCollector& visit) {
-    return arguments.margin ? visit_self_contacts(model.fast(), *arguments.margin, visit)
-                            : visit_self_intersections(model.fast(), visit);
+    if (arguments.closest) {
+      const std::uint64_t triangle_count = model.fast().mesh().triangles().size();
+      const auto closest_pairs = [&](std::span<Contact> closest) { return self_closest_pairs(model.fast(), closest); };
+      return visit_closest(*arguments.closest, triangle_count * (triangle_count - 1) / 2, closest_pairs, visit);
+    }
+    if (arguments.margin) return visit_self_contacts(model.fast(), *arguments.margin, visit);
+    return visit_self_intersections(model.fast(), visit);
   });
   set_faces(answer.found, model, model);
   answer.stats = answer.found.stats;
@@ -63,6 +71,7 @@ ExitCode run(const SelfArguments& arguments) {
   const auto json = [&] {
     Json object = {{"query", "self"}, {"meets_itself", meets_itself}};
     object["margin"] = to_json(arguments.contacts.margin);
+    object["closest"] = to_json(arguments.contacts.closest);
     object["distance"] = nullptr;
     if (answer.distance) append_distance(object["distance"], answer.distance->result, answer.distance->witness);
     append_contacts(object, found);
@@ -79,9 +88,11 @@ ExitCode run(const SelfArguments& arguments) {
 }
 
 constexpr const char* self_help = R"(
-Without --margin and --intersections the answer is whether the model meets itself, in which pairs of triangles, and the
-shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber distance tells
-them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit.
+Without --margin, --intersections and --closest the answer is whether the model meets itself, in which pairs of
+triangles, and the shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber
+distance tells them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit. With
+--closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K is
+not defined.
 
 Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond the shared vertices
 and the edge between them, which is decided exactly; otherwise such a pair does not count, however large the margin. In
@@ -96,8 +107,9 @@ Verb add_self(CLI::App& app) {
   const auto arguments = std::make_shared<SelfArguments>();
   CLI::App& command = *app.add_subcommand("self", "Whether and where a model meets itself, or comes close to itself");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
-  add_contact_arguments(command, arguments->contacts, "the model meets itself or, with --margin, there is such a pair");
-  command.parse_complete_callback([&command] { check_contact_arguments(command, {"--margin", "--intersections"}); });
+  add_contact_arguments(command, arguments->contacts,
+                        "the model meets itself or, with --margin or --closest, there is such a pair");
+  command.parse_complete_callback([&command] { check_contact_arguments(command); });
   command.footer(self_help + contact_rows_help());
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -98,21 +98,32 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///
+/// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair
+///          of triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do,
+///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
+///          may depend on it, and nothing else.
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
-/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing.
+/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing but a
+///          cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 CollideResult self_collide(const Model& model, const PairOptions& options = {});
+CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache);
 
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
 ///
-/// Promise  As distance(), for those pairs.
+/// Promise  As distance(), for those pairs. If no error is asked for, upper is the least distance that closest_points()
+///          gives for any of them, smaller id first, to the bit; so is the status.
+/// Cache    The pair of the last answer is compared first and gives an upper bound. What is said there about other
+///          caches holds here; where errors are asked for, the interval may depend on it, within these errors.
 /// Throws   As self_collide(); also unless the options are what DistanceOptions says.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
 DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
                              const PairOptions& options = {});
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
+                             QueryCache& cache);
 
 /// All pairs of triangles that meet.
 ///
@@ -132,5 +143,13 @@ PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, 
 PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options = {});
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
                         const PairOptions& options = {});
+
+/// The closest pairs of triangles that meet or are no neighbors, as many as `closest` has room for, nearest first, as
+/// closest_pairs() says.
+///
+/// Throws   As self_collide().
+/// Cost     As self_collide().
+/// Threads  Reentrant.
+PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options = {});
 
 }  // namespace limber

@@ -186,7 +186,7 @@ class Placed {
 /// What a query of two models has found, for the next query of the same two to start from: the triangles it ended with,
 /// the pairs of nodes that it pruned, which stay pruned while the models have moved little, and those that were open
 /// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
-/// by other models only costs time, and little of that.
+/// by other models only costs time, and little of that. Self-queries (contacts.h) use and leave the triangles alone.
 ///
 /// Cost     50 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "limber/contact_reduction.h"
 #include "limber/contacts.h"
 #include "limber/mesh.h"
 #include "limber/points.h"
@@ -48,6 +49,23 @@ std::vector<TrianglePair> intersections(const Placed& a, const Placed& b);
 std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
 std::vector<TrianglePair> self_intersections(MeshView mesh);
 std::vector<Contact> self_contacts(MeshView mesh, double margin);
+
+/// The closest pairs, at most `count`, nearest first; of equally close ones the first in the order of ids.
+std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);
+std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count);
+
+/// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each
+/// vertex.
+///
+/// Pre      The mesh is sound.
+/// Cost     O(n^2).
+std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
+
+/// What reduce_contacts() keeps, in its order.
+///
+/// Pre      The options and the contacts are what reduce_contacts() takes.
+/// Cost     O(n^2).
+std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options);
 
 /// The point of the mesh that is closest to a point of the world; of several triangles that are equally close, to the
 /// bit, it is that of the lowest id.

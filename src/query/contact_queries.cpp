@@ -30,7 +30,7 @@ PairCount count_with(const query::PlacedModels& placed, Goal& goal) {
   PairCount result;
   query::BudgetMeter meter;  // without limits
   if constexpr (Goal::is_self) {
-    query::search_self(placed, goal, meter, result.stats);
+    query::search_self(placed, nullptr, goal, meter, result.stats);
   } else {
     query::search(placed, nullptr, goal, meter, result.stats);
   }
@@ -51,6 +51,42 @@ PairCount visit_contacts(const query::PlacedModels& placed, const Pairs& pairs, 
   query::PairsWithin<Pairs> goal(pairs, margin, visit);
   PairCount result = count_with(placed, goal);
   result.is_complete = !goal.is_done();
+  return result;
+}
+
+template <typename Pairs>
+PairCount closest_pairs(const query::PlacedModels& placed, const Pairs& pairs, std::span<Contact> closest) {
+  query::ClosestPairs<Pairs> goal(pairs, closest);
+  const PairCount result = count_with(placed, goal);
+  goal.sort();
+  return result;
+}
+
+CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache* cache) {
+  const core::DefaultFloatEnvironment environment;
+  const query::PlacedModels placed = with_itself(model);
+  query::AnySelfContact goal(PairsOfOne(model.mesh(), options));
+  CollideResult result;
+  query::BudgetMeter meter;
+  query::search_self(placed, cache == nullptr ? nullptr : &cache->impl(), goal, meter, result.stats);
+  if (goal.witness) query::remember(cache, *goal.witness);
+  result.collision = goal.witness.has_value();
+  result.witness = goal.witness;
+  return result;
+}
+
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
+                             QueryCache* cache) {
+  const core::DefaultFloatEnvironment environment;
+  query::check_options(distance_options, "limber::self_distance");
+  const query::PlacedModels placed = with_itself(model);
+  query::ClosestSelfPair goal(PairsOfOne(model.mesh(), options), distance_options);
+  DistanceResult result;
+  query::BudgetMeter meter;
+  const QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
+  const query::Unsearched unsearched = query::search_self(placed, last, goal, meter, result.stats);
+  query::set_answer(result, goal.closest, unsearched, distance_options.max_distance);
+  if (result.witness) query::remember(cache, *result.witness);
   return result;
 }
 
@@ -96,35 +132,24 @@ PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Co
 
 PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  const query::PlacedModels placed(a, b);
-  query::ClosestPairs<PairsOfTwo> goal(PairsOfTwo(options), closest);
-  const PairCount result = count_with(placed, goal);
-  goal.sort();
-  return result;
+  return closest_pairs(query::PlacedModels(a, b), PairsOfTwo(options), closest);
 }
 
 CollideResult self_collide(const Model& model, const PairOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  const query::PlacedModels placed = with_itself(model);
-  query::AnySelfContact goal(PairsOfOne(model.mesh(), options));
-  CollideResult result;
-  query::BudgetMeter meter;
-  query::search_self(placed, goal, meter, result.stats);
-  result.collision = goal.witness.has_value();
-  result.witness = goal.witness;
-  return result;
+  return self_collide(model, options, nullptr);
+}
+
+CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache) {
+  return self_collide(model, options, &cache);
 }
 
 DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_options(distance_options, "limber::self_distance");
-  const query::PlacedModels placed = with_itself(model);
-  query::ClosestSelfPair goal(PairsOfOne(model.mesh(), options), distance_options);
-  DistanceResult result;
-  query::BudgetMeter meter;
-  const query::Unsearched unsearched = query::search_self(placed, goal, meter, result.stats);
-  query::set_answer(result, goal.closest, unsearched, distance_options.max_distance);
-  return result;
+  return self_distance(model, distance_options, options, nullptr);
+}
+
+DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
+                             QueryCache& cache) {
+  return self_distance(model, distance_options, options, &cache);
 }
 
 PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options) {
@@ -146,6 +171,11 @@ PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {
   Filler<Contact> fill(contacts);
   return visit_self_contacts(model, margin, fill, options);
+}
+
+PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options) {
+  const core::DefaultFloatEnvironment environment;
+  return closest_pairs(with_itself(model), PairsOfOne(model.mesh(), options), closest);
 }
 
 }  // namespace limber

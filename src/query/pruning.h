@@ -16,13 +16,18 @@
 
 namespace limber::query {
 
+/// What is done with pairs that are as far apart as the best one, up to rounding: skipped, or compared, so that the
+/// answer is the least distance to the bit, whatever pair comes first.
+enum class Ties { skipped, compared };
+
 /// What a query prunes: pairs at least the prune distance apart. Once two triangles have been compared, it knows the
 /// direction in which they are apart, the search direction; most pairs are at least as far apart along it.
 ///
 /// States   The prune distance only shrinks. There is a search direction once a pair that is apart has been compared.
 class Pruning {
  public:
-  Pruning(const PlacedModels& placed, double prune_distance) : placed_(placed) {
+  Pruning(const PlacedModels& placed, double prune_distance, Ties ties = Ties::skipped)
+      : placed_(placed), may_skip_ties_(ties == Ties::skipped) {
     in_frame_[0].has_direction = in_frame_[1].has_direction = false;
     set_distance(prune_distance);
   }
@@ -37,7 +42,7 @@ class Pruning {
   void improve(const Improvement& improvement) {
     if (improvement.prune_distance < infinity) {
       set_distance(std::min(distance(), improvement.prune_distance));
-      skips_ties_ = distance() == improvement.distance;
+      skips_ties_ = may_skip_ties_ && distance() == improvement.distance;
     }
     const double length = limber::length(improvement.separation);
     if (length > shortest_separation) set_direction(improvement.separation * (1 / length));
@@ -56,7 +61,8 @@ class Pruning {
     const double gap =
         offset_ - a.support(slot_a, out_of_a_, direction_number_) - b.support(slot_b, out_of_b_, direction_number_);
     const double rounding = core::local_gap_error * placed_.error();
-    if (gap >= distance() + rounding) return gap > rounding;
+    // Where ties are compared, what is pruned must not even be computed to be nearer.
+    if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
     // As far apart as the best, or as the limit allows.
     const double tolerated = std::max(placed_.is_placed_exactly() ? 0 : rounding, core::tie_error * distance());
@@ -104,6 +110,7 @@ class Pruning {
 
   const PlacedModels& placed_;
   simd::PruneLimits in_frame_[2];
+  bool may_skip_ties_;
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;
   std::uint32_t direction_number_ = 0;

@@ -79,12 +79,22 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
   return left;
 }
 
-/// Looks for what a goal wants among the triangles of one model, which stands on both sides.
+/// Looks for what a goal wants among the triangles of one model, which stands on both sides. If there is a cache, the
+/// pair of the last answer is compared first, whatever model it was of: it is one of the pairs of this model as well.
 template <typename Goal>
-Unsearched search_self(const PlacedModels& placed, Goal& goal, BudgetMeter& meter, QueryStats& stats) {
+Unsearched search_self(const PlacedModels& placed, const QueryCache::Impl* last, Goal& goal, BudgetMeter& meter,
+                       QueryStats& stats) {
   static_assert(Goal::is_self);
   LIMBER_ASSERT(&placed.tree(Side::a) == &placed.tree(Side::b) && placed.is_placed_exactly());
-  Pruning pruning(placed, goal.initial_prune_distance());
+  Pruning pruning(placed, goal.initial_prune_distance(), Ties::compared);
+  if (last != nullptr && last->triangle_a != last->triangle_b && placed.has_triangle(Side::a, last->triangle_a) &&
+      placed.has_triangle(Side::b, last->triangle_b)) {
+    ++stats.triangle_tests;
+    const auto improvement = goal.compare({last->triangle_a, placed.triangle(Side::a, last->triangle_a)},
+                                          {last->triangle_b, placed.triangle(Side::b, last->triangle_b)});
+    if (goal.is_done()) return {pruning.distance()};
+    if (improvement) pruning.improve(*improvement);
+  }
   return traverse<false>(placed, 0, pruning, nullptr, goal, meter, stats);
 }
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "core/float_environment.h"
@@ -31,6 +33,14 @@ void for_all_pairs(MeshView mesh, const Visit& visit) {
 
 bool meet(MeshView mesh, TriangleId i, TriangleId j) {
   return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
+}
+
+/// The nearest of what is in the order of ids.
+std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const Contact& c, const Contact& d) { return c.distance < d.distance; });
+  contacts.resize(std::min(count, contacts.size()));
+  return contacts;
 }
 
 }  // namespace
@@ -80,6 +90,14 @@ std::vector<Contact> self_contacts(MeshView mesh, double margin) {
     if (contact.distance <= margin) found.push_back(contact);
   });
   return found;
+}
+
+std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count) {
+  return nearest(contacts(a, b, std::numeric_limits<double>::max()), count);
+}
+
+std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count) {
+  return nearest(self_contacts(mesh, std::numeric_limits<double>::max()), count);
 }
 
 }  // namespace limber::reference

@@ -46,6 +46,9 @@ void ask_everything(const Model& square, const ClosedSurface& surface, QueryCach
   self_distance(ball);
   self_intersections(ball, {});
   self_contacts(ball, 0.1, contacts_found);
+  self_closest_pairs(ball, contacts_found);
+  self_collide(ball, {}, cache);
+  self_distance(ball, {}, {}, cache);
 }
 
 TEST(Allocation, IsSeenByThisTest) {

@@ -53,7 +53,8 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
   expect_refused({"contacts", "scene:ball", "--margin", "1"}, "contacts: B is required");
   expect_refused({"self", "--margin", "1"}, "self: M is required");
   expect_refused({"self", "scene:ball", "--margin", "1", "--intersections"}, "self: --margin: leaves no room for");
-  expect_refused({"self", "scene:ball", "--closest", "1"}, "self: '--closest' is no option");
+  expect_refused({"self", "scene:ball", "--margin", "1", "--closest", "1"}, "self: --margin: leaves no room for");
+  expect_refused({"self", "scene:ball", "--closest", "0"}, "--closest: must be a whole number from 1");
   expect_refused({"self", "scene:ball", "--pose-a", "0,0,0,1,0,0,0"}, "self: '--pose-a' is no option");
   for (const std::string value : {"-1", "-1e-300", "nan", "inf", "ten", ""}) {
     expect_refused(contacts({"--margin", value}), "--margin: must be a finite number >= 0");

@@ -203,6 +203,10 @@ TEST(ContactsMisuse, IsRefused) {
   EXPECT_THROW(self_distance(moved), std::invalid_argument);
   EXPECT_THROW(self_intersections(moved, {}), std::invalid_argument);
   EXPECT_THROW(self_contacts(moved, 1, {}), std::invalid_argument);
+  EXPECT_THROW(self_closest_pairs(moved, {}), std::invalid_argument);
+  QueryCache cache;
+  EXPECT_THROW(self_collide(moved, {}, cache), std::invalid_argument);
+  EXPECT_THROW(self_distance(moved, {}, {}, cache), std::invalid_argument);
 }
 
 }  // namespace

@@ -82,9 +82,13 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put(classic_near.within), put(classic_near.witness.value_or(Witness{}).point_b.z);
   std::vector<Contact> found(100);
   put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
+  put(reduce_contacts(found, {.radius = 1}));
+  put(reference::reduced_contacts(found, {.radius = 0.5}).size());
   put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
   put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).collision);
   put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);
+  put(self_distance(model_a, {}, {}, first).lower), put(self_collide(model_a, {}, first).collision);
+  put(self_closest_pairs(model_a, std::span(found).first(5)).count), put(found[0].distance);
   const reference::Placed mesh_a{s.mesh_a, s.pose_a}, mesh_b{s.mesh_b, s.pose_b};
   if (s.mesh_a.triangles().size() + s.mesh_b.triangles().size() < 20) {
     put(reference::contacts(mesh_a, mesh_b, limit).size()), put(reference::intersections(mesh_a, mesh_b).size());

@@ -54,6 +54,19 @@ TEST(Pruning, PrunesTiesOnlyWhereTheDistanceItselfIsLookedFor) {
   EXPECT_TRUE(Scene(1 + 0x1p-30).is_pruned_after({2, 1, {0, 0, 1}}));
 }
 
+TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
+  for (const double height : {1.0, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-48}) {
+    Scene scene(height);
+    Pruning pruning(scene.placed, 1000, query::Ties::compared);
+    pruning.improve({1, 1, {0, 0, 1}});
+    EXPECT_FALSE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0)) << height;
+  }
+  Scene scene(1 + 0x1p-30);
+  Pruning pruning(scene.placed, 1000, query::Ties::compared);
+  pruning.improve({1, 1, {0, 0, 1}});
+  EXPECT_TRUE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0));
+}
+
 TEST(Pruning, ComparesWhatMayBeWithinTheLimit) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(Scene(1000).is_pruned_after({1001, infinity, {0, 0, 1}}));

@@ -25,10 +25,10 @@ struct Improvement {
 ///
 /// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. needs_all: whether every
 /// pair within the prune distance matters, and not just the best; such a goal is offered each pair once, and cannot use
-/// a QueryCache. is_self: whether the two models are one; then needs_all too, and pairs of different triangles are
-/// offered, but for neighbors that certainly meet only in what they share. initial_prune_distance(): above 0.
-/// is_done(): whether no other pair can matter. compare(): nullopt if the pair changes nothing that the traversal could
-/// use.
+/// a front. is_self: whether the two models are one; then needs_all too, and pairs of different triangles are offered,
+/// but for neighbors that certainly meet only in what they share; the pair of a QueryCache is offered once more.
+/// initial_prune_distance(): above 0. is_done(): whether no other pair can matter. compare(): nullopt if the pair
+/// changes nothing that the traversal could use.
 ///
 /// See      docs/design/adding_a_query.md.
 

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Contacts reduced to manifolds: known answers and mistakes of callers. Random contacts are in tests/property.
+#include "limber/contact_reduction.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Contact contact_at(const Vec3& position, double depth, const Vec3& normal = {0, 0, 1}) {
+  Contact contact;
+  contact.point_a = contact.point_b = position;
+  contact.normal = normal;
+  contact.depth = depth;
+  return contact;
+}
+
+/// A square of k x k contacts with sides of length 1, the deepest at a corner.
+std::vector<Contact> patch(int k) {
+  std::vector<Contact> contacts;
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; j < k; ++j) {
+      const double x = j / (k - 1.0), y = i / (k - 1.0);
+      contacts.push_back(contact_at({x, y, 0}, 0.01 - 0.001 * (x + 2 * y)));
+    }
+  }
+  return contacts;
+}
+
+TEST(ContactReduction, OfASquareKeepsItsCorners) {
+  std::vector<Contact> contacts = patch(9);
+  ASSERT_EQ(reduce_contacts(contacts, {.radius = 1.5}), 4U);
+  EXPECT_EQ(contacts[0].point_a, (Vec3{0, 0, 0}));
+  EXPECT_EQ(contacts[1].point_a, (Vec3{1, 1, 0}));
+  EXPECT_EQ(contacts[2].point_a, (Vec3{1, 0, 0}));
+  EXPECT_EQ(contacts[3].point_a, (Vec3{0, 1, 0}));
+  // The removed ones are behind, the deepest first.
+  EXPECT_EQ(contacts[4].point_a, (Vec3{0.125, 0, 0}));
+}
+
+TEST(ContactReduction, KeepsAsManyPointsAsAskedFor) {
+  for (const std::size_t most : {1U, 2U, 3U, 4U, 7U}) {
+    std::vector<Contact> contacts = patch(9);
+    EXPECT_EQ(reduce_contacts(contacts, {.radius = 1.5, .max_points = most}), most);
+    EXPECT_EQ(contacts[0].depth, 0.01);
+  }
+}
+
+TEST(ContactReduction, MakesOneContactOfManyInOnePlace) {
+  std::vector<Contact> contacts(20);
+  for (int i = 0; i < 20; ++i) contacts[i] = contact_at({3, 2, 1e-9 * i}, 0.1 * (i % 7));
+  EXPECT_EQ(reduce_contacts(contacts, {.radius = 0.1}), 1U);
+  EXPECT_EQ(contacts[0].depth, 0.1 * 6);
+}
+
+TEST(ContactReduction, IgnoresHowFarContactsAreApartAlongTheNormal) {
+  std::vector<Contact> contacts = {contact_at({0, 0, 0}, 1), contact_at({0, 0, 0.9}, 0.5),
+                                   contact_at({0.3, 0, 0}, 0.1)};
+  ASSERT_EQ(reduce_contacts(contacts, {.radius = 1}), 2U);
+  EXPECT_EQ(contacts[1].point_a, (Vec3{0.3, 0, 0}));
+}
+
+TEST(ContactReduction, KeepsRegionsWithOtherNormalsApart) {
+  const double angle = 0.3;
+  const Vec3 tilted{std::sin(angle), 0, std::cos(angle)};
+  for (const double max_angle : {0.0, 0.29, 0.31, pi}) {
+    std::vector<Contact> contacts = {contact_at({}, 2), contact_at({}, 1, tilted), contact_at({}, 0.5, {0, 0, 1})};
+    std::array<std::uint32_t, 3> regions{9, 9, 9};
+    const std::size_t kept = reduce_contacts(contacts, {.radius = 1, .max_angle = max_angle}, regions);
+    EXPECT_EQ(kept, max_angle < angle ? 2U : 1U) << max_angle;
+    EXPECT_EQ(regions[0], 0U);
+    EXPECT_EQ(regions[1], max_angle < angle ? 1U : 9U);
+  }
+}
+
+TEST(ContactReduction, PutsTheDeepestRegionFirstAndNumbersThem) {
+  std::vector<Contact> contacts = patch(5);
+  for (Contact c : patch(5)) {
+    c.point_a.x += 10, c.point_b.x += 10, c.depth += 1;
+    contacts.push_back(c);
+  }
+  contacts.push_back(contact_at({-10, 0, 0}, 0));
+  std::vector<std::uint32_t> regions(20, 9);
+  ASSERT_EQ(reduce_contacts(contacts, {.radius = 1.5}, regions), 9U);
+  EXPECT_EQ(contacts[0].point_a, (Vec3{10, 0, 0}));
+  EXPECT_EQ(contacts[4].point_a, (Vec3{0, 0, 0}));
+  EXPECT_EQ(contacts[8].point_a, (Vec3{-10, 0, 0}));
+  regions.resize(10);
+  EXPECT_EQ(regions, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 9}));
+  std::array<std::uint32_t, 2> two{9, 9};  // as far as there is room
+  EXPECT_EQ(reduce_contacts(contacts, {.radius = 1.5}, two), 9U);
+}
+
+TEST(ContactReduction, CountsTheRadiusFromTheDeepestToTheBit) {
+  for (const double scale : {1.0, 0x1p-600, 0x1p150}) {
+    std::vector<Contact> contacts = {contact_at({}, 2), contact_at({scale, 0, 0}, 1),
+                                     contact_at({0, scale * (1 + 0x1p-50), 0}, 0.5)};
+    std::array<std::uint32_t, 3> regions{};
+    ASSERT_EQ(reduce_contacts(contacts, {.radius = scale}, regions), 3U) << scale;
+    EXPECT_EQ(regions, (std::array<std::uint32_t, 3>{0, 0, 1})) << scale;
+  }
+}
+
+TEST(ContactReduction, TakesAnyFiniteNumbers) {
+  constexpr double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+  for (const double radius : {huge, tiny, 1.0}) {
+    std::vector<Contact> contacts = {contact_at({huge, huge, huge}, huge), contact_at({-huge, 0, 0}, 0),
+                                     contact_at({tiny, 0, 0}, 0), contact_at({}, 0)};
+    const std::vector<Contact> twin = reference::reduced_contacts(contacts, {.radius = radius});
+    EXPECT_EQ(reduce_contacts(contacts, {.radius = radius}), twin.size()) << radius;
+  }
+  std::vector<Contact> contacts = {contact_at({}, 1), contact_at({}, 0)};
+  EXPECT_EQ(reduce_contacts(contacts, {.radius = tiny}), 1U);
+  EXPECT_EQ(reduce_contacts({}, {.radius = 1}), 0U);
+}
+
+TEST(ContactReduction, OfTwoBallsIsAFewPointsWhereTheyMeet) {
+  const Model ball(scenes::ball(60, 40));
+  std::vector<Contact> found(20'000);
+  const PairCount pairs = contacts({ball}, {ball, {{}, {1.99, 0, 0}}}, 0.02, found);
+  ASSERT_GT(pairs.count, 100U);
+  ASSERT_LE(pairs.count, found.size());
+  found.resize(pairs.count);
+  const std::size_t kept = reduce_contacts(found, {.radius = 1, .max_angle = 1.2});
+  EXPECT_LE(kept, 8U);
+  EXPECT_GE(kept, 4U);
+}
+
+TEST(ContactReduction, RefusesBadOptionsAndContacts) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Contact> contacts = patch(3);
+  for (const double bad : {0.0, -1.0, infinity, nan}) {
+    EXPECT_THROW(reduce_contacts(contacts, {.radius = bad}), std::invalid_argument);
+  }
+  for (const double bad : {-0.1, 3.2, infinity, nan}) {
+    EXPECT_THROW(reduce_contacts(contacts, {.radius = 1, .max_angle = bad}), std::invalid_argument);
+  }
+  EXPECT_THROW(reduce_contacts(contacts, {.radius = 1, .max_points = 0}), std::invalid_argument);
+  EXPECT_THROW(reduce_contacts(contacts, {}), std::invalid_argument);
+  for (const double bad : {infinity, -infinity, nan}) {
+    for (int k = 0; k < 5; ++k) {
+      std::vector<Contact> damaged = contacts;
+      Contact& c = damaged[7];
+      (k == 0 ? c.point_a.x : k == 1 ? c.point_b.y : k == 2 ? c.normal.z : k == 3 ? c.depth : c.distance) = bad;
+      try {
+        reduce_contacts(damaged, {.radius = 1});
+        FAIL() << bad << ", " << k;
+      } catch (const std::invalid_argument& error) {
+        EXPECT_STREQ(error.what(), "limber::reduce_contacts: contact 7 has a number that is not finite");
+      }
+      EXPECT_EQ(damaged[0].point_a, contacts[0].point_a);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
