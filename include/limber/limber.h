@@ -6,6 +6,7 @@
 #include "limber/base.h"
 #include "limber/classic.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/function_ref.h"
 #include "limber/geometry.h"
 #include "limber/math.h"

@@ -284,13 +284,17 @@ ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b)
   return directed_features(a, b).closest;
 }
 
-ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
+geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment& b) {
   const LocalFrame frame(a.p0, {a.p1, b.p0, b.p1});
   const Segment local_a = frame.to_local(a), local_b = frame.to_local(b);
   const auto [s, t] = geometry::closest_parameters(local_a, local_b);
   const Vec3 between = (local_b.p0 - local_a.p0) + (t * (local_b.p1 - local_b.p0) - s * (local_a.p1 - local_a.p0));
-  return {frame.length_from_local(safe_length(between)), point_at({a.p0, a.p1, a.p1}, {1 - s, s, 0}),
-          point_at({b.p0, b.p1, b.p1}, {1 - t, t, 0})};
+  return {frame.length_from_local(safe_length(between)), s, t};
+}
+
+ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
+  const auto [distance, s, t] = closest_on(a, b);
+  return {distance, point_at({a.p0, a.p1, a.p1}, {1 - s, s, 0}), point_at({b.p0, b.p1, b.p1}, {1 - t, t, 0})};
 }
 
 }  // namespace limber
