@@ -25,6 +25,9 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
+// In place of smaller denominators. All numbers here are about 1 or less.
+inline constexpr float smallest_denominator = 1e-30F;
+
 /// The bounding boxes of all elements of a leaf: of its triangles, and of the edges that start at each corner.
 struct ElementBoxes {
   Boxes faces, edges[3];
@@ -54,6 +57,81 @@ LIMBER_KERNEL unsigned near_boxes(const Packet3& low, const Packet3& high, const
     found |= bits(x * x + y * y + z * z < limit_sq) << i;
   }
   return found;
+}
+
+/// Quotients of numbers that may both be 0, brought to [0, 1].
+LIMBER_KERNEL Packet clamped_quotient(Packet numerator, Packet denominator) {
+  const Packet least = Packet::set(smallest_denominator);
+  return min(max(numerator / max(denominator, least), zero()), Packet::set(1));
+}
+
+/// Whether two sets are so far apart along w, which points from a to b, that the pair is pruned. `high_a` and `low_b`
+/// are their ends along w.
+LIMBER_KERNEL Mask is_apart(const Packet3& w, Packet high_a, Packet low_b, Packet limit_sq) {
+  const Packet gap = max(low_b - high_a, zero());
+  return is_pruned(gap * gap, dot(w, w), limit_sq);
+}
+
+/// Of the `wanted` edges from `corner` of the triangles of b on, those that are near an edge, which every lane has. The
+/// direction between the closest points decides: how well they are known does not matter.
+LIMBER_KERNEL unsigned near_edges(const Packet3& p0, const Packet3& p1, const LeafCorners& b, int corner,
+                                  Packet limit_sq, unsigned wanted) {
+  const Packet3 u = p1 - p0;
+  const Packet uu = dot(u, u);
+  unsigned apart = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
+    const Packet3 q0 = b.at(corner, i), q1 = b.at((corner + 1) % 3, i), v = q1 - q0, d = q0 - p0;
+    const Packet vv = dot(v, v), uv = dot(u, v), ud = dot(u, d), vd = dot(v, d);
+    const Packet start = clamped_quotient(ud * vv - uv * vd, uu * vv - uv * uv);
+    const Packet t = clamped_quotient(start * uv - vd, vv), s = clamped_quotient(t * uv + ud, uu);
+    const Packet3 w = d + v * t - u * s;
+    apart |= bits(is_apart(w, max(dot(w, p0), dot(w, p1)), min(dot(w, q0), dot(w, q1)), limit_sq)) << i;
+  }
+  return wanted & ~apart;
+}
+
+/// Of the `wanted` lanes from slot i on, those in which a vertex and a face are not certainly apart: along the normal of
+/// the face, and along the direction from the vertex to the closest point of the edges.
+LIMBER_KERNEL unsigned apart_from_face(const Packet3& vertex, const Packet3 (&face)[3], Packet limit_sq) {
+  const Packet3 r[3] = {face[0] - vertex, face[1] - vertex, face[2] - vertex};
+  Packet3 w;
+  Packet least_sq = Packet::set(far_off);
+  for (int k = 0; k < 3; ++k) {
+    const Packet3 edge = face[(k + 1) % 3] - face[k];
+    const Packet t = clamped_quotient(zero() - dot(edge, r[k]), dot(edge, edge));
+    const Packet3 to_edge = r[k] + edge * t;
+    const Packet to_edge_sq = dot(to_edge, to_edge);
+    w = k == 0 ? to_edge : select(to_edge_sq < least_sq, to_edge, w);
+    least_sq = min(to_edge_sq, least_sq);
+  }
+  const Mask along_w =
+      is_apart(w, dot(w, vertex), min(min(dot(w, face[0]), dot(w, face[1])), dot(w, face[2])), limit_sq);
+  const Packet3 n = cross(face[1] - face[0], face[2] - face[0]);
+  const Packet height = dot(n, r[0]);
+  return bits(along_w | is_pruned(height * height, dot(n, n), limit_sq));
+}
+
+/// Of the `wanted` triangles of b, those whose face is near a vertex, which every lane has.
+LIMBER_KERNEL unsigned near_faces(const Packet3& vertex, const LeafCorners& b, Packet limit_sq, unsigned wanted) {
+  unsigned apart = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
+    const Packet3 face[3] = {b.at(0, i), b.at(1, i), b.at(2, i)};
+    apart |= apart_from_face(vertex, face, limit_sq) << i;
+  }
+  return wanted & ~apart;
+}
+
+/// Of the `wanted` triangles of b, those whose corner is near a face, which every lane has.
+LIMBER_KERNEL unsigned near_vertices(const Packet3 (&face)[3], const LeafCorners& b, int corner, Packet limit_sq,
+                                     unsigned wanted) {
+  unsigned apart = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
+    apart |= apart_from_face(b.at(corner, i), face, limit_sq) << i;
+  }
+  return wanted & ~apart;
 }
 
 LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
@@ -129,12 +207,17 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
         if (those != 0) {
           const Packet3 point = ca.repeated(static_cast<int>(k), row);
           those &= near_boxes(point, point, boxes_b.faces.low, boxes_b.faces.high, limit_sq);
+          if (those != 0) those = near_faces(point, cb, limit_sq, those);
           add(found.vertex_face, element, those, 0);
         }
       }
       unsigned those = near & row_of(owned_b, k) & ~shared.corner_of_a(k);
       if (those != 0) {
         those &= near_boxes(low, high, cb.v + 3 * k, cb.v + 3 * k, limit_sq);
+        if (those != 0) {
+          const Packet3 face[3] = {ca.repeated(0, row), ca.repeated(1, row), ca.repeated(2, row)};
+          those = near_vertices(face, cb, static_cast<int>(k), limit_sq, those);
+        }
         add(found.face_vertex, row * 4, those, k);
       }
       if ((row_of(owned_a, 3 + k) >> row & 1) == 0) continue;
@@ -143,6 +226,10 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
         those = near & row_of(owned_b, 3 + l) & ~shared.edges(k, l);
         if (those == 0) continue;
         those &= near_boxes(edge_low, edge_high, boxes_b.edges[l].low, boxes_b.edges[l].high, limit_sq);
+        if (those != 0) {
+          those = near_edges(ca.repeated(static_cast<int>(k), row), ca.repeated(static_cast<int>((k + 1) % 3), row), cb,
+                             static_cast<int>(l), limit_sq, those);
+        }
         add(found.edge_edge, element, those, l);
       }
     }
