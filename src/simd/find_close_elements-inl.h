@@ -10,8 +10,11 @@
 #define LIMBER_SIMD_FIND_CLOSE_ELEMENTS_INL_H
 #endif
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "core/check.h"
 #include "core/error_bounds.h"
@@ -27,36 +30,119 @@ namespace {
 
 // In place of smaller denominators. All numbers here are about 1 or less.
 inline constexpr float smallest_denominator = 1e-30F;
+// Pairs of elements that are brought into packets at once.
+inline constexpr std::uint32_t chunk = 64;
 
-/// The bounding boxes of all elements of a leaf: of its triangles, and of the edges that start at each corner.
-struct ElementBoxes {
-  Boxes faces, edges[3];
+/// The numbers of the bits of a byte, from the lowest on; then zeros.
+inline constexpr auto numbers_of_bits = [] {
+  std::array<std::array<std::uint8_t, width>, 256> table{};
+  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
+    std::size_t count = 0;
+    for (std::uint8_t bit = 0; bit < width; ++bit) {
+      if ((byte >> bit & 1) != 0) table[byte][count++] = bit;
+    }
+  }
+  return table;
+}();
+
+/// Pairs of elements whose boxes are close; elements are as in ElementCandidate.
+template <std::uint32_t room>
+struct ElementList {
+  std::uint32_t count = 0;
+  std::uint8_t a[room + width], b[room + width];
+
+  /// Adds an element of a with those of b that start at a corner of the triangles in some slots. Branches would not be
+  /// predicted.
+  LIMBER_KERNEL void add(std::uint32_t element_a, unsigned slots_b, std::uint32_t corner_b) {
+    constexpr std::uint64_t in_each = 0x0101010101010101;
+    const std::uint64_t of_a = element_a * in_each;
+    const std::uint64_t of_b = (std::bit_cast<std::uint64_t>(numbers_of_bits[slots_b]) << 2) + corner_b * in_each;
+    std::memcpy(a + count, &of_a, sizeof of_a), std::memcpy(b + count, &of_b, sizeof of_b);
+    count += static_cast<std::uint32_t>(std::popcount(slots_b));
+    LIMBER_ASSERT(count <= room);
+  }
 };
 
-LIMBER_KERNEL void find_boxes(const LeafCorners& c, ElementBoxes& boxes) {
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet3 corners[3] = {c.at(0, i), c.at(1, i), c.at(2, i)};
-    for (int k = 0; k < 3; ++k) {
-      const Packet3 &p = corners[k], &q = corners[(k + 1) % 3];
-      store3(min3(p, q), boxes.edges[k].low, i), store3(max3(p, q), boxes.edges[k].high, i);
-    }
-    store3(min3(min3(corners[0], corners[1]), corners[2]), boxes.faces.low, i);
-    store3(max3(max3(corners[0], corners[1]), corners[2]), boxes.faces.high, i);
-  }
+LIMBER_KERNEL unsigned row_of(std::uint64_t m, std::uint32_t row) {
+  return static_cast<unsigned>(m >> (8 * row)) & 0xff;
+}
+LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
+  return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
 }
 
-/// Which boxes of `others` are near a box, whose corners every lane has: a bit for each slot.
-LIMBER_KERNEL unsigned near_boxes(const Packet3& low, const Packet3& high, const float (*others_low)[width],
-                                  const float (*others_high)[width], Packet limit_sq) {
+/// Which boxes are near a box, which every lane has: a bit for each slot.
+LIMBER_KERNEL unsigned near_boxes(const Packet3& low, const Packet3& high, const Boxes& boxes, Packet limit_sq) {
   unsigned found = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const auto gap = [&](int axis, Packet from, Packet to) {
-      return max(max(Packet::load(others_low[axis] + i) - to, from - Packet::load(others_high[axis] + i)), zero());
-    };
-    const Packet x = gap(0, low.x, high.x), y = gap(1, low.y, high.y), z = gap(2, low.z, high.z);
+    const Packet3 above = load3(boxes.low, i) - high, below = low - load3(boxes.high, i);
+    const Packet x = max(max(above.x, below.x), zero()), y = max(max(above.y, below.y), zero());
+    const Packet z = max(max(above.z, below.z), zero());
     found |= bits(x * x + y * y + z * z < limit_sq) << i;
   }
   return found;
+}
+
+/// Which triangles of a leaf have a vertex as which corner: a bit for each slot.
+struct SharedVertex {
+  unsigned corner[3] = {0, 0, 0};
+
+  LIMBER_KERNEL SharedVertex() = default;
+  LIMBER_KERNEL SharedVertex(const LeafVertices& leaf, VertexId vertex) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      for (std::size_t k = 0; k < 3; ++k) corner[k] |= bits(same_ids(leaf.id[k] + i, vertex)) << i;
+    }
+  }
+  LIMBER_KERNEL unsigned any() const { return corner[0] | corner[1] | corner[2]; }
+};
+
+/// Which two elements of a leaf pair may be close: those of triangles whose boxes are, without those that share a
+/// vertex. `near` has a byte for each triangle of a, with a bit for each of b.
+template <typename List>
+LIMBER_KERNEL void list_vertices(const LeafCorners& a, std::uint64_t owned_a, const bvh::Leaf* leaf_a,
+                                 const Boxes& faces_b, const LeafVertices& vertices_b, std::uint64_t near,
+                                 Packet limit_sq, List& list) {
+  for (std::uint32_t corner = 0; corner < 3; ++corner) {
+    for (unsigned slots = row_of(owned_a, corner); slots != 0; slots &= slots - 1) {
+      const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
+      SharedVertex shared;
+      if (leaf_a != nullptr) shared = SharedVertex(vertices_b, leaf_a->vertices[slot][corner]);
+      const Packet3 point = a.repeated(static_cast<int>(corner), slot);
+      list.add(slot * 4 + corner, row_of(near, slot) & near_boxes(point, point, faces_b, limit_sq) & ~shared.any(), 0);
+    }
+  }
+}
+
+/// The same for edges, which start at each corner.
+template <typename List>
+LIMBER_KERNEL void list_edges(const LeafCorners& a, std::uint64_t owned_a, const bvh::Leaf* leaf_a,
+                              const LeafCorners& b, std::uint64_t owned_b, const LeafVertices& vertices_b,
+                              std::uint64_t near, Packet limit_sq, List& list) {
+  Boxes boxes[3];
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 3; ++k) {
+      store3(min3(b.at(k, i), b.at((k + 1) % 3, i)), boxes[k].low, i);
+      store3(max3(b.at(k, i), b.at((k + 1) % 3, i)), boxes[k].high, i);
+    }
+  }
+  for (std::uint32_t corner = 0; corner < 3; ++corner) {
+    const std::uint32_t next = (corner + 1) % 3;
+    for (unsigned slots = row_of(owned_a, 3 + corner); slots != 0; slots &= slots - 1) {
+      const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
+      SharedVertex from, to;
+      if (leaf_a != nullptr) {
+        from = SharedVertex(vertices_b, leaf_a->vertices[slot][corner]);
+        to = SharedVertex(vertices_b, leaf_a->vertices[slot][next]);
+      }
+      const Packet3 p = a.repeated(static_cast<int>(corner), slot), q = a.repeated(static_cast<int>(next), slot);
+      const Packet3 low = min3(p, q), high = max3(p, q);
+      for (std::uint32_t l = 0; l < 3; ++l) {
+        const std::uint32_t l1 = (l + 1) % 3;
+        const unsigned shared = from.corner[l] | from.corner[l1] | to.corner[l] | to.corner[l1];
+        const unsigned candidates = row_of(near, slot) & row_of(owned_b, 3 + l) & ~shared;
+        list.add(slot * 4 + corner, candidates & near_boxes(low, high, boxes[l], limit_sq), l);
+      }
+    }
+  }
 }
 
 /// Quotients of numbers that may both be 0, brought to [0, 1].
@@ -67,108 +153,104 @@ LIMBER_KERNEL Packet clamped_quotient(Packet numerator, Packet denominator) {
 
 /// Whether two sets are so far apart along w, which points from a to b, that the pair is pruned. `high_a` and `low_b`
 /// are their ends along w.
-LIMBER_KERNEL Mask is_apart(const Packet3& w, Packet high_a, Packet low_b, Packet limit_sq) {
+LIMBER_KERNEL Mask are_apart(const Packet3& w, Packet high_a, Packet low_b, Packet limit_sq) {
   const Packet gap = max(low_b - high_a, zero());
   return is_pruned(gap * gap, dot(w, w), limit_sq);
 }
 
-/// Of the `wanted` edges from `corner` of the triangles of b on, those that are near an edge, which every lane has. The
-/// direction between the closest points decides: how well they are known does not matter.
-LIMBER_KERNEL unsigned near_edges(const Packet3& p0, const Packet3& p1, const LeafCorners& b, int corner,
-                                  Packet limit_sq, unsigned wanted) {
-  const Packet3 u = p1 - p0;
-  const Packet uu = dot(u, u);
-  unsigned apart = 0;
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
-    const Packet3 q0 = b.at(corner, i), q1 = b.at((corner + 1) % 3, i), v = q1 - q0, d = q0 - p0;
-    const Packet vv = dot(v, v), uv = dot(u, v), ud = dot(u, d), vd = dot(v, d);
-    const Packet start = clamped_quotient(ud * vv - uv * vd, uu * vv - uv * uv);
-    const Packet t = clamped_quotient(start * uv - vd, vv), s = clamped_quotient(t * uv + ud, uu);
-    const Packet3 w = d + v * t - u * s;
-    apart |= bits(is_apart(w, max(dot(w, p0), dot(w, p1)), min(dot(w, q0), dot(w, q1)), limit_sq)) << i;
-  }
-  return wanted & ~apart;
+/// Lanes in which the edges p0 p1 and q0 q1 are certainly apart: along the direction between their closest points. How
+/// well these are known does not matter.
+LIMBER_KERNEL unsigned edges_apart(const Packet3 (&points)[4], Packet limit_sq) {
+  const Packet3 &p0 = points[0], &p1 = points[1], &q0 = points[2], &q1 = points[3];
+  const Packet3 u = p1 - p0, v = q1 - q0, d = q0 - p0;
+  const Packet uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ud = dot(u, d), vd = dot(v, d);
+  const Packet start = clamped_quotient(ud * vv - uv * vd, uu * vv - uv * uv);
+  const Packet t = clamped_quotient(start * uv - vd, vv), s = clamped_quotient(t * uv + ud, uu);
+  const Packet3 w = d + v * t - u * s;
+  return bits(are_apart(w, max(dot(w, p0), dot(w, p1)), min(dot(w, q0), dot(w, q1)), limit_sq));
 }
 
-/// Of the `wanted` lanes from slot i on, those in which a vertex and a face are not certainly apart: along the normal of
-/// the face, and along the direction from the vertex to the closest point of the edges.
-LIMBER_KERNEL unsigned apart_from_face(const Packet3& vertex, const Packet3 (&face)[3], Packet limit_sq) {
+/// Lanes in which a vertex, the first point, and a face are certainly apart: along the normal of the face, or along the
+/// direction from the vertex to the closest point of the face's edges.
+LIMBER_KERNEL unsigned vertex_face_apart(const Packet3 (&points)[4], Packet limit_sq) {
+  const Packet3 &vertex = points[0], *const face = points + 1;
   const Packet3 r[3] = {face[0] - vertex, face[1] - vertex, face[2] - vertex};
-  Packet3 w;
+  Packet3 w = r[0];
   Packet least_sq = Packet::set(far_off);
   for (int k = 0; k < 3; ++k) {
     const Packet3 edge = face[(k + 1) % 3] - face[k];
     const Packet t = clamped_quotient(zero() - dot(edge, r[k]), dot(edge, edge));
     const Packet3 to_edge = r[k] + edge * t;
     const Packet to_edge_sq = dot(to_edge, to_edge);
-    w = k == 0 ? to_edge : select(to_edge_sq < least_sq, to_edge, w);
+    w = select(to_edge_sq < least_sq, to_edge, w);
     least_sq = min(to_edge_sq, least_sq);
   }
-  const Mask along_w =
-      is_apart(w, dot(w, vertex), min(min(dot(w, face[0]), dot(w, face[1])), dot(w, face[2])), limit_sq);
+  const Packet low = min(min(dot(w, face[0]), dot(w, face[1])), dot(w, face[2]));
   const Packet3 n = cross(face[1] - face[0], face[2] - face[0]);
   const Packet height = dot(n, r[0]);
-  return bits(along_w | is_pruned(height * height, dot(n, n), limit_sq));
+  return bits(are_apart(w, dot(w, vertex), low, limit_sq) | is_pruned(height * height, dot(n, n), limit_sq));
 }
 
-/// Of the `wanted` triangles of b, those whose face is near a vertex, which every lane has.
-LIMBER_KERNEL unsigned near_faces(const Packet3& vertex, const LeafCorners& b, Packet limit_sq, unsigned wanted) {
-  unsigned apart = 0;
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
-    const Packet3 face[3] = {b.at(0, i), b.at(1, i), b.at(2, i)};
-    apart |= apart_from_face(vertex, face, limit_sq) << i;
+/// Four points of each of several pairs of elements: [3 * point + axis][pair].
+struct alignas(64) PairPoints {
+  float v[12][chunk];
+
+  LIMBER_KERNEL void set(std::uint32_t point, std::uint32_t pair, const LeafCorners& from, std::uint32_t slot,
+                         std::uint32_t corner) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) v[3 * point + axis][pair] = from.v[3 * corner + axis][slot];
   }
-  return wanted & ~apart;
-}
-
-/// Of the `wanted` triangles of b, those whose corner is near a face, which every lane has.
-LIMBER_KERNEL unsigned near_vertices(const Packet3 (&face)[3], const LeafCorners& b, int corner, Packet limit_sq,
-                                     unsigned wanted) {
-  unsigned apart = 0;
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    if ((wanted >> i & ((1U << Packet::lanes) - 1)) == 0) continue;
-    apart |= apart_from_face(b.at(corner, i), face, limit_sq) << i;
-  }
-  return wanted & ~apart;
-}
-
-LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
-  return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
-}
-
-/// Which triangles of a leaf have which vertices of one triangle: a bit for each slot.
-struct SharedVertices {
-  unsigned same[3][3] = {};  // corner k of the triangle is corner l of that in the slot
-
-  unsigned corner_of_b(std::uint32_t k) const { return same[k][0] | same[k][1] | same[k][2]; }
-  unsigned corner_of_a(std::uint32_t l) const { return same[0][l] | same[1][l] | same[2][l]; }
-  unsigned edges(std::uint32_t k, std::uint32_t l) const {
-    const std::uint32_t k1 = (k + 1) % 3, l1 = (l + 1) % 3;
-    return same[k][l] | same[k][l1] | same[k1][l] | same[k1][l1];
+  LIMBER_KERNEL Packet3 at(std::uint32_t point, std::uint32_t pair) const {
+    return {Packet::load(v[3 * point] + pair), Packet::load(v[3 * point + 1] + pair),
+            Packet::load(v[3 * point + 2] + pair)};
   }
 };
 
-LIMBER_KERNEL SharedVertices shared_vertices(const std::array<VertexId, 3>& a, const LeafVertices& b) {
-  SharedVertices shared;
-  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t l = 0; l < 3; ++l) shared.same[k][l] |= bits(same_ids(b.id[l] + i, a[k])) << i;
-    }
+/// How pairs of a vertex and a face are brought into packets and compared.
+struct VertexFacePoints {
+  const LeafCorners &of_vertices, &of_faces;
+
+  LIMBER_KERNEL void set(PairPoints& points, std::uint32_t i, std::uint32_t vertex, std::uint32_t face) const {
+    points.set(0, i, of_vertices, vertex / 4, vertex % 4);
+    for (std::uint32_t k = 0; k < 3; ++k) points.set(1 + k, i, of_faces, face / 4, k);
   }
-  return shared;
-}
+  static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[4], Packet limit_sq) {
+    return vertex_face_apart(points, limit_sq);
+  }
+};
+/// The same for two edges.
+struct EdgePoints {
+  const LeafCorners &a, &b;
 
-LIMBER_KERNEL unsigned row_of(std::uint64_t m, std::uint32_t row) {
-  return static_cast<unsigned>(m >> (8 * row)) & 0xff;
-}
+  LIMBER_KERNEL void set(PairPoints& points, std::uint32_t i, std::uint32_t edge_a, std::uint32_t edge_b) const {
+    constexpr std::uint32_t next[3] = {1, 2, 0};
+    points.set(0, i, a, edge_a / 4, edge_a % 4), points.set(1, i, a, edge_a / 4, next[edge_a % 4]);
+    points.set(2, i, b, edge_b / 4, edge_b % 4), points.set(3, i, b, edge_b / 4, next[edge_b % 4]);
+  }
+  static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[4], Packet limit_sq) {
+    return edges_apart(points, limit_sq);
+  }
+};
 
-template <typename List>
-LIMBER_KERNEL void add(List& list, std::uint32_t a, unsigned slots_of_b, std::uint32_t corner_b) {
-  for (; slots_of_b != 0; slots_of_b &= slots_of_b - 1) {
-    const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots_of_b));
-    list.pairs[list.count++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(slot * 4 + corner_b)};
+/// Takes over the pairs of a list that are not certainly apart; with `swaps` the two elements change places.
+template <bool swaps, typename List, typename Points, typename Kept>
+LIMBER_KERNEL void keep_close(const List& list, Packet limit_sq, const Points& elements, Kept& kept) {
+  PairPoints points;
+  for (std::uint32_t first = 0; first < list.count; first += chunk) {
+    const std::uint32_t count = std::min(chunk, list.count - first);
+    // The last pair fills its packet.
+    for (std::uint32_t i = 0; i < count || i % Packet::lanes != 0; ++i) {
+      const std::uint32_t pair = std::min(first + i, list.count - 1);
+      elements.set(points, i, list.a[pair], list.b[pair]);
+    }
+    for (std::uint32_t i = 0; i < count; i += Packet::lanes) {
+      const Packet3 of_pairs[4] = {points.at(0, i), points.at(1, i), points.at(2, i), points.at(3, i)};
+      const unsigned apart = Points::find_apart(of_pairs, limit_sq);
+      for (std::uint32_t lane = 0; lane < std::min(Packet::lanes, count - i); ++lane) {
+        const std::uint8_t a = list.a[first + i + lane], b = list.b[first + i + lane];
+        kept.pairs[kept.count] = swaps ? ElementCandidate{b, a} : ElementCandidate{a, b};
+        kept.count += ~apart >> lane & 1;
+      }
+    }
   }
 }
 
@@ -176,64 +258,42 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
                                        const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                        const SelfPair* self, ElementCandidates& found) {
   LIMBER_ASSERT(!pruning.has_direction);
-  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
-  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
-  std::uint64_t wanted = self != nullptr && &self->a == &self->b ? later : ~std::uint64_t{0};
+  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   LeafCorners ca, cb;
   unpack(*a.triangles, pair.step_a, ca);
   unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
-  ElementBoxes boxes_a, boxes_b;
-  find_boxes(ca, boxes_a), find_boxes(cb, boxes_b);
-  // A byte for each kind of element, with a bit for each slot.
+  // A byte for each kind of element, with a bit for each slot; the last kind is a slot in use.
   const std::uint64_t owned_a = transpose(owned_by_a.of_slots), owned_b = transpose(owned_by_b.of_slots);
-  const unsigned in_use_a = row_of(owned_a, 6), in_use_b = row_of(owned_b, 6);
-  LeafVertices vertices;
-  if (self != nullptr) transpose_vertices(self->b, vertices);
+  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
+  const std::uint64_t wanted = self != nullptr && &self->a == &self->b ? later : ~std::uint64_t{0};
+  Boxes faces_a, faces_b;
+  find_boxes(ca, faces_a), find_boxes(cb, faces_b);
+  std::uint64_t near = 0;
   for (std::uint32_t row = 0; row < width; ++row) {
-    unsigned near = (in_use_a >> row & 1) != 0 ? row_of(wanted, row) & in_use_b : 0;
-    if (near == 0) continue;
-    const Packet3 low = repeated(boxes_a.faces.low, row), high = repeated(boxes_a.faces.high, row);
-    near &= near_boxes(low, high, boxes_b.faces.low, boxes_b.faces.high, limit_sq);
-    if (near == 0) continue;
-    SharedVertices shared;
-    if (self != nullptr) shared = shared_vertices(self->a.vertices[row], vertices);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t element = row * 4 + k;
-      if ((row_of(owned_a, k) >> row & 1) != 0) {
-        unsigned those = near & ~shared.corner_of_b(k);
-        if (those != 0) {
-          const Packet3 point = ca.repeated(static_cast<int>(k), row);
-          those &= near_boxes(point, point, boxes_b.faces.low, boxes_b.faces.high, limit_sq);
-          if (those != 0) those = near_faces(point, cb, limit_sq, those);
-          add(found.vertex_face, element, those, 0);
-        }
-      }
-      unsigned those = near & row_of(owned_b, k) & ~shared.corner_of_a(k);
-      if (those != 0) {
-        those &= near_boxes(low, high, cb.v + 3 * k, cb.v + 3 * k, limit_sq);
-        if (those != 0) {
-          const Packet3 face[3] = {ca.repeated(0, row), ca.repeated(1, row), ca.repeated(2, row)};
-          those = near_vertices(face, cb, static_cast<int>(k), limit_sq, those);
-        }
-        add(found.face_vertex, row * 4, those, k);
-      }
-      if ((row_of(owned_a, 3 + k) >> row & 1) == 0) continue;
-      const Packet3 edge_low = repeated(boxes_a.edges[k].low, row), edge_high = repeated(boxes_a.edges[k].high, row);
-      for (std::uint32_t l = 0; l < 3; ++l) {
-        those = near & row_of(owned_b, 3 + l) & ~shared.edges(k, l);
-        if (those == 0) continue;
-        those &= near_boxes(edge_low, edge_high, boxes_b.edges[l].low, boxes_b.edges[l].high, limit_sq);
-        if (those != 0) {
-          those = near_edges(ca.repeated(static_cast<int>(k), row), ca.repeated(static_cast<int>((k + 1) % 3), row), cb,
-                             static_cast<int>(l), limit_sq, those);
-        }
-        add(found.edge_edge, element, those, l);
-      }
-    }
+    const unsigned of_row = near_boxes(repeated(faces_a.low, row), repeated(faces_a.high, row), faces_b, limit_sq);
+    near |= std::uint64_t{of_row & row_of(owned_b, 6) & (0U - (row_of(owned_a, 6) >> row & 1))} << (8 * row);
   }
+  near &= wanted;
+  if (near == 0) return;
+
+  LeafVertices vertices_a, vertices_b;
+  const bvh::Leaf *leaf_a = nullptr, *leaf_b = nullptr;
+  if (self != nullptr) {
+    leaf_a = &self->a, leaf_b = &self->b;
+    transpose_vertices(*leaf_a, vertices_a), transpose_vertices(*leaf_b, vertices_b);
+  }
+  ElementList<3 * width * width> vertex_face, vertex_face_swapped;
+  ElementList<9 * width * width> edge_edge;
+  list_vertices(ca, owned_a, leaf_a, faces_b, vertices_b, near, limit_sq, vertex_face);
+  list_vertices(cb, owned_b, leaf_b, faces_a, vertices_a, transpose(near), limit_sq, vertex_face_swapped);
+  list_edges(ca, owned_a, leaf_a, cb, owned_b, vertices_b, near, limit_sq, edge_edge);
+
+  keep_close<false>(vertex_face, limit_sq, VertexFacePoints{ca, cb}, found.vertex_face);
+  keep_close<true>(vertex_face_swapped, limit_sq, VertexFacePoints{cb, ca}, found.face_vertex);
+  keep_close<false>(edge_edge, limit_sq, EdgePoints{ca, cb}, found.edge_edge);
 }
 
 }  // namespace

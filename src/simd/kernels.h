@@ -173,7 +173,7 @@ struct ElementCandidates {
   template <std::size_t room>
   struct List {
     std::uint32_t count;
-    ElementCandidate pairs[room];
+    ElementCandidate pairs[room + 1];  // the last is never counted
   };
   List<3 * width * width> vertex_face, face_vertex;
   List<9 * width * width> edge_edge;
