@@ -33,6 +33,9 @@ class PlacedModels {
     return sides_[index(s)].mesh.triangle(t);
   }
   Triangle triangle(Side s, TriangleId t) const;
+  /// A vertex in the frame of its model, and in the world. Pre: a triangle has it.
+  const Vec3& local_position(Side s, VertexId v) const { return sides_[index(s)].mesh.positions[v]; }
+  Vec3 position(Side s, VertexId v) const { return pose(s)(local_position(s, v)); }
   /// Some triangle.
   TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
 

@@ -49,18 +49,17 @@ class ElementsWithin {
     const std::uint32_t count = found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
     if (count == 0) return;
     stats.triangle_tests += count;
-    PlacedLeaf a(placed_, Side::a, pair.a), b(placed_, Side::b, pair.b);
     for (std::uint32_t i = 0; i < found.vertex_face.count && !is_stopped_; ++i) {
       const auto [vertex, face] = found.vertex_face.pairs[i];
-      compare_vertex_face({pair.a, a, vertex}, {pair.b, b, face}, false);
+      compare_vertex_face({Side::a, pair.a, vertex}, {Side::b, pair.b, face});
     }
     for (std::uint32_t i = 0; i < found.face_vertex.count && !is_stopped_; ++i) {
       const auto [face, vertex] = found.face_vertex.pairs[i];
-      compare_vertex_face({pair.b, b, vertex}, {pair.a, a, face}, !is_self);
+      compare_vertex_face({Side::b, pair.b, vertex}, {Side::a, pair.a, face});
     }
     for (std::uint32_t i = 0; i < found.edge_edge.count && !is_stopped_; ++i) {
       const auto [edge_a, edge_b] = found.edge_edge.pairs[i];
-      compare_edges({pair.a, a, edge_a}, {pair.b, b, edge_b});
+      compare_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
     }
   }
 
@@ -69,27 +68,22 @@ class ElementsWithin {
  private:
   /// An element of a leaf, as simd::ElementCandidate has it.
   struct Element {
+    Side side;
     const bvh::Leaf& leaf;
-    PlacedLeaf& placed;
     std::uint32_t code;
 
-    std::uint32_t slot() const { return code / 4; }
     std::size_t corner() const { return code % 4; }
-    TriangleId triangle() const { return leaf.triangle[slot()]; }
-    const Triangle& face() const { return placed.at(slot()).corners; }
-    VertexId vertex(std::size_t k) const { return leaf.vertices[slot()][k]; }
+    TriangleId triangle() const { return leaf.triangle[code / 4]; }
+    const Corners& vertices() const { return leaf.vertices[code / 4]; }
   };
-  /// An edge, from the smaller vertex id to the larger.
-  struct DirectedEdge {
-    Segment segment;
-    std::array<VertexId, 2> vertices;
+  /// From the smaller vertex id to the larger.
+  static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
+    const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::after[e.corner()]];
+    return {std::min(from, to), std::max(from, to)};
+  }
 
-    explicit DirectedEdge(const Element& e) {
-      std::size_t from = e.corner(), to = geometry::after[from];
-      if (e.vertex(to) < e.vertex(from)) std::swap(from, to);
-      segment = {e.face()[from], e.face()[to]}, vertices = {e.vertex(from), e.vertex(to)};
-    }
-  };
+  /// In the world; of one model in its own frame.
+  Vec3 position(Side s, VertexId v) const { return is_self ? placed_.local_position(s, v) : placed_.position(s, v); }
 
   simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
     constexpr std::uint64_t is_in_use = 0x40;
@@ -101,26 +95,32 @@ class ElementsWithin {
     return {of_slots};
   }
 
-  void compare_vertex_face(const Element& vertex, const Element& face, bool is_vertex_of_b) {
-    const geometry::PointOnTriangle closest = geometry::closest_on(face.face(), vertex.face()[vertex.corner()]);
+  void compare_vertex_face(const Element& of_vertex, const Element& of_face) {
+    const VertexId vertex = of_vertex.vertices()[of_vertex.corner()];
+    const Corners& corners = of_face.vertices();
+    const Triangle face{position(of_face.side, corners[0]), position(of_face.side, corners[1]),
+                        position(of_face.side, corners[2])};
+    const geometry::PointOnTriangle closest = geometry::closest_on(face, position(of_vertex.side, vertex));
     if (!(closest.distance <= margin_)) return;
     ++vertex_face_count;
-    is_stopped_ = !visit_vertex_face_(
-        {vertex.vertex(vertex.corner()), face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
+    const bool is_vertex_of_b = !is_self && of_vertex.side == Side::b;
+    is_stopped_ = !visit_vertex_face_({vertex, of_face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
   }
 
-  void compare_edges(const Element& element_a, const Element& element_b) {
-    const DirectedEdge a(element_a), b(element_b);
-    // Edge ids are in the order of vertex ids, and the smaller comes first: the answer to the bit depends on the order.
-    if (is_self && b.vertices < a.vertices) return compare_edges(element_b, b, element_a, a);
-    compare_edges(element_a, a, element_b, b);
+  void compare_edges(const Element& of_a, const Element& of_b) {
+    const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
+    const EdgeId id_a = edges_[0]->of_triangles()[of_a.triangle()][of_a.corner()];
+    const EdgeId id_b = edges_[1]->of_triangles()[of_b.triangle()][of_b.corner()];
+    LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
+    // The answer to the bit depends on the order, so that is by id and not by where the leaves are.
+    if (is_self && id_b < id_a) return compare_edges(id_b, b, id_a, a);
+    compare_edges(id_a, a, id_b, b);
   }
-  void compare_edges(const Element& element_a, const DirectedEdge& a, const Element& element_b, const DirectedEdge& b) {
-    const geometry::PointsOnSegments closest = geometry::closest_on(a.segment, b.segment);
+  void compare_edges(EdgeId id_a, const std::array<VertexId, 2>& a, EdgeId id_b, const std::array<VertexId, 2>& b) {
+    const Segment edge_a{position(Side::a, a[0]), position(Side::a, a[1])};
+    const Segment edge_b{position(Side::b, b[0]), position(Side::b, b[1])};
+    const geometry::PointsOnSegments closest = geometry::closest_on(edge_a, edge_b);
     if (!(closest.distance <= margin_)) return;
-    const EdgeId id_a = edges_[0]->of_triangles()[element_a.triangle()][element_a.corner()];
-    const EdgeId id_b = edges_[1]->of_triangles()[element_b.triangle()][element_b.corner()];
-    LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a.vertices && edges_[1]->vertices()[id_b] == b.vertices);
     ++edge_edge_count;
     is_stopped_ = !visit_edge_edge_({id_a, id_b, closest.distance, closest.s, closest.t});
   }
