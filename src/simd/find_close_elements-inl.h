@@ -56,7 +56,7 @@ struct ElementList {
   LIMBER_KERNEL void add(std::uint32_t element_a, unsigned slots_b, std::uint32_t corner_b) {
     constexpr std::uint64_t in_each = 0x0101010101010101;
     const std::uint64_t of_a = element_a * in_each;
-    const std::uint64_t of_b = (std::bit_cast<std::uint64_t>(numbers_of_bits[slots_b]) << 2) + corner_b * in_each;
+    const std::uint64_t of_b = std::bit_cast<std::uint64_t>(numbers_of_bits[slots_b]) + corner_b * width * in_each;
     std::memcpy(a + count, &of_a, sizeof of_a), std::memcpy(b + count, &of_b, sizeof of_b);
     count += static_cast<std::uint32_t>(std::popcount(slots_b));
     LIMBER_ASSERT(count <= room);
@@ -95,19 +95,28 @@ struct SharedVertex {
   LIMBER_KERNEL unsigned any() const { return corner[0] | corner[1] | corner[2]; }
 };
 
-/// Which two elements of a leaf pair may be close: those of triangles whose boxes are, without those that share a
+/// A bit for each row of a matrix of 8 by 8 bits that is not 0.
+LIMBER_KERNEL unsigned rows_with_bits(std::uint64_t m) {
+  unsigned rows = 0;
+  for (std::uint32_t row = 0; row < width; ++row) rows |= (row_of(m, row) != 0 ? 1U : 0U) << row;
+  return rows;
+}
+
+/// Lists vertices and faces whose boxes are close: those of triangles whose boxes are, without those that share a
 /// vertex. `near` has a byte for each triangle of a, with a bit for each of b.
 template <typename List>
 LIMBER_KERNEL void list_vertices(const LeafCorners& a, std::uint64_t owned_a, const bvh::Leaf* leaf_a,
                                  const Boxes& faces_b, const LeafVertices& vertices_b, std::uint64_t near,
                                  Packet limit_sq, List& list) {
+  const unsigned rows = rows_with_bits(near);
   for (std::uint32_t corner = 0; corner < 3; ++corner) {
-    for (unsigned slots = row_of(owned_a, corner); slots != 0; slots &= slots - 1) {
+    for (unsigned slots = rows & row_of(owned_a, corner); slots != 0; slots &= slots - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
       SharedVertex shared;
       if (leaf_a != nullptr) shared = SharedVertex(vertices_b, leaf_a->vertices[slot][corner]);
       const Packet3 point = a.repeated(static_cast<int>(corner), slot);
-      list.add(slot * 4 + corner, row_of(near, slot) & near_boxes(point, point, faces_b, limit_sq) & ~shared.any(), 0);
+      list.add(corner * width + slot, row_of(near, slot) & near_boxes(point, point, faces_b, limit_sq) & ~shared.any(),
+               0);
     }
   }
 }
@@ -124,9 +133,10 @@ LIMBER_KERNEL void list_edges(const LeafCorners& a, std::uint64_t owned_a, const
       store3(max3(b.at(k, i), b.at((k + 1) % 3, i)), boxes[k].high, i);
     }
   }
+  const unsigned rows = rows_with_bits(near);
   for (std::uint32_t corner = 0; corner < 3; ++corner) {
     const std::uint32_t next = (corner + 1) % 3;
-    for (unsigned slots = row_of(owned_a, 3 + corner); slots != 0; slots &= slots - 1) {
+    for (unsigned slots = rows & row_of(owned_a, 3 + corner); slots != 0; slots &= slots - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
       SharedVertex from, to;
       if (leaf_a != nullptr) {
@@ -139,7 +149,7 @@ LIMBER_KERNEL void list_edges(const LeafCorners& a, std::uint64_t owned_a, const
         const std::uint32_t l1 = (l + 1) % 3;
         const unsigned shared = from.corner[l] | from.corner[l1] | to.corner[l] | to.corner[l1];
         const unsigned candidates = row_of(near, slot) & row_of(owned_b, 3 + l) & ~shared;
-        list.add(slot * 4 + corner, candidates & near_boxes(low, high, boxes[l], limit_sq), l);
+        list.add(corner * width + slot, candidates & near_boxes(low, high, boxes[l], limit_sq), l);
       }
     }
   }
@@ -191,27 +201,36 @@ LIMBER_KERNEL unsigned vertex_face_apart(const Packet3 (&points)[4], Packet limi
   return bits(are_apart(w, dot(w, vertex), low, limit_sq) | is_pruned(height * height, dot(n, n), limit_sq));
 }
 
-/// Four points of each of several pairs of elements: [3 * point + axis][pair].
-struct alignas(64) PairPoints {
-  float v[12][chunk];
+/// The corners of the triangles of a leaf, four numbers each: [corner][slot]. The first corner follows the last.
+struct alignas(64) CornerPoints {
+  float v[4 * width][4];
 
-  LIMBER_KERNEL void set(std::uint32_t point, std::uint32_t pair, const LeafCorners& from, std::uint32_t slot,
-                         std::uint32_t corner) {
-    for (std::uint32_t axis = 0; axis < 3; ++axis) v[3 * point + axis][pair] = from.v[3 * corner + axis][slot];
+  LIMBER_KERNEL explicit CornerPoints(const LeafCorners& c) {
+    for (std::uint32_t corner = 0; corner < 4; ++corner) {
+      for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+        store_points(c.at(static_cast<int>(corner % 3), i), v[corner * width + i]);
+      }
+    }
   }
-  LIMBER_KERNEL Packet3 at(std::uint32_t point, std::uint32_t pair) const {
-    return {Packet::load(v[3 * point] + pair), Packet::load(v[3 * point + 1] + pair),
-            Packet::load(v[3 * point + 2] + pair)};
+};
+
+/// Four points of each of several pairs of elements: [point][pair].
+struct alignas(64) PairPoints {
+  float v[4][chunk][4];
+
+  LIMBER_KERNEL void set(std::uint32_t point, std::uint32_t pair, const CornerPoints& from, std::uint32_t at) {
+    std::memcpy(v[point][pair], from.v[at], sizeof from.v[at]);
   }
+  LIMBER_KERNEL Packet3 at(std::uint32_t point, std::uint32_t pair) const { return load_points3(v[point][pair]); }
 };
 
 /// How pairs of a vertex and a face are brought into packets and compared.
 struct VertexFacePoints {
-  const LeafCorners &of_vertices, &of_faces;
+  const CornerPoints &of_vertices, &of_faces;
 
   LIMBER_KERNEL void set(PairPoints& points, std::uint32_t i, std::uint32_t vertex, std::uint32_t face) const {
-    points.set(0, i, of_vertices, vertex / 4, vertex % 4);
-    for (std::uint32_t k = 0; k < 3; ++k) points.set(1 + k, i, of_faces, face / 4, k);
+    points.set(0, i, of_vertices, vertex);
+    for (std::uint32_t k = 0; k < 3; ++k) points.set(1 + k, i, of_faces, face + k * width);
   }
   static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[4], Packet limit_sq) {
     return vertex_face_apart(points, limit_sq);
@@ -219,12 +238,11 @@ struct VertexFacePoints {
 };
 /// The same for two edges.
 struct EdgePoints {
-  const LeafCorners &a, &b;
+  const CornerPoints &a, &b;
 
   LIMBER_KERNEL void set(PairPoints& points, std::uint32_t i, std::uint32_t edge_a, std::uint32_t edge_b) const {
-    constexpr std::uint32_t next[3] = {1, 2, 0};
-    points.set(0, i, a, edge_a / 4, edge_a % 4), points.set(1, i, a, edge_a / 4, next[edge_a % 4]);
-    points.set(2, i, b, edge_b / 4, edge_b % 4), points.set(3, i, b, edge_b / 4, next[edge_b % 4]);
+    points.set(0, i, a, edge_a), points.set(1, i, a, edge_a + width);
+    points.set(2, i, b, edge_b), points.set(3, i, b, edge_b + width);
   }
   static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[4], Packet limit_sq) {
     return edges_apart(points, limit_sq);
@@ -291,9 +309,11 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
   list_vertices(cb, owned_b, leaf_b, faces_a, vertices_a, transpose(near), limit_sq, vertex_face_swapped);
   list_edges(ca, owned_a, leaf_a, cb, owned_b, vertices_b, near, limit_sq, edge_edge);
 
-  keep_close<false>(vertex_face, limit_sq, VertexFacePoints{ca, cb}, found.vertex_face);
-  keep_close<true>(vertex_face_swapped, limit_sq, VertexFacePoints{cb, ca}, found.face_vertex);
-  keep_close<false>(edge_edge, limit_sq, EdgePoints{ca, cb}, found.edge_edge);
+  if (vertex_face.count + vertex_face_swapped.count + edge_edge.count == 0) return;
+  const CornerPoints points_a(ca), points_b(cb);
+  keep_close<false>(vertex_face, limit_sq, VertexFacePoints{points_a, points_b}, found.vertex_face);
+  keep_close<true>(vertex_face_swapped, limit_sq, VertexFacePoints{points_b, points_a}, found.face_vertex);
+  keep_close<false>(edge_edge, limit_sq, EdgePoints{points_a, points_b}, found.edge_edge);
 }
 
 }  // namespace

@@ -317,6 +317,15 @@ HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePa
   hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
 #endif
 }
+/// As many points as a packet has numbers, each as four numbers, of which the last does not matter.
+HWY_INLINE void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) {
+  hn::Vec<Lanes> rest;
+  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+}
+HWY_INLINE void store_interleaved(Packet x, Packet y, Packet z, float* p) {
+  hn::StoreInterleaved4(x.v, y.v, z.v, x.v, Lanes(), p);
+}
+
 /// `width` rows of as many numbers, rounded to int16, in which they fit.
 struct Int16Tile {
 #if HWY_TARGET == HWY_SCALAR

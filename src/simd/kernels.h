@@ -162,7 +162,7 @@ struct OwnedElements {
   std::uint64_t of_slots;
 };
 
-/// An element of each of two leaves, as slot * 4 + corner: a vertex, or the edge that starts there; of a face the
+/// An element of each of two leaves, as corner * width + slot: a vertex, or the edge that starts there; of a face the
 /// corner is 0.
 struct ElementCandidate {
   std::uint8_t a, b;

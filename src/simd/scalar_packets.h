@@ -138,6 +138,11 @@ struct PointScaler {
 
 inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 
+inline void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
+inline void store_interleaved(Packet x, Packet y, Packet z, float* p) {
+  p[0] = x.v, p[1] = y.v, p[2] = z.v, p[3] = x.v;
+}
+
 struct Int16Tile {
   std::int16_t v[width * width];
 

@@ -55,10 +55,10 @@ void for_all_elements(const std::array<Triangle, 8>& a, const std::array<Triangl
       const Triangle &p = a[static_cast<std::size_t>(s)], &q = b[static_cast<std::size_t>(t)];
       for (int k = 0; k < 3; ++k) {
         const auto corner = static_cast<std::size_t>(k);
-        if (has(owned_a, s, k)) visit(0, closest_points(p[corner], q).distance, s * 4 + k, t * 4);
-        if (has(owned_b, t, k)) visit(1, closest_points(q[corner], p).distance, s * 4, t * 4 + k);
+        if (has(owned_a, s, k)) visit(0, closest_points(p[corner], q).distance, k * 8 + s, t);
+        if (has(owned_b, t, k)) visit(1, closest_points(q[corner], p).distance, s, k * 8 + t);
         for (int l = 0; has(owned_a, s, 3 + k) && l < 3; ++l) {
-          if (has(owned_b, t, 3 + l)) visit(2, closest_points(edge(p, k), edge(q, l)).distance, s * 4 + k, t * 4 + l);
+          if (has(owned_b, t, 3 + l)) visit(2, closest_points(edge(p, k), edge(q, l)).distance, k * 8 + s, l * 8 + t);
         }
       }
     }

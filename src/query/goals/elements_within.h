@@ -72,9 +72,9 @@ class ElementsWithin {
     const bvh::Leaf& leaf;
     std::uint32_t code;
 
-    std::size_t corner() const { return code % 4; }
-    TriangleId triangle() const { return leaf.triangle[code / 4]; }
-    const Corners& vertices() const { return leaf.vertices[code / 4]; }
+    std::size_t corner() const { return code / bvh::width; }
+    TriangleId triangle() const { return leaf.triangle[code % bvh::width]; }
+    const Corners& vertices() const { return leaf.vertices[code % bvh::width]; }
   };
   /// From the smaller vertex id to the larger.
   static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
