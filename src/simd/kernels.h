@@ -156,8 +156,8 @@ using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const Fr
                                 const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
                                 Candidates& candidates);
 
-/// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k, bit
-/// 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use.
+/// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
+/// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use.
 struct OwnedElements {
   std::uint64_t of_slots;
 };

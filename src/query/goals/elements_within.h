@@ -15,8 +15,8 @@
 
 namespace limber::query {
 
-/// The goal of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two edges,
-/// that are at most a margin apart.
+/// The goal of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
+/// edges, that are at most a margin apart.
 ///
 /// Only the owner of an element offers it. Elements within the margin have owners within the margin, and these are
 /// different triangles unless the elements share a vertex. So each pair comes once.
