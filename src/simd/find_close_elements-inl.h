@@ -21,8 +21,8 @@
 #include "simd/find_candidates-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
+#include "simd/pair_list-inl.h"
 #include "simd/project-inl.h"
-#include "simd/separated_neighbors-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
@@ -63,11 +63,26 @@ struct ElementList {
   }
 };
 
+/// Transposes a matrix of 8 by 8 bits.
+LIMBER_KERNEL std::uint64_t transpose(std::uint64_t m) {
+  std::uint64_t t = (m ^ (m >> 7)) & 0x00aa00aa00aa00aaU;
+  m ^= t ^ (t << 7);
+  t = (m ^ (m >> 14)) & 0x0000cccc0000ccccU;
+  m ^= t ^ (t << 14);
+  t = (m ^ (m >> 28)) & 0x00000000f0f0f0f0U;
+  return m ^ t ^ (t << 28);
+}
 LIMBER_KERNEL unsigned row_of(std::uint64_t m, std::uint32_t row) {
   return static_cast<unsigned>(m >> (8 * row)) & 0xff;
 }
 LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
   return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
+}
+
+/// A corner of one slot, in every lane.
+LIMBER_KERNEL Packet3 repeated(const LeafCorners& c, std::uint32_t corner, std::uint32_t slot) {
+  return {Packet::set(c.v[3 * corner][slot]), Packet::set(c.v[3 * corner + 1][slot]),
+          Packet::set(c.v[3 * corner + 2][slot])};
 }
 
 /// Which boxes are near a box, which every lane has: a bit for each slot.
@@ -82,6 +97,17 @@ LIMBER_KERNEL unsigned near_boxes(const Packet3& low, const Packet3& high, const
   return found;
 }
 
+/// The vertices of the triangles of a leaf: [corner][slot].
+struct alignas(64) LeafVertices {
+  VertexId id[3][width];
+
+  LIMBER_KERNEL explicit LeafVertices(const bvh::Leaf* leaf) {
+    for (std::uint32_t i = 0; leaf != nullptr && i < width; i += Packet::lanes) {
+      deinterleave(leaf->vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
+    }
+  }
+};
+
 /// Which triangles of a leaf have a vertex as which corner: a bit for each slot.
 struct SharedVertex {
   unsigned corner[3] = {0, 0, 0};
@@ -89,7 +115,7 @@ struct SharedVertex {
   LIMBER_KERNEL SharedVertex() = default;
   LIMBER_KERNEL SharedVertex(const LeafVertices& leaf, VertexId vertex) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      for (std::size_t k = 0; k < 3; ++k) corner[k] |= bits(same_ids(leaf.id[k] + i, vertex)) << i;
+      for (std::size_t k = 0; k < 3; ++k) corner[k] |= bits(Ids::load(leaf.id[k] + i) == Ids::set(vertex)) << i;
     }
   }
   LIMBER_KERNEL unsigned any() const { return corner[0] | corner[1] | corner[2]; }
@@ -114,7 +140,7 @@ LIMBER_KERNEL void list_vertices(const LeafCorners& a, std::uint64_t owned_a, co
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
       SharedVertex shared;
       if (leaf_a != nullptr) shared = SharedVertex(vertices_b, leaf_a->vertices[slot][corner]);
-      const Packet3 point = a.repeated(static_cast<int>(corner), slot);
+      const Packet3 point = repeated(a, corner, slot);
       list.add(corner * width + slot, row_of(near, slot) & near_boxes(point, point, faces_b, limit_sq) & ~shared.any(),
                0);
     }
@@ -143,7 +169,7 @@ LIMBER_KERNEL void list_edges(const LeafCorners& a, std::uint64_t owned_a, const
         from = SharedVertex(vertices_b, leaf_a->vertices[slot][corner]);
         to = SharedVertex(vertices_b, leaf_a->vertices[slot][next]);
       }
-      const Packet3 p = a.repeated(static_cast<int>(corner), slot), q = a.repeated(static_cast<int>(next), slot);
+      const Packet3 p = repeated(a, corner, slot), q = repeated(a, next, slot);
       const Packet3 low = min3(p, q), high = max3(p, q);
       for (std::uint32_t l = 0; l < 3; ++l) {
         const std::uint32_t l1 = (l + 1) % 3;
@@ -280,7 +306,12 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   LeafCorners ca, cb;
   unpack(*a.triangles, pair.step_a, ca);
-  unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+  if (self != nullptr) {
+    unpack(*b.triangles, pair.step_b, cb);
+    move(cb, pair.offset, cb);
+  } else {
+    unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+  }
   const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * core::squares_up);
   // A byte for each kind of element, with a bit for each slot; the last kind is a slot in use.
@@ -297,12 +328,9 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
   near &= wanted;
   if (near == 0) return;
 
-  LeafVertices vertices_a, vertices_b;
-  const bvh::Leaf *leaf_a = nullptr, *leaf_b = nullptr;
-  if (self != nullptr) {
-    leaf_a = &self->a, leaf_b = &self->b;
-    transpose_vertices(*leaf_a, vertices_a), transpose_vertices(*leaf_b, vertices_b);
-  }
+  const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
+                                                                            self != nullptr ? &self->b : nullptr;
+  const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
   ElementList<3 * width * width> vertex_face, vertex_face_swapped;
   ElementList<9 * width * width> edge_edge;
   list_vertices(ca, owned_a, leaf_a, faces_b, vertices_b, near, limit_sq, vertex_face);

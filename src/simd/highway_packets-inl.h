@@ -120,6 +120,9 @@ HWY_INLINE Packet pick(const float* table, const Slots& slots) { return {slots.p
 struct Ids {
   using Tag = hn::RebindToUnsigned<Lanes>;
   hn::Vec<Tag> v;
+
+  static HWY_INLINE Ids set(std::uint32_t id) { return {hn::Set(Tag(), id)}; }
+  static HWY_INLINE Ids load(const std::uint32_t* ids) { return {hn::Load(Tag(), ids)}; }
 };
 HWY_INLINE Ids pick(const std::uint32_t* table, const Slots& slots) { return {slots.pick(Ids::Tag(), table)}; }
 HWY_INLINE Mask operator==(Ids a, Ids b) { return {hn::RebindMask(Lanes(), hn::Eq(a.v, b.v))}; }

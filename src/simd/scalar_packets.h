@@ -62,6 +62,9 @@ inline Packet pick(const float* table, const Slots& slots) { return {table[slots
 
 struct Ids {
   std::uint32_t v;
+
+  static Ids set(std::uint32_t id) { return {id}; }
+  static Ids load(const std::uint32_t* ids) { return {*ids}; }
 };
 inline Ids pick(const std::uint32_t* table, const Slots& slots) { return {table[slots.slot]}; }
 inline Mask operator==(Ids a, Ids b) { return {a.v == b.v}; }
