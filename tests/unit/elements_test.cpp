@@ -222,6 +222,10 @@ TEST(ElementsMisuse, IsRefused) {
   EXPECT_THROW(element_pairs(placed, others, placed, edges, 1, {}, {}), std::invalid_argument);
   EXPECT_THROW(element_pairs(placed, edges, placed, others, 1, {}, {}), std::invalid_argument);
   EXPECT_THROW(self_element_pairs(model, others, 1, {}, {}), std::invalid_argument);
+  std::vector<Vec3> positions = mesh.positions();
+  positions.push_back({});
+  const MeshEdges one_vertex_more(small_mesh(positions, mesh.triangles()));
+  EXPECT_THROW(self_element_pairs(model, one_vertex_more, 1, {}, {}), std::invalid_argument);
   MeshEdges from = edges;
   const MeshEdges to = std::move(from);
   EXPECT_THROW(self_element_pairs(model, from, 1, {}, {}), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
