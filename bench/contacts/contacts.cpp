@@ -16,6 +16,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
@@ -31,6 +32,7 @@
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/io.h"
 #include "limber/model.h"
 
@@ -66,6 +68,7 @@ class ContactBench {
       : settings_(settings), rows_of_peers_(read_peer_rows(settings.peers)), runs_(settings.options.quick ? 3 : 15) {}
 
   void one_mesh(const std::string& name, const Mesh& mesh);
+  void elements(const std::string& name, const Mesh& mesh);
   void two_meshes(const std::string& name, const Mesh& a, const Mesh& b, bool with_given_margin);
   void frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
   /// The exit code. Nothing is reported if an answer was wrong.
@@ -90,6 +93,16 @@ class ContactBench {
                 const std::string& question, const std::string& part = "") const {
     if (const auto found = fastest(rows_of_peers_, peer, mesh, question, part))
       row.peers.push_back(as_time(library, *found));
+  }
+  /// IPC's candidates by LBVH and their distances, if it was asked.
+  void add_both_parts(Row& row, const std::string& mesh) const {
+    const auto candidates = fastest(rows_of_peers_, "ipctk", mesh, "candidates", "LBVH; inflation=0.0005 of");
+    const auto distances = fastest(rows_of_peers_, "ipctk", mesh, "distances");
+    if (!candidates || !distances) return;
+    PeerTime both = as_time("IPC Toolkit, candidates and distances", *distances);
+    const PeerTime first = as_time("", *candidates);
+    both.setting = "LBVH", both.time.us += first.time.us, both.time.processor_us += first.time.processor_us;
+    row.peers.push_back(both);
   }
   static PeerTime as_time(const std::string& library, const PeerRow& row) {
     const std::string key = "processor=";
@@ -209,14 +222,7 @@ void ContactBench::one_mesh(const std::string& name, const Mesh& mesh) {
             count(close.size()),
             {}};
   add_peer(moved, "IPC Toolkit, candidates alone", "ipctk", name, "candidates", inflated);
-  const auto candidates = fastest(rows_of_peers_, "ipctk", name, "candidates", lbvh);
-  const auto distances = fastest(rows_of_peers_, "ipctk", name, "distances");
-  if (candidates && distances) {
-    PeerTime both = as_time("IPC Toolkit, candidates and distances", *distances);
-    const PeerTime first = as_time("", *candidates);
-    both.setting = "LBVH", both.time.us += first.time.us, both.time.processor_us += first.time.processor_us;
-    moved.peers.push_back(both);
-  }
+  add_both_parts(moved, name);
   rows_.push_back(moved);
   rows_.push_back({"self_distance", name, time([&] { self_distance(model); }), "", {}});
 }
@@ -263,6 +269,57 @@ void ContactBench::two_meshes(const std::string& name, const Mesh& a, const Mesh
   pairs.time = time([&] { intersections(one, other, room); });
   rows_.push_back(pairs);
   rows_.insert(rows_.end(), rows.begin(), rows.end());
+}
+
+ElementIds element_pairs_within(const Model& model, const MeshEdges& edges, double margin) {
+  ElementIds found;
+  visit_self_element_pairs(
+      model, edges, margin,
+      [&](const VertexFacePair& p) { return found.vertex_face.emplace_back(p.vertex, p.triangle), true; },
+      [&](const EdgeEdgePair& p) {
+        const std::array<VertexId, 2> a = edges.vertices()[p.a], b = edges.vertices()[p.b];
+        return found.edge_edge.push_back({a[0], a[1], b[0], b[1]}), true;
+      });
+  std::sort(found.vertex_face.begin(), found.vertex_face.end());
+  std::sort(found.edge_edge.begin(), found.edge_edge.end());
+  return found;
+}
+
+void ContactBench::elements(const std::string& name, const Mesh& mesh) {
+  const double margin = margin_of_size * diagonal(mesh);
+  const std::vector<Vec3> there = waved(mesh);
+  Model model(mesh);
+  const MeshEdges edges(mesh);
+  const ElementIds found = element_pairs_within(model, edges, margin);
+  const auto move = [&](const std::vector<Vec3>& positions) {
+    model.move_all(positions).value();
+    model.commit();
+  };
+  move(there), move(mesh.positions());
+  const ElementIds again = element_pairs_within(model, edges, margin);
+  checker_.check(again.vertex_face == found.vertex_face && again.edge_edge == found.edge_edge,
+                 "{}: self_element_pairs differ after motion", name);
+  const auto theirs = read_ipc_elements(settings_.answers / ("ipctk_" + name + "_edge_edge.txt"),
+                                        settings_.answers / ("ipctk_" + name + "_face_vertex.txt"));
+  if (theirs) differences_.push_back(compare_elements(name, mesh, margin, found, *theirs, checker_));
+  if (!checker_.all_right()) return;
+
+  std::vector<VertexFacePair> vertex_face(found.vertex_face.size());
+  std::vector<EdgeEdgePair> edge_edge(found.edge_edge.size());
+  const std::string count = fmt::format("{} + {}", vertex_face.size(), edge_edge.size());
+  rows_.push_back({"edges", name, time([&] { const MeshEdges made(mesh); }), std::to_string(edges.size()), {}});
+  const auto ask = [&] { self_element_pairs(model, edges, margin, vertex_face, edge_edge); };
+  rows_.push_back({"self_element_pairs", name, time(ask), count, {}});
+  Row moved{"move all, commit, self_element_pairs",
+            name,
+            time([&] { move(mesh.positions()), ask(); }, [&] { move(there); }),
+            count,
+            {}};
+  add_peer(moved, "IPC Toolkit, candidates alone", "ipctk", name, "candidates", "inflation=0.0005 of");
+  add_peer(moved, "IPC Toolkit, candidates alone, twice the inflation", "ipctk", name, "candidates",
+           "inflation=0.001 of");
+  add_both_parts(moved, name);
+  rows_.push_back(moved);
 }
 
 /// Both as one mesh: vertices and triangles of b follow those of a.
@@ -336,6 +393,9 @@ int run(const Settings& settings) {
   bench.one_mesh("cloth", load_mesh(settings.meshes / "cloth_ball_92.ply").value());
   bench.one_mesh("bunny", load_mesh(settings.meshes / "stanford-bunny.obj").value());
   bench.one_mesh("armadillo", load_mesh(settings.meshes / "armadillo.obj").value());
+  bench.elements("cloth", load_mesh(settings.meshes / "cloth_ball_92.ply").value());
+  bench.elements("bunny", load_mesh(settings.meshes / "stanford-bunny.obj").value());
+  bench.elements("armadillo", load_mesh(settings.meshes / "armadillo.obj").value());
   for (const std::string name : {"drape", "folded"}) {
     if (settings.answers.empty() || !std::filesystem::exists(settings.answers / (name + ".ply"))) {
       fmt::print(stderr, "{} is left out: peers.py, which makes it, has not run\n", name);

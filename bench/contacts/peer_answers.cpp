@@ -196,6 +196,58 @@ std::optional<IdPairs> read_ipc_pairs(const std::filesystem::path& edge_edge, co
   return pairs;
 }
 
+std::optional<ElementIds> read_ipc_elements(const std::filesystem::path& edge_edge,
+                                            const std::filesystem::path& face_vertex) {
+  std::ifstream edges(edge_edge), faces(face_vertex);
+  if (!edges || !faces) return std::nullopt;
+  ElementIds found;
+  for (std::string line; std::getline(edges, line);) {
+    std::istringstream words(line);
+    std::array<VertexId, 4> v{};
+    if (!(words >> v[0] >> v[1] >> v[2] >> v[3])) throw bad_line(edge_edge, line);
+    found.edge_edge.push_back(v);
+  }
+  for (std::string line; std::getline(faces, line);) {
+    std::istringstream words(line);
+    TriangleId face = 0;
+    VertexId v = 0;
+    if (!(words >> face >> v)) throw bad_line(face_vertex, line);
+    found.vertex_face.emplace_back(v, face);
+  }
+  std::sort(found.edge_edge.begin(), found.edge_edge.end());
+  std::sort(found.vertex_face.begin(), found.vertex_face.end());
+  return found;
+}
+
+Difference compare_elements(const std::string& mesh, MeshView view, double margin, const ElementIds& ours,
+                            const ElementIds& theirs, Checker& checker) {
+  Difference difference{mesh, fmt::format("self_element_pairs within {:.4g}", margin), "IPC Toolkit", 0, 0, 0, {}, {}};
+  const Tolerance tolerance{.relative = 1e-9, .absolute = 0, .finds_intersections = true};
+  const auto compare_lists = [&](const auto& of_ours, const auto& of_theirs, const auto& distance_of) {
+    difference.ours += of_ours.size(), difference.theirs += of_theirs.size();
+    for (const bool is_ours : {true, false}) {
+      const auto &one = is_ours ? of_ours : of_theirs, &other = is_ours ? of_theirs : of_ours;
+      auto only = one;
+      only.clear();
+      std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only));
+      if (is_ours) difference.both += one.size() - only.size();
+      for (const auto& pair : only) {
+        const std::string why = reason_of_distance(distance_of(pair), margin, is_ours, tolerance);
+        ++(is_ours ? difference.only_ours : difference.only_theirs)[why.empty() ? "no reason" : why];
+        checker.check(!why.empty(), "{}: a pair of elements is only in {}", mesh, is_ours ? "ours" : "IPC Toolkit's");
+      }
+    }
+  };
+  const auto& at = view.positions;
+  compare_lists(ours.vertex_face, theirs.vertex_face, [&](const std::pair<VertexId, TriangleId>& pair) {
+    return closest_points(at[pair.first], view.triangle(pair.second)).distance;
+  });
+  compare_lists(ours.edge_edge, theirs.edge_edge, [&](const std::array<VertexId, 4>& v) {
+    return closest_points(Segment{at[v[0]], at[v[1]]}, Segment{at[v[2]], at[v[3]]}).distance;
+  });
+  return difference;
+}
+
 Difference compare_crossings(const std::string& mesh, const std::string& library, const MeshPair& meshes,
                              const IdPairs& ours, const IdPairs& theirs, Checker& checker) {
   const std::string question = meshes.is_self ? "self_intersections" : "intersections";

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -59,6 +60,22 @@ struct Difference {
   std::size_t ours = 0, theirs = 0, both = 0;
   std::map<std::string, std::size_t> only_ours, only_theirs;  ///< how many, by reason
 };
+
+/// Pairs of elements of one mesh, sorted.
+struct ElementIds {
+  std::vector<std::pair<VertexId, TriangleId>> vertex_face;
+  std::vector<std::array<VertexId, 4>> edge_edge;  ///< two edges, each with the smaller vertex id first, in order
+};
+/// Those that the IPC Toolkit has written. None if a file is missing.
+///
+/// Throws   std::runtime_error if a line is not as expected.
+std::optional<ElementIds> read_ipc_elements(const std::filesystem::path& edge_edge,
+                                            const std::filesystem::path& face_vertex);
+
+/// Compares pairs of elements with those of the IPC Toolkit. A difference is right if the distance is at the margin, up
+/// to a billionth.
+Difference compare_elements(const std::string& mesh, MeshView view, double margin, const ElementIds& ours,
+                            const ElementIds& theirs, Checker& checker);
 
 /// Compares intersecting pairs with those of a peer that takes positions as float, and counts those alone that pass
 /// through each other: an edge of one through the inside of the other, and not triangles that share an edge. A

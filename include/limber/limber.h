@@ -7,6 +7,7 @@
 #include "limber/classic.h"
 #include "limber/contact_reduction.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/function_ref.h"
 #include "limber/geometry.h"
 #include "limber/math.h"

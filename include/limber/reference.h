@@ -7,6 +7,7 @@
 
 #include "limber/contact_reduction.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/mesh.h"
 #include "limber/points.h"
 #include "limber/query.h"
@@ -66,6 +67,19 @@ std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
 /// Pre      The options and the contacts are what reduce_contacts() takes.
 /// Cost     O(n^2).
 std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options);
+
+/// Pairs of elements, as elements.h says.
+struct ElementPairs {
+  std::vector<VertexFacePair> vertex_face;  ///< vertices of a before those of b, then in the order of ids
+  std::vector<EdgeEdgePair> edge_edge;      ///< in the order of ids
+};
+
+/// All pairs of elements.h.
+///
+/// Throws   As contacts().
+/// Cost     O(n m); O(n^2) for a mesh with itself.
+ElementPairs element_pairs(const Placed& a, const Placed& b, double margin);
+ElementPairs self_element_pairs(MeshView mesh, double margin);
 
 /// The point of the mesh that is closest to a point of the world; of several triangles that are equally close, to the
 /// bit, it is that of the lowest id.

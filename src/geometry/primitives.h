@@ -39,6 +39,13 @@ struct PointOnTriangle {
 /// nothing. Promise as for closest_points() of triangles, but distances may be 0 where the point is as good as on it.
 PointOnTriangle closest_on(const Triangle& triangle, const Vec3& point);
 
+/// The closest points of two segments, by their parameters in [0, 1]. The distance is that of closest_points().
+struct PointsOnSegments {
+  double distance;
+  double s, t;
+};
+PointsOnSegments closest_on(const Segment& a, const Segment& b);
+
 /// The corner that follows each corner of a triangle.
 inline constexpr std::array<std::size_t, 3> after{1, 2, 0};
 

@@ -15,6 +15,7 @@
 #include "query/goals/self_pairs.h"
 #include "query/options.h"
 #include "query/search.h"
+#include "query/span_filler.h"
 
 namespace limber {
 namespace {
@@ -90,21 +91,6 @@ DistanceResult self_distance(const Model& model, const DistanceOptions& distance
   return result;
 }
 
-/// Writes what it is called with to a span, as far as there is room.
-template <typename T>
-class Filler {
- public:
-  explicit Filler(std::span<T> room) : room_(room) {}
-  bool operator()(const T& found) {
-    if (next_ < room_.size()) room_[next_++] = found;
-    return true;
-  }
-
- private:
-  std::span<T> room_;
-  std::size_t next_ = 0;
-};
-
 }  // namespace
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
@@ -113,7 +99,7 @@ PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisi
 }
 
 PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
-  Filler<TrianglePair> fill(pairs);
+  query::SpanFiller<TrianglePair> fill(pairs);
   return visit_intersections(a, b, fill, options);
 }
 
@@ -126,7 +112,7 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
 
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
                    const PairOptions& options) {
-  Filler<Contact> fill(contacts);
+  query::SpanFiller<Contact> fill(contacts);
   return visit_contacts(a, b, margin, fill, options);
 }
 
@@ -158,7 +144,7 @@ PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit
 }
 
 PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options) {
-  Filler<TrianglePair> fill(pairs);
+  query::SpanFiller<TrianglePair> fill(pairs);
   return visit_self_intersections(model, fill, options);
 }
 
@@ -169,7 +155,7 @@ PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor 
 }
 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {
-  Filler<Contact> fill(contacts);
+  query::SpanFiller<Contact> fill(contacts);
   return visit_self_contacts(model, margin, fill, options);
 }
 

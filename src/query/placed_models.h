@@ -39,6 +39,9 @@ class PlacedModels {
     return {positions[corners[0]], positions[corners[1]], positions[corners[2]]};
   }
   Triangle triangle(Side s, const Corners& corners) const { return placed(s, local_triangle(s, corners)); }
+  /// A vertex in the frame of its model, and in the world. Pre: a triangle has it.
+  const Vec3& local_position(Side s, VertexId v) const { return sides_[index(s)].mesh.positions[v]; }
+  Vec3 position(Side s, VertexId v) const { return pose(s)(local_position(s, v)); }
   /// Some triangle.
   TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
 

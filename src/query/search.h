@@ -98,6 +98,14 @@ Unsearched search_self(const PlacedModels& placed, const QueryCache::Impl* last,
   return traverse<false>(placed, 0, pruning, nullptr, goal, meter, stats);
 }
 
+/// Offers a goal all pairs of leaves that may matter: of two models, or of one that stands on both sides.
+template <ComparesLeaves Goal>
+void search_leaves(const PlacedModels& placed, Goal& goal, QueryStats& stats) {
+  BudgetMeter meter;  // without limits
+  Pruning pruning(placed, goal.initial_prune_distance());
+  traverse<false>(placed, Goal::is_self ? 0 : placed.root_bound(), pruning, nullptr, goal, meter, stats);
+}
+
 /// Notes an answer for the next query.
 inline void remember(QueryCache* cache, const Witness& witness) {
   if (cache == nullptr) return;

@@ -14,6 +14,7 @@
 #include "query/budget_meter.h"
 #include "query/frames.h"
 #include "query/front.h"
+#include "query/goals/improvement.h"
 #include "query/placed_leaf.h"
 #include "query/placed_models.h"
 #include "query/pruning.h"
@@ -373,9 +374,19 @@ class Traversal {
             static_cast<std::uint16_t>(e.has_record ? child : e.pair.child)};
   }
 
+  /// The same as below for a goal that compares leaves itself.
+  bool compare_leaves(const NodePair& pair, double&) requires ComparesLeaves<Goal> {
+    static_assert(!has_front);
+    ++work_;
+    const LeafPair leaves{as_leaf(Side::a, pair), as_leaf(Side::b, pair), leaf(Side::a, pair),
+                          leaf(Side::b, pair),    frames_.of(Side::a),    pruning_.of(Side::a)};
+    goal_.compare_leaves(leaves, stats_);
+    return !goal_.is_done();
+  }
+
   /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
   /// lower bound of their distance, which may be above the prune distance.
-  bool compare_leaves(const NodePair& pair, double& apart) {
+  bool compare_leaves(const NodePair& pair, double& apart) requires(!ComparesLeaves<Goal>) {
     simd::Candidates found;
     const simd::OtherNode leaf_a = as_leaf(Side::a, pair), leaf_b = as_leaf(Side::b, pair);
     const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};

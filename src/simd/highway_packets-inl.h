@@ -120,6 +120,9 @@ HWY_INLINE Packet pick(const float* table, const Slots& slots) { return {slots.p
 struct Ids {
   using Tag = hn::RebindToUnsigned<Lanes>;
   hn::Vec<Tag> v;
+
+  static HWY_INLINE Ids set(std::uint32_t id) { return {hn::Set(Tag(), id)}; }
+  static HWY_INLINE Ids load(const std::uint32_t* ids) { return {hn::Load(Tag(), ids)}; }
 };
 HWY_INLINE Ids pick(const std::uint32_t* table, const Slots& slots) { return {slots.pick(Ids::Tag(), table)}; }
 HWY_INLINE Mask operator==(Ids a, Ids b) { return {hn::RebindMask(Lanes(), hn::Eq(a.v, b.v))}; }
@@ -317,6 +320,15 @@ HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePa
   hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
 #endif
 }
+/// As many points as a packet has numbers, each as four numbers, of which the last does not matter.
+HWY_INLINE void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) {
+  hn::Vec<Lanes> rest;
+  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+}
+HWY_INLINE void store_interleaved(Packet x, Packet y, Packet z, float* p) {
+  hn::StoreInterleaved4(x.v, y.v, z.v, x.v, Lanes(), p);
+}
+
 /// `width` rows of as many numbers, rounded to int16, in which they fit.
 struct Int16Tile {
 #if HWY_TARGET == HWY_SCALAR

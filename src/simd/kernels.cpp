@@ -20,6 +20,7 @@
 #include "simd/bound_point-inl.h"
 #include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
+#include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
 #include "simd/max_displacement-inl.h"
@@ -33,6 +34,7 @@ const Kernels* kernel_table() {
   static const Kernels set{hwy::TargetName(HWY_TARGET),
                            bound_children,
                            find_candidates,
+                           find_close_elements,
                            bound_children_to_point,
                            bound_children_along,
                            bound_triangles_to_point,

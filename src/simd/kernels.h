@@ -156,6 +156,38 @@ using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const Fr
                                 const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
                                 Candidates& candidates);
 
+/// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
+/// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use.
+struct OwnedElements {
+  std::uint64_t of_slots;
+};
+
+/// An element of each of two leaves, as corner * width + slot: a vertex, or the edge that starts there; of a face the
+/// corner is 0.
+struct ElementCandidate {
+  std::uint8_t a, b;
+};
+
+/// Pairs of elements of two leaves that are not pruned.
+struct ElementCandidates {
+  template <std::size_t room>
+  struct List {
+    std::uint32_t count;
+    ElementCandidate pairs[room + 1];  // the last is never counted
+  };
+  List<3 * width * width> vertex_face, face_vertex;
+  List<9 * width * width> edge_edge;
+};
+
+/// The pairs of owned vertices and of faces in use, and of owned edges, of two leaves that are not pruned. `transform`
+/// and `pruning` are those of the tree of `a`; there is no search direction.
+///
+/// `self` is nullptr unless both are leaves of one tree. Then elements that share a vertex, by id, are no candidates;
+/// and of a leaf and itself, the elements of each triangle are compared with those of triangles after it.
+using FindCloseElements = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
+                                   const SelfPair* self, ElementCandidates& found);
+
 /// Bounds of the distances between a point and the children of a wide node, and the order of those whose bound is at
 /// most `limit`, which is finite.
 ///
@@ -214,6 +246,7 @@ struct Kernels {
   const char* name;
   BoundChildren bound_children;
   FindCandidates find_candidates;
+  FindCloseElements find_close_elements;
   BoundChildrenToPoint bound_children_to_point, bound_children_along;
   BoundTrianglesToPoint bound_triangles_to_point, bound_triangles_along;
   FindCrossedChildren find_crossed_children;

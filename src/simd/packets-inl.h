@@ -92,6 +92,14 @@ LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t 
 LIMBER_KERNEL Triple<WidePacket> duplicated(const Packet3& p) {
   return {duplicated(p.x), duplicated(p.y), duplicated(p.z)};
 }
+/// As many points as a packet has numbers, of four numbers each, one after the other; the last number is not used.
+LIMBER_KERNEL Packet3 load_points3(const float* p) {
+  Packet3 points;
+  load_interleaved(p, points.x, points.y, points.z);
+  return points;
+}
+/// The same; the last number is x again.
+LIMBER_KERNEL void store_points(const Packet3& points, float* p) { store_interleaved(points.x, points.y, points.z, p); }
 LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
 }

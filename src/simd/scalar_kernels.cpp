@@ -8,6 +8,7 @@
 #include "simd/bound_point-inl.h"
 #include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
+#include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
 #include "simd/kernels.h"
@@ -20,6 +21,7 @@ namespace limber::simd {
 const Kernels scalar_kernels{"scalar",
                              scalar::bound_children,
                              scalar::find_candidates,
+                             scalar::find_close_elements,
                              scalar::bound_children_to_point,
                              scalar::bound_children_along,
                              scalar::bound_triangles_to_point,

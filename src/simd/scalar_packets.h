@@ -62,6 +62,9 @@ inline Packet pick(const float* table, const Slots& slots) { return {table[slots
 
 struct Ids {
   std::uint32_t v;
+
+  static Ids set(std::uint32_t id) { return {id}; }
+  static Ids load(const std::uint32_t* ids) { return {*ids}; }
 };
 inline Ids pick(const std::uint32_t* table, const Slots& slots) { return {table[slots.slot]}; }
 inline Mask operator==(Ids a, Ids b) { return {a.v == b.v}; }
@@ -137,6 +140,11 @@ struct PointScaler {
 };
 
 inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
+
+inline void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
+inline void store_interleaved(Packet x, Packet y, Packet z, float* p) {
+  p[0] = x.v, p[1] = y.v, p[2] = z.v, p[3] = x.v;
+}
 
 struct Int16Tile {
   std::int16_t v[width * width];

@@ -10,6 +10,7 @@
 
 #include "heap.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/points.h"
 #include "limber/scene.h"
@@ -19,9 +20,12 @@ namespace limber::testing {
 namespace {
 
 std::array<Contact, 20> contacts_found;
+std::array<VertexFacePair, 20> vertex_face_found;
+std::array<EdgeEdgePair, 20> edge_edge_found;
 
 /// One of each query at every separation, near, touching and overlapping included.
-void ask_everything(const Model& square, const ClosedSurface& surface, QueryCache& cache) {
+void ask_everything(const Model& square, const MeshEdges& edges_of_square, const ClosedSurface& surface,
+                    const MeshEdges& edges_of_ball, QueryCache& cache) {
   const Model& ball = surface.model();
   for (const double separation : {8.0, 1.0, 0.01, 0.0, -0.5}) {
     const Placed a{square}, b{ball, scenes::ball_over_square(ball.mesh(), separation, 0)};
@@ -41,6 +45,7 @@ void ask_everything(const Model& square, const ClosedSurface& surface, QueryCach
     intersections(a, b, {});
     contacts(a, b, 0.5, contacts_found);
     closest_pairs(a, b, contacts_found);
+    element_pairs(a, edges_of_square, b, edges_of_ball, 0.5, vertex_face_found, edge_edge_found);
   }
   self_collide(ball);
   self_distance(ball);
@@ -49,6 +54,7 @@ void ask_everything(const Model& square, const ClosedSurface& surface, QueryCach
   self_closest_pairs(ball, contacts_found);
   self_collide(ball, {}, cache);
   self_distance(ball, {}, {}, cache);
+  self_element_pairs(ball, edges_of_ball, 0.1, vertex_face_found, edge_edge_found);
 }
 
 TEST(Allocation, IsSeenByThisTest) {
@@ -128,10 +134,11 @@ TEST(Allocation, DoesNotHappenInRealTime) {
 TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const ClosedSurface surface = ClosedSurface::create(ball).value();
+  const MeshEdges edges_of_square(square.mesh()), edges_of_ball(ball.mesh());
   QueryCache cache;
-  ask_everything(square, surface, cache);
+  ask_everything(square, edges_of_square, surface, edges_of_ball, cache);
   const std::uint64_t before = allocation_count();
-  ask_everything(square, surface, cache);
+  ask_everything(square, edges_of_square, surface, edges_of_ball, cache);
   EXPECT_EQ(allocation_count(), before);
 }
 

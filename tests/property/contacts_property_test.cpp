@@ -111,11 +111,6 @@ void expect_same(const std::vector<Contact>& found, const std::vector<Contact>& 
   }
 }
 
-/// How far apart things are: 0, or anything up to the size.
-double some_margin(Rng& rng, double size) {
-  return rng.below(4) == 0 ? 0 : size * std::pow(10.0, rng.uniform(-6, -0.5));
-}
-
 TEST(ContactsProperty, AreThoseOfBruteForceInRandomScenes) {
   Rng rng(1301);
   std::size_t intersecting = 0, close = 0;

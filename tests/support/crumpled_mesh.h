@@ -9,8 +9,13 @@
 
 #include "support/random_scene.h"
 
-/// Meshes for self-queries.
+/// Random meshes that are close to themselves, and margins.
 namespace limber::testing {
+
+/// How far apart things are: 0, or anything up to the size.
+inline double some_margin(Rng& rng, double size) {
+  return rng.below(4) == 0 ? 0 : size * std::pow(10.0, rng.uniform(-6, -0.5));
+}
 
 /// A surface or a soup whose triangles share vertices, crumpled so that it may meet itself.
 inline Mesh crumpled(Rng& rng) {

@@ -18,6 +18,7 @@
 #include "bvh/tree.h"
 #include "limber/classic.h"
 #include "limber/contacts.h"
+#include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/points.h"
 #include "limber/reference.h"
@@ -89,9 +90,17 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);
   put(self_distance(model_a, {}, {}, first).lower), put(self_collide(model_a, {}, first).collision);
   put(self_closest_pairs(model_a, std::span(found).first(5)).count), put(found[0].distance);
+  const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
+  std::vector<VertexFacePair> vertex_face(1);
+  std::vector<EdgeEdgePair> edge_edge(1);
+  const ElementPairCount elements = element_pairs(a, edges_a, b, edges_b, 1.5 * limit, vertex_face, edge_edge);
+  put(elements.vertex_face), put(elements.edge_edge), put(vertex_face[0].distance), put(edge_edge[0].parameter_b);
+  put(self_element_pairs(model_a, edges_a, limit, vertex_face, edge_edge).edge_edge), put(edge_edge[0].distance);
   const reference::Placed mesh_a{s.mesh_a, s.pose_a}, mesh_b{s.mesh_b, s.pose_b};
   if (s.mesh_a.triangles().size() + s.mesh_b.triangles().size() < 20) {
     put(reference::contacts(mesh_a, mesh_b, limit).size()), put(reference::intersections(mesh_a, mesh_b).size());
+    put(reference::element_pairs(mesh_a, mesh_b, limit).edge_edge.size());
+    put(reference::self_element_pairs(s.mesh_a, limit).vertex_face.size());
     put(reference::self_contacts(s.mesh_a, 0).size()), put(reference::self_intersections(s.mesh_a).size());
   }
   put_distance(reference::distance(mesh_a, mesh_b));

@@ -26,37 +26,6 @@ using query::PlacedModels;
 using query::Pruning;
 using query::Side;
 
-/// Soups of one kind: spread out, in a small place, flat, thin, points.
-Mesh some_soup(Rng& rng, std::size_t count) {
-  std::vector<Triangle> triangles;
-  const std::uint64_t kind = rng.below(5);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 at = uniform_point(rng, -2, 2);
-    const double size = kind == 1 ? 1e-3 : 0.5;
-    Triangle t{at, at + size * uniform_point(rng), at + size * uniform_point(rng)};
-    if (kind == 2) t.v0.z = t.v1.z = t.v2.z = 0.25;
-    if (kind == 3) t.v2 = t.v0 + 1e-6 * uniform_point(rng);
-    if (kind == 4) t.v1 = t.v2 = t.v0;
-    triangles.push_back(t);
-  }
-  return soup(triangles);
-}
-
-/// Two models of a few leaves each, at random poses.
-struct KernelCase {
-  Model a, b;
-  Transform pose_a, pose_b;
-  std::vector<Triangle> world_a, world_b;
-
-  explicit KernelCase(Rng& rng)
-      : a(some_soup(rng, 9 + rng.below(56))),
-        b(some_soup(rng, 9 + rng.below(56))),
-        pose_a(random_pose(rng, 1)),
-        pose_b(random_pose(rng, rng.below(3) == 0 ? 100 : 3)),
-        world_a(placed_triangles(a.mesh(), pose_a)),
-        world_b(placed_triangles(b.mesh(), pose_b)) {}
-};
-
 TEST(Kernels, ScalarIsAmongThemAndLast) {
   const auto sets = simd::all_kernels();
   ASSERT_GE(sets.size(), 2U);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "limber/math.h"
+#include "limber/query.h"
 #include "query/placed_leaf.h"
+#include "simd/kernels.h"
 
 namespace limber::query {
 
@@ -31,5 +33,23 @@ struct Improvement {
 /// changes nothing that the traversal could use.
 ///
 /// See      docs/design/adding_a_query.md.
+
+/// Two leaves that are not pruned, as the kernels take them.
+struct LeafPair {
+  simd::OtherNode node_a, node_b;
+  const bvh::Leaf &a, &b;
+  const simd::FrameTransform& transform;  ///< to the frame of a
+  const simd::PruneLimits& pruning;       ///< in the frame of a
+};
+
+/// A goal that is offered pairs of leaves instead of pairs of triangles. It needs all; of one model it is also offered
+/// each leaf with itself.
+///
+/// Needs    instead of compare(): static constexpr bool compares_leaves = true;
+///          void compare_leaves(const LeafPair& pair, QueryStats& stats);
+template <typename Goal>
+concept ComparesLeaves = requires {
+  requires Goal::compares_leaves && Goal::needs_all;
+};
 
 }  // namespace limber::query

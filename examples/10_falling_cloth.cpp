@@ -4,7 +4,7 @@
 // A sheet of springs falls on a body and folds onto itself. It never passes through the body or through itself: after
 // every step the program asks for all intersections, and fails if there is one.
 //
-//   example_09_falling_cloth [seconds [squares [body's mesh file [folder for OBJ files]]]]
+//   example_10_falling_cloth [seconds [squares [body's mesh file [folder for OBJ files]]]]
 //
 // Each step asks for all pairs of triangles that are close. They become constraints, and they bound how far each vertex
 // may move in the step: triangles that are d apart, and whose vertices move by less than d / 2, cannot meet. These are

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "limber/base.h"
+#include "limber/function_ref.h"
+#include "limber/mesh.h"
+#include "limber/model.h"
+#include "limber/query.h"
+
+/// Pairs of elements that are close, as solvers with one constraint for each take them: vertices with faces, and edges
+/// with edges, of two models and of one model with itself.
+///
+/// An element is closed: a vertex, an edge with its two ends, a face with its boundary. Elements that belong to several
+/// triangles come once. Distances are rounded as query.h says, so a pair whose distance equals the margin up to that
+/// rounding may be in or out.
+///
+/// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the
+///          processor, and not on threads. It is not sorted.
+namespace limber {
+
+using EdgeId = std::uint32_t;
+
+/// The edges of a mesh, each once, and which triangle owns them.
+///
+/// Shape    Edges are pairs of different vertex ids, the smaller first, in ascending order. Where a triangle names a
+///          vertex twice, there is no edge between the two.
+/// Owner    The owner of an edge or a vertex is the triangle of the lowest id that has it.
+class MeshEdges {
+ public:
+  /// Positions do not matter, so the edges hold for as long as the triangles do: until Model::reset().
+  ///
+  /// Throws   std::invalid_argument if the mesh has more than 2^32 / 3 triangles; std::bad_alloc.
+  /// Cost     O(n log n) at worst, O(n) where few edges meet at a vertex; 34 bytes a triangle of a closed mesh.
+  explicit MeshEdges(const Mesh& mesh);
+
+  std::size_t size() const { return vertices_.size(); }
+  std::size_t vertex_count() const { return vertex_owners_.size(); }
+  std::size_t triangle_count() const { return of_triangles_.size(); }
+
+  /// The two vertices of each edge.
+  std::span<const std::array<VertexId, 2>> vertices() const { return vertices_; }
+  /// The edges of each triangle: from corner 0 to 1, from 1 to 2 and from 2 to 0; no_id where there is none.
+  std::span<const std::array<EdgeId, 3>> of_triangles() const { return of_triangles_; }
+  /// The owner of each edge.
+  std::span<const TriangleId> owners() const { return owners_; }
+  /// The owner of each vertex; no_id if no triangle has it.
+  std::span<const TriangleId> vertex_owners() const { return vertex_owners_; }
+
+  /// What a triangle owns, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next.
+  ///
+  /// Pre      The triangle exists.
+  std::uint8_t owned_by(TriangleId triangle) const { return owned_[triangle]; }
+
+ private:
+  std::vector<std::array<VertexId, 2>> vertices_;
+  std::vector<std::array<EdgeId, 3>> of_triangles_;
+  std::vector<TriangleId> owners_, vertex_owners_;
+  std::vector<std::uint8_t> owned_;
+};
+
+/// A vertex and a face that are close.
+struct VertexFacePair {
+  VertexId vertex = no_id;
+  TriangleId triangle = no_id;
+  bool is_vertex_of_b = false;  ///< the vertex is one of b and the face one of a; false for one model
+  double distance = 0;
+  Vec3 weights;  ///< of the closest point of the face, by corner: >= 0, together 1 up to rounding
+};
+
+/// Two edges that are close. For one model a < b.
+struct EdgeEdgePair {
+  EdgeId a = no_id, b = no_id;
+  double distance = 0;
+  double parameter_a = 0, parameter_b = 0;  ///< of closest points: 0 is the first vertex of the edge, 1 the second
+};
+
+/// Called for each pair; returns whether to go on.
+using VertexFaceVisitor = FunctionRef<bool(const VertexFacePair&)>;
+using EdgeEdgeVisitor = FunctionRef<bool(const EdgeEdgePair&)>;
+
+/// How many pairs were found.
+struct ElementPairCount {
+  std::size_t vertex_face = 0, edge_edge = 0;  ///< all that were found, whether or not they fitted
+  bool is_complete = true;                     ///< false if a visitor has stopped the query: there may be more
+  QueryStats stats{};                          ///< `triangle_tests` counts the pairs of elements that were compared
+};
+
+/// The elements of two models that are at most `margin` apart: vertices of a and faces of b, vertices of b and faces of
+/// a, edges of a and edges of b.
+///
+/// Promise  Each pair exactly once. The distance is that of geometry.h for these elements as placed. The second form
+///          writes the first pairs that there is room for; the counts say how many there are.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the margin is finite and
+///          >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
+/// Pre      The edges are those of the models' meshes.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
+/// Threads  Reentrant; any number of calls may share models and edges.
+/// Source   docs/algorithms/contacts.md.
+ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
+                                     const MeshEdges& edges_b, double margin, VertexFaceVisitor visit_vertex_face,
+                                     EdgeEdgeVisitor visit_edge_edge);
+ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
+                               double margin, std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
+
+/// The elements of one model that are at most `margin` apart and share no vertex, by id: vertices and faces of which
+/// they are no corner, edges and edges. Neighboring triangles have such elements too. Poses do not matter, so there
+/// are none.
+///
+/// Promise  As visit_element_pairs().
+/// Throws   As visit_element_pairs().
+/// Cost     O(n) plus the pairs, O(n^2) at worst. 40 kB of stack; allocates nothing.
+/// Threads  Reentrant.
+ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
+                                          VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge);
+ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
+                                    std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
+
+}  // namespace limber

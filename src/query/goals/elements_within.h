@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "core/check.h"
+#include "geometry/primitives.h"
+#include "limber/elements.h"
+#include "query/goals/improvement.h"
+
+namespace limber::query {
+
+/// The goal of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
+/// edges, that are at most a margin apart.
+///
+/// Only the owner of an element offers it. Elements within the margin have owners within the margin, and these are
+/// different triangles unless the elements share a vertex. So each pair comes once.
+template <bool self>
+class ElementsWithin {
+ public:
+  static constexpr bool takes_any = true;
+  static constexpr bool needs_all = true;
+  static constexpr bool is_self = self;
+  static constexpr bool compares_leaves = true;
+
+  ElementsWithin(const PlacedModels& placed, const MeshEdges& edges_a, const MeshEdges& edges_b, double margin,
+                 VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge)
+      : placed_(placed),
+        edges_{&edges_a, &edges_b},
+        margin_(margin),
+        visit_vertex_face_(visit_vertex_face),
+        visit_edge_edge_(visit_edge_edge),
+        kernels_(simd::kernels()) {}
+
+  /// Just above the margin: a pair exactly that far apart counts.
+  double initial_prune_distance() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  bool is_done() const { return is_stopped_; }
+
+  void compare_leaves(const LeafPair& pair, QueryStats& stats) {
+    simd::ElementCandidates found;
+    const simd::SelfPair both{pair.a, pair.b};
+    kernels_.find_close_elements(pair.node_a, pair.node_b, pair.transform, pair.pruning, owned(Side::a, pair.a),
+                                 owned(Side::b, pair.b), is_self ? &both : nullptr, found);
+    const std::uint32_t count = found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
+    if (count == 0) return;
+    stats.triangle_tests += count;
+    for (std::uint32_t i = 0; i < found.vertex_face.count && !is_stopped_; ++i) {
+      const auto [vertex, face] = found.vertex_face.pairs[i];
+      compare_vertex_face({Side::a, pair.a, vertex}, {Side::b, pair.b, face});
+    }
+    for (std::uint32_t i = 0; i < found.face_vertex.count && !is_stopped_; ++i) {
+      const auto [face, vertex] = found.face_vertex.pairs[i];
+      compare_vertex_face({Side::b, pair.b, vertex}, {Side::a, pair.a, face});
+    }
+    for (std::uint32_t i = 0; i < found.edge_edge.count && !is_stopped_; ++i) {
+      const auto [edge_a, edge_b] = found.edge_edge.pairs[i];
+      compare_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
+    }
+  }
+
+  std::size_t vertex_face_count = 0, edge_edge_count = 0;
+
+ private:
+  /// An element of a leaf, as simd::ElementCandidate has it.
+  struct Element {
+    Side side;
+    const bvh::Leaf& leaf;
+    std::uint32_t code;
+
+    std::size_t corner() const { return code / bvh::width; }
+    TriangleId triangle() const { return leaf.triangle[code % bvh::width]; }
+    const Corners& vertices() const { return leaf.vertices[code % bvh::width]; }
+  };
+  /// From the smaller vertex id to the larger.
+  static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
+    const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::after[e.corner()]];
+    return {std::min(from, to), std::max(from, to)};
+  }
+
+  /// In the world; of one model in its own frame.
+  Vec3 position(Side s, VertexId v) const { return is_self ? placed_.local_position(s, v) : placed_.position(s, v); }
+
+  simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
+    constexpr std::uint64_t is_in_use = 0x40;
+    std::uint64_t of_slots = 0;
+    for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
+      if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
+      of_slots |= (is_in_use | edges_[index(s)]->owned_by(leaf.triangle[slot])) << (8 * slot);
+    }
+    return {of_slots};
+  }
+
+  void compare_vertex_face(const Element& of_vertex, const Element& of_face) {
+    const VertexId vertex = of_vertex.vertices()[of_vertex.corner()];
+    const Corners& corners = of_face.vertices();
+    const Triangle face{position(of_face.side, corners[0]), position(of_face.side, corners[1]),
+                        position(of_face.side, corners[2])};
+    const geometry::PointOnTriangle closest = geometry::closest_on(face, position(of_vertex.side, vertex));
+    if (!(closest.distance <= margin_)) return;
+    ++vertex_face_count;
+    const bool is_vertex_of_b = !is_self && of_vertex.side == Side::b;
+    is_stopped_ = !visit_vertex_face_({vertex, of_face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
+  }
+
+  void compare_edges(const Element& of_a, const Element& of_b) {
+    const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
+    const EdgeId id_a = edges_[0]->of_triangles()[of_a.triangle()][of_a.corner()];
+    const EdgeId id_b = edges_[1]->of_triangles()[of_b.triangle()][of_b.corner()];
+    LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
+    // The answer to the bit depends on the order, so that is by id and not by where the leaves are.
+    if (is_self && id_b < id_a) return compare_edges(id_b, b, id_a, a);
+    compare_edges(id_a, a, id_b, b);
+  }
+  void compare_edges(EdgeId id_a, const std::array<VertexId, 2>& a, EdgeId id_b, const std::array<VertexId, 2>& b) {
+    const Segment edge_a{position(Side::a, a[0]), position(Side::a, a[1])};
+    const Segment edge_b{position(Side::b, b[0]), position(Side::b, b[1])};
+    const geometry::PointsOnSegments closest = geometry::closest_on(edge_a, edge_b);
+    if (!(closest.distance <= margin_)) return;
+    ++edge_edge_count;
+    is_stopped_ = !visit_edge_edge_({id_a, id_b, closest.distance, closest.s, closest.t});
+  }
+
+  const PlacedModels& placed_;
+  const MeshEdges* edges_[2];
+  double margin_;
+  VertexFaceVisitor visit_vertex_face_;
+  EdgeEdgeVisitor visit_edge_edge_;
+  const simd::Kernels& kernels_;
+  bool is_stopped_ = false;
+};
+
+}  // namespace limber::query

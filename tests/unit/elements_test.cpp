@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Edges of meshes, and pairs of elements: known answers, visitors, spans and mistakes of callers. Random scenes are in
+// tests/property.
+#include "limber/elements.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+using Ends = std::array<VertexId, 2>;
+using EdgeIds = std::array<EdgeId, 3>;
+
+Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+const auto take_all = [](const auto&) { return true; };
+
+/// A square of two triangles in the plane z = 0.
+Mesh flat_square() { return scenes::grid(1, 1, -1, -1, 2, 2); }
+
+template <typename T>
+std::vector<T> as_list(std::span<const T> span) {
+  return {span.begin(), span.end()};
+}
+
+TEST(MeshEdges, OfTwoTrianglesAreFive) {
+  const MeshEdges edges(small_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {9, 9, 9}}, {{3, 2, 1}, {0, 1, 2}}));
+  EXPECT_EQ(as_list(edges.vertices()), (std::vector<Ends>{{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}));
+  EXPECT_EQ(as_list(edges.of_triangles()), (std::vector<EdgeIds>{{4, 2, 3}, {0, 2, 1}}));
+  EXPECT_EQ(as_list(edges.owners()), (std::vector<TriangleId>{1, 1, 0, 0, 0}));
+  EXPECT_EQ(as_list(edges.vertex_owners()), (std::vector<TriangleId>{1, 0, 0, 0, no_id}));
+  EXPECT_EQ(edges.owned_by(0), 0b111'111);
+  EXPECT_EQ(edges.owned_by(1), 0b101'001);
+  EXPECT_EQ(edges.size(), 5U);
+  EXPECT_EQ(edges.vertex_count(), 5U);
+  EXPECT_EQ(edges.triangle_count(), 2U);
+}
+
+TEST(MeshEdges, OfOneVertexAreNone) {
+  const MeshEdges edges(small_mesh({{0, 0, 0}, {1, 0, 0}}, {{1, 1, 0}, {0, 0, 0}}));
+  EXPECT_EQ(as_list(edges.vertices()), (std::vector<Ends>{{0, 1}}));
+  EXPECT_EQ(as_list(edges.of_triangles()), (std::vector<EdgeIds>{{no_id, 0, 0}, {no_id, no_id, no_id}}));
+  EXPECT_EQ(edges.owned_by(0), 0b010'101);
+  EXPECT_EQ(edges.owned_by(1), 0);
+}
+
+TEST(MeshEdges, OfAClosedSurfaceAreThreeForTwoTriangles) {
+  const Mesh ball = scenes::ball(12, 7);
+  const MeshEdges edges(ball);
+  EXPECT_EQ(2 * edges.size(), 3 * ball.triangles().size());
+  EXPECT_TRUE(std::is_sorted(edges.vertices().begin(), edges.vertices().end()));
+  for (TriangleId t = 0; t < ball.triangles().size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = ball.triangles()[t][k], w = ball.triangles()[t][(k + 1) % 3];
+      const EdgeId e = edges.of_triangles()[t][k];
+      EXPECT_EQ(edges.vertices()[e], (Ends{std::min(v, w), std::max(v, w)}));
+      EXPECT_LE(edges.owners()[e], t);
+      EXPECT_EQ(edges.owners()[e] == t, (edges.owned_by(t) >> (3 + k) & 1) != 0);
+      EXPECT_EQ(edges.vertex_owners()[v] == t, (edges.owned_by(t) >> k & 1) != 0);
+    }
+  }
+}
+
+TEST(Elements, OfParallelSquares) {
+  const Mesh mesh = flat_square();
+  const Model low(mesh), high(mesh);
+  const MeshEdges edges(mesh);
+  std::vector<VertexFacePair> vertex_face(100);
+  std::vector<EdgeEdgePair> edge_edge(100);
+  const Placed a{low}, b{high, {{}, {0, 0, 0.25}}};
+  const ElementPairCount found = element_pairs(a, edges, b, edges, 0.25, vertex_face, edge_edge);
+  // A corner of the diagonal is over both triangles, the two others over one. Of the 25 pairs of edges two pairs of
+  // opposite sides are apart, in either order.
+  EXPECT_EQ(found.vertex_face, 12U);
+  EXPECT_EQ(found.edge_edge, 21U);
+  EXPECT_TRUE(found.is_complete);
+  EXPECT_GE(found.stats.triangle_tests, 33U);
+  std::size_t of_b = 0;
+  for (std::size_t i = 0; i < found.vertex_face; ++i) {
+    EXPECT_EQ(vertex_face[i].distance, 0.25);
+    const Vec3& w = vertex_face[i].weights;
+    EXPECT_EQ(w.x + w.y + w.z, 1);
+    of_b += vertex_face[i].is_vertex_of_b ? 1 : 0;
+  }
+  EXPECT_EQ(of_b, 6U);
+  for (std::size_t i = 0; i < found.edge_edge; ++i) EXPECT_EQ(edge_edge[i].distance, 0.25);
+  const ElementPairCount none = element_pairs(a, edges, b, edges, 0.2499, {}, {});
+  EXPECT_EQ(none.vertex_face + none.edge_edge, 0U);
+}
+
+TEST(Elements, ThatCrossHaveNoDistance) {
+  const Mesh one = small_mesh({{-1, 0, 0}, {1, 0, 0}, {0, 0, -3}}, {{0, 1, 2}});
+  const Mesh other = small_mesh({{0, -1, 0}, {0, 1, 0}, {0, 0, 3}}, {{0, 1, 2}});
+  const Model a(one), b(other);
+  const MeshEdges edges_a(one), edges_b(other);
+  std::vector<EdgeEdgePair> edge_edge(2);
+  const ElementPairCount found = element_pairs({a}, edges_a, {b}, edges_b, 0, {}, edge_edge);
+  EXPECT_EQ(found.vertex_face, 0U);
+  ASSERT_EQ(found.edge_edge, 1U);
+  EXPECT_EQ(edge_edge[0].a, 0U);
+  EXPECT_EQ(edge_edge[0].b, 0U);
+  EXPECT_EQ(edge_edge[0].parameter_a, 0.5);
+  EXPECT_EQ(edge_edge[0].parameter_b, 0.5);
+}
+
+TEST(SelfElements, OfAFoldAreInNeighboringTriangles) {
+  // Two triangles with a common edge, folded onto each other until their far corners are 0.1 apart.
+  const Mesh fold = small_mesh({{0, 0, 0}, {0, 4, 0}, {2, 2, 0}, {2, 2, 0.1}}, {{0, 1, 2}, {1, 0, 3}});
+  const Model model(fold);
+  const MeshEdges edges(fold);
+  std::vector<VertexFacePair> vertex_face(9);
+  std::vector<EdgeEdgePair> edge_edge(9);
+  const ElementPairCount found = self_element_pairs(model, edges, 0.1, vertex_face, edge_edge);
+  ASSERT_EQ(found.vertex_face, 2U);
+  EXPECT_EQ(vertex_face[0].vertex + vertex_face[1].vertex, 5U);
+  EXPECT_FALSE(vertex_face[0].is_vertex_of_b);
+  ASSERT_EQ(found.edge_edge, 2U);
+  for (const EdgeEdgePair& pair : std::span(edge_edge).first(2)) {
+    EXPECT_LT(pair.a, pair.b);
+    const Ends p = edges.vertices()[pair.a], q = edges.vertices()[pair.b];
+    EXPECT_TRUE(p[0] != q[0] && p[0] != q[1] && p[1] != q[0] && p[1] != q[1]);
+  }
+}
+
+TEST(SelfElements, WithoutATriangleAreNotFound) {
+  const Mesh mesh = small_mesh({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}}, {{0, 1, 2}});
+  const ElementPairCount found = self_element_pairs(Model(mesh), MeshEdges(mesh), 9, {}, {});
+  EXPECT_EQ(found.vertex_face + found.edge_edge, 0U);
+}
+
+TEST(Elements, AreCountedBeyondTheRoomForThem) {
+  const Mesh ball = scenes::ball(20, 12);
+  const Model model(ball);
+  const MeshEdges edges(ball);
+  const Placed a{model}, b{model, {{}, {1, 0, 0}}};
+  std::vector<VertexFacePair> vertex_face(100'000), few_vertex_face(7);
+  std::vector<EdgeEdgePair> edge_edge(100'000), few_edge_edge(5);
+  const ElementPairCount all = element_pairs(a, edges, b, edges, 0.1, vertex_face, edge_edge);
+  ASSERT_GT(all.vertex_face, few_vertex_face.size());
+  ASSERT_GT(all.edge_edge, few_edge_edge.size());
+  const ElementPairCount few = element_pairs(a, edges, b, edges, 0.1, few_vertex_face, few_edge_edge);
+  EXPECT_EQ(few.vertex_face, all.vertex_face);
+  EXPECT_EQ(few.edge_edge, all.edge_edge);
+  for (std::size_t i = 0; i < few_vertex_face.size(); ++i) {
+    EXPECT_EQ(few_vertex_face[i].vertex, vertex_face[i].vertex);
+  }
+  for (std::size_t i = 0; i < few_edge_edge.size(); ++i) EXPECT_EQ(few_edge_edge[i].b, edge_edge[i].b);
+}
+
+TEST(Elements, EndWhenAVisitorSaysSo) {
+  const Mesh ball = scenes::ball(20, 12);
+  const Model model(ball);
+  const MeshEdges edges(ball);
+  std::size_t visited = 0;
+  const auto third = [&](const auto&) { return ++visited < 3; };
+  for (const bool stops_at_edges : {false, true}) {
+    visited = 0;
+    const ElementPairCount found = stops_at_edges ? visit_self_element_pairs(model, edges, 0.3, take_all, third)
+                                                  : visit_self_element_pairs(model, edges, 0.3, third, take_all);
+    EXPECT_EQ(visited, 3U);
+    EXPECT_EQ(stops_at_edges ? found.edge_edge : found.vertex_face, 3U);
+    EXPECT_FALSE(found.is_complete);
+  }
+  const auto throws = [](const auto&) -> bool { throw std::runtime_error("enough"); };
+  EXPECT_THROW(visit_self_element_pairs(model, edges, 0.3, throws, take_all), std::runtime_error);
+}
+
+TEST(Elements, DoNotDependOnHowTheModelCameToBe) {
+  Rng rng(1401);
+  const Mesh sheet = scenes::grid(30, 30, -2, -2, 0.13, 0.13);
+  std::vector<Vec3> positions = sheet.positions();
+  for (Vec3& p : positions) p = p + 0.2 * uniform_point(rng);
+  Model moved(sheet);
+  moved.move_all(positions).value();
+  moved.commit();
+  const Model made(moved.mesh());
+  const MeshEdges edges(sheet);
+  const auto ids = [&](const Model& model) {
+    std::vector<std::array<std::uint32_t, 3>> found;
+    visit_self_element_pairs(
+        model, edges, 0.05,
+        [&](const VertexFacePair& p) {
+          return found.push_back({0, p.vertex, p.triangle}), true;
+        },
+        [&](const EdgeEdgePair& p) {
+          return found.push_back({1, p.a, p.b}), true;
+        });
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  const auto found = ids(moved);
+  EXPECT_GT(found.size(), 100U);
+  EXPECT_EQ(found, ids(made));
+}
+
+TEST(ElementsMisuse, IsRefused) {
+  const Mesh mesh = flat_square();
+  Model model(mesh);
+  const MeshEdges edges(mesh), others(scenes::ball(5, 3));
+  const Placed placed{model};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double margin : {-1.0, nan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(element_pairs(placed, edges, placed, edges, margin, {}, {}), std::invalid_argument);
+    EXPECT_THROW(self_element_pairs(model, edges, margin, {}, {}), std::invalid_argument);
+    EXPECT_THROW(reference::element_pairs({mesh}, {mesh}, margin), std::invalid_argument);
+    EXPECT_THROW(reference::self_element_pairs(mesh, margin), std::invalid_argument);
+  }
+  EXPECT_THROW(element_pairs(placed, others, placed, edges, 1, {}, {}), std::invalid_argument);
+  EXPECT_THROW(element_pairs(placed, edges, placed, others, 1, {}, {}), std::invalid_argument);
+  EXPECT_THROW(self_element_pairs(model, others, 1, {}, {}), std::invalid_argument);
+  std::vector<Vec3> positions = mesh.positions();
+  positions.push_back({});
+  const MeshEdges one_vertex_more(small_mesh(positions, mesh.triangles()));
+  EXPECT_THROW(self_element_pairs(model, one_vertex_more, 1, {}, {}), std::invalid_argument);
+  MeshEdges from = edges;
+  const MeshEdges to = std::move(from);
+  EXPECT_THROW(self_element_pairs(model, from, 1, {}, {}), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
+  const Transform stretched{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+  EXPECT_THROW(element_pairs(placed, edges, {model, stretched}, edges, 1, {}, {}), std::invalid_argument);
+  EXPECT_THROW(reference::element_pairs({mesh}, {mesh, stretched}, 1), std::invalid_argument);
+  model.move_all(mesh.positions()).value();
+  EXPECT_THROW(self_element_pairs(model, edges, 1, {}, {}), std::invalid_argument);
+  EXPECT_THROW(element_pairs(placed, edges, placed, edges, 1, {}, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace limber::testing
