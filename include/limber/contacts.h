@@ -36,13 +36,14 @@ struct Contact : TriangleContact {
   TriangleId triangle_a = no_id, triangle_b = no_id;  ///< index each model's own mesh
 };
 
-/// Called for each pair; returns whether to go on.
+/// Called for each pair; returns whether to go on. Must not change the models of the query.
 using TrianglePairVisitor = FunctionRef<bool(const TrianglePair&)>;
 using ContactVisitor = FunctionRef<bool(const Contact&)>;
 
 /// Which pairs count: called with the ids of two triangles whose bounds are close, before they are compared.
 using TrianglePairFilter = FunctionRef<bool(TriangleId a, TriangleId b)>;
 
+/// Alias    Refers to the filter, which must live until the query returns: a variable, or a lambda in the call itself.
 struct PairOptions {
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
 };
@@ -80,10 +81,10 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
                    const PairOptions& options = {});
 
-/// The closest pairs of triangles, as many as `closest` has room for, nearest first. The count is smaller if there are
-/// fewer pairs, or fewer that the filter lets through. Which of several equally close pairs are among them is not
-/// defined.
+/// The closest pairs of triangles, as many as `closest` has room for.
 ///
+/// Promise  Nearest first. The count is that of the pairs written: smaller than the room if there are fewer pairs, or
+///          fewer that the filter lets through. Which of several equally close pairs are among them is not defined.
 /// Throws   As visit_intersections().
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
@@ -98,13 +99,14 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///
+/// Promise  Decided exactly. The witness names a pair that meets, in the model's own frame.
 /// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair
 ///          of triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do,
 ///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
 ///          may depend on it, and nothing else.
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
-/// Cost     O(n) for surfaces that do not meet themselves, O(n^2) at worst. 40 kB of stack; allocates nothing but a
-///          cache's memory.
+/// Cost     In practice O(n) for surfaces that do not meet themselves; O(n^2) at worst. 40 kB of stack; allocates
+///          nothing but a cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 CollideResult self_collide(const Model& model, const PairOptions& options = {});

@@ -40,11 +40,11 @@ struct PointResult {
 /// The point of a placed model that is closest to a point of the world.
 ///
 /// Promise  The same bits as reference::closest_point(), whatever the tree, its history and motion margin, the
-///          instruction set and the number of threads; only of triangles with equal corners, in order, another one may
-///          be named. Of triangles that are equally close, to the bit, that with the lowest id is named. The model is
-///          taken as placed: every vertex is moved to the world in float64 first. The distance is within 2^-50 of the
-///          extent of the true one, where the extent is the largest coordinate of a corner of the triangle relative to
-///          the point.
+///          instruction set and the number of threads. Of triangles that are equally close, to the bit, the one with
+///          the lowest id is named; of triangles whose corners are equal, in order, any may be. The model is taken as
+///          placed: every vertex is moved to the world in float64 first. The distance is within 2^-50 of the extent of
+///          the true one, where the extent is the largest coordinate of a corner of the triangle relative to the
+///          point.
 /// Throws   std::invalid_argument unless the model is committed, its pose is rigid, the point is finite and at most
 ///          `max_coordinate` in size, and max_distance is >= 0 or infinite.
 /// Cost     About O(log n) for points near the model. O(n) at worst, where all triangles are about equally far away.
@@ -68,7 +68,7 @@ struct SignedDistance {
   std::optional<SurfacePoint> closest;  ///< none exactly when nothing is as close as max_distance
   QueryStats stats{};
 
-  /// Negative inside. Pre: closest.
+  /// Negative inside; on the surface 0, which may have a minus sign. Pre: `closest` is there.
   double distance() const { return is_inside ? -closest->distance : closest->distance; }
 };
 
@@ -94,18 +94,20 @@ class ClosedSurface {
   /// Whether the surface, placed by world_from_model, encloses a point of the world, or the point lies on it.
   ///
   /// Throws   std::invalid_argument as closest_point(), or if the model has been reset().
-  /// Cost     As that of a ray. Allocates nothing.
+  /// Cost     That of following one ray from the point out of the model; O(n) at worst. Allocates nothing.
   bool contains(const Vec3& point, const Transform& world_from_model = {}) const;
 
   /// How often the surface winds around a point that is not on it, counter-clockwise seen from outside: 1 inside of a
   /// surface whose normals point outward. Nothing on it.
   ///
   /// Throws   As contains().
+  /// Cost     As contains().
   std::optional<int> winding_number(const Vec3& point, const Transform& world_from_model = {}) const;
 
   /// closest_point() and contains().
   ///
   /// Throws   As contains(), or if max_distance is not >= 0 or infinite.
+  /// Cost     That of both.
   SignedDistance signed_distance(const Vec3& point, const Transform& world_from_model = {},
                                  const PointOptions& options = {}) const;
   /// The same for many points: results[i] is that of points[i], to the bit.

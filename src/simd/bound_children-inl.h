@@ -63,14 +63,15 @@ LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   const Packet cosine_abs = abs(cosine), sine = sqrt(dot(crossed, crossed));
   const Packet height_o = dot(p.d, normal_o), height = dot(p.d, p.normal);
   const Packet height_o_abs = abs(height_o), height_abs = abs(height);
-  const Cap near_o = select(height_o > zero(), lower_o, upper_o), near = select(height > zero(), p.upper, p.lower);
   const Packet rounding = p.d_sq * Packet::set(core::across_error);
   const Packet across_o = sqrt(max(p.d_sq - height_o * height_o - rounding, zero()));
   const Packet across = sqrt(max(p.d_sq - height * height - rounding, zero()));
-  const Packet support_along_o =
-      support(p.radius, select(height_o * cosine > zero(), p.upper, p.lower), cosine_abs, sine);
-  const Packet support_o_along =
-      support(radius_o, select(height * cosine > zero(), lower_o, upper_o), cosine_abs, sine);
+  // Which side of a slab counts follows from the same comparisons as which side the other node is on: heights of 0,
+  // and products that underflow, must not have it both ways.
+  const Mask is_above_o = height_o > zero(), is_above = height > zero(), is_acute = cosine > zero();
+  const Cap near_o = select(is_above_o, lower_o, upper_o), near = select(is_above, p.upper, p.lower);
+  const Packet support_along_o = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
+  const Packet support_o_along = support(radius_o, select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
   const Packet best = max(gap_sq(height_o_abs - support_along_o - near_o.height, across_o - p.radius_sum),
                           gap_sq(height_abs - near.height - support_o_along, across - p.radius_sum));
   // Along the line of centers; products with `distance` instead of quotients. The sines are rounded down above; here
