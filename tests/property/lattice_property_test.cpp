@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Queries in scenes on a lattice, against brute force. Bounds touch there, to the bit, and nearly everything meets.
+#include <gtest/gtest.h>
+
+#include <span>
+#include <vector>
+
+#include "limber/classic.h"
+#include "limber/contacts.h"
+#include "limber/elements.h"
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "simd/kernels.h"
+#include "support/lattice_scene.h"
+
+namespace limber::testing {
+namespace {
+
+/// What is found on every instruction set is what brute force finds.
+class LatticeProperty : public ::testing::Test {
+ protected:
+  ~LatticeProperty() override { simd::use_kernels(nullptr); }
+
+  /// Another instruction set for each scene.
+  void choose_kernels(std::size_t scene) {
+    const std::span<const simd::Kernels> sets = simd::all_kernels();
+    simd::use_kernels(&sets[scene % sets.size()]);
+  }
+};
+
+TEST_F(LatticeProperty, OfTwoModels) {
+  Rng rng(1601);
+  int meeting = 0;
+  for (std::size_t i = 0; i < 8000; ++i) {
+    const Scene s = lattice_scene(rng);
+    choose_kernels(i);
+    const Model a(s.mesh_a), b(s.mesh_b);
+    const Placed pa{a, s.pose_a}, pb{b, s.pose_b};
+    const reference::Placed ra{s.mesh_a, s.pose_a}, rb{s.mesh_b, s.pose_b};
+    const std::size_t expected = reference::intersections(ra, rb).size();
+    ASSERT_EQ(intersections(pa, pb, {}).count, expected) << "scene " << i;
+    ASSERT_EQ(collide(pa, pb).collision, expected > 0) << "scene " << i;
+    ASSERT_EQ(within(pa, pb, 0).within, expected > 0) << "scene " << i;
+    ASSERT_EQ(contacts(pa, pb, 0, {}).count, expected) << "scene " << i;
+    const double distance = reference::distance(ra, rb).upper;
+    ASSERT_NEAR(limber::distance(pa, pb).upper, distance, s.tolerance) << "scene " << i;
+    ASSERT_TRUE(within(pa, pb, distance + s.tolerance).within) << "scene " << i;
+    QueryCache cache;
+    limber::distance(pa, pb, {}, cache);
+    ASSERT_EQ(collide(pa, pb, cache).collision, expected > 0) << "scene " << i;
+    meeting += expected > 0 ? 1 : 0;
+  }
+  EXPECT_GT(meeting, 1000);
+  EXPECT_LT(meeting, 7500);
+}
+
+TEST_F(LatticeProperty, OfOneModel) {
+  Rng rng(1602);
+  int meeting = 0;
+  for (std::size_t i = 0; i < 4000; ++i) {
+    const Mesh mesh = lattice_mesh(rng);
+    choose_kernels(i);
+    const Model model(mesh);
+    const std::size_t expected = reference::self_intersections(mesh).size();
+    ASSERT_EQ(self_intersections(model, {}).count, expected) << "mesh " << i;
+    ASSERT_EQ(self_collide(model).collision, expected > 0) << "mesh " << i;
+    ASSERT_EQ(self_contacts(model, 0, {}).count, expected) << "mesh " << i;
+    meeting += expected > 0 ? 1 : 0;
+  }
+  EXPECT_GT(meeting, 1000);
+}
+
+TEST_F(LatticeProperty, OfElements) {
+  Rng rng(1604);
+  for (std::size_t i = 0; i < 1500; ++i) {
+    const Scene s = lattice_scene(rng);
+    choose_kernels(i);
+    const Model a(s.mesh_a), b(s.mesh_b);
+    const double margin = 0.45;  // of no two lattice elements the distance, up to rounding
+    const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
+    const ElementPairCount two = element_pairs({a, s.pose_a}, edges_a, {b, s.pose_b}, edges_b, margin, {}, {});
+    const reference::ElementPairs expected =
+        reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, margin);
+    ASSERT_EQ(two.vertex_face, expected.vertex_face.size()) << "scene " << i;
+    ASSERT_EQ(two.edge_edge, expected.edge_edge.size()) << "scene " << i;
+    const ElementPairCount one = self_element_pairs(a, edges_a, margin, {}, {});
+    const reference::ElementPairs expected_of_one = reference::self_element_pairs(s.mesh_a, margin);
+    ASSERT_EQ(one.vertex_face, expected_of_one.vertex_face.size()) << "scene " << i;
+    ASSERT_EQ(one.edge_edge, expected_of_one.edge_edge.size()) << "scene " << i;
+  }
+}
+
+TEST_F(LatticeProperty, OfClassicModels) {
+  Rng rng(1605);
+  for (std::size_t i = 0; i < 1500; ++i) {
+    const Scene s = lattice_scene(rng);
+    const classic::Model a(s.mesh_a), b(s.mesh_b);
+    const bool expected = reference::collide({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).collision;
+    ASSERT_EQ(classic::collide({a, s.pose_a}, {b, s.pose_b}).collision, expected) << "scene " << i;
+    ASSERT_EQ(classic::within({a, s.pose_a}, {b, s.pose_b}, 0).within, expected) << "scene " << i;
+  }
+}
+
+TEST_F(LatticeProperty, OfPoints) {
+  Rng rng(1603);
+  for (std::size_t i = 0; i < 2000; ++i) {
+    const Mesh mesh = lattice_mesh(rng);
+    choose_kernels(i);
+    const Model model(mesh);
+    const Transform pose{lattice_rotation(rng), lattice_point(rng, 4)};
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 point = 0.5 * lattice_point(rng, 12);
+      const SurfacePoint found = closest_point({model, pose}, point).closest.value();
+      const SurfacePoint expected = reference::closest_point({mesh, pose}, point).closest.value();
+      ASSERT_EQ(found.distance, expected.distance) << "mesh " << i;
+      ASSERT_EQ(found.triangle, expected.triangle) << "mesh " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
