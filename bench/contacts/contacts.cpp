@@ -71,6 +71,7 @@ class ContactBench {
   void elements(const std::string& name, const Mesh& mesh);
   void two_meshes(const std::string& name, const Mesh& a, const Mesh& b, bool with_given_margin);
   void frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
+  void element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
   /// The exit code. Nothing is reported if an answer was wrong.
   int report() const {
     if (checker_.all_right()) write_tables(settings_.options, rows_of_peers_, rows_, differences_);
@@ -386,6 +387,34 @@ void ContactBench::frames(const std::string& name, const Mesh& cloth, const std:
   for (std::size_t i = 0; i < 3; ++i) rows_.push_back({names[i], name, {summarize(parts[i]).median, 0}, "", {}});
 }
 
+/// The same frames with pairs of elements, which is what IPC's are.
+void ContactBench::element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved,
+                                  const Mesh& ball) {
+  const double margin = margin_of_size * diagonal(cloth);
+  Model model(cloth);
+  const Model body(ball);
+  const MeshEdges edges(cloth), edges_of_body(ball);
+  const auto count = [&] {
+    const ElementPairCount with_body = element_pairs({model}, edges, {body}, edges_of_body, margin, {}, {});
+    const ElementPairCount with_itself = self_element_pairs(model, edges, margin, {}, {});
+    return std::pair(with_body.vertex_face + with_itself.vertex_face, with_body.edge_edge + with_itself.edge_edge);
+  };
+  const auto [vertex_faces, edge_edges] = count();
+  std::vector<VertexFacePair> vertex_face(2 * vertex_faces);
+  std::vector<EdgeEdgePair> edge_edge(2 * edge_edges);
+  std::size_t turn = 0;
+  Row frame{"frame of elements", name, {}, fmt::format("{} + {}", vertex_faces, edge_edges), {}};
+  frame.time = time([&] {
+    model.move_all(++turn % 2 == 1 ? moved : cloth.positions()).value();
+    model.commit();
+    element_pairs({model}, edges, {body}, edges_of_body, margin, vertex_face, edge_edge);
+    self_element_pairs(model, edges, margin, vertex_face, edge_edge);
+  });
+  add_peer(frame, "IPC Toolkit, candidates alone", "ipctk", name, "frame_candidates");
+  add_peer(frame, "IPC Toolkit", "ipctk", name, "frame");
+  rows_.push_back(frame);
+}
+
 int run(const Settings& settings) {
   const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   report_machine(settings.options);
@@ -405,8 +434,9 @@ int run(const Settings& settings) {
     const Mesh &cloth = cloths.first().mesh, ball = load_mesh(settings.answers / (name + "_ball.ply")).value();
     if (name == "folded") bench.one_mesh(name, cloth);
     bench.two_meshes(name, cloth, ball, name == "drape");
-    bench.frames("frame_" + name, cloth, cloths.read_positions(settings.answers / (name + "_moved.ply"), 1).value(),
-                 ball);
+    const std::vector<Vec3> moved = cloths.read_positions(settings.answers / (name + "_moved.ply"), 1).value();
+    bench.frames("frame_" + name, cloth, moved, ball);
+    bench.element_frames("frame_" + name, cloth, moved, ball);
   }
   return bench.report();
 }
