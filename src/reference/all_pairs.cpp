@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "core/float_environment.h"
@@ -35,10 +36,11 @@ bool meet(MeshView mesh, TriangleId i, TriangleId j) {
   return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
 }
 
-/// The nearest of what is in the order of ids.
+/// The nearest, of equally close ones the first in the order of ids.
 std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
-  std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const Contact& c, const Contact& d) { return c.distance < d.distance; });
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& c, const Contact& d) {
+    return std::tie(c.distance, c.triangle_a, c.triangle_b) < std::tie(d.distance, d.triangle_a, d.triangle_b);
+  });
   contacts.resize(std::min(count, contacts.size()));
   return contacts;
 }
