@@ -8,6 +8,7 @@
 
 #include "core/error_bounds.h"
 #include "core/rounding.h"
+#include "geometry/local_frame.h"
 #include "math/rigid.h"
 #include "model/model_impl.h"
 #include "query/frames.h"
@@ -52,7 +53,7 @@ simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
   in.error = core::placement_error * (magnitude_ + from_origin) + tree_->drift;
   in.error_units = core::float_up(or_infinite(in.error * in.per_unit)) + core::smallest_error_units;
   const Vec3 up = point - pose_(center_);
-  const double distance = length(up);
+  const double distance = geometry::safe_length(up);
   in.is_far = distance > far_distance_;
   if (in.is_far) {
     const Vec3 world_direction = up * (1 / distance), direction = transpose(pose_.rotation) * world_direction;

@@ -8,6 +8,7 @@
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "core/rounding.h"
+#include "geometry/local_frame.h"
 #include "math/rigid.h"
 #include "model/model_impl.h"
 
@@ -29,7 +30,7 @@ double root_gap(const bvh::Tree& tree, const Vec3& point) {
   const double height = dot(Vec3{n.normal_x[0], n.normal_y[0], n.normal_z[0]}, point);
   const double above = height - tree.unit * static_cast<double>(n.high[0]);
   const double below = tree.unit * static_cast<double>(n.low[0]) - height;
-  return std::max({length(out), above, below}) - tree.drift;
+  return std::max({geometry::safe_length(out), above, below}) - tree.drift;
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ double PlacedModels::root_bound() const {
   const PlacedTree &a = at(Side::a), &b = at(Side::b);
   const Vec3 between = b.pose(bvh::slot_center(*b.tree, bvh::root)) - a.pose(bvh::slot_center(*a.tree, bvh::root));
   const double radius_a = root_radius(*a.tree), radius_b = root_radius(*b.tree);
-  double best = length(between) - radius_a - radius_b;
+  double best = geometry::safe_length(between) - radius_a - radius_b;
   // The sphere of one next to the box and the slab of the other.
   best = std::max(best, root_gap(*a.tree, transpose(a.pose.rotation) * between) - radius_b);
   best = std::max(best, root_gap(*b.tree, transpose(b.pose.rotation) * -between) - radius_a);
@@ -92,8 +93,8 @@ double PlacedModels::max_displacement(const Transform& before, double error_befo
   // The difference of two rotations stretches a vector by at most its Frobenius norm over the root of 2.
   const double turned = std::sqrt(
       0.5 * (length_sq(to.row0 - from.row0) + length_sq(to.row1 - from.row1) + length_sq(to.row2 - from.row2)));
-  const double size = length(center_before - center_a) + length(center_after - center_a) + sum_of_coordinates(center) +
-                      root_radius(a) + root_radius(b);
+  const double size = geometry::safe_length(center_before - center_a) + geometry::safe_length(center_after - center_a) +
+                      sum_of_coordinates(center) + root_radius(a) + root_radius(b);
   return core::distance_up(center_before, center_after) + turned * root_radius(b) + core::rigidity_error * size +
          2 * (error_before + error_);
 }

@@ -36,8 +36,8 @@ struct alignas(64) LeafCorners {
 
 /// Pairs of triangles of two leaves, as 8 * slot of the first + slot of the second.
 struct PairList {
-  std::uint32_t count = 0;
   alignas(64) std::uint8_t pair[width * width + width];
+  std::uint32_t count = 0;
 
   /// Appends the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second.
   LIMBER_KERNEL void add(std::uint64_t pairs) {

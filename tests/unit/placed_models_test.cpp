@@ -5,9 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "limber/model.h"
+#include "limber/query.h"
+#include "limber/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -31,6 +35,25 @@ TEST(PlacedModels, ErrorCoversTheCoordinatesOfModelsThatDriftVertexByVertex) {
     double largest = 0;
     for (const Vec3& p : model.mesh().positions()) largest = std::max(largest, max_abs(p));
     ASSERT_GE(query::PlacedModels({model}, {still}).error(), 0x1p-45 * largest) << step;
+  }
+}
+
+TEST(PlacedModels, BoundOfTheRootsHoldsWhereSquaresOfLengthsUnderflow) {
+  const Mesh ball = scenes::ball(10, 5);
+  for (int exponent = -480; exponent >= -560; --exponent) {
+    // Next to their distance the models are nearly points.
+    const double distance = std::ldexp(1.3, exponent), size = std::ldexp(distance, -34);
+    std::vector<Vec3> positions = ball.positions();
+    for (Vec3& p : positions) p = size * p;
+    const Mesh tiny = Mesh::create(std::move(positions), ball.triangles()).value();
+    const Model model(tiny);
+    const Transform pose{{}, {0.6 * distance, 0.64 * distance, 0.48 * distance}};
+    const double expected = reference::distance({tiny}, {tiny, pose}).upper;
+    EXPECT_LE(query::PlacedModels({model}, {model, pose}).root_bound(), expected) << exponent;
+    const DistanceResult found = limber::distance({model}, {model, pose});
+    EXPECT_NEAR(found.upper / expected, 1, 1e-13) << exponent;
+    EXPECT_LE(found.lower, found.upper) << exponent;
+    EXPECT_TRUE(within({model}, {model, pose}, expected * (1 + 1e-13)).within) << exponent;
   }
 }
 

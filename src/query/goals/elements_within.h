@@ -107,22 +107,28 @@ class ElementsWithin {
     is_stopped_ = !visit_vertex_face_({vertex, of_face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
   }
 
+  struct NamedEdge {
+    EdgeId id;
+    std::array<VertexId, 2> vertices;
+  };
+
   void compare_edges(const Element& of_a, const Element& of_b) {
     const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
     const EdgeId id_a = edges_[0]->of_triangles()[of_a.triangle()][of_a.corner()];
     const EdgeId id_b = edges_[1]->of_triangles()[of_b.triangle()][of_b.corner()];
     LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
     // The answer to the bit depends on the order, so that is by id and not by where the leaves are.
-    if (is_self && id_b < id_a) return compare_edges(id_b, b, id_a, a);
-    compare_edges(id_a, a, id_b, b);
+    const NamedEdge first{id_a, a}, second{id_b, b};
+    if (is_self && id_b < id_a) return compare_edges(second, first);
+    compare_edges(first, second);
   }
-  void compare_edges(EdgeId id_a, const std::array<VertexId, 2>& a, EdgeId id_b, const std::array<VertexId, 2>& b) {
-    const Segment edge_a{position(Side::a, a[0]), position(Side::a, a[1])};
-    const Segment edge_b{position(Side::b, b[0]), position(Side::b, b[1])};
+  void compare_edges(const NamedEdge& a, const NamedEdge& b) {
+    const Segment edge_a{position(Side::a, a.vertices[0]), position(Side::a, a.vertices[1])};
+    const Segment edge_b{position(Side::b, b.vertices[0]), position(Side::b, b.vertices[1])};
     const geometry::PointsOnSegments closest = geometry::closest_on(edge_a, edge_b);
     if (!(closest.distance <= margin_)) return;
     ++edge_edge_count;
-    is_stopped_ = !visit_edge_edge_({id_a, id_b, closest.distance, closest.s, closest.t});
+    is_stopped_ = !visit_edge_edge_({a.id, b.id, closest.distance, closest.s, closest.t});
   }
 
   const PlacedModels& placed_;
