@@ -10,11 +10,8 @@
 #define LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
 #endif
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 
-#include "core/check.h"
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
