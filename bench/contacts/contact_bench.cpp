@@ -17,31 +17,52 @@ PeerTime as_time(const std::string& library, const PeerRow& row) {
   return {library, row.setting(), row.count, {row.us, processor_us}};
 }
 
+/// The times of some calls.
+class Samples {
+ public:
+  void take(const std::function<void()>& call) {
+    const std::clock_t before = std::clock();
+    const Stopwatch watch;
+    call();
+    us_.push_back(watch.us());
+    processor_us_.push_back(1e6 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+    sum_us_ += us_.back();
+  }
+  double sum_us() const { return sum_us_; }
+  Timed medians() const { return {summarize(us_).median, summarize(processor_us_).median}; }
+
+ private:
+  std::vector<double> us_, processor_us_;
+  double sum_us_ = 0;
+};
+
 }  // namespace
 
 ContactBench::ContactBench(const Settings& settings)
     : settings_(settings), rows_of_peers_(read_peer_rows(settings.peers)), runs_(settings.options.quick ? 3 : 15) {}
 
 int ContactBench::report() const {
-  if (checker_.all_right()) write_tables(settings_.options, rows_of_peers_, rows_, differences_);
+  if (checker_.all_right()) write_tables(settings_.options, rows_of_peers_, rows_, differences_, point_differences_);
   return checker_.all_right() ? 0 : 1;
 }
 
 Timed ContactBench::time(const std::function<void()>& call, const std::function<void()>& prepare) const {
-  std::vector<double> us, processor_us;
-  double sum = 0;
-  for (int run = -1; run < runs_ && (run < 3 || sum < 2e6); ++run) {
+  Samples samples;
+  for (int run = -1; run < runs_ && (run < 3 || samples.sum_us() < 2e6); ++run) {
     if (prepare) prepare();
-    const std::clock_t before = std::clock();
-    const Stopwatch watch;
-    call();
-    const double taken = watch.us();
-    if (run < 0) continue;
-    us.push_back(taken);
-    processor_us.push_back(1e6 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
-    sum += taken;
+    run < 0 ? call() : samples.take(call);
   }
-  return {summarize(us).median, summarize(processor_us).median};
+  return samples.medians();
+}
+
+std::vector<Timed> ContactBench::time_in_turn(const std::vector<std::function<void()>>& calls) const {
+  std::vector<Samples> samples(calls.size());
+  for (int run = -1; run < runs_ && (run < 3 || samples.front().sum_us() < 2e6); ++run) {
+    for (std::size_t i = 0; i < calls.size(); ++i) run < 0 ? calls[i]() : samples[i].take(calls[i]);
+  }
+  std::vector<Timed> times;
+  for (const Samples& of_call : samples) times.push_back(of_call.medians());
+  return times;
 }
 
 std::optional<IdPairs> ContactBench::pairs_of(const std::string& file) const {

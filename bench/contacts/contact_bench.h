@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/contacts/peer_answers.h"
+#include "bench/contacts/peer_points.h"
 #include "bench/contacts/tables.h"
 #include "bench/support/report.h"
 #include "limber/mesh.h"
@@ -39,12 +40,18 @@ class ContactBench {
   /// The same frames with pairs of elements, which is what IPC's are.
   void element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
 
+  /// points.cpp: the points of one kind that peers.py has made, their closest points on a mesh, on one thread and on two.
+  /// Pre: oneTBB may start a second thread.
+  void points(const std::string& name, const Mesh& mesh, const std::string& kind);
+
   /// The exit code. Nothing is reported if an answer was wrong.
   int report() const;
 
  private:
   /// As peers.py takes times: an untimed call first, then up to 15, fewer of long ones. prepare() is not timed.
   Timed time(const std::function<void()>& call, const std::function<void()>& prepare = {}) const;
+  /// The same for several calls that take turns, so that a disturbance of the machine affects all alike.
+  std::vector<Timed> time_in_turn(const std::vector<std::function<void()>>& calls) const;
   std::optional<IdPairs> pairs_of(const std::string& file) const;
   std::optional<IdPairs> ipc_pairs_of(const std::string& mesh, MeshView view) const;
   /// The fastest setting of a peer, if it was asked.
@@ -59,6 +66,7 @@ class ContactBench {
   Checker checker_;
   std::vector<Row> rows_;
   std::vector<Difference> differences_;
+  std::vector<PointDifference> point_differences_;
 };
 
 /// The diagonal of the bounding box.
