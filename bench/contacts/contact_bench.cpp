@@ -57,7 +57,7 @@ Timed ContactBench::time(const std::function<void()>& call, const std::function<
 
 std::vector<Timed> ContactBench::time_in_turn(const std::vector<std::function<void()>>& calls) const {
   std::vector<Samples> samples(calls.size());
-  for (int run = -1; run < runs_ && (run < 3 || samples.front().sum_us() < 2e6); ++run) {
+  for (int run = -1; run < 7 * runs_ && (run < 3 || samples.front().sum_us() < 2e6); ++run) {
     for (std::size_t i = 0; i < calls.size(); ++i) run < 0 ? calls[i]() : samples[i].take(calls[i]);
   }
   std::vector<Timed> times;

@@ -25,7 +25,7 @@ struct Settings {
 };
 
 /// Asks limber the questions of `limber_bench_contacts`, compares its answers with those of other libraries, and keeps
-/// the times. Once an answer was wrong, no question is timed.
+/// the times.
 class ContactBench {
  public:
   explicit ContactBench(const Settings& settings);
@@ -40,8 +40,9 @@ class ContactBench {
   /// The same frames with pairs of elements, which is what IPC's are.
   void element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
 
-  /// points.cpp: the points of one kind that peers.py has made, their closest points on a mesh, on one thread and on two.
-  /// Pre: oneTBB may start a second thread.
+  // points.cpp
+  /// Closest points of a mesh to the points of one kind that peers.py has made, on one thread and on two.
+  /// Pre: oneTBB is not held to one thread.
   void points(const std::string& name, const Mesh& mesh, const std::string& kind);
 
   /// The exit code. Nothing is reported if an answer was wrong.
@@ -50,7 +51,8 @@ class ContactBench {
  private:
   /// As peers.py takes times: an untimed call first, then up to 15, fewer of long ones. prepare() is not timed.
   Timed time(const std::function<void()>& call, const std::function<void()>& prepare = {}) const;
-  /// The same for several calls that take turns, so that a disturbance of the machine affects all alike.
+  /// The same for calls that take turns, so that a disturbance of the machine affects all alike. Up to 105 times each,
+  /// because their ratio is to be exact.
   std::vector<Timed> time_in_turn(const std::vector<std::function<void()>>& calls) const;
   std::optional<IdPairs> pairs_of(const std::string& file) const;
   std::optional<IdPairs> ipc_pairs_of(const std::string& mesh, MeshView view) const;

@@ -45,8 +45,8 @@ struct PointAnswers {
   std::span<const PointResult> results;
 };
 
-/// Checks that each answer is a point of its triangle at the distance that it names, and by brute force that no triangle
-/// is closer to every hundredth point.
+/// Checks that each answer is a point of its triangle at the distance that it names, and by brute force that no
+/// triangle is closer to every hundredth point.
 void check_points(const std::string& mesh, const PointAnswers& ours, Checker& checker);
 
 /// Compares distances up to `tolerance`, a part of the mesh's size. Where a library's distance is greater, ours proves

@@ -11,22 +11,35 @@
 #include <vector>
 
 #include "bench/contacts/contact_bench.h"
+#include "bench/contacts/linked_projectors.h"
 #include "bench/contacts/peer_points.h"
 #include "limber/points.h"
 
 namespace limber::bench {
 namespace {
 
+/// A library that peers.py asks.
 struct Projector {
   const char *name, *peer;
   double tolerance;  // of the size
 };
 
-/// Libraries of float round each vertex by up to 2^-24 of its coordinates, which for the bunny are below its size, and a
-/// distance a few times.
+/// Parts of the size. Libraries of float round each vertex by up to 2^-24 of its coordinates, which for the bunny are
+/// below its size, and a distance a few times.
 constexpr double of_float = 0x1p-22, of_double = 1e-9;
 constexpr Projector projectors[] = {
     {"FCPW, float32", "fcpw", of_float}, {"MeshLib, float32", "meshlib", of_float}, {"trimesh", "trimesh", of_double}};
+
+std::vector<LinkedProjector> linked_projectors([[maybe_unused]] const Mesh& mesh) {
+  return {
+#ifdef LIMBER_PEER_EMBREE
+      embree_projector(mesh),
+#endif
+#ifdef LIMBER_PEER_CGAL
+      cgal_projector(mesh),
+#endif
+  };
+}
 
 bool same_distances(const std::vector<PointResult>& a, const std::vector<PointResult>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PointResult& x, const PointResult& y) {
@@ -62,6 +75,13 @@ void ContactBench::points(const std::string& name, const Mesh& mesh, const std::
     point_differences_.push_back(
         compare_points(question, name, projector.name, ours, *theirs, projector.tolerance, checker_));
   }
+  const std::vector<LinkedProjector> linked = linked_projectors(mesh);
+  std::vector<double> distances(points->size());
+  for (const LinkedProjector& projector : linked) {
+    projector.ask(*points, distances);
+    point_differences_.push_back(compare_points(question, name, projector.library, ours, distances,
+                                                projector.is_float ? of_float : of_double, checker_));
+  }
   if (!checker_.all_right()) return;
 
   const bool has_two = oneapi::tbb::info::default_concurrency() >= 2;
@@ -70,13 +90,18 @@ void ContactBench::points(const std::string& name, const Mesh& mesh, const std::
   const std::vector<Timed> times = time_in_turn(calls);
   const std::string count = std::to_string(points->size());
   Row row{question, name, times[0], count, {}};
+  for (const LinkedProjector& projector : linked) {
+    const Timed taken = time([&] { projector.ask(*points, distances); });
+    row.peers.push_back({projector.library, projector.setting, count, taken});
+  }
   for (const Projector& projector : projectors) add_peer(row, projector.name, projector.peer, name, question);
   rows_.push_back(row);
   if (!has_two) {
     fmt::print(stderr, "{} on two threads is left out: this process may use one processor only\n", question);
     return;
   }
-  rows_.push_back({question + ", two threads", name, times[1], count, {{"limber, one thread", "", count, times[0]}}});
+  rows_.push_back(
+      {question + ", two threads", name, times.back(), count, {{"limber, one thread", "", count, times[0]}}});
 }
 
 }  // namespace limber::bench
