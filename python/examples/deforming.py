@@ -19,7 +19,7 @@ def sheet(count: int) -> tuple[limber3d.typing.FloatArray, limber3d.typing.IdArr
 
 vertices, faces = sheet(40)
 cloth, plate = limber3d.Model(vertices, faces), limber3d.Model(vertices, faces)
-frames = []
+frames: list[limber3d.typing.FloatArray] = []
 for t in numpy.linspace(0, 6, 25):
     frame = vertices.copy()
     frame[:, 2] = 0.2 + 0.1 * numpy.sin(7 * vertices[:, 0] + t)

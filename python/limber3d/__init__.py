@@ -22,6 +22,7 @@ Threads   Builds, commits and queries release the GIL, except queries with a fil
 Docstrings are those of the C++ library, so that some of their words are C++.
 """
 
+from . import typing as typing
 from ._core import (
     Answer,
     Box,
@@ -150,6 +151,7 @@ __all__ = [
     "signed_distance_dtype",
     "surface_point_dtype",
     "track",
+    "typing",
     "vertex_face_dtype",
     "winding_number",
     "within",

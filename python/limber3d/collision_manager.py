@@ -79,6 +79,11 @@ class _World:
         """Of two managers, only pairs of an object of one and an object of the other count."""
         return (lambda a, b: (a in self.mine) != (b in self.mine)) if self.is_between else None
 
+    def _filter_of(self, name: str) -> Callable[[int, int], bool]:
+        """Only pairs of the named object count."""
+        named = next(id for id, its_name in self.mine.items() if its_name == name)
+        return lambda a, b: named in (a, b)
+
     def _ordered(self, a: int, b: int) -> _Pair:
         """Objects of the first manager first; in alphabetic order if both are of one."""
         return (b, a) if a in self.theirs or (b in self.mine and self.mine[b] < self.mine[a]) else (a, b)
@@ -95,7 +100,7 @@ class _World:
 
     def contacts(self, hits: list[_Pair]) -> list[ContactData]:
         """All pairs of triangles that intersect."""
-        found = []
+        found: list[ContactData] = []
         for a, b in hits:
             scene = self.scene
             for contact in contacts(scene.model(a), scene.model(b), 0.0, scene.pose(a), scene.pose(b)):
@@ -105,9 +110,7 @@ class _World:
     def closest(self, name: str | None = None) -> DistanceData | None:
         """The two objects that are closest, or an object of the first manager and the one that is closest to it; None if
         there are no two."""
-        named = next((id for id, its_name in self.mine.items() if its_name == name), None)
-        is_counted = self._filter() if named is None else lambda a, b: named in (a, b)
-        found = self.scene.closest_objects(filter=is_counted)
+        found = self.scene.closest_objects(filter=self._filter() if name is None else self._filter_of(name))
         if found.objects is None:
             return None
         a, b = found.objects

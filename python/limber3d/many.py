@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Callable, Iterable, Iterator, Sized
+from collections.abc import Callable, Generator, Iterable, Iterator, Sized
 from contextlib import contextmanager
 from typing import Any
 
@@ -29,7 +29,7 @@ class BatchInterrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def _progress_bar(count: int | None, is_wanted: bool) -> Iterator[Callable[[int], object]]:
+def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
     """What to tell of progress: tqdm, if that is wanted and installed."""
     if is_wanted:
         try:

@@ -93,8 +93,8 @@ void bind_arguments(nb::module_& m) {
   nb::class_<BudgetObject>(
       m, "QueryBudget",
       (std::string(docs::QueryBudget) + "\n\nA deadline is a value of time.monotonic(), in seconds.").c_str())
-      .def(nb::init<std::optional<double>, std::optional<std::uint64_t>, nb::object>(), nb::kw_only(),
-           "deadline"_a = nb::none(), "max_steps"_a = nb::none(), "cancel"_a = nb::none(),
+      .def(nb::init<std::optional<double>, std::optional<std::uint64_t>, const CancelFlag*>(), nb::kw_only(),
+           nb::keep_alive<1, 4>(), "deadline"_a = nb::none(), "max_steps"_a = nb::none(), "cancel"_a = nb::none(),
            nb::sig("def __init__(self, *, deadline: float | None = None, max_steps: int | None = None, "
                    "cancel: CancelFlag | None = None) -> None"));
 }

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <utility>
 
 namespace limber::python {
 
 BudgetObject::BudgetObject(std::optional<double> deadline, std::optional<std::uint64_t> max_steps,
-                           nb::object cancel_flag)
-    : cancel(std::move(cancel_flag)) {
+                           const CancelFlag* cancel) {
   if (deadline) {
     if (std::isnan(*deadline)) throw nb::value_error("deadline: expected seconds of time.monotonic(); got nan");
     // Python's time.monotonic() and this clock are the same clock of the system. A century is as good as for ever.
@@ -21,7 +19,7 @@ BudgetObject::BudgetObject(std::optional<double> deadline, std::optional<std::ui
     budget.deadline = Clock::time_point(std::chrono::duration_cast<Clock::duration>(since_start));
   }
   if (max_steps) budget.max_steps = *max_steps;
-  if (!cancel.is_none()) budget.cancel = &nb::cast<const CancelFlag&>(cancel).flag();
+  if (cancel != nullptr) budget.cancel = &cancel->flag();
 }
 
 }  // namespace limber::python

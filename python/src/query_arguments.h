@@ -28,15 +28,14 @@ class CancelFlag {
   std::atomic<bool> flag_ = false;
 };
 
-/// A budget, and the flag that it looks at.
+/// A budget. Whoever creates it keeps the flag alive.
 struct BudgetObject {
   /// `deadline` counts the seconds of time.monotonic().
   ///
   /// Throws   nb::value_error for a deadline that is not a number.
-  BudgetObject(std::optional<double> deadline, std::optional<std::uint64_t> max_steps, nb::object cancel_flag);
+  BudgetObject(std::optional<double> deadline, std::optional<std::uint64_t> max_steps, const CancelFlag* cancel);
 
   QueryBudget budget;
-  nb::object cancel;  // a CancelFlag, or None
 };
 
 /// Two models that are read until the call returns, and where they stand.

@@ -67,7 +67,7 @@ def test_read_only_arrays_lists_and_buffers_are_read() -> None:
     model.move_vertices([], numpy.zeros((0, 3)))
 
 
-BAD_VERTICES = {
+BAD_VERTICES: dict[str, Any] = {
     "shape (4, 2) and dtype float64": TETRA_VERTICES[:, :2],
     "shape (12,) and dtype float64": TETRA_VERTICES.ravel(),
     "shape (1, 4, 3) and dtype float64": TETRA_VERTICES[None],
