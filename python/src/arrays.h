@@ -21,7 +21,7 @@ namespace nb = nanobind;
 /// Element types that arguments may have.
 enum class Scalar { float32, float64, int32, int64, uint32, uint64, other };
 
-/// The memory of an array: NumPy's, or anything with Python's buffer protocol. What has neither, such as a list, becomes
+/// The memory of an array: NumPy's, or anything with the buffer protocol. What has neither, such as a list, becomes
 /// a NumPy array first.
 ///
 /// Threads  The destructor needs the GIL; reading does not.
