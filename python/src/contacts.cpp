@@ -3,7 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
-#include <array>
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -38,12 +38,18 @@ nb::object contacts_of(ModelObject& a, ModelObject& b, double margin, nb::handle
   });
 }
 
+/// As many pairs as there can be: room for more is not needed.
+std::size_t most_pairs(const ModelObject& a, const ModelObject& b) {
+  return a.model.mesh().triangles().size() * b.model.mesh().triangles().size();
+}
+
 nb::object closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, nb::handle pose_a, nb::handle pose_b,
                             nb::handle filter) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_closest(filter, count, [&](std::span<Contact> room, const PairOptions& options) {
-    return closest_pairs(pair.a(), pair.b(), room, options);
-  });
+  return found_closest(filter, std::min(count, most_pairs(a, b)),
+                       [&](std::span<Contact> room, const PairOptions& options) {
+                         return closest_pairs(pair.a(), pair.b(), room, options);
+                       });
 }
 
 /// The kept contacts and their regions.
@@ -104,9 +110,10 @@ nb::object self_contacts_of(ModelObject& model, double margin, nb::handle filter
 
 nb::object self_closest_pairs_of(ModelObject& model, std::size_t count, nb::handle filter) {
   const Reading guard = reading(model);
-  return found_closest(filter, count, [&](std::span<Contact> room, const PairOptions& options) {
-    return self_closest_pairs(model.model, room, options);
-  });
+  return found_closest(filter, std::min(count, most_pairs(model, model)),
+                       [&](std::span<Contact> room, const PairOptions& options) {
+                         return self_closest_pairs(model.model, room, options);
+                       });
 }
 
 constexpr const char* filter_note = R"(

@@ -24,8 +24,9 @@ using Index = std::optional<std::size_t>;
 
 Transform rigid_or_raise(Result<Transform> result, const char* name, Index index) {
   if (result) return *result;
-  const std::string place = index ? std::string("[") + std::to_string(*index) + "]" : "";
-  throw nb::value_error((name + place + ": " + result.error().text).c_str());
+  std::string text = name;
+  if (index) text.append("[").append(std::to_string(*index)).append("]");
+  throw nb::value_error(text.append(": ").append(result.error().text).c_str());
 }
 
 /// `count` numbers of the two axes that follow `first_axis`, row by row.
@@ -56,7 +57,10 @@ Transform from_parts(const Array& turn, const unsigned char* turn_at, const Arra
   const Vec3 translation = vector_at(shift, shift_at, axis);
   if (turn.size(axis) == 3) {
     const std::array<double, 9> m = matrix_at<9>(turn, turn_at, axis);
-    return {{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}}, translation};
+    const Vec3& t = translation;
+    const std::array<double, 16> matrix{m[0], m[1], m[2], t.x, m[3], m[4], m[5], t.y,
+                                        m[6], m[7], m[8], t.z, 0,    0,    0,    1};
+    return rigid_or_raise(transform_from_matrix(matrix, MatrixOrder::row_major), name, index);
   }
   const std::ptrdiff_t stride = turn.stride(axis);
   return rigid_or_raise(transform_from_quaternion(translation, turn.real(turn_at), turn.real(turn_at + stride),

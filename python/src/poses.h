@@ -15,8 +15,7 @@ namespace limber::python {
 
 /// One pose.
 ///
-/// Throws   nb::value_error if it has none of these forms, or as the functions of limber/math.h say. That a rotation of
-///          3 x 3 numbers is one is left to whoever uses the pose.
+/// Throws   nb::value_error if it has none of these forms, or for what the functions of limber/math.h refuse.
 Transform pose_from(nanobind::handle object, const char* name);
 
 /// Many poses: the same forms with another axis before the others, or one pose for all.

@@ -158,20 +158,20 @@ void bind_scene(nb::module_& m) {
           "is_committed",
           [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.is_committed(); }); },
           docs::Scene_is_committed)
-      .def("__len__", [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.size(); }); })
+      .def("__len__", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.size(); }); })
       .def("__contains__",
            [](SceneObject& self, ObjectId id) {
-             return self.read([&](const Scene& scene) { return scene.contains(id); });
+             return self.look([&](const Scene& scene) { return scene.contains(id); });
            })
       .def_prop_ro(
-          "id_bound", [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.id_bound(); }); },
+          "id_bound", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.id_bound(); }); },
           docs::Scene_id_bound)
       .def("model", &SceneObject::model, "id"_a, nb::sig("def model(self, id: int) -> Model"),
            "The model of an object.")
       .def(
           "pose",
           [](SceneObject& self, ObjectId id) {
-            const Transform pose = self.read([&](const Scene& scene) { return scene.object(id).pose; });
+            const Transform pose = self.look([&](const Scene& scene) { return scene.object(id).pose; });
             const std::array<double, 16> matrix = matrix_of(pose, MatrixOrder::row_major);
             return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
           },

@@ -55,9 +55,11 @@ void SceneObject::commit() {
   without_gil([&] { scene_.commit(); });
 }
 
-nb::object SceneObject::model(ObjectId id) const {
-  (void)scene_.object(id);  // throws unless there is such an object
-  return models_.at(model_of_[id]).owner;
+nb::object SceneObject::model(ObjectId id) {
+  return look([&](const Scene& scene) {
+    (void)scene.object(id);  // throws unless there is such an object
+    return models_.at(model_of_[id]).owner;
+  });
 }
 
 }  // namespace limber::python

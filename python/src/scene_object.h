@@ -31,7 +31,14 @@ class SceneObject {
   void set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses);
   void commit();
 
-  nb::object model(ObjectId id) const;
+  nb::object model(ObjectId id);
+
+  /// Calls query(scene) while nobody changes the scene; models may change meanwhile.
+  template <typename Query>
+  auto look(const Query& query) {
+    const Reading guard(users_, refusal_to_read);
+    return query(static_cast<const Scene&>(scene_));
+  }
 
   /// Calls query(scene) while nobody changes the scene or one of its models.
   template <typename Query>
@@ -54,10 +61,10 @@ class SceneObject {
 
   std::vector<Reading> reading_models();
 
-  Scene scene_;
   Users users_;
   std::map<ModelObject*, Shared> models_;
   std::vector<ModelObject*> model_of_;  // by id; nullptr where there is no object
+  Scene scene_;                         // ends before the models that it refers to
 };
 
 }  // namespace limber::python

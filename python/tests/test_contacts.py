@@ -39,6 +39,7 @@ def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
     pairs = limber3d.closest_pairs(ball, ball, 7, pose_b=pose)
     assert len(pairs) == 7 and (numpy.diff(pairs["distance"]) >= 0).all()
     assert pairs["distance"][0] == limber3d.distance(ball, ball, pose_b=pose).upper
+    assert len(limber3d.closest_pairs(ball, ball, 2**62, pose_b=pose)) == 720 * 720
 
 
 def test_reduction_keeps_a_few_and_leaves_its_argument_alone(ball: limber3d.Model) -> None:

@@ -77,7 +77,7 @@ BAD_POSES: list[tuple[Any, str]] = [
     (FAR * numpy.nan, "pose_b: .*not finite|pose_b: .*finite"),
     (numpy.diag([1.0, 1, -1, 1]), "pose_b: the matrix is no rigid motion"),
     (numpy.diag([1.0, 1, 1 + 1e-8, 1]), "pose_b: the matrix is no rigid motion"),
-    ((numpy.eye(3) * 1.1, [0, 0, 0]), "pose of model b"),
+    ((numpy.eye(3) * 1.1, [0, 0, 0]), "pose_b: the matrix is no rigid motion"),
     (([0, 0, 0, 0], [0, 0, 0]), "pose_b: "),
     (([1, 0, 0], [0, 0, 0]), r"pose_b: .* got shape \(3,\)"),
     (([1, 0, 0, 0], [0, 0]), r"pose_b: .* got shape \(2,\)"),
