@@ -147,7 +147,9 @@ void bind_contacts(nb::module_& m) {
         nb::sig("def reduce_contacts(contacts: RecordArray, *, radius: float, max_angle: float = 0.5, "
                 "max_points: int = 4) -> tuple[RecordArray, IdArray]"),
         (std::string(docs::reduce_contacts) +
-         "\n\nReturns  The kept contacts, and the region of each; the argument is left alone.")
+         "\n\nReturns  The kept contacts, and the region of each; the argument is left alone.\n\nradius: " +
+         docs::ReductionOptions_radius + "\n\nmax_angle: " + docs::ReductionOptions_max_angle +
+         "\n\nmax_points: " + docs::ReductionOptions_max_points)
             .c_str());
 }
 

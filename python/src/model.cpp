@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -133,7 +134,15 @@ Mesh     Vertices and faces; or one object that has `vertices` and `faces` or `t
 Shape    vertices (v, 3) of float32 or float64, faces (n, 3) of int32, int64, uint32 or uint64. Both are copied.
 Options  Where None is allowed it stands for: automatic.
 Raises   ValueError for arrays of other shapes or types, no triangle, coordinates that are not finite or too large, and
-         for options that are not what their comments say; IndexError for faces that name vertices that do not exist.)";
+         for options that are not what their texts say; IndexError for faces that name vertices that do not exist.
+Cost     O(n log n), on all threads.)";
+
+std::string constructor_documentation() {
+  return std::string(constructor_doc) + "\n\nmotion_margin: " + docs::ModelOptions_motion_margin +
+         "\n\nrebuild_policy: " + docs::RebuildPolicy +
+         "\n\nrebuild_budget_us: " + docs::ModelOptions_rebuild_budget_us +
+         "\n\npreallocate: " + docs::ModelOptions_preallocate;
+}
 
 }  // namespace
 
@@ -164,7 +173,7 @@ Busy     A call that would change a model while another thread uses it raises Bu
            nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, "
                    "motion_margin: float | None = 0.0, rebuild_policy: RebuildPolicy = ..., "
                    "rebuild_budget_us: float | None = None, preallocate: bool = False) -> None"),
-           constructor_doc)
+           constructor_documentation().c_str())
       .def("move_vertices", &move_vertices, "ids"_a, "positions"_a,
            nb::sig("def move_vertices(self, ids: ArrayLike, positions: ArrayLike) -> None"), docs::Model_move_vertices)
       .def("move_all", &move_all, "positions"_a, nb::sig("def move_all(self, positions: ArrayLike) -> None"),

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "bindings.h"
 #include "docstrings.h"
@@ -110,7 +111,10 @@ void bind_queries(nb::module_& m) {
         nb::sig("def distance(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
                 "relative_error: float = 0.0, absolute_error: float = 0.0, max_distance: float = float('inf'), "
                 "budget: QueryBudget | None = None, cache: QueryCache | None = None) -> DistanceResult"),
-        docs::distance);
+        (std::string(docs::distance) + "\n\nrelative_error: " + docs::DistanceOptions_relative_error +
+         "\n\nabsolute_error: " + docs::DistanceOptions_absolute_error +
+         "\n\nmax_distance: " + docs::DistanceOptions_max_distance)
+            .c_str());
   m.def("collide", &collide, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
         "cache"_a = nb::none(),
         nb::sig("def collide(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
