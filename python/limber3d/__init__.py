@@ -84,6 +84,7 @@ from ._core import (
     within,
     within_dtype,
 )
+from ._core import version as __version__
 from .collision_manager import CollisionManager
 from .files import load
 from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track
@@ -122,6 +123,7 @@ __all__ = [
     "TreeStats",
     "WithinResult",
     "Witness",
+    "__version__",
     "closest_pairs",
     "closest_point",
     "closest_points",

@@ -8,6 +8,7 @@
 NB_MODULE(_core, module) {
   using namespace limber::python;
   module.doc() = "The compiled part of limber3d.";
+  module.attr("version") = LIMBER_VERSION;
   bind_errors(module);
   bind_records(module);
   bind_results(module);
