@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Question: what a call of Python costs above the same call of C++.
 
-Workload  Distance and collision of two tetrahedra at 20 000 poses, call by call and batched on one thread; move_all() and
-          commit() of a sheet of 199 712 triangles from float32; a million calls, for what memory they leave behind.
+Workload  Distance and collision of two tetrahedra at 20 000 poses, call by call and batched on one thread; move_all()
+          and commit() of a sheet of 199 712 triangles from float32; a million calls, for what memory they leave behind.
 Metric    Microseconds above C++ by cpp_calls.cpp, which runs in turn with Python; the fastest of some rounds counts.
 Expected  At most 1 us a call, at most 0.1 us a pose batched; at most 1.2 times C++ for the sheet; flat memory.
 """

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Question: what a program in Python waits for, next to other libraries' packages from PyPI.
 
-Workload  stanford-bunny.obj and armadillo.obj, each scaled to a diagonal of 1. The armadillo is turned and shifted at random,
-          1 000 times: collision at all poses, exact distance where the two are apart.
-Metric    Microseconds a pose, calls and the loop in Python included, median of some rounds that run in turn; ratios to limber.
-          One thread, except for limber's batches in the last column, which use all processors.
+Workload  stanford-bunny.obj and armadillo.obj, each scaled to a diagonal of 1. The armadillo is turned and shifted at
+          random, 1 000 times: collision at all poses, exact distance where the two are apart.
+Metric    Microseconds a pose, calls and the loop in Python included, median of some rounds that run in turn; ratios to
+          limber. One thread, except for limber's batches in the last column, which use all processors.
 Expected  Equal answers: collisions at every pose, distances within a tolerance. Who answers otherwise is named.
 """
 
@@ -41,9 +41,19 @@ def random_poses(count: int) -> tuple[Any, Any]:
     q = random.normal(size=(count, 4))
     w, x, y, z = (q / numpy.linalg.norm(q, axis=1, keepdims=True)).T
     turns = numpy.stack(
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-         2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1).reshape(-1, 3, 3)
+        [
+            1 - 2 * (y * y + z * z),
+            2 * (x * y - w * z),
+            2 * (x * z + w * y),
+            2 * (x * y + w * z),
+            1 - 2 * (x * x + z * z),
+            2 * (y * z - w * x),
+            2 * (x * z - w * y),
+            2 * (y * z + w * x),
+            1 - 2 * (x * x + y * y),
+        ],
+        axis=1,
+    ).reshape(-1, 3, 3)
     ways = random.normal(size=(count, 3))
     return turns, ways / numpy.linalg.norm(ways, axis=1, keepdims=True) * random.uniform(0.2, 1, (count, 1))
 
@@ -175,12 +185,16 @@ def main() -> int:
         many.append((1e6 * (between - start) / arguments.poses, 1e6 * (end - between) / len(apart)))
 
     medians = {name: tuple(map(statistics.median, zip(*rows))) for name, rows in times.items()}
-    medians[f"limber3d, batches on {len(os.sched_getaffinity(0))} processors"] = tuple(map(statistics.median, zip(*many)))
+    medians[f"limber3d, batches on {len(os.sched_getaffinity(0))} processors"] = tuple(
+        map(statistics.median, zip(*many))
+    )
     base = medians["limber3d"]
     rows = ["| | collision, us | to limber3d | exact distance, us | to limber3d |", "|:--|--:|--:|--:|--:|"]
     for name, (hit_us, distance_us) in medians.items():
         label = f"{name} {versions.get(name, '')}".strip()
-        rows.append(f"| {label} | {hit_us:.2f} | {hit_us / base[0]:.2f} | {distance_us:.2f} | {distance_us / base[1]:.2f} |")
+        rows.append(
+            f"| {label} | {hit_us:.2f} | {hit_us / base[0]:.2f} | {distance_us:.2f} | {distance_us / base[1]:.2f} |"
+        )
     text = "\n".join([f"{arguments.poses} poses, {len(apart)} of them apart.", "", *rows]) + "\n"
     print(text)
     if arguments.out is not None:

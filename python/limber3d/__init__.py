@@ -16,8 +16,8 @@ Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or ui
           whatever their strides, unless the coordinates of a vertex are not side by side. Others raise ValueError.
 Errors    ValueError where a docstring names an error code, but IndexError for `index_out_of_range` and OSError for
           `unreadable_file`. BusyError where a model is changed and used at the same time.
-Threads   Builds, commits and queries release the GIL, except queries with a filter that is a Python function. Models may
-          be shared by threads that query them.
+Threads   Builds, commits and queries release the GIL, except queries with a filter that is a Python function. Models
+          may be shared by threads that query them.
 
 Docstrings are those of the C++ library, so that some of their words are C++.
 """

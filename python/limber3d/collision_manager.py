@@ -108,8 +108,8 @@ class _World:
         return found
 
     def closest(self, name: str | None = None) -> DistanceData | None:
-        """The two objects that are closest, or an object of the first manager and the one that is closest to it; None if
-        there are no two."""
+        """The two objects that are closest; the named one of the first manager and the one that is closest to it, if
+        there is a name; None if there are no two."""
         found = self.scene.closest_objects(filter=self._filter() if name is None else self._filter_of(name))
         if found.objects is None:
             return None
@@ -125,8 +125,8 @@ class CollisionManager:
     """A drop-in for trimesh.collision.CollisionManager: the same methods, arguments and answers.
 
     Meshes are trimesh.Trimesh, anything else that Model takes, or a Model, which is shared and may deform. They are
-    surfaces: a mesh wholly inside another does not collide with it. Transforms are rigid motions, in any of the forms of
-    a pose. Distances of meshes that meet are 0, and infinite where there are no two meshes.
+    surfaces: a mesh wholly inside another does not collide with it. Transforms are rigid motions, in any of the forms
+    of a pose. Distances of meshes that meet are 0, and infinite where there are no two meshes.
 
     Cost     Each question builds a scene of all objects, in O(n log n).
     """
@@ -156,7 +156,7 @@ class CollisionManager:
         return_names: bool = False,
         return_data: bool = False,
     ) -> Any:
-        """Whether a mesh meets any of the objects; if asked for, also the set of their names and the list of contacts."""
+        """Whether a mesh meets any of the objects; if asked for, also the set of their names and the contacts."""
         world = _World(self, _alone(mesh, transform))
         hits = world.collisions()
         names = {world.names(hit)[0] for hit in hits}
@@ -187,8 +187,8 @@ class CollisionManager:
     def min_distance_internal(
         self, name: str | None = None, return_names: bool = False, return_data: bool = False
     ) -> Any:
-        """The shortest distance of two objects, one of which is the named one if there is a name; if asked for, also the
-        pair of their names and data."""
+        """The shortest distance of two objects, one of which is the named one if there is a name; if asked for, also
+        the pair of their names and data."""
         if name is not None:
             self._model(name)
         data = _World(self).closest(name)

@@ -166,8 +166,8 @@ def track(
     For each frame, which is an array of all positions as move_all() takes it, the model is moved, committed and asked.
     It is left as the last frame has it.
 
-    Shape    frames is any iterable, or an array (n, v, 3). Poses are one for each frame, or one for all. The result is an
-             array of n records, limber3d.distance_dtype.
+    Shape    frames is any iterable, or an array (n, v, 3). Poses are one for each frame, or one for all. The result is
+             an array of n records, limber3d.distance_dtype.
     Promise  Record i holds what distance() answers for frame i, to the bit.
     Raises   As move_all() and distance_many(); ValueError if there are more frames than poses.
     """

@@ -22,8 +22,8 @@ RecordArray = numpy.typing.NDArray[numpy.void]
 """An array of records; its element type is one of the module's, such as limber3d.contact_dtype."""
 
 PoseLike = Union[ArrayLike, tuple[ArrayLike, ArrayLike], None]
-"""world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation), where the rotation is a 3 x 3 matrix;
-(quaternion, translation), where the quaternion is w, x, y, z."""
+"""world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation), where the rotation is a 3 x 3
+matrix; (quaternion, translation), where the quaternion is w, x, y, z."""
 
 PosesLike = PoseLike
 """Many poses: the forms of PoseLike with an axis of poses before the others, or one pose for all."""

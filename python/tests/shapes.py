@@ -19,8 +19,10 @@ def ball(slices: int = 24, stacks: int = 16) -> Arrays:
     """A closed unit ball with poles on the z axis; normals point outward."""
     angle = numpy.linspace(0, 2 * numpy.pi, slices, endpoint=False)
     height = numpy.linspace(-numpy.pi / 2, numpy.pi / 2, stacks + 1)[1:-1]
-    rings = [numpy.stack([numpy.cos(h) * numpy.cos(angle), numpy.cos(h) * numpy.sin(angle), 0 * angle + numpy.sin(h)], 1)
-             for h in height]
+    rings = [
+        numpy.stack([numpy.cos(h) * numpy.cos(angle), numpy.cos(h) * numpy.sin(angle), 0 * angle + numpy.sin(h)], 1)
+        for h in height
+    ]
     vertices = numpy.concatenate([[[0, 0, -1]], *rings, [[0, 0, 1]]])
     i, j = numpy.arange(slices), (numpy.arange(slices) + 1) % slices
     faces = [numpy.stack([0 * i, 1 + j, 1 + i], 1)]

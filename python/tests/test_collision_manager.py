@@ -77,7 +77,9 @@ def test_distances() -> None:
     distance, names = manager.min_distance_other(boxes(-3, 12), return_names=True)
     assert (distance, names) == (2, ("a", "a"))
     assert manager.min_distance_single(box) == 0
-    assert math.isinf(boxes(0).min_distance_internal()) and math.isinf(limber3d.CollisionManager().min_distance_single(box))
+    assert math.isinf(boxes(0).min_distance_internal()) and math.isinf(
+        limber3d.CollisionManager().min_distance_single(box)
+    )
 
 
 def test_mistakes_are_errors() -> None:

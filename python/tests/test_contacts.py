@@ -22,7 +22,9 @@ def test_intersections_are_pairs_of_ids(ball: limber3d.Model) -> None:
 
 def test_contacts_are_records(ball: limber3d.Model) -> None:
     contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
-    assert contacts.dtype == limber3d.contact_dtype and len(contacts) > len(limber3d.intersections(ball, ball, pose_b=NEAR))
+    assert contacts.dtype == limber3d.contact_dtype and len(contacts) > len(
+        limber3d.intersections(ball, ball, pose_b=NEAR)
+    )
     apart = contacts[contacts["distance"] > 0]
     gaps = numpy.linalg.norm(apart["point_b"] - apart["point_a"], axis=1)
     assert numpy.allclose(gaps, apart["distance"]) and (apart["depth"] == 0).all() and (gaps <= 0.05 + 1e-12).all()
@@ -65,7 +67,9 @@ def folded() -> limber3d.Model:
 def test_a_model_can_meet_itself(ball: limber3d.Model) -> None:
     model = folded()
     cache = limber3d.QueryCache()
-    assert limber3d.self_collide(model) and limber3d.self_collide(model, cache=cache) and not limber3d.self_collide(ball)
+    assert (
+        limber3d.self_collide(model) and limber3d.self_collide(model, cache=cache) and not limber3d.self_collide(ball)
+    )
     assert limber3d.self_distance(model, cache=cache).status is limber3d.Status.collision
     assert limber3d.self_distance(ball).upper > 0
     pairs = limber3d.self_intersections(model)

@@ -60,14 +60,20 @@ def test_contacts_of_many_poses_are_those_of_single_calls(ball: limber3d.Model) 
         assert offsets.shape == (201,) and offsets.dtype == numpy.int64 and offsets[-1] == len(contacts) > 0
         for i, pose in enumerate(poses):
             single = limber3d.contacts(ball, ball, 0.1, pose, filter=filter)
-            assert (contacts[offsets[i] : offsets[i + 1]] == single).all() and offsets[i + 1] - offsets[i] == len(single)
+            assert (contacts[offsets[i] : offsets[i + 1]] == single).all() and offsets[i + 1] - offsets[i] == len(
+                single
+            )
 
 
 def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Model) -> None:
     poses = random_poses(5, 60)
     expected = limber3d.distance_many(ball, tetra, poses)
-    forms: list[Any] = [poses[::-1].copy()[::-1], numpy.asfortranarray(poses), poses.tolist(),
-                        (poses[:, :3, :3], poses[:, :3, 3])]
+    forms: list[Any] = [
+        poses[::-1].copy()[::-1],
+        numpy.asfortranarray(poses),
+        poses.tolist(),
+        (poses[:, :3, :3], poses[:, :3, 3]),
+    ]
     for form in forms:
         assert (limber3d.distance_many(ball, tetra, form) == expected).all()
     turns, shifts = random_quaternions(5, 60, 2.0)

@@ -95,9 +95,10 @@ def test_pickles_and_copies_keep_mesh_and_options(ball: limber3d.Model) -> None:
         assert (twin.vertices == ball.vertices).all() and (twin.faces == ball.faces).all()
         assert twin.options == ball.options and twin.is_committed
         ball.commit()
-        assert limber3d.distance(twin, twin, pose_b=([1, 0, 0, 0], [0, 0, 4])).upper == limber3d.distance(
-            ball, ball, pose_b=([1, 0, 0, 0], [0, 0, 4])
-        ).upper
+        assert (
+            limber3d.distance(twin, twin, pose_b=([1, 0, 0, 0], [0, 0, 4])).upper
+            == limber3d.distance(ball, ball, pose_b=([1, 0, 0, 0], [0, 0, 4])).upper
+        )
 
 
 def test_what_refers_to_a_model_keeps_it_alive() -> None:

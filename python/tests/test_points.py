@@ -64,7 +64,9 @@ def test_open_surfaces_have_a_winding_number_and_no_inside(ball: limber3d.Model)
     with pytest.raises(ValueError, match="edge"):
         limber3d.ClosedSurface(opened)
     assert 0.9 < limber3d.winding_number(opened, [0, 0, 0]) < 1
-    assert limber3d.winding_number(ball, [0, 0, 0]) == pytest.approx(1) and limber3d.winding_number(ball, [3, 0, 0]) == pytest.approx(0)
+    assert limber3d.winding_number(ball, [0, 0, 0]) == pytest.approx(1) and limber3d.winding_number(
+        ball, [3, 0, 0]
+    ) == pytest.approx(0)
 
 
 def test_a_surface_whose_model_was_reset_is_refused(ball: limber3d.Model) -> None:

@@ -86,7 +86,9 @@ def test_contacts(meshes: tuple[Path, Path]) -> None:
 def test_self_contacts(meshes: tuple[Path, Path]) -> None:
     model = limber3d.load(meshes[0])
     (answer,) = lines("self", meshes[0], "--margin", 0.1, "--json")
-    ours = {(int(c["triangle_a"]), int(c["triangle_b"])): float(c["distance"]) for c in limber3d.self_contacts(model, 0.1)}
+    ours = {
+        (int(c["triangle_a"]), int(c["triangle_b"])): float(c["distance"]) for c in limber3d.self_contacts(model, 0.1)
+    }
     assert ours == {(p["triangle_a"], p["triangle_b"]): p["distance"] for p in answer["pairs"]} and len(ours) > 100
 
 

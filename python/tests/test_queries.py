@@ -162,7 +162,10 @@ def test_arguments_of_other_types_are_type_errors(tetra: limber3d.Model) -> None
 
 
 def test_functions_and_classes_have_the_docstrings_of_the_library() -> None:
-    assert limber3d.distance.__doc__ is not None and "Promise  lower <= true distance <= upper" in limber3d.distance.__doc__
+    assert (
+        limber3d.distance.__doc__ is not None
+        and "Promise  lower <= true distance <= upper" in limber3d.distance.__doc__
+    )
     for name in limber3d.__all__:
         if not name.endswith("_dtype") and name not in ("typing", "__version__"):
             assert len(getattr(limber3d, name).__doc__) > 15, name

@@ -31,7 +31,7 @@ WORDS = (
     (r"\breference::", "a loop over all triangles as by "),
     (r"\b(\w+)::(\w+)", r"\1.\2"),
 )
-# Sentences about what Python does not have, or has otherwise. Each of them has to be found, so that none is left behind.
+# Sentences about what Python does not have, or has otherwise. Each of them has to be found.
 SENTENCES = (
     (" The second form writes the first `?[a-z]+\\.size\\(\\)`? of them; count says how many there are.", ""),
     (" The second form writes the first pairs that there is room for; the counts say how many there are.", ""),
