@@ -5,7 +5,7 @@
 Workload  stanford-bunny.obj and armadillo.obj, each scaled to a diagonal of 1. The armadillo is turned and shifted at
           random, 1 000 times: collision at all poses, exact distance where the two are apart.
 Metric    Microseconds a pose, calls and the loop in Python included, median of some rounds that run in turn; ratios to
-          limber. One thread, except for limber's batches in the last column, which use all processors.
+          limber. Libraries run as they come: calls of limber use one thread, its batches in the last row all.
 Expected  Equal answers: collisions at every pose, distances within a tolerance. Who answers otherwise is named.
 """
 
