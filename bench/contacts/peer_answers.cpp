@@ -9,17 +9,12 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
-#include <stdexcept>
 
 #include "limber/geometry.h"
 #include "limber/reference.h"
 
 namespace limber::bench {
 namespace {
-
-std::runtime_error bad_line(const std::filesystem::path& file, const std::string& line) {
-  return std::runtime_error(file.string() + ": not as expected: " + line);
-}
 
 std::size_t shared_vertices(const Corners& a, const Corners& b) {
   std::size_t count = 0;
@@ -117,6 +112,10 @@ class Incidence {
 };
 
 }  // namespace
+
+std::runtime_error bad_line(const std::filesystem::path& file, const std::string& line) {
+  return std::runtime_error(file.string() + ": not as expected: " + line);
+}
 
 std::vector<PeerRow> read_peer_rows(const std::filesystem::path& csv) {
   std::vector<PeerRow> rows;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,9 @@
 
 /// What peers.py has measured and answered, and what sets its answers apart from ours.
 namespace limber::bench {
+
+/// What is thrown for a line of a file that is not as expected.
+std::runtime_error bad_line(const std::filesystem::path& file, const std::string& line);
 
 /// A row of contact_peers.csv.
 struct PeerRow {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/contacts/peer_answers.h"
+#include "bench/contacts/peer_points.h"
 #include "bench/support/report.h"
 
 /// What `limber_bench_contacts` has measured, and how it is shown.
@@ -31,6 +32,6 @@ struct Row {
 
 /// Writes contacts.md and contacts.csv.
 void write_tables(const Options& options, const std::vector<PeerRow>& rows_of_peers, const std::vector<Row>& rows,
-                  const std::vector<Difference>& differences);
+                  const std::vector<Difference>& differences, const std::vector<PointDifference>& point_differences);
 
 }  // namespace limber::bench

@@ -15,6 +15,10 @@ namespace limber::core {
 
 inline constexpr double tiny_square = 0x1p-900;
 
+/// Distances of segments whose sizes are between these need no other unit: fourth powers neither overflow nor lose digits
+/// that matter. A size is a sum of coordinates relative to a corner, 1 to 9 times the largest.
+inline constexpr double smallest_unscaled_size = 0x1p-96, largest_unscaled_size = 0x1p100;
+
 /// At least x + y for x, y >= 0; exact when either is 0.
 inline double add_up(double x, double y) {
   if (x == 0 || y == 0) return x + y;

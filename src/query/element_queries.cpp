@@ -24,6 +24,7 @@ template <bool is_self>
 ElementPairCount count_elements(const query::PlacedModels& placed, query::ElementsWithin<is_self>& goal) {
   ElementPairCount result;
   query::search_leaves(placed, goal, result.stats);
+  if (!goal.is_done()) goal.compare_collected();
   result.vertex_face = goal.vertex_face_count, result.edge_edge = goal.edge_edge_count;
   result.is_complete = !goal.is_done();
   return result;

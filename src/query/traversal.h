@@ -327,6 +327,12 @@ class Traversal {
 
   /// Puts the children that are kept where they will be taken in the right order.
   void keep(const Expansion& e) {
+    if constexpr (Goal::needs_all && Goal::takes_any) {  // any order will do
+      for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
+        queue_.push_first(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(rest))));
+      }
+      return;
+    }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
       if (Goal::takes_any || !descends_) return push(e, e.kept.all);

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Kernels::compare_triangles.
-//
-// Based on  the clamped closest-point iteration of [Ericson2005], section 5.1.9, for the edges of one triangle at once.
-// Differs   As geometry/segment_distance.h says; the arithmetic is the same, number by number.
 
 #if defined(LIMBER_SIMD_COMPARE_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_COMPARE_TRIANGLES_INL_H
@@ -16,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "simd/compare_segments-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -41,12 +39,6 @@ struct CornersInTurn {
   }
 };
 
-LIMBER_KERNEL Quad clamped_quotient(Quad numerator, Quad denominator) {
-  const Quad zero = Quad::set(0), one = Quad::set(1);
-  const Quad quotient = select(numerator >= denominator, one, numerator / denominator);
-  return select((denominator > zero) & (numerator > zero), quotient, zero);
-}
-
 /// The corners, of those given by turns, whose foot is inside of a face, as a bit mask.
 LIMBER_KERNEL unsigned find_feet(const FaceVectors& face, const CornersInTurn& corners) {
   const Quad zero = Quad::set(0);
@@ -71,21 +63,14 @@ LIMBER_KERNEL void compare_triangles(const FaceVectors& a, const FaceVectors& b,
   found.at_a = found.at_b = 0;
   for (std::uint32_t j = 0; j < 3; j += Quad::lanes) {
     const Quad3 start_b = corners_b.from(j), edge_b = corners_b.from(j + 1) - start_b;
-    const Quad length_sq_b = dot(edge_b, edge_b);
     Quad least_sq = Quad::set(std::numeric_limits<double>::infinity());
     Quad at_a = Quad::set(0), at_b = at_a, of_a = at_a;
     for (std::size_t i = 0; i < 3; ++i) {
       const Quad3 edge_a = broadcast(a.edge[i]), w = start_b - broadcast(a.corner[i]);
-      const Quad3 n = cross(edge_a, edge_b);
-      const Quad along = dot(edge_a, edge_b);
-      const Quad start = clamped_quotient(dot(cross(w, edge_b), n), dot(n, n));
-      const Quad t = clamped_quotient(start * along - dot(edge_b, w), length_sq_b);
-      const Quad s = clamped_quotient(t * along + dot(edge_a, w), dot(edge_a, edge_a));
-      const Quad3 between = w + (edge_b * t - edge_a * s);
-      const Quad distance_sq = dot(between, between);
-      const QuadMask is_better = least_sq > distance_sq;
-      least_sq = select(is_better, distance_sq, least_sq);
-      at_a = select(is_better, s, at_a), at_b = select(is_better, t, at_b);
+      const ClosestOnSegments<Quad> closest = closest_on_segments(edge_a, edge_b, w);
+      const QuadMask is_better = least_sq > closest.distance_sq;
+      least_sq = select(is_better, closest.distance_sq, least_sq);
+      at_a = select(is_better, closest.s, at_a), at_b = select(is_better, closest.t, at_b);
       of_a = select(is_better, Quad::set(static_cast<double>(i)), of_a);
     }
     double least[Quad::lanes], s[Quad::lanes], t[Quad::lanes], edge[Quad::lanes];

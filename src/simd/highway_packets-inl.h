@@ -123,6 +123,7 @@ struct Ids {
 
   static HWY_INLINE Ids set(std::uint32_t id) { return {hn::Set(Tag(), id)}; }
   static HWY_INLINE Ids load(const std::uint32_t* ids) { return {hn::Load(Tag(), ids)}; }
+  HWY_INLINE void store(std::uint32_t* ids) const { hn::StoreU(v, Tag(), ids); }
 };
 HWY_INLINE Ids pick(const std::uint32_t* table, const Slots& slots) { return {slots.pick(Ids::Tag(), table)}; }
 HWY_INLINE Mask operator==(Ids a, Ids b) { return {hn::RebindMask(Lanes(), hn::Eq(a.v, b.v))}; }
@@ -174,69 +175,56 @@ HWY_INLINE Packet larger_half(Packet a) { return a; }
 HWY_INLINE Packet smaller_half(Packet a) { return a; }
 #endif
 
-/// A vector of at most `width` numbers in float64.
-struct Doubles {
-  using Tag = hn::CappedTag<double, width>;
+/// A vector of at most `most` numbers in float64.
+template <std::size_t most>
+struct DoublePacket {
+  using Tag = hn::CappedTag<double, most>;
   using Narrow = hn::Rebind<float, Tag>;
   static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  struct Mask {
+    hn::Mask<Tag> m;
+
+    friend HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+    friend HWY_INLINE unsigned bits(Mask a) {
+      std::uint8_t byte = 0;
+      hn::StoreMaskBits(Tag(), a.m, &byte);
+      return byte;
+    }
+    friend HWY_INLINE bool all_of(Mask a) { return hn::AllTrue(Tag(), a.m); }
+  };
   hn::Vec<Tag> v;
 
-  static HWY_INLINE Doubles set(double x) { return {hn::Set(Tag(), x)}; }
-  static HWY_INLINE Doubles load(const double* p) { return {hn::Load(Tag(), p)}; }
-  static HWY_INLINE Doubles from_floats(const float* p) { return {hn::PromoteTo(Tag(), hn::Load(Narrow(), p))}; }
-  HWY_INLINE void store_rounded(float* p) const { hn::Store(hn::DemoteTo(Narrow(), v), Narrow(), p); }
-};
-
-HWY_INLINE Doubles operator+(Doubles a, Doubles b) { return {hn::Add(a.v, b.v)}; }
-HWY_INLINE Doubles operator-(Doubles a, Doubles b) { return {hn::Sub(a.v, b.v)}; }
-HWY_INLINE Doubles operator*(Doubles a, Doubles b) { return {hn::Mul(a.v, b.v)}; }
-HWY_INLINE Doubles abs(Doubles a) { return {hn::Abs(a.v)}; }
-HWY_INLINE Doubles max(Doubles a, Doubles b) { return {hn::Max(a.v, b.v)}; }
-HWY_INLINE double largest(Doubles a) { return hn::GetLane(hn::MaxOfLanes(Doubles::Tag(), a.v)); }
-
-struct DoublesMask {
-  hn::Mask<Doubles::Tag> m;
-};
-HWY_INLINE DoublesMask operator<=(Doubles a, Doubles b) { return {hn::Le(a.v, b.v)}; }
-HWY_INLINE DoublesMask operator&(DoublesMask a, DoublesMask b) { return {hn::And(a.m, b.m)}; }
-HWY_INLINE unsigned bits(DoublesMask a) {
-  std::uint8_t byte = 0;
-  hn::StoreMaskBits(Doubles::Tag(), a.m, &byte);
-  return byte;
-}
-HWY_INLINE bool all_of(DoublesMask a) { return hn::AllTrue(Doubles::Tag(), a.m); }
-
-/// A vector of at most four numbers in float64.
-struct Quad {
-  using Tag = hn::CappedTag<double, 4>;
-  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
-  hn::Vec<Tag> v;
-
-  static HWY_INLINE Quad set(double x) { return {hn::Set(Tag(), x)}; }
-  static HWY_INLINE Quad load(const double* p) { return {hn::LoadU(Tag(), p)}; }
+  static HWY_INLINE DoublePacket set(double x) { return {hn::Set(Tag(), x)}; }
+  static HWY_INLINE DoublePacket load(const double* p) { return {hn::LoadU(Tag(), p)}; }
+  static HWY_INLINE DoublePacket from_floats(const float* p) { return {hn::PromoteTo(Tag(), hn::Load(Narrow(), p))}; }
   HWY_INLINE void store(double* p) const { hn::StoreU(v, Tag(), p); }
-};
-struct QuadMask {
-  hn::Mask<Quad::Tag> m;
-};
+  HWY_INLINE void store_rounded(float* p) const { hn::Store(hn::DemoteTo(Narrow(), v), Narrow(), p); }
 
-HWY_INLINE Quad operator+(Quad a, Quad b) { return {hn::Add(a.v, b.v)}; }
-HWY_INLINE Quad operator-(Quad a, Quad b) { return {hn::Sub(a.v, b.v)}; }
-HWY_INLINE Quad operator*(Quad a, Quad b) { return {hn::Mul(a.v, b.v)}; }
-HWY_INLINE Quad operator/(Quad a, Quad b) { return {hn::Div(a.v, b.v)}; }
-HWY_INLINE QuadMask operator>(Quad a, Quad b) { return {hn::Gt(a.v, b.v)}; }
-HWY_INLINE QuadMask operator>=(Quad a, Quad b) { return {hn::Ge(a.v, b.v)}; }
-HWY_INLINE QuadMask operator&(QuadMask a, QuadMask b) { return {hn::And(a.m, b.m)}; }
-HWY_INLINE Quad select(QuadMask m, Quad a, Quad b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
-HWY_INLINE unsigned bits(QuadMask a) {
-  std::uint8_t byte = 0;
-  hn::StoreMaskBits(Quad::Tag(), a.m, &byte);
-  return byte;
-}
+  friend HWY_INLINE DoublePacket operator+(DoublePacket a, DoublePacket b) { return {hn::Add(a.v, b.v)}; }
+  friend HWY_INLINE DoublePacket operator-(DoublePacket a, DoublePacket b) { return {hn::Sub(a.v, b.v)}; }
+  friend HWY_INLINE DoublePacket operator*(DoublePacket a, DoublePacket b) { return {hn::Mul(a.v, b.v)}; }
+  friend HWY_INLINE DoublePacket operator/(DoublePacket a, DoublePacket b) { return {hn::Div(a.v, b.v)}; }
+  friend HWY_INLINE DoublePacket sqrt(DoublePacket a) { return {hn::Sqrt(a.v)}; }
+  friend HWY_INLINE DoublePacket abs(DoublePacket a) { return {hn::Abs(a.v)}; }
+  friend HWY_INLINE DoublePacket max(DoublePacket a, DoublePacket b) { return {hn::Max(a.v, b.v)}; }
+  friend HWY_INLINE double largest(DoublePacket a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
+  friend HWY_INLINE Mask operator>(DoublePacket a, DoublePacket b) { return {hn::Gt(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator<(DoublePacket a, DoublePacket b) { return {hn::Lt(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator<=(DoublePacket a, DoublePacket b) { return {hn::Le(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator>=(DoublePacket a, DoublePacket b) { return {hn::Ge(a.v, b.v)}; }
+  friend HWY_INLINE DoublePacket select(Mask m, DoublePacket a, DoublePacket b) {
+    return {hn::IfThenElse(m.m, a.v, b.v)};
+  }
+};
+using Doubles = DoublePacket<width>;
+using DoublesMask = Doubles::Mask;
+using Quad = DoublePacket<4>;
+using QuadMask = Quad::Mask;
 
 /// As many points as there are numbers in a packet.
-HWY_INLINE void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) {
-  hn::LoadInterleaved3(Doubles::Tag(), p, x.v, y.v, z.v);
+template <typename P>
+HWY_INLINE void load_points(const double* p, P& x, P& y, P& z) {
+  hn::LoadInterleaved3(typename P::Tag(), p, x.v, y.v, z.v);
 }
 /// x where it is at least `least` in size, 0 elsewhere.
 HWY_INLINE Doubles or_zero(Doubles x, Doubles size_of, double least) {

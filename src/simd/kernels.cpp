@@ -18,6 +18,7 @@
 #include "simd/bound_children-inl.h"
 #include "simd/bound_far_point-inl.h"
 #include "simd/bound_point-inl.h"
+#include "simd/compare_segments-inl.h"
 #include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_close_elements-inl.h"
@@ -46,7 +47,8 @@ const Kernels* kernel_table() {
                            max_displacement,
                            overlapping_boxes,
                            overlapping_pairs,
-                           compare_triangles};
+                           compare_triangles,
+                           compare_segments};
   return &set;
 }
 

@@ -119,6 +119,19 @@ struct TriangleFeatures {
   unsigned feet_of_b;            ///< bit mask: the other way round
 };
 
+/// Pairs of segments, of which not all need to be of use; what is not is finite.
+struct SegmentPairs {
+  static constexpr std::uint32_t room = 16;
+  Vec3 start_a[room]{}, end_a[room]{}, start_b[room]{}, end_b[room]{};
+};
+
+/// What geometry::closest_on() gives for pairs of segments, to the bit: of those whose bit in `are_ordinary` is set.
+/// The others are so large, small or close that they need another unit.
+struct ClosestOfSegments {
+  double distance[SegmentPairs::room], s[SegmentPairs::room], t[SegmentPairs::room];
+  unsigned are_ordinary;
+};
+
 /// A ray to be compared with a tree, in the tree's frame.
 struct QueryRay {
   alignas(32) double origin[4];  ///< the fourth number is 0
@@ -157,7 +170,7 @@ using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const Fr
                                 Candidates& candidates);
 
 /// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
-/// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use.
+/// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use. A slot that is not owns nothing.
 struct OwnedElements {
   std::uint64_t of_slots;
 };
@@ -241,6 +254,9 @@ using OverlappingPairs = std::uint64_t (*)(const bvh::WideBoxes& a, const bvh::W
 /// size.
 using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
 
+/// The closest points of all pairs of segments.
+using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& found);
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
@@ -257,6 +273,7 @@ struct Kernels {
   OverlappingBoxes overlapping_boxes;
   OverlappingPairs overlapping_pairs;
   CompareTriangles compare_triangles;
+  CompareSegments compare_segments;
 };
 
 /// The best set this processor runs.

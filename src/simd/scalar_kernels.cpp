@@ -6,6 +6,7 @@
 #include "simd/bound_children-inl.h"
 #include "simd/bound_far_point-inl.h"
 #include "simd/bound_point-inl.h"
+#include "simd/compare_segments-inl.h"
 #include "simd/compare_triangles-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_close_elements-inl.h"
@@ -33,6 +34,7 @@ const Kernels scalar_kernels{"scalar",
                              scalar::max_displacement,
                              scalar::overlapping_boxes,
                              scalar::overlapping_pairs,
-                             scalar::compare_triangles};
+                             scalar::compare_triangles,
+                             scalar::compare_segments};
 
 }  // namespace limber::simd

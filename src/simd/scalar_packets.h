@@ -65,6 +65,7 @@ struct Ids {
 
   static Ids set(std::uint32_t id) { return {id}; }
   static Ids load(const std::uint32_t* ids) { return {*ids}; }
+  void store(std::uint32_t* ids) const { *ids = v; }
 };
 inline Ids pick(const std::uint32_t* table, const Slots& slots) { return {table[slots.slot]}; }
 inline Mask operator==(Ids a, Ids b) { return {a.v == b.v}; }
@@ -88,12 +89,16 @@ struct Doubles {
   static Doubles set(double x) { return {x}; }
   static Doubles load(const double* p) { return {*p}; }
   static Doubles from_floats(const float* p) { return {static_cast<double>(*p)}; }
+  void store(double* p) const { *p = v; }
   void store_rounded(float* p) const { *p = static_cast<float>(v); }
 };
+using Quad = Doubles;
 
 inline Doubles operator+(Doubles a, Doubles b) { return {a.v + b.v}; }
 inline Doubles operator-(Doubles a, Doubles b) { return {a.v - b.v}; }
 inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
+inline Doubles operator/(Doubles a, Doubles b) { return {a.v / b.v}; }
+inline Doubles sqrt(Doubles a) { return {std::sqrt(a.v)}; }
 inline Doubles abs(Doubles a) { return {std::abs(a.v)}; }
 inline Doubles max(Doubles a, Doubles b) { return {a.v > b.v ? a.v : b.v}; }
 inline double largest(Doubles a) { return a.v; }
@@ -101,29 +106,15 @@ inline double largest(Doubles a) { return a.v; }
 struct DoublesMask {
   bool m;
 };
+using QuadMask = DoublesMask;
+inline DoublesMask operator>(Doubles a, Doubles b) { return {a.v > b.v}; }
+inline DoublesMask operator<(Doubles a, Doubles b) { return {a.v < b.v}; }
 inline DoublesMask operator<=(Doubles a, Doubles b) { return {a.v <= b.v}; }
+inline DoublesMask operator>=(Doubles a, Doubles b) { return {a.v >= b.v}; }
 inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}; }
+inline Doubles select(DoublesMask m, Doubles a, Doubles b) { return m.m ? a : b; }
 inline unsigned bits(DoublesMask a) { return a.m ? 1 : 0; }
 inline bool all_of(DoublesMask a) { return a.m; }
-
-/// A number in float64.
-struct Quad {
-  static constexpr std::uint32_t lanes = 1;
-  double v;
-
-  static Quad set(double x) { return {x}; }
-  static Quad load(const double* p) { return {*p}; }
-  void store(double* p) const { *p = v; }
-};
-using QuadMask = DoublesMask;
-
-inline Quad operator+(Quad a, Quad b) { return {a.v + b.v}; }
-inline Quad operator-(Quad a, Quad b) { return {a.v - b.v}; }
-inline Quad operator*(Quad a, Quad b) { return {a.v * b.v}; }
-inline Quad operator/(Quad a, Quad b) { return {a.v / b.v}; }
-inline QuadMask operator>(Quad a, Quad b) { return {a.v > b.v}; }
-inline QuadMask operator>=(Quad a, Quad b) { return {a.v >= b.v}; }
-inline Quad select(QuadMask m, Quad a, Quad b) { return m.m ? a : b; }
 
 inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }

@@ -65,10 +65,14 @@ void for_all_elements(const std::array<Triangle, 8>& a, const std::array<Triangl
   }
 }
 
-/// Some elements of a leaf, and all or some of its slots.
+/// Some elements of a leaf, and all or some of its slots. Those that are not in use own nothing.
 std::uint64_t some_owned(Rng& rng) {
+  constexpr std::uint64_t is_in_use = 0x40;
   std::uint64_t owned = 0;
-  for (int slot = 0; slot < 8; ++slot) owned |= std::uint64_t{rng.below(128)} << (8 * slot);
+  for (int slot = 0; slot < 8; ++slot) {
+    const std::uint64_t of_slot = rng.below(128);
+    owned |= ((of_slot & is_in_use) != 0 ? of_slot : 0) << (8 * slot);
+  }
   return rng.below(3) == 0 ? ~std::uint64_t{0} : owned;
 }
 

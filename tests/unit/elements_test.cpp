@@ -102,6 +102,26 @@ TEST(Elements, OfParallelSquares) {
   EXPECT_EQ(none.vertex_face + none.edge_edge, 0U);
 }
 
+TEST(SelfElements, OfTinyTrianglesBesideLargeOnesHaveTheirOwnDistances) {
+  std::vector<Vec3> positions;
+  for (const double size : {1.0, 0x1p-600}) {
+    for (const double height : {0.0, 0.25}) {
+      for (const Vec3& corner : {Vec3{1, 1, 0}, Vec3{2, 1, 0}, Vec3{1, 2, 0}}) {
+        positions.push_back(size * (corner + Vec3{0, 0, height}));
+      }
+    }
+  }
+  const Mesh mesh = small_mesh(positions, {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}, {9, 10, 11}});
+  const MeshEdges edges(mesh);
+  std::vector<EdgeEdgePair> found(100);
+  const ElementPairCount count = self_element_pairs(Model(mesh), edges, 0.25, {}, found);
+  ASSERT_EQ(count.edge_edge, 18U);  // of each size all of one triangle with all of the other
+  for (std::size_t i = 0; i < count.edge_edge; ++i) {
+    const bool is_tiny = edges.vertices()[found[i].a][0] >= 6;
+    EXPECT_EQ(found[i].distance, is_tiny ? 0x1p-602 : 0.25);
+  }
+}
+
 TEST(Elements, ThatCrossHaveNoDistance) {
   const Mesh one = small_mesh({{-1, 0, 0}, {1, 0, 0}, {0, 0, -3}}, {{0, 1, 2}});
   const Mesh other = small_mesh({{0, -1, 0}, {0, 1, 0}, {0, 0, 3}}, {{0, 1, 2}});

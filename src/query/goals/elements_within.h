@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "core/check.h"
 #include "geometry/primitives.h"
@@ -59,7 +60,25 @@ class ElementsWithin {
     }
     for (std::uint32_t i = 0; i < found.edge_edge.count && !is_stopped_; ++i) {
       const auto [edge_a, edge_b] = found.edge_edge.pairs[i];
-      compare_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
+      collect_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
+    }
+  }
+
+  /// Compares the pairs of edges that have been collected. To be called at the end, too.
+  void compare_collected() {
+    simd::ClosestOfSegments found;
+    kernels_.compare_segments(segments_, found);
+    const std::uint32_t count = std::exchange(collected_, 0);
+    for (std::uint32_t i = 0; i < count && !is_stopped_; ++i) {
+      geometry::PointsOnSegments closest{found.distance[i], found.s[i], found.t[i]};
+      if ((found.are_ordinary >> i & 1) == 0) {
+        closest = geometry::closest_on(Segment{segments_.start_a[i], segments_.end_a[i]},
+                                       Segment{segments_.start_b[i], segments_.end_b[i]});
+      }
+      if (!(closest.distance <= margin_)) continue;
+      ++edge_edge_count;
+      const auto [a, b] = collected_edges_[i];
+      is_stopped_ = !visit_edge_edge_({a, b, closest.distance, closest.s, closest.t});
     }
   }
 
@@ -107,28 +126,21 @@ class ElementsWithin {
     is_stopped_ = !visit_vertex_face_({vertex, of_face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
   }
 
-  struct NamedEdge {
-    EdgeId id;
-    std::array<VertexId, 2> vertices;
-  };
-
-  void compare_edges(const Element& of_a, const Element& of_b) {
-    const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
+  void collect_edges(const Element& of_a, const Element& of_b) {
     const EdgeId id_a = edges_[0]->of_triangles()[of_a.triangle()][of_a.corner()];
     const EdgeId id_b = edges_[1]->of_triangles()[of_b.triangle()][of_b.corner()];
+    const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
     LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
-    // The answer to the bit depends on the order, so that is by id and not by where the leaves are.
-    const NamedEdge first{id_a, a}, second{id_b, b};
-    if (is_self && id_b < id_a) return compare_edges(second, first);
-    compare_edges(first, second);
-  }
-  void compare_edges(const NamedEdge& a, const NamedEdge& b) {
-    const Segment edge_a{position(Side::a, a.vertices[0]), position(Side::a, a.vertices[1])};
-    const Segment edge_b{position(Side::b, b.vertices[0]), position(Side::b, b.vertices[1])};
-    const geometry::PointsOnSegments closest = geometry::closest_on(edge_a, edge_b);
-    if (!(closest.distance <= margin_)) return;
-    ++edge_edge_count;
-    is_stopped_ = !visit_edge_edge_({a.id, b.id, closest.distance, closest.s, closest.t});
+    const std::uint32_t i = collected_++;
+    // The answer to the bit depends on the order, so that is by id and not by where the leaves are. Selects, because
+    // branches would not be predicted.
+    const bool swaps = is_self && id_b < id_a;
+    collected_edges_[i] = {swaps ? id_b : id_a, swaps ? id_a : id_b};
+    segments_.start_a[i] = position(Side::a, swaps ? b[0] : a[0]);
+    segments_.end_a[i] = position(Side::a, swaps ? b[1] : a[1]);
+    segments_.start_b[i] = position(Side::b, swaps ? a[0] : b[0]);
+    segments_.end_b[i] = position(Side::b, swaps ? a[1] : b[1]);
+    if (collected_ == simd::SegmentPairs::room) compare_collected();
   }
 
   const PlacedModels& placed_;
@@ -138,6 +150,10 @@ class ElementsWithin {
   EdgeEdgeVisitor visit_edge_edge_;
   const simd::Kernels& kernels_;
   bool is_stopped_ = false;
+  // Pairs of edges that are compared together.
+  std::uint32_t collected_ = 0;
+  std::array<EdgeId, 2> collected_edges_[simd::SegmentPairs::room];
+  simd::SegmentPairs segments_;
 };
 
 }  // namespace limber::query
