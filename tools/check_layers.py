@@ -59,7 +59,8 @@ THIRD_PARTY = {
     "tbb": ("src/core/",),
     "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
-    "oneapi": ("src/core/", "apps/", "tests/", "bench/"),
+    "nanobind": ("python/",),
+    "oneapi": ("src/core/", "apps/", "python/", "tests/", "bench/"),
     "xmmintrin.h": ("src/core/", "tests/", "fuzz/"),
 }
 

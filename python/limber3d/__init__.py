@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Collision and distance for triangle meshes that deform.
+
+    model = limber3d.Model(vertices, faces)
+    result = limber3d.distance(model, other, pose_b=pose)
+    model.move_all(new_vertices)
+    model.commit()
+
+Models    are made of arrays, or of an object that has them, such as a trimesh.Trimesh. Their vertices may move; after
+          moves, commit() has to be called before the next query.
+Poses     are world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix;
+          (quaternion, translation) with w, x, y, z. They must be rigid to 1e-9: for rotations that were computed in
+          float32 there is orthonormalized().
+Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64. They are read where they are,
+          whatever their strides, unless the coordinates of a vertex are not side by side. Others raise ValueError.
+Errors    ValueError where a docstring names an error code, but IndexError for `index_out_of_range` and OSError for
+          `unreadable_file`. BusyError where a model is changed and used at the same time.
+Threads   Builds, commits and queries release the GIL, except queries with a filter that is a Python function. Models
+          may be shared by threads that query them.
+
+Docstrings are those of the C++ library, so that some of their words are C++.
+"""
+
+from . import typing as typing
+from ._core import (
+    Answer,
+    Box,
+    BudgetedAnswer,
+    BusyError,
+    CancelFlag,
+    ClosedSurface,
+    ClosestObjects,
+    CollideResult,
+    DistanceResult,
+    Feature,
+    FeatureKind,
+    MaintenanceStats,
+    MeshEdges,
+    MeshSequence,
+    Model,
+    NeighborRings,
+    PointResult,
+    QueryBudget,
+    QueryCache,
+    QueryStats,
+    RebuildPolicy,
+    Scene,
+    SceneCache,
+    SignedDistance,
+    Sphere,
+    Status,
+    StoppedBy,
+    SurfacePoint,
+    TreeStats,
+    WithinResult,
+    Witness,
+    closest_pairs,
+    closest_point,
+    closest_points,
+    collide,
+    collision_dtype,
+    contact_dtype,
+    contacts,
+    distance,
+    distance_dtype,
+    edge_edge_dtype,
+    element_pairs,
+    intersections,
+    orthonormalized,
+    read_mesh_file,
+    reduce_contacts,
+    self_closest_pairs,
+    self_collide,
+    self_contacts,
+    self_distance,
+    self_element_pairs,
+    self_intersections,
+    set_thread_limit,
+    signed_distance_dtype,
+    surface_point_dtype,
+    vertex_face_dtype,
+    winding_number,
+    within,
+    within_dtype,
+)
+from ._core import version as __version__
+from .collision_manager import CollisionManager
+from .files import load
+from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track
+
+__all__ = [
+    "Answer",
+    "BatchInterrupted",
+    "Box",
+    "BudgetedAnswer",
+    "BusyError",
+    "CancelFlag",
+    "ClosedSurface",
+    "ClosestObjects",
+    "CollideResult",
+    "CollisionManager",
+    "DistanceResult",
+    "Feature",
+    "FeatureKind",
+    "MaintenanceStats",
+    "MeshEdges",
+    "MeshSequence",
+    "Model",
+    "NeighborRings",
+    "PointResult",
+    "QueryBudget",
+    "QueryCache",
+    "QueryStats",
+    "RebuildPolicy",
+    "Scene",
+    "SceneCache",
+    "SignedDistance",
+    "Sphere",
+    "Status",
+    "StoppedBy",
+    "SurfacePoint",
+    "TreeStats",
+    "WithinResult",
+    "Witness",
+    "__version__",
+    "closest_pairs",
+    "closest_point",
+    "closest_points",
+    "collide",
+    "collide_many",
+    "collision_dtype",
+    "contact_dtype",
+    "contacts",
+    "contacts_many",
+    "distance",
+    "distance_dtype",
+    "distance_many",
+    "edge_edge_dtype",
+    "element_pairs",
+    "intersections",
+    "load",
+    "orthonormalized",
+    "read_mesh_file",
+    "reduce_contacts",
+    "self_closest_pairs",
+    "self_collide",
+    "self_contacts",
+    "self_distance",
+    "self_element_pairs",
+    "self_intersections",
+    "set_thread_limit",
+    "signed_distance_dtype",
+    "surface_point_dtype",
+    "track",
+    "typing",
+    "vertex_face_dtype",
+    "winding_number",
+    "within",
+    "within_dtype",
+]

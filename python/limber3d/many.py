@@ -1,0 +1,194 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Many queries in one call, on all processors."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator, Sized
+from contextlib import contextmanager
+from typing import Any
+
+import numpy
+
+from . import _core
+from .typing import ArrayLike, PosesLike, RecordArray
+
+_LEAST_SECONDS, _MOST_SECONDS = 0.03, 0.12  # of one part of a batch: how soon Ctrl-C ends it
+
+
+class BatchInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a batch. `results` are those that were done: what the call would have returned for the first
+    `count` of its poses or frames."""
+
+    def __init__(self, results: Any, count: int) -> None:
+        super().__init__(f"interrupted after {count} results")
+        self.results = results
+        self.count = count
+
+
+@contextmanager
+def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
+    """What to tell of progress: tqdm, if that is wanted and installed."""
+    if is_wanted:
+        try:
+            tqdm = importlib.import_module("tqdm.auto")
+        except ImportError:
+            pass
+        else:
+            with tqdm.tqdm(total=count) as bar:
+                yield bar.update
+            return
+    yield lambda done: None
+
+
+def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
+    """Ranges that make up 0 to count, of a length that takes about a tenth of a second each."""
+    with _progress_bar(count, is_shown) as advance:
+        begin, size = 0, 16
+        while begin < count:
+            end = min(begin + size, count)
+            start = time.perf_counter()
+            yield begin, end
+            elapsed = time.perf_counter() - start
+            advance(end - begin)
+            begin = end
+            if elapsed < _LEAST_SECONDS:
+                size *= 4
+            elif elapsed > _MOST_SECONDS:
+                size = max(1, size // 2)
+
+
+def _records(
+    batch: _core.Batch, dtype: numpy.dtype[numpy.void], is_shown: bool, ask: Callable[[RecordArray, int, int], None]
+) -> RecordArray:
+    """The records that ask(records, begin, end) writes, for all poses."""
+    count = 1 if batch.size is None else batch.size
+    records = numpy.zeros(count, dtype)
+    done = 0
+    try:
+        for begin, end in _parts(count, is_shown):
+            ask(records, begin, end)
+            done = end
+    except KeyboardInterrupt:
+        raise BatchInterrupted(records[:done], done) from None
+    return records
+
+
+def distance_many(
+    a: _core.Model,
+    b: _core.Model,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    relative_error: float = 0.0,
+    absolute_error: float = 0.0,
+    max_distance: float = float("inf"),
+    progress: bool = False,
+) -> RecordArray:
+    """distance() for many poses.
+
+    Shape    Poses of a or b are n poses, or one for all. The result is an array of n records, limber3d.distance_dtype.
+    Promise  Record i holds what distance() answers for poses i, to the bit, on any number of threads. Without a witness
+             its triangles are 2^32 - 1 and its points are not numbers.
+    Raises   ValueError as distance(), before anything is asked where a pose is malformed; BatchInterrupted, a
+             KeyboardInterrupt, which holds the records that were done.
+    Threads  All, without the GIL; see set_thread_limit(). With progress, tqdm shows it where that is installed.
+    """
+    batch = _core.Batch(a, b, poses_a, poses_b)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.distance(records, begin, end, relative_error, absolute_error, max_distance)
+
+    return _records(batch, _core.distance_dtype, progress, ask)
+
+
+def collide_many(
+    a: _core.Model, b: _core.Model, poses_a: PosesLike = None, poses_b: PosesLike = None, *, progress: bool = False
+) -> RecordArray:
+    """collide() for many poses: an array of records, limber3d.collision_dtype. Everything else is as distance_many()
+    says."""
+    batch = _core.Batch(a, b, poses_a, poses_b)
+    return _records(batch, _core.collision_dtype, progress, batch.collide)
+
+
+def contacts_many(
+    a: _core.Model,
+    b: _core.Model,
+    margin: float,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    filter: _core.NeighborRings | None = None,
+    progress: bool = False,
+) -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
+    """contacts() for many poses.
+
+    Shape    Returns all contacts, one pose after the other, as an array of limber3d.contact_dtype, and n + 1 offsets:
+             the contacts of poses i are contacts[offsets[i]:offsets[i + 1]].
+    Promise  They are those that contacts() finds for poses i, in that order, to the bit.
+    Raises, Threads   As distance_many().
+    """
+    batch = _core.Batch(a, b, poses_a, poses_b)
+    found: list[RecordArray] = [numpy.zeros(0, _core.contact_dtype)]
+    counts: list[Any] = [numpy.zeros(1, numpy.int64)]
+
+    def joined() -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
+        return numpy.concatenate(found), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
+
+    try:
+        for begin, end in _parts(1 if batch.size is None else batch.size, progress):
+            part = batch.contacts(margin, begin, end, filter)
+            found.append(part[0])
+            counts.append(part[1])
+    except KeyboardInterrupt:
+        del found[len(counts) :]
+        results = joined()
+        raise BatchInterrupted(results, len(results[1]) - 1) from None
+    return joined()
+
+
+def track(
+    model: _core.Model,
+    frames: Iterable[ArrayLike],
+    other: _core.Model,
+    poses: PosesLike = None,
+    poses_other: PosesLike = None,
+    *,
+    relative_error: float = 0.0,
+    absolute_error: float = 0.0,
+    max_distance: float = float("inf"),
+    progress: bool = False,
+) -> RecordArray:
+    """The distance from a model that deforms to another, frame by frame.
+
+    For each frame, which is an array of all positions as move_all() takes it, the model is moved, committed and asked.
+    It is left as the last frame has it.
+
+    Shape    frames is any iterable, or an array (n, v, 3). Poses are one for each frame, or one for all. The result is
+             an array of n records, limber3d.distance_dtype.
+    Promise  Record i holds what distance() answers for frame i, to the bit.
+    Raises   As move_all() and distance_many(); ValueError if there are more frames than poses.
+    """
+    batch = _core.Batch(model, other, poses, poses_other)
+    records: list[RecordArray] = []
+    count = len(frames) if isinstance(frames, Sized) else None
+
+    def joined() -> RecordArray:
+        return numpy.concatenate([numpy.zeros(0, _core.distance_dtype), *records])
+
+    try:
+        with _progress_bar(count, progress) as advance:
+            for i, frame in enumerate(frames):
+                if batch.size is not None and i >= batch.size:
+                    raise ValueError(f"frames: there are only {batch.size} poses")
+                model.move_all(frame)
+                model.commit()
+                record = numpy.zeros(1, _core.distance_dtype)
+                batch.distance_at(record, i, relative_error, absolute_error, max_distance)
+                records.append(record)
+                advance(1)
+    except KeyboardInterrupt:
+        raise BatchInterrupted(joined(), len(records)) from None
+    return joined()

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace limber::python {
+namespace {
+
+template <typename T>
+T read(const unsigned char* place) {
+  T value;
+  std::memcpy(&value, place, sizeof value);
+  return value;
+}
+
+/// The element type that a format of the struct module stands for.
+Scalar scalar_of(const char* format, std::size_t item_bytes) {
+  if (format == nullptr) return Scalar::other;
+  if (*format == '@' || *format == '=' || *format == '<') ++format;  // the machine's own byte order
+  if (format[0] == '\0' || format[1] != '\0') return Scalar::other;
+  switch (format[0]) {
+    case 'f':
+      return Scalar::float32;
+    case 'd':
+      return Scalar::float64;
+    case 'i':
+    case 'l':
+    case 'q':
+      return item_bytes == 4 ? Scalar::int32 : Scalar::int64;
+    case 'I':
+    case 'L':
+    case 'Q':
+      return item_bytes == 4 ? Scalar::uint32 : Scalar::uint64;
+    default:
+      return Scalar::other;
+  }
+}
+
+std::string id_text(const char* name, const std::string& value) {
+  return std::string(name) + ": " + value + " is not an index";
+}
+
+}  // namespace
+
+Array::Array(nb::handle object, const char* name, const char* expected, const char* list_dtype)
+    : owner_(nb::borrow(object)), name_(name), expected_(expected) {
+  if (PyObject_CheckBuffer(object.ptr()) == 0) {
+    const nb::object as_array = nb::module_::import_("numpy").attr("asarray");
+    try {
+      owner_ = list_dtype == nullptr ? as_array(object) : as_array(object, list_dtype);
+    } catch (nb::python_error& error) {
+      if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
+      refuse(nb::str(object.type().attr("__name__")).c_str());
+    }
+  }
+  if (PyObject_GetBuffer(owner_.ptr(), &buffer_, PyBUF_STRIDES | PyBUF_FORMAT) != 0) {
+    PyErr_Clear();
+    refuse(nb::str(owner_.type().attr("__name__")).c_str());
+  }
+  scalar_ = scalar_of(buffer_.format, item_bytes());
+}
+
+Array::~Array() { PyBuffer_Release(&buffer_); }
+
+bool Array::is_packed() const { return PyBuffer_IsContiguous(&buffer_, 'C') != 0; }
+
+bool Array::has_shape(std::initializer_list<std::ptrdiff_t> shape) const {
+  if (dimensions() != shape.size()) return false;
+  return std::equal(shape.begin(), shape.end(), buffer_.shape,
+                    [](std::ptrdiff_t wanted, Py_ssize_t found) { return wanted < 0 || wanted == found; });
+}
+
+double Array::real(const unsigned char* place) const {
+  switch (scalar_) {
+    case Scalar::float32:
+      return static_cast<double>(read<float>(place));
+    case Scalar::int32:
+      return read<std::int32_t>(place);
+    case Scalar::int64:
+      return static_cast<double>(read<std::int64_t>(place));
+    case Scalar::uint32:
+      return read<std::uint32_t>(place);
+    case Scalar::uint64:
+      return static_cast<double>(read<std::uint64_t>(place));
+    default:
+      return read<double>(place);
+  }
+}
+
+std::uint32_t Array::id(const unsigned char* place) const {
+  if (scalar_ == Scalar::uint32) return read<std::uint32_t>(place);
+  if (scalar_ == Scalar::uint64) {
+    const auto value = read<std::uint64_t>(place);
+    if (value < no_id) return static_cast<std::uint32_t>(value);
+    throw nb::index_error(id_text(name_, std::to_string(value)).c_str());
+  }
+  const std::int64_t value = scalar_ == Scalar::int32 ? read<std::int32_t>(place) : read<std::int64_t>(place);
+  if (0 <= value && value < std::int64_t{no_id}) return static_cast<std::uint32_t>(value);
+  throw nb::index_error(id_text(name_, std::to_string(value)).c_str());
+}
+
+void Array::refuse(const std::string& found) const {
+  throw nb::value_error((std::string(name_) + ": expected " + expected_ + "; got " + found).c_str());
+}
+
+void Array::refuse() const {
+  std::string text = "shape (";
+  for (std::size_t axis = 0; axis < dimensions(); ++axis) {
+    text += std::to_string(size(axis));
+    if (axis + 1 < dimensions()) text += ", ";
+    if (dimensions() == 1) text += ',';
+  }
+  const nb::object dtype = nb::getattr(owner_, "dtype", nb::none());
+  text += ") and dtype " + std::string(dtype.is_none() ? buffer_.format : nb::str(dtype).c_str());
+  refuse(text);
+}
+
+namespace {
+
+constexpr const char* rows_of_3_floats = "shape (n, 3) and dtype float32 or float64";
+
+/// Calls read(i, place of the first element) for each row of an array with two axes.
+template <typename Read>
+void for_rows(const Array& array, const Read& read_row) {
+  const unsigned char* row = array.data();
+  for (std::size_t i = 0; i < array.size(0); ++i, row += array.stride(0)) read_row(i, row);
+}
+
+}  // namespace
+
+Positions::Positions(nb::handle object, const char* name) : array_(object, name, rows_of_3_floats, "float64") {
+  if (!array_.has_floats({-1, 3})) array_.refuse();
+  if (array_.stride(1) == static_cast<std::ptrdiff_t>(array_.item_bytes()) && array_.stride(0) >= 0) return;
+  copied_.resize(3 * array_.size(0));
+  for_rows(array_, [&](std::size_t i, const unsigned char* row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      copied_[3 * i + axis] = array_.real(row + static_cast<std::ptrdiff_t>(axis) * array_.stride(1));
+    }
+  });
+}
+
+PositionsView Positions::view() const {
+  if (!copied_.empty()) return PositionsView::packed(copied_);
+  const auto stride_bytes = static_cast<std::size_t>(array_.stride(0));
+  if (array_.scalar() == Scalar::float32) {
+    return PositionsView::strided(reinterpret_cast<const float*>(array_.data()), array_.size(0), stride_bytes);
+  }
+  return PositionsView::strided(reinterpret_cast<const double*>(array_.data()), array_.size(0), stride_bytes);
+}
+
+Ids::Ids(nb::handle object, const char* name)
+    : array_(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", nullptr) {
+  // NumPy calls an empty list an array of floats.
+  if (!array_.has_shape({-1}) || (!array_.is_integer() && array_.size(0) != 0)) array_.refuse();
+  if (array_.scalar() == Scalar::uint32 && array_.is_packed()) return;
+  copied_.resize(array_.size(0));
+  for (std::size_t i = 0; i < copied_.size(); ++i) {
+    copied_[i] = array_.id(array_.data() + static_cast<std::ptrdiff_t>(i) * array_.stride(0));
+  }
+}
+
+std::span<const std::uint32_t> Ids::view() const {
+  if (!copied_.empty() || array_.scalar() != Scalar::uint32) return copied_;
+  return {reinterpret_cast<const std::uint32_t*>(array_.data()), array_.size(0)};
+}
+
+namespace {
+
+/// Rows of `width` ids.
+template <std::size_t width>
+std::vector<std::array<std::uint32_t, width>> id_rows(const Array& array) {
+  const bool is_empty = array.dimensions() > 0 && array.size(0) == 0;
+  if (is_empty) return {};
+  if (!array.is_integer() || !array.has_shape({-1, static_cast<std::ptrdiff_t>(width)})) array.refuse();
+  std::vector<std::array<std::uint32_t, width>> rows(array.size(0));
+  if (array.scalar() == Scalar::uint32 && array.is_packed()) {
+    std::memcpy(rows.data(), array.data(), rows.size() * sizeof rows[0]);
+    return rows;
+  }
+  for_rows(array, [&](std::size_t i, const unsigned char* row) {
+    for (std::size_t k = 0; k < width; ++k) {
+      rows[i][k] = array.id(row + static_cast<std::ptrdiff_t>(k) * array.stride(1));
+    }
+  });
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Corners> faces_from(nb::handle object, const char* name) {
+  return id_rows<3>(Array(object, name, "shape (n, 3) and dtype int32, int64, uint32 or uint64", nullptr));
+}
+
+std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name) {
+  return id_rows<2>(Array(object, name, "shape (n, 2) and dtype int32, int64, uint32 or uint64", nullptr));
+}
+
+std::vector<Vec3> points_from(nb::handle object, const char* name) {
+  const Positions positions(object, name);
+  std::vector<Vec3> points(positions.view().size());
+  positions.view().copy_to(points);
+  return points;
+}
+
+Vec3 point_from(nb::handle object, const char* name) {
+  const Array array(object, name, "shape (3,) and dtype float32 or float64", "float64");
+  if (!array.has_floats({3})) array.refuse();
+  const auto coordinate = [&](std::ptrdiff_t axis) { return array.real(array.data() + axis * array.stride(0)); };
+  return {coordinate(0), coordinate(1), coordinate(2)};
+}
+
+}  // namespace limber::python

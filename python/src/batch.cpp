@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "limber/limber.h"
+#include "model_object.h"
+#include "poses.h"
+#include "query_arguments.h"
+#include "records.h"
+
+namespace limber::python {
+namespace {
+
+using nb::literals::operator""_a;
+
+/// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
+class Batch {
+ public:
+  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, nb::handle poses_a, nb::handle poses_b)
+      : owner_a_(nb::borrow(a)),
+        owner_b_(nb::borrow(b)),
+        a_(nb::cast<ModelObject&>(a)),
+        b_(nb::cast<ModelObject&>(b)),
+        poses_a_(poses_a, "poses_a"),
+        poses_b_(poses_b, "poses_b") {
+    const bool is_list_a = !poses_a_.is_one_for_all(), is_list_b = !poses_b_.is_one_for_all();
+    if (is_list_a) size_ = poses_a_.size();
+    if (is_list_b) size_ = poses_b_.size();
+    if (is_list_a && is_list_b && poses_a_.size() != poses_b_.size()) {
+      throw nb::value_error((std::string("poses_a and poses_b: ") + std::to_string(poses_a_.size()) + " and " +
+                             std::to_string(poses_b_.size()) + " poses; expected as many of both, or one pose")
+                                .c_str());
+    }
+  }
+
+  /// How many poses there are; nothing if there is one for all.
+  std::optional<std::size_t> size() const { return size_; }
+
+  /// Writes record(a, b) of poses begin to end to that part of `records`, on all threads.
+  template <typename Record, typename Query>
+  void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
+    const Reading reading_a = reading(a_), reading_b = reading(b_);
+    require_within(end);
+    auto* const out = static_cast<Record*>(memory_of(records, end * sizeof(Record)));
+    without_gil([&] { for_all(begin, end, [&](std::size_t i) { out[i] = query(placed_a(i), placed_b(i)); }); });
+  }
+
+  /// Writes the answer for one pose to the first record.
+  template <typename Record, typename Query>
+  void run_at(nb::handle records, std::size_t i, const Query& query) {
+    const Reading reading_a = reading(a_), reading_b = reading(b_);
+    require_within(i + 1);
+    auto* const out = static_cast<Record*>(memory_of(records, sizeof(Record)));
+    without_gil([&] { *out = query(placed_a(i), placed_b(i)); });
+  }
+
+  /// The contacts of poses begin to end, one pose after the other, and how many each has.
+  nb::tuple contacts(double margin, std::size_t begin, std::size_t end, const NeighborRings* rings) {
+    const Reading reading_a = reading(a_), reading_b = reading(b_);
+    require_within(end);
+    std::vector<std::vector<Contact>> found(end - std::min(begin, end));
+    std::vector<Contact> all;
+    std::vector<std::uint32_t> counts;
+    without_gil([&] {
+      PairOptions options;
+      if (rings != nullptr) options.filter = TrianglePairFilter(*rings);
+      for_all(begin, end, [&](std::size_t i) {
+        const auto keep = [&](const Contact& contact) { return found[i - begin].push_back(contact), true; };
+        visit_contacts(placed_a(i), placed_b(i), margin, keep, options);
+      });
+      for (const std::vector<Contact>& part : found) {
+        counts.push_back(static_cast<std::uint32_t>(part.size()));
+        all.insert(all.end(), part.begin(), part.end());
+      }
+    });
+    return nb::make_tuple(array_of(std::span<const Contact>(all), dtypes().contact),
+                          array_of(std::span<const std::uint32_t>(counts)));
+  }
+
+ private:
+  template <typename Body>
+  static void for_all(std::size_t begin, std::size_t end, const Body& body) {
+    using Range = oneapi::tbb::blocked_range<std::size_t>;
+    if (begin >= end) return;
+    oneapi::tbb::parallel_for(Range(begin, end), [&](const Range& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+    });
+  }
+
+  void require_within(std::size_t end) const {
+    if (size_ && end > *size_) throw nb::index_error("there are fewer poses");
+  }
+
+  Placed placed_a(std::size_t i) const { return {a_.model, poses_a_[i]}; }
+  Placed placed_b(std::size_t i) const { return {b_.model, poses_b_[i]}; }
+
+  nb::object owner_a_, owner_b_;
+  ModelObject &a_, &b_;
+  PoseList poses_a_, poses_b_;
+  std::optional<std::size_t> size_;
+};
+
+void run_distance(Batch& batch, nb::handle records, std::size_t begin, std::size_t end, double relative_error,
+                  double absolute_error, double max_distance) {
+  const DistanceOptions options{relative_error, absolute_error, max_distance};
+  batch.run<DistanceRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
+    return record_of(limber::distance(a, b, options));
+  });
+}
+
+void run_distance_at(Batch& batch, nb::handle records, std::size_t i, double relative_error, double absolute_error,
+                     double max_distance) {
+  const DistanceOptions options{relative_error, absolute_error, max_distance};
+  batch.run_at<DistanceRecord>(
+      records, i, [&](const Placed& a, const Placed& b) { return record_of(limber::distance(a, b, options)); });
+}
+
+void run_collide(Batch& batch, nb::handle records, std::size_t begin, std::size_t end) {
+  batch.run<WitnessRecord>(records, begin, end,
+                           [](const Placed& a, const Placed& b) { return record_of(limber::collide(a, b)); });
+}
+
+std::unique_ptr<oneapi::tbb::global_control> thread_limit;
+
+void set_thread_limit(std::optional<std::size_t> count) {
+  if (count == 0) throw nb::value_error("count: expected at least 1 thread, or None");
+  thread_limit.reset();
+  if (!count) return;
+  using Control = oneapi::tbb::global_control;
+  thread_limit = std::make_unique<Control>(Control::max_allowed_parallelism, *count);
+}
+
+}  // namespace
+
+void bind_batch(nb::module_& m) {
+  nb::class_<Batch>(m, "Batch", "Two models and many poses.")
+      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle>(), "a"_a, "b"_a,
+           "poses_a"_a.none(), "poses_b"_a.none(),
+           nb::sig("def __init__(self, a: Model, b: Model, poses_a: PosesLike, poses_b: PosesLike) -> None"))
+      .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
+      .def("distance", &run_distance, "records"_a, "begin"_a, "end"_a, "relative_error"_a, "absolute_error"_a,
+           "max_distance"_a,
+           nb::sig("def distance(self, records: RecordArray, begin: int, end: int, relative_error: float, "
+                   "absolute_error: float, max_distance: float) -> None"),
+           "Writes the distances of poses begin to end.")
+      .def("distance_at", &run_distance_at, "records"_a, "i"_a, "relative_error"_a, "absolute_error"_a,
+           "max_distance"_a,
+           nb::sig("def distance_at(self, records: RecordArray, i: int, relative_error: float, "
+                   "absolute_error: float, max_distance: float) -> None"),
+           "Writes the distance of pose i to the first record.")
+      .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a,
+           nb::sig("def collide(self, records: RecordArray, begin: int, end: int) -> None"),
+           "Writes the collisions of poses begin to end.")
+      .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
+           nb::sig("def contacts(self, margin: float, begin: int, end: int, rings: NeighborRings | None) "
+                   "-> tuple[RecordArray, IdArray]"),
+           "Contacts of poses begin to end, and how many each pose has.");
+  m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
+        "Limits the threads that builds, commits, batches and scenes use in this process; None ends the limit.\n\n"
+        "Threads  Not while another thread calls it.");
+}
+
+}  // namespace limber::python

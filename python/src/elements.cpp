@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <vector>
+
+#include "bindings.h"
+#include "docstrings.h"
+#include "limber/limber.h"
+#include "model_object.h"
+#include "query_arguments.h"
+#include "records.h"
+
+namespace limber::python {
+namespace {
+
+using nb::literals::operator""_a;
+
+struct FoundElements {
+  std::vector<VertexFacePair> vertex_face;
+  std::vector<EdgeEdgePair> edge_edge;
+
+  nb::tuple arrays() const {
+    return nb::make_tuple(array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
+                          array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge));
+  }
+};
+
+/// The pairs that search(visitor, visitor) visits, without the GIL.
+template <typename Search>
+nb::tuple found_elements(const Search& search) {
+  FoundElements found;
+  without_gil([&] {
+    search([&](const VertexFacePair& pair) { return found.vertex_face.push_back(pair), true; },
+           [&](const EdgeEdgePair& pair) { return found.edge_edge.push_back(pair), true; });
+  });
+  return found.arrays();
+}
+
+nb::tuple element_pairs_of(ModelObject& a, ModelObject& b, double margin, nb::handle pose_a, nb::handle pose_b) {
+  const PlacedPair pair(a, b, pose_a, pose_b);
+  return found_elements([&](auto vertex_face, auto edge_edge) {
+    visit_element_pairs(pair.a(), *edges_of(a), pair.b(), *edges_of(b), margin, vertex_face, edge_edge);
+  });
+}
+
+nb::tuple self_element_pairs_of(ModelObject& model, double margin) {
+  const Reading guard = reading(model);
+  return found_elements([&](auto vertex_face, auto edge_edge) {
+    visit_self_element_pairs(model.model, *edges_of(model), margin, vertex_face, edge_edge);
+  });
+}
+
+/// The edges of a model, which outlive it.
+struct EdgesObject {
+  explicit EdgesObject(ModelObject& model) {
+    const Reading guard = reading(model);
+    edges = without_gil([&] { return edges_of(model); });
+  }
+  std::shared_ptr<const MeshEdges> edges;
+};
+
+NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
+  const Reading guard = reading(model);
+  return without_gil([&] { return NeighborRings(model.model.mesh(), edges); });
+}
+
+constexpr const char* shape_note = R"(
+
+Returns  Two arrays: of limber3d.vertex_face_dtype, and of limber3d.edge_edge_dtype, whose edges are those of MeshEdges
+         of each model. The edges of a model are built when they are first needed, and kept until reset().)";
+
+}  // namespace
+
+void bind_elements(nb::module_& m) {
+  nb::class_<EdgesObject>(m, "MeshEdges", docs::MeshEdges)
+      .def(nb::init<ModelObject&>(), "model"_a, docs::MeshEdges_init)
+      .def("__len__", [](const EdgesObject& self) { return self.edges->size(); })
+      .def_prop_ro(
+          "vertices", [](const EdgesObject& self) { return array_of(self.edges->vertices()); },
+          nb::sig("def vertices(self) -> IdArray"), docs::MeshEdges_vertices)
+      .def_prop_ro(
+          "of_triangles", [](const EdgesObject& self) { return array_of(self.edges->of_triangles()); },
+          nb::sig("def of_triangles(self) -> IdArray"), docs::MeshEdges_of_triangles)
+      .def_prop_ro(
+          "owners", [](const EdgesObject& self) { return array_of(self.edges->owners()); },
+          nb::sig("def owners(self) -> IdArray"), docs::MeshEdges_owners)
+      .def_prop_ro(
+          "vertex_owners", [](const EdgesObject& self) { return array_of(self.edges->vertex_owners()); },
+          nb::sig("def vertex_owners(self) -> IdArray"), docs::MeshEdges_vertex_owners);
+  nb::class_<NeighborRings>(m, "NeighborRings", docs::NeighborRings)
+      .def(
+          "__init__",
+          [](NeighborRings* self, ModelObject& model, std::uint32_t edges) {
+            new (self) NeighborRings(rings_of(model, edges));
+          },
+          "model"_a, "edges"_a, docs::NeighborRings_init)
+      .def("are_near", &NeighborRings::are_near, "a"_a, "b"_a, docs::NeighborRings_are_near)
+      .def("__call__", &NeighborRings::operator(), "a"_a, "b"_a, docs::NeighborRings_operator)
+      .def_prop_ro("triangle_count", &NeighborRings::triangle_count, "Triangles of the mesh.")
+      .def_prop_ro("pair_count", &NeighborRings::pair_count, docs::NeighborRings_pair_count);
+  m.def("element_pairs", &element_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        nb::sig("def element_pairs(a: Model, b: Model, margin: float, pose_a: PoseLike = None, "
+                "pose_b: PoseLike = None) -> tuple[RecordArray, RecordArray]"),
+        (std::string(docs::visit_element_pairs) + shape_note).c_str());
+  m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a,
+        nb::sig("def self_element_pairs(model: Model, margin: float) -> tuple[RecordArray, RecordArray]"),
+        (std::string(docs::visit_self_element_pairs) + shape_note).c_str());
+}
+
+}  // namespace limber::python

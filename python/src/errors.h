@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <utility>
+
+#include "limber/base.h"
+
+/// Errors of the library as Python's exceptions.
+namespace limber::python {
+
+/// Raises IndexError for `index_out_of_range`, OSError for `unreadable_file`, ValueError for everything else.
+///
+/// Pre      The GIL is held.
+[[noreturn]] void raise(const Error& error);
+
+template <typename T>
+T value_or_raise(Result<T> result) {
+  if (!result) raise(result.error());
+  return std::move(result).value();
+}
+
+inline void value_or_raise(const Result<void>& result) {
+  if (!result) raise(result.error());
+}
+
+}  // namespace limber::python

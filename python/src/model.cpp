@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "docstrings.h"
+#include "errors.h"
+#include "limber/limber.h"
+#include "model_object.h"
+#include "query_arguments.h"
+#include "records.h"
+
+namespace limber::python {
+namespace {
+
+using nb::literals::operator""_a;
+
+/// Makes a mesh of arrays, and calls use(mesh) without the GIL.
+template <typename Use>
+void with_mesh(nb::handle vertices, nb::handle faces, const Use& use) {
+  const Positions positions(vertices, "vertices");
+  std::vector<Corners> triangles = faces_from(faces, "faces");
+  std::optional<Error> error;
+  without_gil([&] {
+    Result<Mesh> mesh = Mesh::create(positions.view(), std::move(triangles));
+    if (mesh) {
+      use(*std::move(mesh));
+    } else {
+      error = mesh.error();
+    }
+  });
+  if (error) raise(*error);
+}
+
+/// The vertices and faces that the arguments of a model stand for: two arrays, or an object that has both.
+std::pair<nb::object, nb::object> mesh_arrays(nb::object vertices, nb::object faces) {
+  if (!faces.is_none()) return {std::move(vertices), std::move(faces)};
+  for (const char* const name : {"faces", "triangles"}) {
+    if (nb::hasattr(vertices, "vertices") && nb::hasattr(vertices, name)) {
+      return {vertices.attr("vertices"), vertices.attr(name)};
+    }
+  }
+  throw nb::type_error("Model: expected vertices and faces, or a mesh that has them: vertices and faces or triangles");
+}
+
+void construct(ModelObject* self, nb::object vertices, nb::object faces, std::optional<double> motion_margin,
+               RebuildPolicy rebuild_policy, std::optional<double> rebuild_budget_us, bool preallocate) {
+  const ModelOptions options{.motion_margin = motion_margin,
+                             .rebuild_policy = rebuild_policy,
+                             .rebuild_budget_us = rebuild_budget_us,
+                             .preallocate = preallocate};
+  const auto [positions, triangles] = mesh_arrays(std::move(vertices), std::move(faces));
+  with_mesh(positions, triangles, [&](Mesh mesh) { new (self) ModelObject(Model(std::move(mesh), options)); });
+}
+
+void reset(ModelObject& self, nb::object vertices, nb::object faces) {
+  const auto [positions, triangles] = mesh_arrays(std::move(vertices), std::move(faces));
+  const Changing guard = changing(self);
+  with_mesh(positions, triangles, [&](Mesh mesh) { self.model.reset(std::move(mesh)); });
+  self.edges.reset();
+}
+
+void move_vertices(ModelObject& self, nb::handle ids, nb::handle positions) {
+  const Ids vertices(ids, "ids");
+  const Positions moved(positions, "positions");
+  const Changing guard = changing(self);
+  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices.view(), moved.view()); }));
+}
+
+void move_all(ModelObject& self, nb::handle positions) {
+  const Positions moved(positions, "positions");
+  const Changing guard = changing(self);
+  value_or_raise(without_gil([&] { return self.model.move_all(moved.view()); }));
+}
+
+/// Calls change(model) without the GIL while nobody reads the model.
+template <typename Change>
+auto changed(ModelObject& self, const Change& change) {
+  const Changing guard = changing(self);
+  return without_gil([&] { return change(self.model); });
+}
+
+template <typename Read>
+auto read(ModelObject& self, const Read& read_model) {
+  const Reading guard = reading(self);
+  return read_model(static_cast<const Model&>(self.model));
+}
+
+nb::object vertices_of(ModelObject& self) {
+  return read(self, [](const Model& m) { return array_of(std::span<const Vec3>(m.mesh().positions())); });
+}
+
+nb::object faces_of(ModelObject& self) {
+  return read(self, [](const Model& m) { return array_of(std::span<const Corners>(m.mesh().triangles())); });
+}
+
+/// What pickle calls and with what: the constructor, mesh and options.
+nb::tuple reduced(nb::handle self) {
+  auto& object = nb::cast<ModelObject&>(self);
+  const ModelOptions options = read(object, [](const Model& m) { return m.options(); });
+  return nb::make_tuple(
+      self.type(), nb::make_tuple(vertices_of(object), faces_of(object), options.motion_margin, options.rebuild_policy,
+                                  options.rebuild_budget_us, options.preallocate));
+}
+
+void bind_stats(nb::module_& m) {
+  nb::class_<TreeStats>(m, "TreeStats", "The size of a tree.")
+      .def_ro("levels", &TreeStats::levels, "Of nodes, the root's included.")
+      .def_ro("nodes", &TreeStats::nodes)
+      .def_ro("leaves", &TreeStats::leaves, docs::TreeStats_leaves)
+      .def_ro("bytes", &TreeStats::bytes, docs::TreeStats_bytes);
+  nb::class_<MaintenanceStats>(m, "MaintenanceStats", docs::MaintenanceStats)
+      .def_ro("moved_vertices", &MaintenanceStats::moved_vertices, docs::MaintenanceStats_moved_vertices)
+      .def_ro("refits", &MaintenanceStats::refits, docs::MaintenanceStats_refits)
+      .def_ro("whole_passes", &MaintenanceStats::whole_passes, docs::MaintenanceStats_whole_passes)
+      .def_ro("absorbed", &MaintenanceStats::absorbed, docs::MaintenanceStats_absorbed)
+      .def_ro("margin_steps", &MaintenanceStats::margin_steps, docs::MaintenanceStats_margin_steps)
+      .def_ro("motion_margin", &MaintenanceStats::motion_margin, docs::MaintenanceStats_motion_margin)
+      .def_ro("rebuilt_triangles", &MaintenanceStats::rebuilt_triangles, docs::MaintenanceStats_rebuilt_triangles)
+      .def_ro("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
+}
+
+constexpr const char* constructor_doc = R"(A model of a mesh.
+
+Mesh     Vertices and faces; or one object that has `vertices` and `faces` or `triangles`, such as a trimesh.Trimesh.
+Shape    vertices (v, 3) of float32 or float64, faces (n, 3) of int32, int64, uint32 or uint64. Both are copied.
+Options  Where None is allowed it stands for: automatic.
+Raises   ValueError for arrays of other shapes or types, no triangle, coordinates that are not finite or too large, and
+         for options that are not what their texts say; IndexError for faces that name vertices that do not exist.
+Cost     O(n log n), on all threads.)";
+
+std::string constructor_documentation() {
+  return std::string(constructor_doc) + "\n\nmotion_margin: " + docs::ModelOptions_motion_margin +
+         "\n\nrebuild_policy: " + docs::RebuildPolicy +
+         "\n\nrebuild_budget_us: " + docs::ModelOptions_rebuild_budget_us +
+         "\n\npreallocate: " + docs::ModelOptions_preallocate;
+}
+
+}  // namespace
+
+std::shared_ptr<const MeshEdges> edges_of(ModelObject& object) {
+  const std::lock_guard lock(object.edges_mutex);
+  if (object.edges == nullptr) object.edges = std::make_shared<const MeshEdges>(object.model.mesh());
+  return object.edges;
+}
+
+void bind_model(nb::module_& m) {
+  bind_stats(m);
+  nb::enum_<RebuildPolicy>(m, "RebuildPolicy", docs::RebuildPolicy)
+      .value("off", RebuildPolicy::off, docs::RebuildPolicy_off)
+      .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)
+      .value("on_worker", RebuildPolicy::on_worker, docs::RebuildPolicy_on_worker);
+
+  nb::class_<ModelObject>(m, "Model",
+                          (std::string(docs::Model) + R"(
+
+Pickle   A pickled model keeps its mesh, with all moves, and its options. It is built anew where it is unpickled: the
+         history of its tree and its statistics are not kept, and it is committed.
+Busy     A call that would change a model while another thread uses it raises BusyError, and so does a query of a model
+         that is being changed. Nothing waits.)")
+                              .c_str())
+      .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), "motion_margin"_a.none() = 0.0,
+           "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
+           "preallocate"_a = false,
+           nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, "
+                   "motion_margin: float | None = 0.0, rebuild_policy: RebuildPolicy = ..., "
+                   "rebuild_budget_us: float | None = None, preallocate: bool = False) -> None"),
+           constructor_documentation().c_str())
+      .def("move_vertices", &move_vertices, "ids"_a, "positions"_a,
+           nb::sig("def move_vertices(self, ids: ArrayLike, positions: ArrayLike) -> None"), docs::Model_move_vertices)
+      .def("move_all", &move_all, "positions"_a, nb::sig("def move_all(self, positions: ArrayLike) -> None"),
+           docs::Model_move_all)
+      .def(
+          "commit", [](ModelObject& self) { changed(self, [](Model& model) { model.commit(); }); }, docs::Model_commit)
+      .def(
+          "rebuild", [](ModelObject& self) { changed(self, [](Model& model) { model.rebuild(); }); },
+          docs::Model_rebuild)
+      .def(
+          "set_motion_margin",
+          [](ModelObject& self, std::optional<double> margin) {
+            changed(self, [&](Model& model) { model.set_motion_margin(margin); });
+          },
+          "motion_margin"_a.none(), docs::Model_set_motion_margin)
+      .def("reset", &reset, "vertices"_a, "faces"_a = nb::none(),
+           nb::sig("def reset(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None) -> None"),
+           docs::Model_reset)
+      .def(
+          "validate",
+          [](ModelObject& self) {
+            const Reading guard = reading(self);
+            value_or_raise(without_gil([&] { return self.model.validate(); }));
+          },
+          docs::Model_validate)
+      .def_prop_ro(
+          "is_committed",
+          [](ModelObject& self) { return read(self, [](const Model& model) { return model.is_committed(); }); },
+          docs::Model_is_committed)
+      .def_prop_ro("vertices", &vertices_of, nb::sig("def vertices(self) -> FloatArray"),
+                   "A copy of the positions, moves included: shape (v, 3), float64.")
+      .def_prop_ro("faces", &faces_of, nb::sig("def faces(self) -> IdArray"),
+                   "A copy of the triangles: shape (n, 3), uint32.")
+      .def_prop_ro(
+          "options",
+          [](ModelObject& self) {
+            const ModelOptions o = read(self, [](const Model& model) { return model.options(); });
+            nb::dict options;
+            options["motion_margin"] = o.motion_margin;
+            options["rebuild_policy"] = o.rebuild_policy;
+            options["rebuild_budget_us"] = o.rebuild_budget_us;
+            options["preallocate"] = o.preallocate;
+            return options;
+          },
+          nb::sig("def options(self) -> ModelOptions"), "The options that the model was made with, by name.")
+      .def_prop_ro(
+          "tree_stats",
+          [](ModelObject& self) { return read(self, [](const Model& model) { return model.tree_stats(); }); },
+          "The size of the tree.")
+      .def_prop_ro(
+          "maintenance_stats",
+          [](ModelObject& self) { return read(self, [](const Model& model) { return model.maintenance_stats(); }); },
+          docs::MaintenanceStats)
+      .def(
+          "bounding_box",
+          [](ModelObject& self) { return read(self, [](const Model& model) { return model.bounding_box(); }); },
+          docs::Model_bounding_box)
+      .def(
+          "bounding_sphere",
+          [](ModelObject& self) { return read(self, [](const Model& model) { return model.bounding_sphere(); }); },
+          docs::Model_bounding_box)
+      .def("__repr__",
+           [](ModelObject& self) {
+             return read(self, [](const Model& model) {
+               return nb::str("Model({} vertices, {} faces)")
+                   .format(model.mesh().positions().size(), model.mesh().triangles().size());
+             });
+           })
+      .def(
+          "__reduce__", [](nb::handle_t<ModelObject> self) { return reduced(self); },
+          nb::sig("def __reduce__(self) -> tuple[Any, ...]"));
+}
+
+}  // namespace limber::python

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <span>
+#include <type_traits>
+
+#include "limber/limber.h"
+
+/// Answers as arrays of NumPy: many of them are one array of records.
+namespace limber::python {
+
+namespace nb = nanobind;
+
+/// One answer of distance(), as an array holds it.
+struct DistanceRecord {
+  double lower, upper;
+  Vec3 point_a, point_b;  // not a number without a witness
+  TriangleId triangle_a, triangle_b;
+  std::uint8_t status, stopped_by;
+};
+
+/// One answer of collide() or within().
+struct WitnessRecord {
+  Vec3 point_a, point_b;  // not a number without a witness
+  TriangleId triangle_a, triangle_b;
+  bool is_yes;
+};
+
+/// One answer of closest_point() or signed_distance().
+struct SurfacePointRecord {
+  double distance;  // infinite if nothing is that close
+  Vec3 position;
+  std::array<double, 3> barycentric;
+  TriangleId triangle;
+  Feature feature;
+  bool is_inside;  // of signed distances only
+};
+
+DistanceRecord record_of(const DistanceResult& result);
+WitnessRecord record_of(const CollideResult& result);
+WitnessRecord record_of(const WithinResult& result);
+SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest);
+SurfacePointRecord record_of(const SignedDistance& signed_distance);
+
+/// The element types of such arrays, as NumPy describes them. They live as long as the process.
+struct Dtypes {
+  nb::handle distance, collision, within, surface_point, signed_distance, contact, vertex_face, edge_edge;
+};
+const Dtypes& dtypes();
+
+/// Creates them and makes them attributes of the module.
+void bind_records(nb::module_& module);
+
+/// A new array of that shape and element type, not initialised.
+nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape);
+/// The first element of an array that may be written, with packed elements.
+///
+/// Throws   nb::value_error if it is no such array, or has fewer than `bytes`.
+void* memory_of(nb::handle array, std::size_t bytes);
+
+/// A copy of numbers as an array of that shape. Pre: as many bytes as the shape has elements of the type.
+template <typename T>
+nb::object array_of(std::span<const T> values, nb::handle dtype, std::initializer_list<std::size_t> shape) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  nb::object array = new_array(dtype, shape);
+  if (!values.empty()) std::memcpy(memory_of(array, values.size_bytes()), values.data(), values.size_bytes());
+  return array;
+}
+
+/// Records as an array of one axis.
+template <typename T>
+nb::object array_of(std::span<const T> records, nb::handle dtype) {
+  return array_of(records, dtype, {records.size()});
+}
+
+/// A vector as three numbers.
+nb::object array_of(const Vec3& vector);
+/// Rows of three coordinates.
+nb::object array_of(std::span<const Vec3> vectors);
+/// Rows of ids.
+template <std::size_t width>
+nb::object array_of(std::span<const std::array<std::uint32_t, width>> rows) {
+  return array_of(rows, nb::str("uint32"), {rows.size(), width});
+}
+nb::object array_of(std::span<const std::uint32_t> ids);
+
+}  // namespace limber::python

@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which arrays are taken, and what is said about others."""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import limber3d
+import numpy
+import pytest
+from shapes import TETRA_FACES, TETRA_VERTICES
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_vertices_of_both_precisions_and_orders_are_read(dtype: str, order: Any) -> None:
+    vertices = numpy.array(TETRA_VERTICES, dtype, order=order)
+    assert (limber3d.Model(vertices, TETRA_FACES).vertices == TETRA_VERTICES).all()
+
+
+@pytest.mark.parametrize("dtype", ["int32", "int64", "uint32", "uint64"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_faces_of_all_integers_are_read(dtype: str, order: Any) -> None:
+    model = limber3d.Model(TETRA_VERTICES, numpy.array(TETRA_FACES, dtype, order=order))
+    assert (model.faces == TETRA_FACES).all() and model.faces.dtype == numpy.uint32
+
+
+def strided(values: Any, kind: str) -> Any:
+    """The same numbers with other strides."""
+    wide = numpy.zeros((2 * len(values), 5), values.dtype)
+    if kind == "every other row":
+        wide[::2, 1:4] = values
+        return wide[::2, 1:4]
+    if kind == "backwards":
+        return values[::-1].copy()[::-1]
+    if kind == "columns apart":
+        apart = numpy.zeros((len(values), 6), values.dtype)
+        apart[:, ::2] = values
+        return apart[:, ::2]
+    unaligned = numpy.zeros(values.nbytes + 1, numpy.uint8)[1:].view(values.dtype).reshape(values.shape)
+    unaligned[:] = values
+    return unaligned
+
+
+@pytest.mark.parametrize("kind", ["every other row", "backwards", "columns apart", "unaligned"])
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_any_strides_are_read(kind: str, dtype: str) -> None:
+    vertices, faces = strided(TETRA_VERTICES.astype(dtype), kind), strided(TETRA_FACES.astype("int64"), kind)
+    model = limber3d.Model(vertices, faces)
+    assert (model.vertices == TETRA_VERTICES).all() and (model.faces == TETRA_FACES).all()
+    model.move_all(strided((TETRA_VERTICES + 1).astype(dtype), kind))
+    ids = strided(numpy.arange(12, dtype="int32").reshape(4, 3), kind)[:, 0] // 3
+    model.move_vertices(ids, strided((TETRA_VERTICES + 2).astype(dtype), kind))
+    assert (model.vertices == TETRA_VERTICES + 2).all()
+
+
+def test_read_only_arrays_lists_and_buffers_are_read() -> None:
+    vertices = TETRA_VERTICES.copy()
+    vertices.flags.writeable = False
+    assert (limber3d.Model(vertices, TETRA_FACES.tolist()).vertices == TETRA_VERTICES).all()
+    assert (limber3d.Model(TETRA_VERTICES.tolist(), TETRA_FACES).faces == TETRA_FACES).all()
+    model = limber3d.Model(TETRA_VERTICES, TETRA_FACES)
+    model.move_vertices(array.array("I", [1, 2]), [[5, 0, 0], [0, 5, 0]])
+    assert (model.vertices[1:3] == [[5, 0, 0], [0, 5, 0]]).all()
+    model.move_vertices([], numpy.zeros((0, 3)))
+
+
+BAD_VERTICES: dict[str, Any] = {
+    "shape (4, 2) and dtype float64": TETRA_VERTICES[:, :2],
+    "shape (12,) and dtype float64": TETRA_VERTICES.ravel(),
+    "shape (1, 4, 3) and dtype float64": TETRA_VERTICES[None],
+    "shape () and dtype float64": numpy.array(1.0),
+    "shape (4, 3) and dtype int64": TETRA_VERTICES.astype("int64"),
+    "shape (4, 3) and dtype float16": TETRA_VERTICES.astype("float16"),
+    "shape (4, 3) and dtype >f8": TETRA_VERTICES.astype(">f8"),
+    "shape (4, 3) and dtype complex128": TETRA_VERTICES.astype("complex128"),
+    "got str": "vertices",
+    "got list": [[1, 2, 3], [4]],
+}
+
+
+@pytest.mark.parametrize("found", BAD_VERTICES)
+def test_other_vertices_are_refused_by_name_shape_and_dtype(found: str) -> None:
+    with pytest.raises(ValueError) as refused:
+        limber3d.Model(BAD_VERTICES[found], TETRA_FACES)
+    assert str(refused.value) in (
+        f"vertices: expected shape (n, 3) and dtype float32 or float64; got {found}",
+        f"vertices: expected shape (n, 3) and dtype float32 or float64; {found}",
+    )
+
+
+def test_other_faces_and_ids_are_refused_by_name_shape_and_dtype() -> None:
+    with pytest.raises(ValueError, match=r"^faces: expected shape \(n, 3\).*; got shape \(4, 3\) and dtype float64$"):
+        limber3d.Model(TETRA_VERTICES, TETRA_FACES.astype(float))
+    model = limber3d.Model(TETRA_VERTICES, TETRA_FACES)
+    with pytest.raises(ValueError, match=r"^ids: expected shape \(n,\).*; got shape \(1, 1\) and dtype int64$"):
+        model.move_vertices(numpy.array([[1]]), [[0, 0, 0]])
+    with pytest.raises(ValueError, match=r"^positions: expected .*; got shape \(3,\) and dtype float64$"):
+        model.move_all(numpy.zeros(3))
+
+
+def test_ids_that_are_none_are_index_errors_and_change_nothing() -> None:
+    model = limber3d.Model(TETRA_VERTICES, TETRA_FACES)
+    for ids in ([-1], [4], [2**32], numpy.array([2**64 - 1], "uint64"), numpy.array([-1], "int32")):
+        with pytest.raises(IndexError):
+            model.move_vertices(ids, [[9, 9, 9]])
+    with pytest.raises(IndexError, match="faces: -1 is not an index"):
+        limber3d.Model(TETRA_VERTICES, TETRA_FACES.astype("int32") - 1)
+    with pytest.raises(IndexError, match="triangle 0 names vertex 9"):
+        limber3d.Model(TETRA_VERTICES, TETRA_FACES + 9)
+    assert (model.vertices == TETRA_VERTICES).all() and model.is_committed
+
+
+def test_errors_of_the_library_keep_their_text() -> None:
+    with pytest.raises(ValueError, match="no triangle"):
+        limber3d.Model(TETRA_VERTICES, numpy.zeros((0, 3), int))
+    bad = TETRA_VERTICES.copy()
+    bad[2, 1] = numpy.nan
+    with pytest.raises(ValueError, match="vertex 2"):
+        limber3d.Model(bad, TETRA_FACES)
+    model = limber3d.Model(TETRA_VERTICES, TETRA_FACES)
+    with pytest.raises(ValueError, match="3"):
+        model.move_all(TETRA_VERTICES[:3])
+    with pytest.raises(ValueError, match="motion_margin"):
+        limber3d.Model(TETRA_VERTICES, TETRA_FACES, motion_margin=-1.0)

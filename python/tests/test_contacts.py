@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Contacts, self-queries, filters and pairs of elements."""
+
+from __future__ import annotations
+
+import limber3d
+import numpy
+import pytest
+from shapes import ball as ball_arrays
+
+NEAR = ([1, 0.2, 0.1, 0], [1.9, 0, 0])
+
+
+def test_intersections_are_pairs_of_ids(ball: limber3d.Model) -> None:
+    pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
+    assert pairs.dtype == numpy.uint32 and pairs.shape[1] == 2 and len(pairs) > 10
+    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=3).tolist() == pairs[:3].tolist()
+    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=0).shape == (0, 2)
+    assert limber3d.intersections(ball, ball, pose_b=([1, 0, 0, 0], [9, 0, 0])).shape == (0, 2)
+
+
+def test_contacts_are_records(ball: limber3d.Model) -> None:
+    contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    assert contacts.dtype == limber3d.contact_dtype and len(contacts) > len(
+        limber3d.intersections(ball, ball, pose_b=NEAR)
+    )
+    apart = contacts[contacts["distance"] > 0]
+    gaps = numpy.linalg.norm(apart["point_b"] - apart["point_a"], axis=1)
+    assert numpy.allclose(gaps, apart["distance"]) and (apart["depth"] == 0).all() and (gaps <= 0.05 + 1e-12).all()
+    assert numpy.allclose(numpy.linalg.norm(contacts["normal"], axis=1), 1)
+    assert set(contacts["feature_a"]["kind"]) <= {0, 1, 2} and contacts["triangle_b"].max() < 720
+    meeting = {(c["triangle_a"], c["triangle_b"]) for c in contacts[contacts["distance"] == 0]}
+    assert meeting == {tuple(pair) for pair in limber3d.intersections(ball, ball, pose_b=NEAR).tolist()}
+    with pytest.raises(ValueError, match="margin"):
+        limber3d.contacts(ball, ball, -1.0)
+
+
+def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
+    pose = ([1, 0, 0, 0], [2.5, 0, 0])
+    pairs = limber3d.closest_pairs(ball, ball, 7, pose_b=pose)
+    assert len(pairs) == 7 and (numpy.diff(pairs["distance"]) >= 0).all()
+    assert pairs["distance"][0] == limber3d.distance(ball, ball, pose_b=pose).upper
+    assert len(limber3d.closest_pairs(ball, ball, 2**62, pose_b=pose)) == 720 * 720
+
+
+def test_reduction_keeps_a_few_and_leaves_its_argument_alone(ball: limber3d.Model) -> None:
+    contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    before = contacts.copy()
+    kept, regions = limber3d.reduce_contacts(contacts, radius=0.5, max_points=2)
+    assert (contacts == before).all() and 0 < len(kept) < len(contacts) and len(regions) == len(kept)
+    assert kept[0] in contacts and numpy.bincount(regions).max() <= 2
+    assert len(limber3d.reduce_contacts(contacts[:0], radius=0.5)[0]) == 0
+    assert len(limber3d.reduce_contacts(contacts[::2], radius=0.5)[0]) > 0
+    with pytest.raises(ValueError, match="radius"):
+        limber3d.reduce_contacts(contacts, radius=0.0)
+
+
+def folded() -> limber3d.Model:
+    """A ball whose poles have been pushed through each other."""
+    vertices, faces = ball_arrays()
+    vertices = vertices.copy()
+    vertices[0, 2], vertices[-1, 2] = 1.5, -1.5
+    return limber3d.Model(vertices, faces)
+
+
+def test_a_model_can_meet_itself(ball: limber3d.Model) -> None:
+    model = folded()
+    cache = limber3d.QueryCache()
+    assert (
+        limber3d.self_collide(model) and limber3d.self_collide(model, cache=cache) and not limber3d.self_collide(ball)
+    )
+    assert limber3d.self_distance(model, cache=cache).status is limber3d.Status.collision
+    assert limber3d.self_distance(ball).upper > 0
+    pairs = limber3d.self_intersections(model)
+    assert len(pairs) > 0 and (pairs[:, 0] < pairs[:, 1]).all()
+    assert len(limber3d.self_contacts(model, 0.0)) == len(pairs)
+    assert limber3d.self_closest_pairs(ball, 3)["distance"][0] == limber3d.self_distance(ball).upper
+
+
+def test_rings_of_neighbors_filter_pairs(ball: limber3d.Model) -> None:
+    rings = limber3d.NeighborRings(ball, 2)
+    near = limber3d.self_contacts(ball, 0.3)
+    kept = limber3d.self_contacts(ball, 0.3, filter=rings)
+    assert 0 < len(kept) < len(near) and rings.triangle_count == 720
+    are_far = [not rings.are_near(c["triangle_a"], c["triangle_b"]) for c in near]
+    assert (kept == near[are_far]).all()
+    assert rings(0, 719) and not rings(5, 5)
+    by_function = limber3d.self_contacts(ball, 0.3, filter=lambda a, b: not rings.are_near(a, b))
+    assert (by_function == kept).all()
+    with pytest.raises((ValueError, IndexError)):
+        rings.are_near(0, 720)
+
+
+def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Model) -> None:
+    all_pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
+    even = limber3d.intersections(ball, ball, pose_b=NEAR, filter=lambda a, b: a % 2 == 0)
+    assert even.tolist() == [pair for pair in all_pairs.tolist() if pair[0] % 2 == 0]
+
+    def failing(a: int, b: int) -> bool:
+        raise KeyError(a)
+
+    with pytest.raises(KeyError):
+        limber3d.intersections(ball, ball, pose_b=NEAR, filter=failing)
+    with pytest.raises(TypeError, match="filter"):
+        limber3d.intersections(ball, ball, filter=3)  # type: ignore[arg-type]
+
+    def moving(a: int, b: int) -> bool:
+        ball.move_vertices([0], [[0, 0, 0]])
+        return True
+
+    with pytest.raises(limber3d.BusyError):
+        limber3d.intersections(ball, ball, pose_b=NEAR, filter=moving)
+    assert ball.is_committed
+
+
+def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
+    pose = ([1, 0, 0, 0], [1.5, 0, 0])
+    vertex_face, edge_edge = limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
+    assert vertex_face.dtype == limber3d.vertex_face_dtype and edge_edge.dtype == limber3d.edge_edge_dtype
+    assert numpy.allclose(vertex_face["weights"].sum(axis=1), 1) and vertex_face["is_vertex_of_b"].any()
+    edges = limber3d.MeshEdges(tetra)
+    assert len(edges) == 6 and edges.vertices.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    assert edges.of_triangles.shape == (4, 3) and edges.owners.shape == (6,) and edges.vertex_owners.shape == (4,)
+    pair = edge_edge[0]
+    a, b = tetra.vertices[edges.vertices[pair["a"]]], tetra.vertices[edges.vertices[pair["b"]]] + [1.5, 0, 0]
+    points = a[0] + pair["parameter_a"] * (a[1] - a[0]), b[0] + pair["parameter_b"] * (b[1] - b[0])
+    assert numpy.linalg.norm(points[0] - points[1]) == pytest.approx(pair["distance"])
+    vertex_face, edge_edge = limber3d.self_element_pairs(tetra, 2.0)
+    assert len(vertex_face) == 4 and len(edge_edge) == 3

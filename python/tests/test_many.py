@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Batches: the bits of single calls, shapes, interruption, progress."""
+
+from __future__ import annotations
+
+import _thread
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import limber3d
+import numpy
+import pytest
+from limber3d.typing import RecordArray
+from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions
+
+
+def assert_equals(record: Any, result: limber3d.DistanceResult) -> None:
+    """Compares a record with a single answer, to the bit."""
+    assert (record["lower"], record["upper"]) == (result.lower, result.upper)
+    assert (record["status"], record["stopped_by"]) == (result.status, result.stopped_by)
+    if result.witness is None:
+        assert numpy.isnan(record["point_a"]).all() and record["triangle_a"] == record["triangle_b"] == 2**32 - 1
+        return
+    assert (record["point_a"] == result.witness.point_a).all() and (record["point_b"] == result.witness.point_b).all()
+    assert (record["triangle_a"], record["triangle_b"]) == (result.witness.triangle_a, result.witness.triangle_b)
+
+
+def test_distances_of_many_poses_are_those_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
+    poses_a, poses_b = random_poses(1, 700), random_poses(2, 700)
+    many = limber3d.distance_many(ball, tetra, poses_a, poses_b, relative_error=0.1, max_distance=2.0)
+    assert many.dtype == limber3d.distance_dtype and many.shape == (700,)
+    assert set(many["status"]) == {1, 2, 3}
+    for record, pose_a, pose_b in zip(many, poses_a, poses_b):
+        assert_equals(record, limber3d.distance(ball, tetra, pose_a, pose_b, relative_error=0.1, max_distance=2.0))
+
+
+def test_collisions_of_many_poses_are_those_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
+    poses = random_poses(3, 500)
+    many = limber3d.collide_many(ball, tetra, poses_b=poses)
+    assert many["collision"].any() and not many["collision"].all()
+    for record, pose in zip(many, poses):
+        single = limber3d.collide(ball, tetra, pose_b=pose)
+        assert record["collision"] == single.collision
+        if single.witness is not None:
+            assert (record["point_a"] == single.witness.point_a).all()
+            assert record["triangle_b"] == single.witness.triangle_b
+
+
+def test_contacts_of_many_poses_are_those_of_single_calls(ball: limber3d.Model) -> None:
+    poses = random_poses(4, 200)
+    rings = limber3d.NeighborRings(ball, 1)
+    for filter in (None, rings):
+        contacts, offsets = limber3d.contacts_many(ball, ball, 0.1, poses, filter=filter)
+        assert offsets.shape == (201,) and offsets.dtype == numpy.int64 and offsets[-1] == len(contacts) > 0
+        for i, pose in enumerate(poses):
+            single = limber3d.contacts(ball, ball, 0.1, pose, filter=filter)
+            assert (contacts[offsets[i] : offsets[i + 1]] == single).all() and offsets[i + 1] - offsets[i] == len(
+                single
+            )
+
+
+def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Model) -> None:
+    poses = random_poses(5, 60)
+    expected = limber3d.distance_many(ball, tetra, poses)
+    forms: list[Any] = [
+        poses[::-1].copy()[::-1],
+        numpy.asfortranarray(poses),
+        poses.tolist(),
+        (poses[:, :3, :3], poses[:, :3, 3]),
+    ]
+    for form in forms:
+        assert (limber3d.distance_many(ball, tetra, form) == expected).all()
+    turns, shifts = random_quaternions(5, 60, 2.0)
+    assert numpy.allclose(limber3d.distance_many(ball, tetra, (turns, shifts))["upper"], expected["upper"])
+    one = limber3d.distance_many(ball, tetra, poses[3], numpy.tile(numpy.eye(4), (5, 1, 1)))
+    assert (one["upper"] == expected["upper"][3]).all() and one.shape == (5,)
+    assert limber3d.distance_many(ball, tetra, (turns[0], shifts[0])).shape == (1,)
+    assert limber3d.distance_many(ball, tetra).shape == (1,)
+    assert limber3d.distance_many(ball, tetra, poses[:0]).shape == (0,)
+    contacts, offsets = limber3d.contacts_many(ball, tetra, 0.1, poses[:0])
+    assert len(contacts) == 0 and offsets.tolist() == [0]
+
+
+def test_bad_poses_are_named_by_their_index(ball: limber3d.Model) -> None:
+    poses = random_poses(6, 10)
+    poses[7, 3, 3] = 2
+    with pytest.raises(ValueError, match=r"poses_b\[7\]: the last row"):
+        limber3d.distance_many(ball, ball, poses_b=poses)
+    with pytest.raises(ValueError, match="poses_a and poses_b: 10 and 3 poses"):
+        limber3d.collide_many(ball, ball, random_poses(1, 10), poses[:3])
+    with pytest.raises(ValueError, match=r"poses_a: .* got shape \(10, 3, 4\)"):
+        limber3d.collide_many(ball, ball, random_poses(1, 10)[:, :3])
+    with pytest.raises(ValueError, match=r"poses_a\[0\]: the matrix is no rigid motion"):
+        limber3d.collide_many(ball, ball, (numpy.ones((2, 3, 3)), numpy.zeros((2, 3))))
+
+
+def test_tracking_gives_the_answers_of_single_calls(tetra: limber3d.Model, ball: limber3d.Model) -> None:
+    frames = TETRA_VERTICES + random_poses(7, 40, 4.0)[:, None, :3, 3]
+    poses = random_poses(8, 40)
+    answers = limber3d.track(tetra, iter(frames.astype(numpy.float32)), ball, poses, max_distance=9.0)
+    assert answers.shape == (40,) and (tetra.vertices == frames[-1].astype(numpy.float32)).all()
+    for frame, pose, record in zip(frames.astype(numpy.float32), poses, answers):
+        moved = limber3d.Model(frame, TETRA_FACES)
+        assert record["upper"] == limber3d.distance(moved, ball, pose, max_distance=9.0).upper
+    assert limber3d.track(tetra, [], ball).shape == (0,)
+    with pytest.raises(ValueError, match="only 2 poses"):
+        limber3d.track(tetra, frames, ball, poses[:2])
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C raises KeyboardInterrupt, also where the shell has told its background jobs to ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def interrupt_after(seconds: float) -> threading.Timer:
+    """Ctrl-C, soon."""
+    timer = threading.Timer(seconds, _thread.interrupt_main)
+    timer.start()
+    return timer
+
+
+def test_interruption_keeps_what_is_done(ball: limber3d.Model, interruptible: None) -> None:
+    poses = numpy.tile(random_poses(9, 1000), (300, 1, 1))
+    expected = limber3d.distance_many(ball, ball, poses[:1000])
+    timer = interrupt_after(0.3)
+    start = time.monotonic()
+    with pytest.raises(limber3d.BatchInterrupted) as interrupted:
+        while time.monotonic() - start < 20:
+            limber3d.distance_many(ball, ball, poses)
+    timer.join()
+    assert time.monotonic() - start < 5
+    partial = interrupted.value
+    assert isinstance(partial, KeyboardInterrupt) and 0 < partial.count < 300_000
+    assert len(partial.results) == partial.count
+    assert (partial.results[:1000] == expected[: partial.count]).all()
+
+
+def test_interruption_keeps_contacts_and_frames(ball: limber3d.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupting() -> Iterator[Any]:
+        for i in range(100):
+            if i == 5:
+                raise KeyboardInterrupt
+            yield ball.vertices
+
+    with pytest.raises(limber3d.BatchInterrupted) as interrupted:
+        limber3d.track(ball, interrupting(), ball)
+    assert interrupted.value.count == 5 and interrupted.value.results.shape == (5,)
+
+    original = limber3d.many._parts
+
+    def first_part_only(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
+        yield next(original(count, is_shown))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(limber3d.many, "_parts", first_part_only)
+    with pytest.raises(limber3d.BatchInterrupted) as interrupted:
+        limber3d.contacts_many(ball, ball, 0.1, random_poses(4, 200))
+    contacts, offsets = interrupted.value.results
+    assert interrupted.value.count == len(offsets) - 1 == 16 and offsets[-1] == len(contacts)
+
+
+def test_progress_is_told_to_tqdm_if_there_is_one(ball: limber3d.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[int] = []
+
+    class Bar:
+        def __init__(self, total: int | None) -> None:
+            told.append(-1 if total is None else total)
+
+        def __enter__(self) -> Bar:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def update(self, done: int) -> None:
+            told.append(done)
+
+    poses = random_poses(9, 100)
+    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    limber3d.distance_many(ball, ball, poses, progress=True)
+    assert told[0] == 100 and sum(told[1:]) == 100
+    told.clear()
+    limber3d.track(ball, [ball.vertices] * 3, ball, progress=True)
+    assert told == [3, 1, 1, 1]
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    without: RecordArray = limber3d.collide_many(ball, ball, poses, progress=True)
+    assert len(without) == 100
+
+
+def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) -> None:
+    poses = random_poses(10, 300)
+    expected = limber3d.distance_many(ball, ball, poses)
+    try:
+        limber3d.set_thread_limit(1)
+        assert (limber3d.distance_many(ball, ball, poses) == expected).all()
+    finally:
+        limber3d.set_thread_limit(None)
+    with pytest.raises(ValueError):
+        limber3d.set_thread_limit(0)

@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Models: moves, options, friends, pickling, lifetimes."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import pickle
+from types import SimpleNamespace
+
+import limber3d
+import numpy
+import pytest
+import shapes
+import trimesh
+from shapes import TETRA_FACES, TETRA_VERTICES
+
+
+def test_a_model_keeps_its_own_copy(tetra: limber3d.Model) -> None:
+    vertices, faces = TETRA_VERTICES.copy(), TETRA_FACES.copy()
+    model = limber3d.Model(vertices, faces)
+    vertices[:], faces[:] = 7, 0
+    assert (model.vertices == TETRA_VERTICES).all() and (model.faces == TETRA_FACES).all()
+    found = model.vertices
+    found[:] = 7
+    assert (model.vertices == TETRA_VERTICES).all()
+
+
+def test_moves_count_after_a_commit(tetra: limber3d.Model) -> None:
+    other = limber3d.Model(TETRA_VERTICES + [5, 0, 0], TETRA_FACES)
+    tetra.move_vertices([1], numpy.array([[3, 0, 0]], numpy.float32))
+    assert not tetra.is_committed
+    with pytest.raises(ValueError, match="committed"):
+        limber3d.distance(tetra, other)
+    tetra.commit()
+    assert tetra.is_committed and limber3d.distance(tetra, other).upper == 2
+    tetra.move_all(TETRA_VERTICES)
+    tetra.rebuild()
+    assert limber3d.distance(tetra, other).upper == 4
+    assert tetra.maintenance_stats.moved_vertices == 5
+    tetra.validate()
+
+
+def test_reset_takes_another_mesh(tetra: limber3d.Model) -> None:
+    vertices, faces = shapes.ball()
+    assert len(limber3d.MeshEdges(tetra)) == 6
+    tetra.reset(vertices, faces)
+    assert tetra.tree_stats.leaves >= len(faces) / 8 and len(limber3d.MeshEdges(tetra)) == 3 * len(faces) / 2
+    with pytest.raises(IndexError):
+        tetra.reset(vertices, faces + 1000)
+    assert (tetra.faces == faces).all()
+    assert limber3d.element_pairs(tetra, tetra, 0.0)[0].size > 0
+
+
+def test_options_are_keywords_and_come_back() -> None:
+    options = {
+        "motion_margin": None,
+        "rebuild_policy": limber3d.RebuildPolicy.off,
+        "rebuild_budget_us": 30.0,
+        "preallocate": True,
+    }
+    assert limber3d.Model(TETRA_VERTICES, TETRA_FACES, **options).options == options  # type: ignore[arg-type]
+    defaults = limber3d.Model(TETRA_VERTICES, TETRA_FACES).options
+    assert defaults == {
+        "motion_margin": 0,
+        "rebuild_policy": limber3d.RebuildPolicy.in_commit,
+        "rebuild_budget_us": None,
+        "preallocate": False,
+    }
+
+
+def test_bounds_contain_the_model(ball: limber3d.Model) -> None:
+    box, sphere = ball.bounding_box(), ball.bounding_sphere()
+    assert (box.low <= ball.vertices).all() and (ball.vertices <= box.high).all() and (box.high < 1.01).all()
+    assert (numpy.linalg.norm(ball.vertices - sphere.center, axis=1) <= sphere.radius).all() and sphere.radius < 1.5
+
+
+def test_meshes_of_friends_are_taken() -> None:
+    box = trimesh.creation.box()
+    for mesh in (
+        box,
+        SimpleNamespace(vertices=box.vertices, triangles=box.faces.astype("int32")),
+    ):
+        model = limber3d.Model(mesh)
+        assert (model.vertices == box.vertices).all() and (model.faces == box.faces).all()
+    with pytest.raises(TypeError, match="expected vertices and faces"):
+        limber3d.Model(TETRA_VERTICES)
+
+
+def test_pickles_and_copies_keep_mesh_and_options(ball: limber3d.Model) -> None:
+    ball.set_motion_margin(0.01)
+    ball.move_vertices([0], [[0, 0, -2]])
+    for twin in (pickle.loads(pickle.dumps(ball)), copy.deepcopy(ball)):
+        assert (twin.vertices == ball.vertices).all() and (twin.faces == ball.faces).all()
+        assert twin.options == ball.options and twin.is_committed
+        ball.commit()
+        assert (
+            limber3d.distance(twin, twin, pose_b=([1, 0, 0, 0], [0, 0, 4])).upper
+            == limber3d.distance(ball, ball, pose_b=([1, 0, 0, 0], [0, 0, 4])).upper
+        )
+
+
+def test_what_refers_to_a_model_keeps_it_alive() -> None:
+    def surface_and_scene() -> tuple[limber3d.ClosedSurface, limber3d.Scene]:
+        model = limber3d.Model(*shapes.ball())
+        scene = limber3d.Scene()
+        scene.add(model)
+        return limber3d.ClosedSurface(model), scene
+
+    surface, scene = surface_and_scene()
+    gc.collect()
+    rubbish = [limber3d.Model(*shapes.ball()) for _ in range(20)]
+    assert surface.contains([0, 0, 0]) and len(rubbish) == 20
+    scene.add(rubbish[0], ([1, 0, 0, 0], [4, 0, 0]))
+    scene.commit()
+    assert scene.closest_objects().result.upper == pytest.approx(2, abs=0.02)
+    assert scene.model(0) is surface.model or len(scene.model(0).faces) > 0
+
+
+def test_results_outlive_what_they_came_from() -> None:
+    model = limber3d.Model(*shapes.ball())
+    result = limber3d.distance(model, model, pose_b=([1, 0, 0, 0], [4, 0, 0]))
+    contacts = limber3d.contacts(model, model, 3.0, pose_b=([1, 0, 0, 0], [4, 0, 0]))
+    before = contacts.copy()
+    del model
+    gc.collect()
+    assert result.witness is not None and result.witness.point_a.shape == (3,)
+    assert (contacts == before).all()
+
+
+def test_files_are_loaded(tmp_path: object) -> None:
+    from pathlib import Path
+
+    folder = Path(str(tmp_path))
+    path = shapes.write_obj(folder / "ball.obj", *shapes.ball())
+    model = limber3d.load(path, motion_margin=None)
+    assert (model.vertices == shapes.ball()[0]).all() and model.options["motion_margin"] is None
+    with pytest.raises(OSError, match="missing.obj"):
+        limber3d.load(folder / "missing.obj")
+    (folder / "bad.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    with pytest.raises((ValueError, IndexError), match="bad.obj"):
+        limber3d.load(str(folder / "bad.obj"))
+    sequence = limber3d.MeshSequence(path)
+    assert (sequence.read_positions(path, 1) == sequence.vertices).all()

@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Several threads: queries side by side, changes refused, the GIL released."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import limber3d
+import numpy
+import shapes
+
+POSES = shapes.random_poses(1, 200, 1.5)
+
+
+def test_threads_share_models(ball: limber3d.Model) -> None:
+    expected = [limber3d.distance(ball, ball, pose).upper for pose in POSES]
+
+    def ask(_: int) -> list[float]:
+        return [limber3d.distance(ball, ball, pose).upper for pose in POSES]
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(answers == expected for answers in pool.map(ask, range(8)))
+
+
+def test_changes_under_queries_are_refused_and_never_crash() -> None:
+    vertices, faces = shapes.ball(60, 40)
+    model = limber3d.Model(vertices, faces)
+    scene = limber3d.Scene()
+    scene.add(model)
+    surface = limber3d.ClosedSurface(model)
+    stop = threading.Event()
+    counts = {"changed": 0, "not changed": 0, "answered": 0, "not answered": 0, "stale": 0}
+    unexpected: list[BaseException] = []
+
+    def attempt(call: object, success: str) -> None:
+        try:
+            call()  # type: ignore[operator]
+            counts[success] += 1
+        except limber3d.BusyError:
+            counts[f"not {success}"] += 1
+        except ValueError as error:
+            if not any(word in str(error) for word in ("commit", "reset", "positions")):
+                raise
+            counts["stale"] += 1
+
+    def keep_on(calls: list[object], success: str) -> None:
+        try:
+            while not stop.is_set():
+                for call in calls:
+                    attempt(call, success)
+                    time.sleep(1e-4)
+        except BaseException as error:
+            unexpected.append(error)
+
+    changes: list[object] = [
+        lambda: model.move_all(vertices * 1.01),
+        model.commit,
+        lambda: model.reset(vertices, faces),
+        lambda: model.reset(*shapes.ball(10, 8)),
+        lambda: model.reset(vertices, faces),
+    ]
+    questions: list[object] = [
+        lambda: limber3d.distance(model, model, POSES[0]),
+        lambda: limber3d.self_collide(model),
+        lambda: limber3d.self_element_pairs(model, 0.01),
+        lambda: surface.contains([0, 0, 0]),
+        lambda: limber3d.closest_points(model, vertices),
+        scene.commit,
+        lambda: scene.closest_objects(),
+        lambda: model.vertices,
+    ]
+    threads = [threading.Thread(target=keep_on, args=(changes, "changed"))]
+    threads += [threading.Thread(target=keep_on, args=(questions, "answered")) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    time.sleep(1.5)
+    stop.set()
+    for thread in threads:
+        thread.join()
+    assert not unexpected
+    assert min(counts.values()) > 0, counts
+
+
+def test_the_gil_is_released() -> None:
+    """While a call runs, another thread of Python goes on: it gets the GIL only where the caller lets go of it."""
+    vertices, faces = shapes.ball(200, 200)
+    model, other, moved = (limber3d.Model(vertices, faces) for _ in range(3))
+    surface = limber3d.ClosedSurface(model)
+    scene = limber3d.Scene()
+    pairs = [[scene.add(model), scene.add(other)]] * 100
+    scene.commit()
+    stop, ticks = threading.Event(), 0
+
+    def tick() -> None:
+        nonlocal ticks
+        while not stop.is_set():
+            time.sleep(1e-4)
+            ticks += 1
+
+    calls: dict[str, Callable[[], object]] = {
+        "Model": lambda: limber3d.Model(vertices, faces),
+        "move_all": lambda: moved.move_all(vertices),
+        "rebuild": moved.rebuild,
+        "validate": model.validate,
+        "distance": lambda: limber3d.distance(model, other, POSES[0]),
+        "collide": lambda: limber3d.collide(model, other, POSES[0]),
+        "contacts": lambda: limber3d.contacts(model, other, 0.01, POSES[0]),
+        "self_collide": lambda: limber3d.self_collide(model),
+        "self_element_pairs": lambda: limber3d.self_element_pairs(model, 1e-3),
+        "NeighborRings": lambda: limber3d.NeighborRings(model, 1),
+        "closest_points": lambda: limber3d.closest_points(model, vertices),
+        "contains_many": lambda: surface.contains_many(vertices),
+        "scene.distance": lambda: scene.distance(pairs),
+        "distance_many": lambda: limber3d.distance_many(model, other, POSES),
+    }
+    thread = threading.Thread(target=tick)
+    interval = sys.getswitchinterval()
+    try:
+        thread.start()
+        sys.setswitchinterval(100)
+        for name, call in calls.items():
+            before, end = ticks, time.monotonic() + 5
+            while ticks == before and time.monotonic() < end:
+                call()
+            assert ticks > before, name
+    finally:
+        sys.setswitchinterval(interval)
+        stop.set()
+        thread.join()
+
+
+def test_a_cache_serves_one_query_at_a_time(ball: limber3d.Model) -> None:
+    cache = limber3d.QueryCache()
+    refused = 0
+
+    def using_it_again(a: int, b: int) -> bool:
+        nonlocal refused
+        try:
+            limber3d.distance(ball, ball, cache=cache)
+        except limber3d.BusyError:
+            refused += 1
+        return True
+
+    limber3d.self_distance(ball, filter=using_it_again, cache=cache)
+    assert refused > 0
+    assert limber3d.distance(ball, ball, cache=cache).upper == 0
+
+
+def distance_elsewhere(model: limber3d.Model) -> numpy.typing.NDArray[numpy.float64]:
+    """Runs in another process."""
+    upper: numpy.typing.NDArray[numpy.float64] = limber3d.distance_many(model, model, POSES)["upper"]
+    return upper
+
+
+def test_models_go_to_other_processes(ball: limber3d.Model) -> None:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        assert (pool.submit(distance_elsewhere, ball).result() == distance_elsewhere(ball)).all()
