@@ -55,20 +55,23 @@ class PlacedPair {
   Placed a_, b_;
 };
 
-/// The cache that a query uses, if it was given one.
-class UsedCache {
+/// The cache that a query uses, if it was given one. `Object` holds it as Python does.
+template <typename Object>
+class Used {
  public:
-  explicit UsedCache(CacheObject* object) {
+  explicit Used(Object* object) {
     if (object == nullptr) return;
-    using_.emplace(object->users, CacheObject::refusal);
+    using_.emplace(object->users, "the cache is in use by another thread, or by a query that has not returned");
     cache_ = &object->cache;
   }
-  QueryCache* get() const { return cache_; }
+  auto* get() const { return cache_; }
 
  private:
   std::optional<Changing> using_;
-  QueryCache* cache_ = nullptr;
+  decltype(Object::cache)* cache_ = nullptr;
 };
+
+using UsedCache = Used<CacheObject>;
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
 template <typename FilterRef>

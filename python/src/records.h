@@ -10,6 +10,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <span>
+#include <string>
 #include <type_traits>
 
 #include "limber/limber.h"
@@ -55,6 +56,13 @@ struct Dtypes {
   nb::handle distance, collision, within, surface_point, signed_distance, contact, vertex_face, edge_edge;
 };
 const Dtypes& dtypes();
+
+/// What the fields of such records are, as the end of a docstring.
+std::string contact_fields();
+std::string surface_point_fields();
+std::string distance_fields();
+std::string vertex_face_fields();
+std::string edge_edge_fields();
 
 /// Creates them and makes them attributes of the module.
 void bind_records(nb::module_& module);

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 import sys
 import threading
 import time
@@ -13,6 +14,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import limber3d
 import numpy
+import pytest
 import shapes
 
 POSES = shapes.random_poses(1, 200, 1.5)
@@ -150,6 +152,26 @@ def test_a_cache_serves_one_query_at_a_time(ball: limber3d.Model) -> None:
     limber3d.self_distance(ball, filter=using_it_again, cache=cache)
     assert refused > 0
     assert limber3d.distance(ball, ball, cache=cache).upper == 0
+
+
+def test_control_c_ends_a_search_for_pairs() -> None:
+    """A signal that comes while a call finds pairs ends the call there; the model can be used afterwards."""
+    corners = numpy.random.default_rng(3).normal(size=(60_000, 3))
+    soup = limber3d.Model(corners, numpy.arange(60_000).reshape(-1, 3))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.2, lambda: signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT))
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            start = time.monotonic()
+            limber3d.self_intersections(soup)
+    finally:
+        elapsed = time.monotonic() - start
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+    assert elapsed < 2
+    soup.commit()
+    assert limber3d.collide(soup, soup)
 
 
 def distance_elsewhere(model: limber3d.Model) -> numpy.typing.NDArray[numpy.float64]:
