@@ -7,6 +7,8 @@
 /// The parts of the module, one for each theme.
 namespace limber::python {
 
+using nanobind::literals::operator""_a;
+
 /// How Python's garbage collector sees objects that keep others alive: through visit_references() of class T. A cycle
 /// through such an object passes through the dictionary of an object too, where the collector breaks it.
 template <typename T>

@@ -22,8 +22,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 nb::object intersections_of(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, nb::handle filter,
                             std::optional<std::size_t> max_count) {
   const PlacedPair pair(a, b, pose_a, pose_b);

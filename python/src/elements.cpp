@@ -16,8 +16,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 struct FoundElements {
   std::vector<VertexFacePair> vertex_face;
   std::vector<EdgeEdgePair> edge_edge;

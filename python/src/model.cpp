@@ -22,8 +22,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 /// Makes a mesh of arrays, and calls use(mesh) without the GIL.
 template <typename Use>
 void with_mesh(nb::handle vertices, nb::handle faces, const Use& use) {

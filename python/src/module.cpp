@@ -5,20 +5,21 @@
 #include "bindings.h"
 #include "records.h"
 
+namespace python = limber::python;
+
 NB_MODULE(_core, module) {
-  using namespace limber::python;
   module.doc() = "The compiled part of limber3d.";
   module.attr("version") = LIMBER_VERSION;
-  bind_errors(module);
-  bind_records(module);
-  bind_results(module);
-  bind_model(module);
-  bind_queries(module);
-  bind_elements(module);
-  bind_contacts(module);
-  bind_self_queries(module);
-  bind_points(module);
-  bind_scene(module);
-  bind_batch(module);
-  bind_mesh_files(module);
+  python::bind_errors(module);
+  python::bind_records(module);
+  python::bind_results(module);
+  python::bind_model(module);
+  python::bind_queries(module);
+  python::bind_elements(module);
+  python::bind_contacts(module);
+  python::bind_self_queries(module);
+  python::bind_points(module);
+  python::bind_scene(module);
+  python::bind_batch(module);
+  python::bind_mesh_files(module);
 }

@@ -23,8 +23,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 PointResult closest_point_of(ModelObject& model, nb::handle point, nb::handle pose, double max_distance) {
   const Reading guard = reading(model);
   const Vec3 p = point_from(point, "point");

@@ -17,8 +17,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 DistanceResult distance(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, double relative_error,
                         double absolute_error, double max_distance, const BudgetObject* budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);

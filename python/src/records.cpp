@@ -250,6 +250,10 @@ void* memory_of(nb::handle array, std::size_t bytes) {
 
 nb::object array_of(const Vec3& vector) { return array_of(std::span<const Vec3>(&vector, 1), nb::str("float64"), {3}); }
 
+nb::object array_of(const std::array<double, 3>& numbers) {
+  return array_of(std::span<const double>(numbers), nb::str("float64"), {3});
+}
+
 nb::object array_of(std::span<const Vec3> vectors) {
   return array_of(vectors, nb::str("float64"), {vectors.size(), 3});
 }

@@ -89,8 +89,9 @@ nb::object array_of(std::span<const T> records, nb::handle dtype) {
   return array_of(records, dtype, {records.size()});
 }
 
-/// A vector as three numbers.
+/// Three numbers.
 nb::object array_of(const Vec3& vector);
+nb::object array_of(const std::array<double, 3>& numbers);
 /// Rows of three coordinates.
 nb::object array_of(std::span<const Vec3> vectors);
 /// Rows of ids.

@@ -22,7 +22,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
 using ObjectFilter = PairFilter<ObjectPairFilter>;
 
 using UsedSceneCache = Used<SceneCacheObject>;

@@ -8,7 +8,9 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "limber/scene.h"
@@ -48,39 +50,76 @@ inline void assign(ObjectPair& pair, nb::handle value) {
   if (!value.is_none()) pair = {nb::cast<ObjectId>(value[0]), nb::cast<ObjectId>(value[1])};
 }
 
-/// Binds a class of values. Its fields are read-only; two values are equal where all of their fields are; repr(), hash()
-/// and pickles consist of the fields.
+/// The fields of a class of values, and what follows from them.
+template <typename Value>
+struct Fields {
+  struct Field {
+    const char* name;
+    std::function<nb::object(const Value&)> read;
+    std::function<void(Value&, nb::handle)> write;
+  };
+
+  const char* class_name;
+  std::vector<Field> all;
+
+  nb::tuple state(const Value& value) const {
+    nb::list state;
+    for (const Field& field : all) state.append(field.read(value));
+    return nb::tuple(state);
+  }
+
+  Value restored(const nb::tuple& state) const {
+    if (state.size() != all.size()) throw nb::value_error("the state has other fields");
+    Value value;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].write(value, state[i]);
+    return value;
+  }
+
+  std::string text(const Value& value) const {
+    const nb::object enumeration = nb::module_::import_("enum").attr("Enum");
+    std::string fields;
+    for (const Field& field : all) {
+      const nb::object content = field.read(value);
+      const nb::str written = nb::isinstance(content, enumeration) ? nb::str(content) : nb::repr(content);
+      fields.append(fields.empty() ? "" : ", ").append(field.name).append("=").append(written.c_str());
+    }
+    return std::string(class_name).append("(").append(fields).append(")");
+  }
+};
+
+/// Binds a class of values. Its fields are read-only; two values are equal where all of their fields are; repr(),
+/// hash(), copies and pickles consist of the fields.
 template <typename Value>
 class ValueClass {
  public:
   ValueClass(nb::module_& module, const char* name, const char* documentation) : class_(module, name, documentation) {
-    name_ = name;
-    class_.def("__repr__", &text)
+    fields_->class_name = name;
+    class_.def("__repr__", [f = fields_](const Value& value) { return f->text(value); })
         .def(
-            "__eq__", [](const Value& a, const Value& b) { return state(a).equal(state(b)); }, nb::is_operator(),
-            nb::sig("def __eq__(self, other: object, /) -> bool"))
-        .def("__hash__", [](const Value& value) { return nb::hash(state(value)); })
-        .def("__getstate__", &state, nb::sig("def __getstate__(self) -> tuple[Any, ...]"))
-        .def("__setstate__", &restore, nb::sig("def __setstate__(self, state: tuple[Any, ...], /) -> None"));
+            "__eq__", [f = fields_](const Value& a, const Value& b) { return f->state(a).equal(f->state(b)); },
+            nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__hash__", [f = fields_](const Value& value) { return nb::hash(f->state(value)); })
+        .def(
+            "__getstate__", [f = fields_](const Value& value) { return f->state(value); },
+            nb::sig("def __getstate__(self) -> tuple[Any, ...]"))
+        .def(
+            "__setstate__",
+            [f = fields_](Value& value, const nb::tuple& state) { new (&value) Value(f->restored(state)); },
+            nb::sig("def __setstate__(self, state: tuple[Any, ...], /) -> None"));
   }
 
   template <typename Field>
   ValueClass& field(const char* name, Field Value::*member, const char* documentation) {
     const auto read = [member](const Value& value) { return plain(value.*member); };
-    fields_.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
-    if constexpr (std::is_same_v<Field, Vec3>) {
+    fields_->all.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
+    if constexpr (std::is_same_v<Field, Vec3> || std::is_same_v<Field, std::array<double, 3>>) {
+      const std::string signature = std::string("def ") + name + "(self) -> FloatArray";
       class_.def_prop_ro(
-          name, [member](const Value& value) { return array_of(value.*member); },
-          nb::sig(array_signature(name).c_str()), documentation);
-    } else if constexpr (std::is_same_v<Field, std::array<double, 3>>) {
-      class_.def_prop_ro(
-          name,
-          [member](const Value& value) {
-            return array_of(std::span<const double>(value.*member), nb::str("float64"), {3});
-          },
-          nb::sig(array_signature(name).c_str()), documentation);
+          name, [member](const Value& value) { return array_of(value.*member); }, nb::sig(signature.c_str()),
+          documentation);
     } else if constexpr (std::is_same_v<Field, ObjectPair>) {
-      class_.def_prop_ro(name, read, nb::sig("def objects(self) -> tuple[int, int] | None"), documentation);
+      const std::string signature = std::string("def ") + name + "(self) -> tuple[int, int] | None";
+      class_.def_prop_ro(name, read, nb::sig(signature.c_str()), documentation);
     } else {
       class_.def_ro(name, member, documentation);
     }
@@ -91,40 +130,7 @@ class ValueClass {
   nb::class_<Value>& binding() { return class_; }
 
  private:
-  struct Field {
-    const char* name;
-    std::function<nb::object(const Value&)> read;
-    std::function<void(Value&, nb::handle)> write;
-  };
-
-  static std::string array_signature(const char* name) { return std::string("def ") + name + "(self) -> FloatArray"; }
-
-  static nb::tuple state(const Value& value) {
-    nb::list fields;
-    for (const Field& field : fields_) fields.append(field.read(value));
-    return nb::tuple(fields);
-  }
-
-  static void restore(Value& value, const nb::tuple& state) {
-    if (state.size() != fields_.size()) throw nb::value_error("the state has other fields");
-    Value restored;
-    for (std::size_t i = 0; i < fields_.size(); ++i) fields_[i].write(restored, state[i]);
-    new (&value) Value(restored);
-  }
-
-  static std::string text(const Value& value) {
-    const nb::object enumeration = nb::module_::import_("enum").attr("Enum");
-    std::string fields;
-    for (const Field& field : fields_) {
-      const nb::object content = field.read(value);
-      const nb::str written = nb::isinstance(content, enumeration) ? nb::str(content) : nb::repr(content);
-      fields.append(fields.empty() ? "" : ", ").append(field.name).append("=").append(written.c_str());
-    }
-    return name_ + ("(" + fields + ")");
-  }
-
-  static inline std::string name_;
-  static inline std::vector<Field> fields_;
+  std::shared_ptr<Fields<Value>> fields_ = std::make_shared<Fields<Value>>();
   nb::class_<Value> class_;
 };
 
