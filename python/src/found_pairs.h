@@ -17,12 +17,6 @@
 /// From the pairs that a query visits to an array of them.
 namespace limber::python {
 
-/// Raises what the handler of a signal does, such as KeyboardInterrupt. Only the main thread has such handlers.
-inline void look_for_signals() {
-  const nb::gil_scoped_acquire acquired;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 /// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search.
 template <typename Pair, typename Search>
 std::vector<Pair> collected(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {

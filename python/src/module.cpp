@@ -3,11 +3,16 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings.h"
+#include "gil.h"
 #include "records.h"
 
 namespace python = limber::python;
 
 NB_MODULE(_core, module) {
+  // What daemon threads use when Python ends is never freed, and no fault.
+  nanobind::set_leak_warnings(false);
+  const nanobind::object main_thread = nanobind::module_::import_("threading").attr("main_thread")();
+  python::main_thread = nanobind::cast<unsigned long>(main_thread.attr("ident"));
   module.doc() = "The compiled part of limber3d.";
   module.attr("version") = LIMBER_VERSION;
   python::bind_errors(module);

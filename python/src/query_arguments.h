@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "gil.h"
 #include "limber/contacts.h"
 #include "limber/query.h"
 #include "model_object.h"
@@ -108,19 +109,5 @@ class PairFilter {
 };
 
 using TriangleFilter = PairFilter<TrianglePairFilter>;
-
-/// Calls `query` without the GIL, unless a filter needs it.
-template <typename Query>
-auto without_gil_unless(bool is_needed, const Query& query) {
-  std::optional<nb::gil_scoped_release> released;
-  if (!is_needed) released.emplace();
-  return query();
-}
-
-template <typename Query>
-auto without_gil(const Query& query) {
-  const nb::gil_scoped_release released;
-  return query();
-}
 
 }  // namespace limber::python

@@ -64,6 +64,12 @@ def test_errors_know_what_was_wrong_and_where(
         assert (twin.code, twin.where, twin.args) == (code, where, error.args)
 
 
+def test_interruptions_are_pickled_with_their_results() -> None:
+    results = limber3d.distance_many(model(), model())
+    twin = pickle.loads(pickle.dumps(limber3d.BatchInterrupted(results, 1)))
+    assert twin.count == 1 and (twin.results == results).all() and str(twin) == "interrupted after 1 results"
+
+
 def test_refused_calls_are_named_as_in_python() -> None:
     with pytest.raises(ValueError, match="^limber3d.contacts: margin must be finite and at least 0$"):
         limber3d.contacts(model(), model(), -1.0)

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import limber3d
 import numpy
@@ -172,6 +174,30 @@ def test_control_c_ends_a_search_for_pairs() -> None:
     assert elapsed < 2
     soup.commit()
     assert limber3d.collide(soup, soup)
+
+
+DAEMONS = """
+import sys, threading, time
+sys.path.append(sys.argv[1])
+import limber3d, shapes
+ball, large = limber3d.Model(*shapes.ball()), limber3d.Model(*shapes.ball(200, 200))
+def ask(model):
+    while True:
+        limber3d.distance(model, model, ([1, 0, 0, 0], [3, 0, 0]))
+def search():
+    while True:
+        limber3d.self_contacts(large, 0.02)
+for target, arguments in ((ask, [ball]), (ask, [large]), (search, [])):
+    threading.Thread(target=target, args=arguments, daemon=True).start()
+time.sleep(0.05)
+"""
+
+
+def test_python_may_end_while_daemons_ask() -> None:
+    for _ in range(4):
+        command = [sys.executable, "-c", DAEMONS, str(Path(__file__).parent)]
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
+        assert (ended.returncode, ended.stderr) == (0, "")
 
 
 def distance_elsewhere(model: limber3d.Model) -> numpy.typing.NDArray[numpy.float64]:
