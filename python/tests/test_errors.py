@@ -28,6 +28,10 @@ def model() -> limber3d.Model:
     return limber3d.Model(TETRA_VERTICES, TETRA_FACES)
 
 
+def open_model() -> limber3d.Model:
+    return limber3d.Model(TETRA_VERTICES, TETRA_FACES[1:])
+
+
 def poses_with_a_mirror() -> numpy.typing.NDArray[numpy.float64]:
     poses = numpy.tile(numpy.eye(4), (3, 1, 1))
     poses[2, 0, 0] = -1
@@ -44,7 +48,7 @@ MISTAKES: list[tuple[Callable[[], object], type[Exception], ErrorCode, int | Non
     (lambda: model().move_all(TETRA_VERTICES[:3]), ValueError, ErrorCode.size_mismatch, None),
     (lambda: limber3d.distance(model(), model(), numpy.eye(4) * 2), ValueError, ErrorCode.not_rigid, None),
     (lambda: limber3d.collide_many(model(), model(), poses_with_a_mirror()), ValueError, ErrorCode.not_rigid, 2),
-    (lambda: limber3d.ClosedSurface(limber3d.Model(TETRA_VERTICES, TETRA_FACES[1:])), ValueError, ErrorCode.not_closed, 0),
+    (lambda: limber3d.ClosedSurface(open_model()), ValueError, ErrorCode.not_closed, 0),
     (lambda: limber3d.load("/nowhere/mesh.obj"), OSError, ErrorCode.unreadable_file, None),
     (lambda: limber3d.load(__file__), ValueError, ErrorCode.unsupported_format, None),
 ]
