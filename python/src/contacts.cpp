@@ -80,26 +80,19 @@ nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size
 CollideResult self_collide_of(ModelObject& model, nb::handle filter, CacheObject* cache) {
   const Reading guard = reading(model);
   const TriangleFilter which(filter);
-  const UsedCache used(cache);
-  return without_gil_unless(which.needs_gil(), [&] {
-    QueryCache* const c = used.get();
-    const PairOptions options{which.get()};
-    return c != nullptr ? self_collide(model.model, options, *c) : self_collide(model.model, options);
-  });
+  const auto ask = [&](auto&... used) { return self_collide(model.model, PairOptions{which.get()}, used...); };
+  return with_cache(cache, ask, which.needs_gil());
 }
 
 DistanceResult self_distance_of(ModelObject& model, double relative_error, double absolute_error, double max_distance,
                                 nb::handle filter, CacheObject* cache) {
   const Reading guard = reading(model);
   const TriangleFilter which(filter);
-  const UsedCache used(cache);
-  return without_gil_unless(which.needs_gil(), [&] {
-    QueryCache* const c = used.get();
-    const DistanceOptions distances{relative_error, absolute_error, max_distance};
-    const PairOptions options{which.get()};
-    return c != nullptr ? self_distance(model.model, distances, options, *c)
-                        : self_distance(model.model, distances, options);
-  });
+  const DistanceOptions options{relative_error, absolute_error, max_distance};
+  const auto ask = [&](auto&... used) {
+    return self_distance(model.model, options, PairOptions{which.get()}, used...);
+  };
+  return with_cache(cache, ask, which.needs_gil());
 }
 
 nb::object self_intersections_of(ModelObject& model, nb::handle filter, std::optional<std::size_t> max_count) {

@@ -72,7 +72,12 @@ class Used {
   decltype(Object::cache)* cache_ = nullptr;
 };
 
-using UsedCache = Used<CacheObject>;
+/// Calls ask(), or ask(cache) if there is a cache, without the GIL unless a filter needs it.
+template <typename Ask>
+auto with_cache(CacheObject* cache, const Ask& ask, bool needs_gil = false) {
+  const Used used(cache);
+  return without_gil_unless(needs_gil, [&] { return used.get() != nullptr ? ask(*used.get()) : ask(); });
+}
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
 template <typename FilterRef>

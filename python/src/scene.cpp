@@ -24,8 +24,6 @@ namespace {
 
 using ObjectFilter = PairFilter<ObjectPairFilter>;
 
-using UsedSceneCache = Used<SceneCacheObject>;
-
 nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filter) {
   const ObjectFilter which(filter);
   std::vector<ObjectPair> pairs;
@@ -42,7 +40,7 @@ nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filte
 template <typename Result, typename Record, typename Query>
 nb::object asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
                           const Query& query) {
-  const UsedSceneCache used(cache);
+  const Used used(cache);
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
   std::vector<Result> results(asked.size());
@@ -78,7 +76,7 @@ nb::object pair_distances(SceneObject& self, nb::handle pairs, double relative_e
 ClosestObjects closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
                                   nb::handle filter, SceneCacheObject* cache) {
   const ObjectFilter which(filter);
-  const UsedSceneCache used(cache);
+  const Used used(cache);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
       return scene.closest_objects({relative_error, absolute_error, max_distance}, {which.get()}, used.get());
@@ -102,7 +100,7 @@ void bind_scene_results(nb::module_& m) {
       .def(
           "clear",
           [](SceneCacheObject& self) {
-            const UsedSceneCache used(&self);
+            const Used used(&self);
             used.get()->clear();
           },
           docs::SceneCache_clear);
