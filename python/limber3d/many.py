@@ -29,7 +29,7 @@ class BatchInterrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
+def progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
     """What to tell of progress: tqdm, if that is wanted and installed."""
     if is_wanted:
         try:
@@ -45,7 +45,7 @@ def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int
 
 def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
     """Ranges that make up 0 to count, of a length that takes about a tenth of a second each."""
-    with _progress_bar(count, is_shown) as advance:
+    with progress_bar(count, is_shown) as advance:
         begin, size = 0, 16
         while begin < count:
             end = min(begin + size, count)
@@ -85,6 +85,7 @@ def distance_many(
     relative_error: float = 0.0,
     absolute_error: float = 0.0,
     max_distance: float = float("inf"),
+    threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """distance() for many poses.
@@ -94,9 +95,10 @@ def distance_many(
              its triangles are 2^32 - 1 and its points are not numbers.
     Raises   ValueError as distance(), before anything is asked where a pose is malformed; BatchInterrupted, a
              KeyboardInterrupt, which holds the records that were done.
-    Threads  All, without the GIL; see set_thread_limit(). With progress, tqdm shows it where that is installed.
+    Threads  At most `threads`, all if that is None, without the GIL; see set_thread_limit(). One is the caller's: with
+             threads=1 it does all the work. With progress, tqdm shows it where that is installed.
     """
-    batch = _core.Batch(a, b, poses_a, poses_b)
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
 
     def ask(records: RecordArray, begin: int, end: int) -> None:
         batch.distance(records, begin, end, relative_error, absolute_error, max_distance)
@@ -105,12 +107,37 @@ def distance_many(
 
 
 def collide_many(
-    a: _core.Model, b: _core.Model, poses_a: PosesLike = None, poses_b: PosesLike = None, *, progress: bool = False
+    a: _core.Model,
+    b: _core.Model,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    threads: int | None = None,
+    progress: bool = False,
 ) -> RecordArray:
     """collide() for many poses: an array of records, limber3d.collision_dtype. Everything else is as distance_many()
     says."""
-    batch = _core.Batch(a, b, poses_a, poses_b)
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
     return _records(batch, _core.collision_dtype, progress, batch.collide)
+
+
+def within_many(
+    a: _core.Model,
+    b: _core.Model,
+    max_distance: float,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """within() for many poses: an array of records, limber3d.within_dtype. Everything else is as distance_many() says."""
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.within(records, begin, end, max_distance)
+
+    return _records(batch, _core.within_dtype, progress, ask)
 
 
 def contacts_many(
@@ -121,6 +148,7 @@ def contacts_many(
     poses_b: PosesLike = None,
     *,
     filter: _core.NeighborRings | None = None,
+    threads: int | None = None,
     progress: bool = False,
 ) -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
     """contacts() for many poses.
@@ -130,7 +158,7 @@ def contacts_many(
     Promise  They are those that contacts() finds for poses i, in that order, to the bit.
     Raises, Threads   As distance_many().
     """
-    batch = _core.Batch(a, b, poses_a, poses_b)
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
     found: list[RecordArray] = [numpy.zeros(0, _core.contact_dtype)]
     counts: list[Any] = [numpy.zeros(1, numpy.int64)]
 
@@ -179,7 +207,7 @@ def track(
         return numpy.concatenate([numpy.zeros(0, _core.distance_dtype), *records])
 
     try:
-        with _progress_bar(count, progress) as advance:
+        with progress_bar(count, progress) as advance:
             for i, frame in enumerate(frames):
                 if batch.size is not None and i >= batch.size:
                     raise ValueError(f"frames: there are only {batch.size} poses")
