@@ -76,6 +76,12 @@ def _records(
     return records
 
 
+def _joined(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
+    """One array of all records. NumPy by itself would pack them: their element type would be another."""
+    records = numpy.zeros(sum(map(len, parts)), dtype)
+    return numpy.concatenate(parts, out=records) if parts else records
+
+
 def distance_many(
     a: _core.Model,
     b: _core.Model,
@@ -159,11 +165,11 @@ def contacts_many(
     Raises, Threads   As distance_many().
     """
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-    found: list[RecordArray] = [numpy.zeros(0, _core.contact_dtype)]
+    found: list[RecordArray] = []
     counts: list[Any] = [numpy.zeros(1, numpy.int64)]
 
     def joined() -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
-        return numpy.concatenate(found), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
+        return _joined(found, _core.contact_dtype), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
 
     try:
         for begin, end in _parts(1 if batch.size is None else batch.size, progress):
@@ -171,7 +177,7 @@ def contacts_many(
             found.append(part[0])
             counts.append(part[1])
     except KeyboardInterrupt:
-        del found[len(counts) :]
+        del found[len(counts) - 1 :]
         results = joined()
         raise BatchInterrupted(results, len(results[1]) - 1) from None
     return joined()
@@ -204,7 +210,7 @@ def track(
     count = len(frames) if isinstance(frames, Sized) else None
 
     def joined() -> RecordArray:
-        return numpy.concatenate([numpy.zeros(0, _core.distance_dtype), *records])
+        return _joined(records, _core.distance_dtype)
 
     try:
         with progress_bar(count, progress) as advance:

@@ -178,11 +178,9 @@ def pairs(
 
 
 def _query(
-    name: str, relative_error: float | None, absolute_error: float | None, max_distance: float | None
+    name: QueryName, relative_error: float | None, absolute_error: float | None, max_distance: float | None
 ) -> Query:
-    return Query.of(
-        name, relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance
-    )
+    return Query.of(name, relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance)
 
 
 def _usual_size(count: int) -> int:

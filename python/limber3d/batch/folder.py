@@ -40,10 +40,10 @@ def is_shared(folder: str, token: str) -> bool:
 def read_manifest(folder: Path) -> dict[str, Any]:
     """Raises OSError if there is none, ValueError if it is none."""
     try:
-        manifest: Any = json.loads((folder / MANIFEST).read_text())
+        manifest: dict[str, Any] = json.loads((folder / MANIFEST).read_text())
     except ValueError as error:
         raise ValueError(f"out: {folder / MANIFEST} is not JSON: {error}") from None
-    if not isinstance(manifest, dict) or "partition_size" not in manifest:
+    if "partition_size" not in manifest:
         raise ValueError(f"out: {folder / MANIFEST} is not the manifest of a batch")
     return manifest
 
@@ -61,7 +61,7 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
         theirs = read_manifest(folder)
         size = int(theirs["partition_size"]) if partition_size is None else partition_size
         ours = manifest | {"partition_size": size}
-        for name in sorted(ours.keys() | theirs.keys()):
+        for name in [*ours, *theirs]:
             if ours.get(name) != theirs.get(name):
                 raise ValueError(
                     f"out: {folder} is the folder of another batch: {name} is {_text(theirs.get(name))} there, "
@@ -87,4 +87,4 @@ def remove_leftovers(folder: Path) -> None:
 
 def _text(value: Any) -> str:
     text = json.dumps(value)
-    return text if len(text) <= 24 else text[:20] + '…"'
+    return text if len(text) <= 24 else text[:20] + "…"

@@ -59,7 +59,8 @@ class Poses:
 
     def part(self, begin: int, end: int) -> PosesLike:
         """Poses begin to end, as an argument of a query of many poses."""
-        return self._as_argument([part[begin:end] if self._is_list else part for part in self.parts])
+        argument: PosesLike = self._as_argument([part[begin:end] if self._is_list else part for part in self.parts])
+        return argument
 
     def one(self, i: int) -> Any:
         """Pose i, as an argument of a query."""

@@ -41,9 +41,9 @@ class SweepJob:
         return unpacked.models()
 
     def answered(self, prepared: list[_core.Model], part: tuple[PosesLike, PosesLike, int]) -> RecordArray:
-        poses_a, poses_b, count = part
+        (a, b), (poses_a, poses_b, count) = prepared, part
         records = numpy.zeros(count, dtype_of(self.query.name))
-        self.query.ask(_core.Batch(*prepared, poses_a, poses_b, 1), records, 0, count)
+        self.query.ask(_core.Batch(a, b, poses_a, poses_b, 1), records, 0, count)
         return records
 
 
@@ -63,7 +63,8 @@ class TrackJob:
         frames, poses, poses_other = part
         # Of its own: a partition must not depend on what was asked before it.
         model = _core.Model(*unpacked.mesh(0))
-        return track(model, frames, other, poses, poses_other, **self.query.options)
+        options: Any = self.query.options
+        return track(model, frames, other, poses, poses_other, **options)
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ class PairsJob:
     def answered(self, prepared: tuple[list[_core.Model], Poses], part: IdArray) -> RecordArray:
         models, poses = prepared
         records = numpy.zeros(len(part), dtype_of(self.query.name))
-        for k, (i, j) in enumerate(part.tolist()):
+        ids: list[tuple[int, int]] = part.tolist()
+        for k, (i, j) in enumerate(ids):
             batch = _core.Batch(models[i], models[j], poses.one(i), poses.one(j), 1)
             self.query.ask(batch, records[k:], 0, 1)
         return records

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal
 
 import numpy
 
@@ -35,12 +35,11 @@ class Query:
     options: dict[str, float]
 
     @staticmethod
-    def of(name: str, **given: float | None) -> Query:
+    def of(name: QueryName, **given: float | None) -> Query:
         """Options that are None are left out. Raises ValueError for those that the query does not have."""
         if name not in _OPTIONS:
-            raise ValueError(f'query: expected one of {", ".join(_OPTIONS)}; got {name!r}')
-        query = cast(QueryName, name)
-        options = _OPTIONS[query].copy()
+            raise ValueError(f"query: expected one of {', '.join(_OPTIONS)}; got {name!r}")
+        options = _OPTIONS[name].copy()
         for option, value in given.items():
             if value is None:
                 continue
@@ -49,7 +48,7 @@ class Query:
             options[option] = float(value)
         if name == "within" and math.isnan(options["max_distance"]):
             raise ValueError("max_distance: within needs it")
-        return Query(query, options)
+        return Query(name, options)
 
     def described(self) -> dict[str, str]:
         """Itself in words, to the bit."""

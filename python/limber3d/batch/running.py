@@ -7,7 +7,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 from .. import _core
 from ..many import progress_bar
 from . import folder
+from .extras import imported
 from .jobs import Job
 from .pools import DaskPool, Future, PlainPool, Pool, is_dask_client, own_threads
 from .tables import is_whole
@@ -65,7 +65,10 @@ def ranges(count: int, size: int) -> list[tuple[int, int]]:
 
 def answer(request: Request, out: Path, executor: Any, partition_size: int | None, progress: bool) -> Report:
     """Answers what is missing in a folder. The errors of workers are raised; what was done stays done."""
-    manifest = {"format": _FORMAT, "version": _core.version, "count": request.count, **request.described}
+    imported("pyarrow")
+    if not (executor is None or is_dask_client(executor) or hasattr(executor, "submit")):
+        raise TypeError("executor: expected None, a distributed.Client or an object with submit()")
+    manifest = {"format": _FORMAT, "version": _core.version, **request.described, "count": request.count}
     out = out.absolute()
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
     name = batch_name(manifest | {"partition_size": size})
@@ -90,8 +93,6 @@ def _pool(executor: Any, meshes: bytes, out: Path, owned: ExitStack) -> Pool:
         return DaskPool(executor, meshes)
     if executor is None:
         executor = owned.enter_context(own_threads())
-    elif not isinstance(executor, Executor) and not hasattr(executor, "submit"):
-        raise TypeError("executor: expected None, a distributed.Client or an object with submit()")
     folder.write_whole(out / folder.MESHES, meshes)
     return PlainPool(executor, str(out / folder.MESHES))
 

@@ -59,7 +59,8 @@ def is_whole(path: Union[str, os.PathLike[str]], count: int, label: str) -> bool
         metadata = parquet.read_metadata(path)
     except (OSError, arrow.ArrowInvalid):
         return False
-    return bool(metadata.num_rows == count and (metadata.metadata or {}).get(_METADATA) == label.encode())
+    labels: dict[bytes, bytes] = metadata.metadata or {}
+    return bool(metadata.num_rows == count and labels.get(_METADATA) == label.encode())
 
 
 def read_parquet(path: Union[str, os.PathLike[str]], records: RecordArray) -> None:
