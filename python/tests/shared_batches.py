@@ -16,7 +16,8 @@ import limber3d
 import shapes
 from limber3d.typing import RecordArray
 
-COUNT, SIZE = 12_000, 250  # poses, and of a partition
+COUNT, SIZE = 24_000, 250  # poses, and of a partition
+PARTS = COUNT // SIZE
 SCRIPT = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -49,10 +50,12 @@ def done(out: Path) -> int:
     return len(list(out.glob("part-*.parquet")))
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 60) -> None:
-    deadline = time.monotonic() + seconds
+def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes] | None = None) -> None:
+    """Waits for what a process is to do."""
+    deadline = time.monotonic() + 60
     while not condition():
         assert time.monotonic() < deadline, "waited in vain"
+        assert process is None or process.poll() is None, "the process has ended"
         time.sleep(0.005)
 
 

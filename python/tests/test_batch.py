@@ -134,15 +134,15 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
 
 def test_a_client_that_was_killed_goes_on_where_it_was(tmp_path: Path, expected: RecordArray) -> None:
     client = shared_batches.start(shared_batches.SCRIPT, tmp_path, shared_batches.COUNT)
-    shared_batches.wait_for(lambda: shared_batches.done(tmp_path) >= 3)
+    shared_batches.wait_for(lambda: shared_batches.done(tmp_path) >= 3, client)
     shared_batches.kill(client)
-    (tmp_path / "_part-00000047.parquet.left").write_bytes(b"PAR1")
+    (tmp_path / "_part-00000095.parquet.left").write_bytes(b"PAR1")
     done = shared_batches.done(tmp_path)
-    with pytest.raises(ValueError, match=rf"{48 - done} of 48 partitions are missing"):
+    with pytest.raises(ValueError, match=rf"{shared_batches.PARTS - done} of {shared_batches.PARTS} partitions are missing"):
         batch.read(tmp_path)
     times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("part-*")}
     report = shared_batches.sweep(tmp_path, None)
-    assert 3 <= done < 48 and report == batch.Report(count=12_000, partitions=48, found=done)
+    assert 3 <= done < shared_batches.PARTS and report == batch.Report(count=shared_batches.COUNT, partitions=shared_batches.PARTS, found=done)
     assert all(path.stat().st_mtime_ns == then for path, then in times.items())
     assert same_bits(batch.read(tmp_path), expected)
     assert {path.name for path in tmp_path.glob("_*")} == {folder.MANIFEST, folder.TOKEN}
@@ -157,7 +157,7 @@ def test_files_that_are_not_whole_or_of_another_batch_are_made_again(tmp_path: P
     whole = (tmp_path / "a" / names[2]).read_bytes()
     (tmp_path / "a" / names[2]).write_bytes(whole[: len(whole) // 2])
     (tmp_path / "a" / names[3]).write_bytes(b"")
-    assert shared_batches.sweep(tmp_path / "a", None).found == 44
+    assert shared_batches.sweep(tmp_path / "a", None).found == shared_batches.PARTS - 4
     assert same_bits(batch.read(tmp_path / "a"), expected)
 
 
@@ -258,7 +258,7 @@ def test_a_broken_pool_raises_and_the_next_call_goes_on(tmp_path: Path, expected
             call.result()
     done = shared_batches.done(tmp_path)
     report = shared_batches.sweep(tmp_path, None)
-    assert 3 <= report.found < 48 and report.found == done
+    assert 3 <= report.found < shared_batches.PARTS and report.found == done
     assert same_bits(batch.read(tmp_path), expected)
 
 
@@ -285,7 +285,7 @@ class Counting:
 def test_few_partitions_are_under_way(tmp_path: Path, expected: RecordArray) -> None:
     counting = Counting()
     shared_batches.sweep(tmp_path, counting)
-    assert counting.most <= 6 and counting.begun == 48
+    assert counting.most <= 6 and counting.begun == shared_batches.PARTS
     assert same_bits(batch.read(tmp_path), expected)
 
 
@@ -308,7 +308,7 @@ def test_workers_that_do_not_see_the_folder_send_their_files(
         path.unlink()
     monkeypatch.setattr("limber3d.batch.pools.run", run)
     shared_batches.sweep(tmp_path / "here", None)
-    assert len(sent) == 48 and shared_batches.done(elsewhere) == 0
+    assert len(sent) == shared_batches.PARTS and shared_batches.done(elsewhere) == 0
     assert same_bits(batch.read(tmp_path / "here"), expected)
 
 
@@ -322,7 +322,7 @@ def test_errors_of_workers_are_raised(tmp_path: Path, monkeypatch: pytest.Monkey
         patched.setattr("limber3d.batch.pools.run", run)
         with pytest.raises(OSError, match="disk full"):
             shared_batches.sweep(tmp_path, None)
-    assert shared_batches.done(tmp_path) < 48
+    assert shared_batches.done(tmp_path) < shared_batches.PARTS
     task = work.Task(work.Batch("", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
     with pytest.raises(RuntimeError, match="asked for by 0.0.1"):
         work.run(task, b"")
@@ -347,7 +347,7 @@ def test_ctrl_c_ends_a_batch_which_goes_on(tmp_path: Path, expected: RecordArray
     with pytest.raises(KeyboardInterrupt):
         batch.sweep(a, b, poses_b=shared_batches.poses(), out=tmp_path, partition_size=shared_batches.SIZE, progress=True)
     done = shared_batches.done(tmp_path)
-    assert 3 <= done < 48 and shared_batches.sweep(tmp_path, None).found == done
+    assert 3 <= done < shared_batches.PARTS and shared_batches.sweep(tmp_path, None).found == done
     assert same_bits(batch.read(tmp_path), expected)
 
 

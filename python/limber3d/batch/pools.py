@@ -8,12 +8,13 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor
 from typing import Any, Protocol
 
 from .extras import imported
 from .work import Task, run, unchanged
 
+_LOST = "the scheduler is lost; the same call goes on once there is one"
 _LARGE_GRAPH = "distributed.admin.large-graph-warning-threshold"
 
 
@@ -38,6 +39,10 @@ class Pool(Protocol):
         """Raises ConnectionError if nothing will come any more."""
         ...
 
+    def explain(self, error: Exception) -> None:
+        """Raises ConnectionError if that is what an error means."""
+        ...
+
 
 class PlainPool:
     """An executor as those of concurrent.futures. Its processes read the meshes from a file."""
@@ -56,13 +61,14 @@ class PlainPool:
     def check(self) -> None:
         pass
 
+    def explain(self, error: Exception) -> None:
+        pass
+
 
 class DaskPool:
     """A client of Dask. The meshes are a task: workers hand its result on to each other, and once lost it is run again."""
 
     def __init__(self, client: Any, meshes: bytes) -> None:
-        if client.asynchronous:
-            raise ValueError("executor: expected a Client that is not asynchronous")
         self._client = client
         self._dask_config = imported("dask.config")
         with self._dask_config.set({_LARGE_GRAPH: sys.maxsize}):
@@ -81,7 +87,12 @@ class DaskPool:
 
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):
-            raise ConnectionError("the scheduler is lost; the same call goes on once there is one")
+            raise ConnectionError(_LOST)
+
+    def explain(self, error: Exception) -> None:
+        # Futures of a lost scheduler are cancelled; whoever asks it something finds the connection closed.
+        if isinstance(error, (CancelledError, imported("distributed.comm").CommClosedError)):
+            raise ConnectionError(_LOST) from error
 
 
 def processor_count() -> int:
@@ -92,6 +103,15 @@ def processor_count() -> int:
 def own_threads() -> Executor:
     """Threads of this process, one for each processor."""
     return ThreadPoolExecutor(processor_count())
+
+
+def check_executor(executor: Any) -> None:
+    """Raises TypeError or ValueError if it cannot run batches."""
+    if is_dask_client(executor):
+        if executor.asynchronous:
+            raise ValueError("executor: expected a Client that is not asynchronous")
+    elif executor is not None and not hasattr(executor, "submit"):
+        raise TypeError("executor: expected None, a distributed.Client or an object with submit()")
 
 
 def is_dask_client(executor: Any) -> bool:

@@ -18,7 +18,7 @@ from ..many import progress_bar
 from . import folder
 from .extras import imported
 from .jobs import Job
-from .pools import DaskPool, Future, PlainPool, Pool, is_dask_client, own_threads
+from .pools import DaskPool, Future, PlainPool, Pool, check_executor, is_dask_client, own_threads
 from .tables import is_whole
 from .work import Batch, Task, label_of
 
@@ -66,8 +66,7 @@ def ranges(count: int, size: int) -> list[tuple[int, int]]:
 def answer(request: Request, out: Path, executor: Any, partition_size: int | None, progress: bool) -> Report:
     """Answers what is missing in a folder. The errors of workers are raised; what was done stays done."""
     imported("pyarrow")
-    if not (executor is None or is_dask_client(executor) or hasattr(executor, "submit")):
-        raise TypeError("executor: expected None, a distributed.Client or an object with submit()")
+    check_executor(executor)
     manifest = {"format": _FORMAT, "version": _core.version, **request.described, "count": request.count}
     out = out.absolute()
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
@@ -123,6 +122,9 @@ def _run_all(pool: Pool, tasks: Iterator[Task], out: Path, done: Callable[[Task]
             if data is not None:
                 folder.write_whole(out / folder.part_name(task.index), data)
             done(task)
+    except Exception as error:
+        pool.explain(error)
+        raise
     finally:
         for future in running:
             future.cancel()
