@@ -15,8 +15,8 @@ namespace limber::core {
 
 inline constexpr double tiny_square = 0x1p-900;
 
-/// Distances of segments whose sizes are between these need no other unit: fourth powers neither overflow nor lose digits
-/// that matter. A size is a sum of coordinates relative to a corner, 1 to 9 times the largest.
+/// Distances of segments whose sizes are between these need no other unit: fourth powers neither overflow nor lose
+/// digits that matter. A size is a sum of coordinates relative to a corner, 1 to 9 times the largest.
 inline constexpr double smallest_unscaled_size = 0x1p-96, largest_unscaled_size = 0x1p100;
 
 /// At least x + y for x, y >= 0; exact when either is 0.

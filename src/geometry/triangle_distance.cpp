@@ -119,43 +119,69 @@ bool is_separated(const Triangle& a, const Triangle& b, const Vec3& direction, d
   return start_of_b - end_of_a > 0x1p-48 * max_abs(direction) * extent;
 }
 
+/// Where an edge is closest to p, from 0 to 1.
+double closest_parameter(const Face& face, std::size_t edge, const Vec3& p) {
+  return geometry::clamped_quotient(dot(face.edge[edge], p - face.corner[edge]), length_sq(face.edge[edge]));
+}
+
 double distance_to(const Face& face, const Vec3& p) {
   double best_sq = std::numeric_limits<double>::infinity();
   Vec3 weights;
   if (face.foot(p, weights)) best_sq = length_sq(point_at(face.corner, weights) - p);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double t = geometry::closest_parameters({p, p}, {face.corner[i], face.corner[after[i]]}).t;
+    const double t = closest_parameter(face, i, p);
     best_sq = std::min(best_sq, length_sq(face.corner[i] + t * face.edge[i] - p));
   }
   return std::sqrt(best_sq);
 }
 
-/// Calls `visit` for each edge of `owner` that is not parallel to the plane of `target`, with the parameter and the
-/// place of the edge's point that is nearest to where its line passes through that plane.
-template <typename Visit>
-void for_each_crossing(const Face& owner, const Face& target, const Visit& visit) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double height0 = dot(owner.corner[i] - target.corner.v0, target.normal);
-    const double height1 = dot(owner.corner[after[i]] - target.corner.v0, target.normal);
-    if (height0 == height1) continue;
-    const double parameter = std::clamp(height0 / (height0 - height1), 0.0, 1.0);
-    visit(i, parameter, owner.corner[i] + parameter * owner.edge[i]);
+/// The point of an edge of one triangle that is nearest to where its line passes through the plane of the other.
+struct Crossing {
+  double misfit;  ///< distance from the other triangle
+  Vec3 point;
+  std::size_t edge;
+  double parameter;  ///< on the edge, from 0 to 1
+  bool is_edge_of_a;
+};
+
+/// The crossings of two triangles: those of edges of a, then those of edges of b. Edges parallel to the other's plane
+/// have none.
+class Crossings {
+ public:
+  Crossings(const Face& a, const Face& b) {
+    for (const bool of_a : {true, false}) {
+      const Face &owner = of_a ? a : b, &target = of_a ? b : a;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double height0 = dot(owner.corner[i] - target.corner.v0, target.normal);
+        const double height1 = dot(owner.corner[after[i]] - target.corner.v0, target.normal);
+        if (height0 == height1) continue;
+        const double parameter = std::clamp(height0 / (height0 - height1), 0.0, 1.0);
+        const Vec3 point = owner.corner[i] + parameter * owner.edge[i];
+        crossings_[count_++] = {distance_to(target, point), point, i, parameter, of_a};
+      }
+    }
   }
-}
+  const Crossing* begin() const { return crossings_.data(); }
+  const Crossing* end() const { return crossings_.data() + count_; }
+
+ private:
+  std::array<Crossing, 6> crossings_;
+  std::size_t count_ = 0;
+};
 
 /// The point that fits best on both triangles, which are known to intersect.
 ///
 /// Candidates are the closest features (contacts of boundaries, coplanar overlap) and the points where an edge passes
 /// through the other's plane. The one nearest to both is taken, so no case distinction can pick a bad one.
-Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
+Vec3 contact_point(const Face& a, const Face& b, const Best& best, const Crossings& crossings,
+                   [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = distance_to(b, contact);
-  const auto consider = [&](std::size_t, double, const Vec3& p) {
-    const double candidate = std::max(distance_to(a, p), distance_to(b, p));
-    if (candidate < misfit) contact = p, misfit = candidate;
-  };
-  if (misfit > 0) for_each_crossing(a, b, consider);
-  if (misfit > 0) for_each_crossing(b, a, consider);
+  for (const Crossing& c : crossings) {
+    if (!(c.misfit < misfit)) continue;
+    const double candidate = std::max(c.misfit, distance_to(c.is_edge_of_a ? a : b, c.point));
+    if (candidate < misfit) contact = c.point, misfit = candidate;
+  }
   // Let h be the smallest height of the triangles. Rounding moves a point on a plane by about u * extent^2 / h, and
   // no point of a triangle is further than h / 2 from an edge. The smaller of the two is largest at h = 2^-26 * extent.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
@@ -175,14 +201,21 @@ class Comparison {
     best_ = best;
   }
 
+  /// Pre      intersect().
+  Crossings crossings() const { return {local_a_, local_b_}; }
+  /// A point that they share, in the frame. Pre: intersect().
+  Vec3 shared_point(const Crossings& crossings) const {
+    return contact_point(local_a_, local_b_, best_, crossings, frame_.extent());
+  }
   ClosestPoints points() const {
-    if (intersect_) {
-      const Vec3 shared = frame_.from_local(contact_point(local_a_, local_b_, best_, frame_.extent()));
-      return {0, shared, shared};
-    }
+    if (intersect_) return meeting_at(shared_point(crossings()));
     const double distance = frame_.length_from_local(safe_length(best_.between));
     return {std::max(distance, std::numeric_limits<double>::min()), point_at(a_, best_.weights_a),
             point_at(b_, best_.weights_b)};
+  }
+  ClosestPoints meeting_at(const Vec3& shared_point) const {
+    const Vec3 shared = frame_.from_local(shared_point);
+    return {0, shared, shared};
   }
   const Face& local_a() const { return local_a_; }
   const Face& local_b() const { return local_b_; }
@@ -211,7 +244,7 @@ Best closest_pair(const Vec3& point, const Face& face) {
   Vec3 weights;
   if (face.foot(point, weights)) best.set(point_at(face.corner, weights) - point, {}, weights);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double t = geometry::closest_parameters({point, point}, {face.corner[i], face.corner[after[i]]}).t;
+    const double t = closest_parameter(face, i, point);
     const Vec3 between = face.corner[i] + t * face.edge[i] - point;
     if (best.improves(between)) best.set(between, {}, edge_weights(i, t));
   }
@@ -224,41 +257,26 @@ struct FeaturePair {
 
 FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), feature_of(best.weights_b)}; }
 
-/// A point where an edge of one triangle passes through the plane of the other.
-struct Crossing {
-  double misfit;  ///< distance from the other triangle
-  Vec3 point;
-  Vec3 weights;  ///< in the triangle that has the edge
-  bool is_edge_of_a;
-};
-
 /// The features that meet at the contact point of two intersecting triangles, or next to it.
 ///
 /// Those of the best pair do if they are no further apart than rounding. Otherwise the line in which the triangles
 /// cross ends where an edge of one passes through the other; the end next to the contact point counts.
-FeaturePair features_at(const Vec3& contact, const Comparison& c) {
-  const Face &a = c.local_a(), &b = c.local_b();
+FeaturePair features_at(const Vec3& contact, const Comparison& c, const Crossings& crossings) {
   const double rounding = 0x1p-46 * c.extent();
   if (max_abs(c.best().between) <= rounding) return features_of(c.best());
-  std::array<Crossing, 6> crossings;
-  std::size_t count = 0;
   double least_misfit = std::numeric_limits<double>::infinity();
-  for (const bool is_edge_of_a : {true, false}) {
-    for_each_crossing(is_edge_of_a ? a : b, is_edge_of_a ? b : a, [&](std::size_t edge, double at, const Vec3& p) {
-      crossings[count++] = {distance_to(is_edge_of_a ? b : a, p), p, edge_weights(edge, at), is_edge_of_a};
-      least_misfit = std::min(least_misfit, crossings[count - 1].misfit);
-    });
-  }
+  for (const Crossing& crossing : crossings) least_misfit = std::min(least_misfit, crossing.misfit);
   const Crossing* nearest = nullptr;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (crossings[i].misfit > least_misfit + rounding) continue;
-    if (nearest == nullptr || length_sq(crossings[i].point - contact) < length_sq(nearest->point - contact)) {
-      nearest = &crossings[i];
+  for (const Crossing& crossing : crossings) {
+    if (crossing.misfit > least_misfit + rounding) continue;
+    if (nearest == nullptr || length_sq(crossing.point - contact) < length_sq(nearest->point - contact)) {
+      nearest = &crossing;
     }
   }
   if (nearest == nullptr) return features_of(c.best());  // both are degenerate
-  const Feature of_edge = feature_of(nearest->weights);
-  const Feature of_other = feature_of(closest_pair(nearest->point, nearest->is_edge_of_a ? b : a).weights_b);
+  const Feature of_edge = feature_of(edge_weights(nearest->edge, nearest->parameter));
+  const Face& other = nearest->is_edge_of_a ? c.local_b() : c.local_a();
+  const Feature of_other = feature_of(closest_pair(nearest->point, other).weights_b);
   return nearest->is_edge_of_a ? FeaturePair{of_edge, of_other} : FeaturePair{of_other, of_edge};
 }
 
@@ -275,9 +293,18 @@ geometry::DirectedFeatures geometry::directed_features(const Triangle& a, const 
   const Feature vertex{FeatureKind::vertex, 0};
   if (frame.extent() == 0) return {{0, a.v0, a.v0, vertex, vertex}, {}, false};
   const Comparison c(frame, a, b);
-  const auto [distance, point_a, point_b] = c.points();
-  const FeaturePair features = c.intersect() ? features_at(frame.to_local(point_a), c) : features_of(c.best());
-  return {{distance, point_a, point_b, features.a, features.b}, c.best().between, c.are_proven_apart()};
+  ClosestPoints points;
+  FeaturePair features;
+  if (c.intersect()) {
+    const Crossings crossings = c.crossings();
+    points = c.meeting_at(c.shared_point(crossings));
+    features = features_at(frame.to_local(points.point_a), c, crossings);
+  } else {
+    points = c.points(), features = features_of(c.best());
+  }
+  return {{points.distance, points.point_a, points.point_b, features.a, features.b},
+          c.best().between,
+          c.are_proven_apart()};
 }
 
 ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b) {
