@@ -13,6 +13,7 @@ from typing import Any
 
 from . import __version__, batch
 from .batch.extras import imported
+from .batch.inputs import Poses
 from .files import load
 from .pose_files import read_poses
 
@@ -20,19 +21,19 @@ _BAD_INPUT, _INTERRUPTED = 2, 130
 
 _SWEEP_FOOTER = """\
 Poses say where a model stands in the world. Files of poses are .csv or .parquet with columns tx,ty,tz,qw,qx,qy,qz:
-translation in the meshes' length unit, quaternion of any length; CSV may leave out the header. Or .npy: an array of 4 x 4
-matrices, shape (n, 4, 4), or of the seven numbers, shape (n, 7). Without a file a model stands at the identity; a file of
-one pose holds for all. Two files agree in length otherwise.
+translation in the meshes' length unit, quaternion of any length; CSV may leave out the header. Or .npy: an array of
+4 x 4 matrices, shape (n, 4, 4), or of the seven numbers, shape (n, 7). Without a file a model stands at the identity. A
+file of one pose holds for all; otherwise two files have as many poses each.
 
 The answer is a folder with one Parquet file for each partition, a row for each pose in their order: row counts from 0;
-lower, upper and status of distance; collision or within, 0 or 1, of the others; points and triangles of a witness. Python
-reads it with limber3d.batch.read(FOLDER), as does whatever reads folders of Parquet files. status is 0 exact,
+lower, upper and status of distance; collision or within, 0 or 1, of the others; points and triangles of a witness.
+limber3d.batch.read(FOLDER) reads it, and so does whatever reads folders of Parquet files. status is 0 exact,
 1 within_error, 2 collision, 3 beyond_limit.
 
 A sweep that was stopped, however that was, goes on where it was with the same command. The folder of another sweep is
 refused.
 
---scheduler asks for Dask: limber3d[cluster] has to be installed here and where the workers are. Each worker answers as many
+limber3d[cluster] has to be installed here, and where a scheduler and its workers are. Each worker answers as many
 partitions at a time as it has threads. Workers that see the folder write their partitions themselves; those that do not
 send them here. Without --scheduler all processors of this machine answer.
 
@@ -40,7 +41,7 @@ Example:
 
   dask scheduler
   dask worker tcp://10.0.0.1:8786
-  limber3d sweep gripper.obj part.stl --poses-b poses.npy --out answers --scheduler tcp://10.0.0.1:8786
+  limber3d sweep gripper.obj part.stl --poses poses.npy --out answers --scheduler tcp://10.0.0.1:8786
 """
 
 
@@ -85,16 +86,16 @@ def _sweep(parsed: argparse.Namespace) -> None:
 
 
 def _poses(path: Path) -> Any:
-    poses = read_poses(path)
-    parts = poses if isinstance(poses, tuple) else (poses,)
-    if len(parts[0]) != 1:
-        return poses
-    one = tuple(part[0] for part in parts)
-    return one if isinstance(poses, tuple) else one[0]
+    """Those of a file. One pose holds for all."""
+    read = read_poses(path)
+    poses = Poses(read)
+    return poses.one(0) if poses.count == 1 else read
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="limber3d", description="Collision and distance of triangle meshes, in batches")
+    parser = argparse.ArgumentParser(
+        prog="limber3d", description="Collision and distance of triangle meshes, in batches"
+    )
     parser.add_argument("--version", action="version", version=f"limber3d {__version__}")
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     sweep = verbs.add_parser(
@@ -106,25 +107,32 @@ def _parser() -> argparse.ArgumentParser:
     )
     sweep.add_argument("a", metavar="A", type=Path, help="mesh file (.obj .ply .stl .off .gltf .glb)")
     sweep.add_argument("b", metavar="B", type=Path, help="as A, in the same length unit")
-    for name in ("a", "b"):
-        sweep.add_argument(
-            f"--poses-{name}", metavar="FILE", type=Path, help=f"where {name.upper()} stands: one pose, or one after another"
-        )
+    sweep.add_argument("--poses-a", metavar="FILE", type=Path, help="where A stands: one pose, or one after another")
+    sweep.add_argument("--poses-b", "--poses", metavar="FILE", type=Path, help="where B stands")
     sweep.add_argument("--out", metavar="FOLDER", type=Path, required=True, help="where the answers are kept")
     sweep.add_argument(
-        "--query", choices=("distance", "collide", "within"), default="distance", help="what is asked; distance without it"
+        "--query",
+        choices=("distance", "collide", "within"),
+        default="distance",
+        help="what is asked; distance without it",
     )
-    for name, what in (
-        ("relative", "distance: the answer may exceed the true distance by this fraction of it"),
-        ("absolute", "distance: the answer may exceed the true distance by this length; either error will do"),
-    ):
-        metavar = "NUMBER" if name == "relative" else "LENGTH"
-        sweep.add_argument(f"--{name}-error", metavar=metavar, type=float, help=what)
+    sweep.add_argument(
+        "--relative-error",
+        metavar="NUMBER",
+        type=float,
+        help="distance: the answer may exceed the true distance by this fraction of it",
+    )
+    sweep.add_argument(
+        "--absolute-error",
+        metavar="LENGTH",
+        type=float,
+        help="distance: the answer may exceed the true distance by this length; either error will do",
+    )
     sweep.add_argument(
         "--max-distance",
         metavar="LENGTH",
         type=float,
-        help="distance: stop with beyond_limit when the models are farther apart; within: how far apart they are at most",
+        help="distance: stop with beyond_limit when the models are farther apart; within: how far apart at most",
     )
     sweep.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers answer"

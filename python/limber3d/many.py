@@ -137,7 +137,8 @@ def within_many(
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
-    """within() for many poses: an array of records, limber3d.within_dtype. Everything else is as distance_many() says."""
+    """within() for many poses: an array of records, limber3d.within_dtype. Everything else is as distance_many()
+    says."""
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
 
     def ask(records: RecordArray, begin: int, end: int) -> None:

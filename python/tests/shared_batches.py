@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What tests of batches share: a batch of some seconds, and processes that are killed in the middle of it."""
+"""What tests of batches share: a batch that can be held at a gate, and processes that are killed meanwhile."""
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -14,16 +15,11 @@ from typing import Any
 
 import limber3d
 import shapes
+from limber3d.batch import folder, work
 from limber3d.typing import RecordArray
 
-COUNT, SIZE = 24_000, 250  # poses, and of a partition
+COUNT, SIZE = 2400, 100  # poses, and of a partition
 PARTS = COUNT // SIZE
-SCRIPT = """
-import sys
-from concurrent.futures import ThreadPoolExecutor
-import shared_batches
-shared_batches.sweep(sys.argv[1], ThreadPoolExecutor(1), int(sys.argv[2]))
-"""
 
 
 def models() -> tuple[limber3d.Model, limber3d.Model]:
@@ -34,9 +30,9 @@ def poses(count: int = COUNT) -> Any:
     return shapes.random_poses(20, count, 1.0)
 
 
-def sweep(out: Path | str, executor: Any, count: int = COUNT, size: int = SIZE) -> limber3d.batch.Report:
+def sweep(out: Path | str, executor: Any = None, count: int = COUNT) -> limber3d.batch.Report:
     a, b = models()
-    return limber3d.batch.sweep(a, b, poses_b=poses(count), out=out, executor=executor, partition_size=size)
+    return limber3d.batch.sweep(a, b, poses_b=poses(count), out=out, executor=executor, partition_size=SIZE)
 
 
 def expected(count: int = COUNT) -> RecordArray:
@@ -45,26 +41,46 @@ def expected(count: int = COUNT) -> RecordArray:
     return limber3d.distance_many(a, b, poses_b=poses(count))
 
 
+def same_bits(a: RecordArray, b: RecordArray) -> bool:
+    """All fields to the bit, what is not a number included."""
+    names = a.dtype.names or ()
+    return a.dtype == b.dtype and all(a[name].tobytes() == b[name].tobytes() for name in names)
+
+
 def done(out: Path) -> int:
     """Partitions that are finished."""
     return len(list(out.glob("part-*.parquet")))
 
 
-def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes] | None = None) -> None:
-    """Waits for what a process is to do."""
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Waits for what another process is to do."""
     deadline = time.monotonic() + 60
     while not condition():
-        assert time.monotonic() < deadline, "waited in vain"
-        assert process is None or process.poll() is None, "the process has ended"
+        if time.monotonic() > deadline:
+            raise TimeoutError("waited in vain")
         time.sleep(0.005)
 
 
-def start(*arguments: object) -> subprocess.Popen[bytes]:
-    """Python with this folder on its path."""
-    environment_path = f"{Path(__file__).parent}"
-    code = f"import sys; sys.path.insert(0, {environment_path!r})\n"
-    first, *others = map(str, arguments)
-    return subprocess.Popen([sys.executable, "-c", code + first, *others])
+def set_gate(out: Path, count: int) -> None:
+    """Has workers that use gated_run() wait once so many partitions are done."""
+    folder.write_whole(out.with_name(f"{out.name}.gate"), str(count).encode())
+
+
+def gated_run(task: work.Task, meshes: bytes | str) -> bytes | None:
+    """A partition, held at the gate."""
+    out = Path(task.batch.folder)
+    wait_for(lambda: done(out) < int(out.with_name(f"{out.name}.gate").read_text()))
+    return work.run(task, meshes)
+
+
+def start(code: str, *arguments: object) -> subprocess.Popen[bytes]:
+    """Python, whose processes import what tests import."""
+    return subprocess.Popen([sys.executable, "-c", code, *map(str, arguments)], env=environment())
+
+
+def environment() -> dict[str, str]:
+    paths = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:

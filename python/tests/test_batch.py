@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import json
 import multiprocessing
+import pickle
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -21,14 +23,19 @@ import pytest
 import shapes
 import shared_batches
 from limber3d import batch
-from limber3d.batch import folder, work
+from limber3d.batch import folder, inputs, work
 from limber3d.typing import RecordArray
+from shared_batches import COUNT, PARTS, SIZE, same_bits
 
 
-def same_bits(a: RecordArray, b: RecordArray) -> bool:
-    """All fields to the bit, what is not a number included."""
-    names = a.dtype.names or ()
-    return a.dtype == b.dtype and all(a[name].tobytes() == b[name].tobytes() for name in names)
+CLIENT = """
+import sys
+from concurrent.futures import ThreadPoolExecutor
+import limber3d.batch.pools
+import shared_batches
+limber3d.batch.pools.run = shared_batches.gated_run
+shared_batches.sweep(sys.argv[1], ThreadPoolExecutor(1))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +53,9 @@ def test_a_folder_has_the_bits_of_one_call(tmp_path: Path, ball: limber3d.Model,
     assert set(many["status"]) == {1, 2, 3} and same_bits(batch.read(tmp_path / "d"), many)
     batch.sweep(ball, tetra, poses_a, poses_b, out=tmp_path / "c", query="collide", partition_size=99)
     assert same_bits(batch.read(tmp_path / "c"), limber3d.collide_many(ball, tetra, poses_a, poses_b))
-    batch.sweep(ball, tetra, poses_a, poses_b, out=tmp_path / "w", query="within", max_distance=0.5, partition_size=1000)
+    batch.sweep(
+        ball, tetra, poses_a, poses_b, out=tmp_path / "w", query="within", max_distance=0.5, partition_size=1000
+    )
     within = limber3d.within_many(ball, tetra, 0.5, poses_a, poses_b)
     assert 0 < within["within"].sum() < 530 and same_bits(batch.read(tmp_path / "w"), within)
 
@@ -75,7 +84,9 @@ def test_all_forms_of_poses_are_taken(tmp_path: Path, ball: limber3d.Model, tetr
         assert same_bits(batch.read(tmp_path / f"one {i}"), limber3d.distance_many(ball, tetra, form, poses[0]))
 
 
-def test_models_that_have_moved_are_asked_as_they_are(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
+def test_models_that_have_moved_are_asked_as_they_are(
+    tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model
+) -> None:
     ball.move_all(ball.vertices * [1, 1, 2])
     with pytest.raises(ValueError, match="commit"):
         batch.sweep(ball, tetra, out=tmp_path)
@@ -133,23 +144,25 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
 
 
 def test_a_client_that_was_killed_goes_on_where_it_was(tmp_path: Path, expected: RecordArray) -> None:
-    client = shared_batches.start(shared_batches.SCRIPT, tmp_path, shared_batches.COUNT)
-    shared_batches.wait_for(lambda: shared_batches.done(tmp_path) >= 3, client)
+    out = tmp_path / "out"
+    shared_batches.set_gate(out, 3)
+    client = shared_batches.start(CLIENT, out)
+    shared_batches.wait_for(lambda: shared_batches.done(out) == 3)
     shared_batches.kill(client)
-    (tmp_path / "_part-00000095.parquet.left").write_bytes(b"PAR1")
-    done = shared_batches.done(tmp_path)
-    with pytest.raises(ValueError, match=rf"{shared_batches.PARTS - done} of {shared_batches.PARTS} partitions are missing"):
-        batch.read(tmp_path)
-    times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("part-*")}
-    report = shared_batches.sweep(tmp_path, None)
-    assert 3 <= done < shared_batches.PARTS and report == batch.Report(count=shared_batches.COUNT, partitions=shared_batches.PARTS, found=done)
+    (out / "_part-00000009.parquet.left").write_bytes(b"PAR1")
+    with pytest.raises(
+        ValueError, match=rf"of {PARTS} partitions in .*, {PARTS - 3} are missing or damaged, part-00000003"
+    ):
+        batch.read(out)
+    times = {path: path.stat().st_mtime_ns for path in out.glob("part-*")}
+    assert shared_batches.sweep(out) == batch.Report(count=COUNT, partitions=PARTS, found=3)
     assert all(path.stat().st_mtime_ns == then for path, then in times.items())
-    assert same_bits(batch.read(tmp_path), expected)
-    assert {path.name for path in tmp_path.glob("_*")} == {folder.MANIFEST, folder.TOKEN}
+    assert same_bits(batch.read(out), expected)
+    assert {path.name for path in out.glob("_*")} == {folder.MANIFEST, folder.TOKEN}
 
 
 def test_files_that_are_not_whole_or_of_another_batch_are_made_again(tmp_path: Path, expected: RecordArray) -> None:
-    shared_batches.sweep(tmp_path / "a", None)
+    shared_batches.sweep(tmp_path / "a")
     shared_batches.sweep(tmp_path / "b", None, 500)
     names = [folder.part_name(i) for i in range(4)]
     (tmp_path / "a" / names[0]).write_bytes((tmp_path / "b" / names[0]).read_bytes())
@@ -157,18 +170,52 @@ def test_files_that_are_not_whole_or_of_another_batch_are_made_again(tmp_path: P
     whole = (tmp_path / "a" / names[2]).read_bytes()
     (tmp_path / "a" / names[2]).write_bytes(whole[: len(whole) // 2])
     (tmp_path / "a" / names[3]).write_bytes(b"")
-    assert shared_batches.sweep(tmp_path / "a", None).found == shared_batches.PARTS - 4
+    assert shared_batches.sweep(tmp_path / "a").found == PARTS - 4
     assert same_bits(batch.read(tmp_path / "a"), expected)
 
 
-def test_a_damaged_file_is_told(tmp_path: Path) -> None:
-    shared_batches.sweep(tmp_path, None, 500)
-    path = tmp_path / folder.part_name(1)
-    data = bytearray(path.read_bytes())
-    data[len(data) // 2] ^= 1
+def test_no_damage_goes_unnoticed(tmp_path: Path) -> None:
+    shared_batches.sweep(tmp_path, None, 200)
+    answers, path = batch.read(tmp_path), tmp_path / folder.part_name(1)
+    whole = path.read_bytes()
+    random, noticed = numpy.random.default_rng(7), 0
+    for place in random.integers(len(whole), size=200).tolist():
+        data = bytearray(whole)
+        data[place] ^= 1 << random.integers(8)
+        path.write_bytes(data)
+        try:
+            assert same_bits(batch.read(tmp_path), answers)  # the damage is where nothing is read
+        except ValueError as error:
+            assert "of 2 partitions" in str(error) and "1 are missing or damaged, part-00000001" in str(error)
+            noticed += 1
+    assert noticed > 150
+    data = bytearray(whole)
+    data[len(whole) // 2] ^= 1
     path.write_bytes(data)
-    with pytest.raises(OSError, match="[Cc][Rr][Cc]|checksum"):
-        batch.read(tmp_path)
+    assert shared_batches.sweep(tmp_path, None, 200).found == 1
+    assert same_bits(batch.read(tmp_path), answers) and path.read_bytes() == whole
+
+
+def test_two_clients_of_one_folder_do_no_harm(tmp_path: Path, expected: RecordArray) -> None:
+    with ThreadPoolExecutor(2) as clients:
+        reports = [clients.submit(shared_batches.sweep, tmp_path) for _ in range(2)]
+    assert all(report.result().partitions == PARTS for report in reports)
+    assert same_bits(batch.read(tmp_path), expected)
+
+
+def test_a_file_whose_beginning_was_removed_by_another_client_is_no_loss(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def removed(temporary: Path, path: Path) -> None:
+        temporary.unlink()
+        raise FileNotFoundError
+
+    monkeypatch.setattr("os.replace", removed)
+    with pytest.raises(FileNotFoundError):
+        folder.write_whole(tmp_path / "part", b"mine")
+    (tmp_path / "part").write_bytes(b"theirs, which is the same")
+    folder.write_whole(tmp_path / "part", b"mine")
+    assert [path.name for path in tmp_path.iterdir()] == ["part"]
 
 
 def test_the_folder_of_another_batch_is_refused(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
@@ -185,7 +232,10 @@ def test_the_folder_of_another_batch_is_refused(tmp_path: Path, ball: limber3d.M
         ("query", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, query="collide")),
         ("max_distance", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, max_distance=1.0)),
         ("partition_size", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, partition_size=7)),
-        ("batch", lambda: batch.pairs([ball, tetra], numpy.tile(poses[:2], (10, 1, 1))[:2], [[0, 1]] * 20, out=tmp_path)),
+        (
+            "batch",
+            lambda: batch.pairs([ball, tetra], numpy.tile(poses[:2], (10, 1, 1))[:2], [[0, 1]] * 20, out=tmp_path),
+        ),
     ]
     for name, call in others:
         with pytest.raises(ValueError, match=f"out: .* is the folder of another batch: {name} is "):
@@ -242,24 +292,31 @@ def test_threads_and_processes(tmp_path: Path, expected: RecordArray) -> None:
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
         shared_batches.sweep(tmp_path / "processes", processes)
         # Another batch on the same processes: they must not take its models for those of the first.
-        batch.sweep(*shared_batches.models()[::-1], shared_batches.poses(500), out=tmp_path / "swapped", executor=processes)
+        batch.sweep(
+            *shared_batches.models()[::-1], shared_batches.poses(500), out=tmp_path / "swapped", executor=processes
+        )
     assert same_bits(batch.read(tmp_path / "threads"), expected)
     assert same_bits(batch.read(tmp_path / "processes"), expected)
     swapped = limber3d.distance_many(*shared_batches.models()[::-1], shared_batches.poses(500))
     assert same_bits(batch.read(tmp_path / "swapped"), swapped)
 
 
-def test_a_broken_pool_raises_and_the_next_call_goes_on(tmp_path: Path, expected: RecordArray) -> None:
-    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes, ThreadPoolExecutor(1) as aside:
-        call = aside.submit(shared_batches.sweep, tmp_path, processes)
-        shared_batches.wait_for(lambda: shared_batches.done(tmp_path) >= 3)
-        next(iter(multiprocessing.active_children())).kill()
-        with pytest.raises(BrokenProcessPool):
-            call.result()
-    done = shared_batches.done(tmp_path)
-    report = shared_batches.sweep(tmp_path, None)
-    assert 3 <= report.found < shared_batches.PARTS and report.found == done
-    assert same_bits(batch.read(tmp_path), expected)
+def test_a_broken_pool_raises_and_the_next_call_goes_on(
+    tmp_path: Path, expected: RecordArray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    shared_batches.set_gate(out, 3)
+    with monkeypatch.context() as patched, ThreadPoolExecutor(1) as aside:
+        patched.setattr("limber3d.batch.pools.run", shared_batches.gated_run)
+        with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+            call = aside.submit(shared_batches.sweep, out, processes)
+            shared_batches.wait_for(lambda: shared_batches.done(out) >= 3)
+            multiprocessing.active_children()[0].kill()
+            with pytest.raises(BrokenProcessPool):
+                call.result()
+    done = shared_batches.done(out)
+    assert 3 <= done <= 4 and shared_batches.sweep(out).found == done
+    assert same_bits(batch.read(out), expected)
 
 
 class Counting:
@@ -268,25 +325,41 @@ class Counting:
     def __init__(self) -> None:
         self._inner = ThreadPoolExecutor(2)
         self._max_workers = 2
-        self.most = self.count = self.begun = 0
+        self._lock = threading.Lock()
+        self.most = self.count = self.begun = self.bytes = 0
 
     def submit(self, call: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        self._count(1)
         self.begun += 1
-        self.count += 1
+        self.bytes += len(pickle.dumps(arguments))
         self.most = max(self.most, self.count)
         future = self._inner.submit(call, *arguments)
         future.add_done_callback(self._ended)
         return future
 
     def _ended(self, _: Future[Any]) -> None:
-        self.count -= 1
+        self._count(-1)
+
+    def _count(self, change: int) -> None:
+        with self._lock:
+            self.count += change
 
 
-def test_few_partitions_are_under_way(tmp_path: Path, expected: RecordArray) -> None:
-    counting = Counting()
-    shared_batches.sweep(tmp_path, counting)
-    assert counting.most <= 6 and counting.begun == shared_batches.PARTS
-    assert same_bits(batch.read(tmp_path), expected)
+def test_few_partitions_are_under_way_and_models_are_not_sent_with_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counting, unpacked = Counting(), list[int]()
+
+    class Unpacked(inputs.Unpacked):
+        def __init__(self, data: bytes) -> None:
+            super().__init__(data)
+            unpacked.append(len(data))
+
+    monkeypatch.setattr("limber3d.batch.work.Unpacked", Unpacked)
+    shared_batches.sweep(tmp_path, counting, COUNT - 1)
+    assert counting.most <= 6 and counting.begun == PARTS
+    assert len(unpacked) == 1 and counting.bytes / PARTS < 20_000 < unpacked[0]
+    assert same_bits(batch.read(tmp_path), shared_batches.expected(COUNT - 1))
 
 
 def test_workers_that_do_not_see_the_folder_send_their_files(
@@ -303,12 +376,12 @@ def test_workers_that_do_not_see_the_folder_send_their_files(
         return data
 
     # The same path elsewhere, with a folder of the same batch that another client has opened.
-    shared_batches.sweep(elsewhere, None)
+    shared_batches.sweep(elsewhere)
     for path in elsewhere.glob("part-*"):
         path.unlink()
     monkeypatch.setattr("limber3d.batch.pools.run", run)
-    shared_batches.sweep(tmp_path / "here", None)
-    assert len(sent) == shared_batches.PARTS and shared_batches.done(elsewhere) == 0
+    shared_batches.sweep(tmp_path / "here")
+    assert len(sent) == PARTS and shared_batches.done(elsewhere) == 0
     assert same_bits(batch.read(tmp_path / "here"), expected)
 
 
@@ -321,21 +394,23 @@ def test_errors_of_workers_are_raised(tmp_path: Path, monkeypatch: pytest.Monkey
     with monkeypatch.context() as patched:
         patched.setattr("limber3d.batch.pools.run", run)
         with pytest.raises(OSError, match="disk full"):
-            shared_batches.sweep(tmp_path, None)
-    assert shared_batches.done(tmp_path) < shared_batches.PARTS
+            shared_batches.sweep(tmp_path)
+    assert shared_batches.done(tmp_path) < PARTS
     task = work.Task(work.Batch("", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
     with pytest.raises(RuntimeError, match="asked for by 0.0.1"):
         work.run(task, b"")
 
 
-def test_ctrl_c_ends_a_batch_which_goes_on(tmp_path: Path, expected: RecordArray, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_a_batch_which_goes_on(
+    tmp_path: Path, expected: RecordArray, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def interrupt(_: float) -> None:
         if shared_batches.done(tmp_path) >= 3:
             raise KeyboardInterrupt
 
     class Bar:
         def __init__(self, total: int) -> None:
-            assert total == shared_batches.COUNT
+            assert total == COUNT
 
         def __enter__(self) -> Any:
             return SimpleNamespace(update=interrupt)
@@ -345,9 +420,9 @@ def test_ctrl_c_ends_a_batch_which_goes_on(tmp_path: Path, expected: RecordArray
     monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
     a, b = shared_batches.models()
     with pytest.raises(KeyboardInterrupt):
-        batch.sweep(a, b, poses_b=shared_batches.poses(), out=tmp_path, partition_size=shared_batches.SIZE, progress=True)
+        batch.sweep(a, b, poses_b=shared_batches.poses(), out=tmp_path, partition_size=SIZE, progress=True)
     done = shared_batches.done(tmp_path)
-    assert 3 <= done < shared_batches.PARTS and shared_batches.sweep(tmp_path, None).found == done
+    assert 3 <= done < PARTS and shared_batches.sweep(tmp_path).found == done
     assert same_bits(batch.read(tmp_path), expected)
 
 

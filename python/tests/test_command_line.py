@@ -18,7 +18,7 @@ import pytest
 import shapes
 from limber3d.command_line import main
 from limber3d.pose_files import NAMES, read_poses
-from test_batch import same_bits
+from shared_batches import same_bits
 
 TURNS, SHIFTS = shapes.random_quaternions(30, 40, 1.5)
 ROWS = numpy.concatenate([SHIFTS, TURNS], 1)
@@ -88,7 +88,7 @@ def test_sweeps(tmp_path: Path, meshes: tuple[str, str], capsys: pytest.CaptureF
     a, b = map(limber3d.load, meshes)
     poses = str(write_poses(tmp_path)["rows.npy"])
     out = tmp_path / "out"
-    command = ["sweep", *meshes, "--poses-b", poses, "--out", str(out), "--max-distance", "0.5", "--partition-size", "9"]
+    command = ["sweep", *meshes, "--poses", poses, "--out", str(out), "--max-distance", "0.5", "--partition-size", "9"]
     for found in (0, 5):
         assert main(command) == 0
         assert capsys.readouterr().out == f"poses 40\npartitions 5\nfound {found}\nfolder {out}\n"
@@ -122,7 +122,19 @@ def test_bad_input_is_told_on_one_line(
         assert ended.value.code == 2
 
 
-def test_ctrl_c_is_told(meshes: tuple[str, str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dask_is_asked_for_by_name(
+    tmp_path: Path, meshes: tuple[str, str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["sweep", *meshes, "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("limber3d: sweep: limber3d.batch needs distributed: pip install limber3d[cluster]")
+    assert not (tmp_path / "out").exists()
+
+
+def test_ctrl_c_is_told(
+    meshes: tuple[str, str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -134,5 +146,7 @@ def test_ctrl_c_is_told(meshes: tuple[str, str], capsys: pytest.CaptureFixture[s
 def test_the_module_is_the_program() -> None:
     run = subprocess.run([sys.executable, "-m", "limber3d", "--version"], capture_output=True, text=True, check=True)
     assert run.stdout == f"limber3d {limber3d.__version__}\n"
-    run = subprocess.run([sys.executable, "-m", "limber3d", "sweep", "--help"], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-m", "limber3d", "sweep", "--help"], capture_output=True, text=True, check=True
+    )
     assert "--scheduler ADDRESS" in run.stdout and "dask worker tcp://10.0.0.1:8786" in run.stdout

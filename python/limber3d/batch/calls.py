@@ -39,14 +39,16 @@ def sweep(
 ) -> Report:
     """distance_many(), collide_many() or within_many() on many processes or machines.
 
-    Folder    out is made, or gone on with: partitions that are there are not asked again. read(out) gives the answers.
+    Folder    out is made, or gone on with: partitions that are there, and are not damaged, are not asked again.
+              read(out) gives the answers.
     Options   Those of the query. partition_size is a number of poses; None: a folder's own, or one that suits most.
-    Promise   The bits of distance_many() and its like, for models just made of the vertices and faces that a and b have.
-              (A model that was moved answers the same, up to which of several equally close pairs of triangles it names.)
-    Failures  Dask runs partitions of lost workers again. Other executors raise, such as BrokenProcessPool; then, or after
-              Ctrl-C, or the end of this process, the same call goes on.
-    Raises    ValueError as distance_many(), and if out is the folder of another batch, before anything is asked; OSError
-              where it cannot be written; ConnectionError if Dask's scheduler is lost; ImportError without pyarrow.
+    Promise   The bits of distance_many() and its like, for models just made of the vertices and faces that a and b
+              have. (A model that was moved may name another of several equally close pairs of triangles.)
+    Failures  Dask runs partitions of lost workers again. Other executors raise, such as BrokenProcessPool; then, or
+              after Ctrl-C, or the end of this process, the same call goes on.
+    Raises    ValueError as distance_many(), and if out is the folder of another batch, before anything is asked;
+              OSError where it cannot be written; ConnectionError if Dask's scheduler is lost; ImportError without
+              pyarrow.
     Threads   Each partition takes one thread of one worker.
     """
     asked = _query(query, relative_error, absolute_error, max_distance)
@@ -91,9 +93,9 @@ def track(
     """limber3d.track() on many processes or machines. The model itself is left as it is.
 
     Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3).
-    Promise   Lower and upper bounds are those of limber3d.track(), to the bit, where no error is allowed. Each partition
-              starts with a model just made of the mesh that `model` has: where several pairs of triangles are equally
-              close, and within an error that is allowed, answers depend on partition_size, and on nothing else.
+    Promise   Lower and upper bounds are those of limber3d.track(), to the bit, where no error is allowed. Each
+              partition starts with a model just made of the mesh that `model` has: where several pairs of triangles
+              are equally close, and within an error that is allowed, answers depend on partition_size as well.
     Folder, Options, Failures, Raises, Threads   As sweep(); ValueError if there are not as many poses as frames.
     """
     asked = _query("distance", relative_error, absolute_error, max_distance)
@@ -143,8 +145,8 @@ def pairs(
 ) -> Report:
     """Queries between the models of an assembly. A mesh that several models have is sent and built once.
 
-    Shape     models are n, poses as many, or None. pairs is an array (m, 2) of ids; None: all (i, j) with i < j, ordered
-              by i, then by j. Answer k is that of pair k.
+    Shape     models are n, poses as many, or None. pairs is an array (m, 2) of ids; None: all (i, j) with i < j,
+              ordered by i, then by j. Answer k is that of pair k.
     Promise   The bits of distance() and its like, for models just made of the vertices and faces that these have.
     Folder, Options, Failures, Raises, Threads   As sweep(); IndexError if pairs name models that do not exist.
     """

@@ -24,13 +24,16 @@ def write_whole(path: Path, data: bytes) -> None:
     try:
         temporary.write_bytes(data)
         os.replace(temporary, path)
+    except FileNotFoundError:
+        if not path.exists():  # else another client of this folder has written the same, and removed what was left
+            raise
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
 
 
 def is_shared(folder: str, token: str) -> bool:
-    """Whether this process sees the folder that the client has opened under that token, and not one of the same name."""
+    """Whether this process sees the folder that the client has opened under that token, not one of the same name."""
     try:
         return Path(folder, TOKEN).read_text() == token
     except OSError:

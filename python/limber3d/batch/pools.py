@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
@@ -15,7 +16,7 @@ from .extras import imported
 from .work import Task, run, unchanged
 
 _LOST = "the scheduler is lost; the same call goes on once there is one"
-_LARGE_GRAPH = "distributed.admin.large-graph-warning-threshold"
+_CHANGE_SECONDS = 2.0  # after which Dask is asked how many workers there are: they come and go, and asking is a message
 
 
 class Future(Protocol):
@@ -52,7 +53,7 @@ class PlainPool:
         self._meshes = meshes
 
     def width(self) -> int:
-        return int(getattr(self._executor, "_max_workers", None) or os.cpu_count() or 1)
+        return int(getattr(self._executor, "_max_workers", None) or processor_count())
 
     def submit(self, task: Task) -> Future:
         future: Future = self._executor.submit(run, task, self._meshes)
@@ -66,24 +67,22 @@ class PlainPool:
 
 
 class DaskPool:
-    """A client of Dask. The meshes are a task: workers hand its result on to each other, and once lost it is run again."""
+    """A client of Dask. The meshes are the result of a task: workers hand it on to each other, and the scheduler has
+    the task run again when all of them are lost."""
 
     def __init__(self, client: Any, meshes: bytes) -> None:
         self._client = client
-        self._dask_config = imported("dask.config")
-        with self._dask_config.set({_LARGE_GRAPH: sys.maxsize}):
-            self._meshes = client.submit(unchanged, meshes, pure=False)
-        self._width, self._looked_at = 0, -1.0
+        self._config = imported("dask.config")
+        self._meshes = self._submit(unchanged, meshes)
+        self._width, self._looked_at = 0, -math.inf
 
     def width(self) -> int:
-        if time.monotonic() > self._looked_at + 2:  # workers come and go; asking costs a message
+        if time.monotonic() > self._looked_at + _CHANGE_SECONDS:
             self._width, self._looked_at = sum(self._client.nthreads().values()), time.monotonic()
         return self._width
 
     def submit(self, task: Task) -> Future:
-        with self._dask_config.set({_LARGE_GRAPH: sys.maxsize}):
-            future: Future = self._client.submit(run, task, self._meshes, pure=False)
-        return future
+        return self._submit(run, task, self._meshes)
 
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):
@@ -93,6 +92,12 @@ class DaskPool:
         # Futures of a lost scheduler are cancelled; whoever asks it something finds the connection closed.
         if isinstance(error, (CancelledError, imported("distributed.comm").CommClosedError)):
             raise ConnectionError(_LOST) from error
+
+    def _submit(self, *call: Any) -> Future:
+        # Dask warns of large arguments, which meshes and frames are on purpose.
+        with self._config.set({"distributed.admin.large-graph-warning-threshold": sys.maxsize}):
+            future: Future = self._client.submit(*call, pure=False)
+        return future
 
 
 def processor_count() -> int:

@@ -19,7 +19,8 @@ from . import folder
 from .extras import imported
 from .jobs import Job
 from .pools import DaskPool, Future, PlainPool, Pool, check_executor, is_dask_client, own_threads
-from .tables import is_whole
+from .queries import dtype_of
+from .tables import read_parquet
 from .work import Batch, Task, label_of
 
 _FORMAT = 1  # of the folder
@@ -72,10 +73,10 @@ def answer(request: Request, out: Path, executor: Any, partition_size: int | Non
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
     name = batch_name(manifest | {"partition_size": size})
     batch = Batch(name, request.job, _core.version, str(out), token)
-    parts = ranges(request.count, size)
+    parts, dtype = ranges(request.count, size), dtype_of(request.job.query.name)
     missing = [
         i for i, (begin, end) in enumerate(parts)
-        if not is_whole(out / folder.part_name(i), end - begin, label_of(name, i))
+        if read_parquet(out / folder.part_name(i), dtype, end - begin, label_of(name, i)) is None
     ]  # fmt: skip
     tasks = (Task(batch, i, parts[i][0], request.part(*parts[i])) for i in missing)
     with progress_bar(request.count, progress) as advance, ExitStack() as owned:
