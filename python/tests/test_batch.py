@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import multiprocessing
+import os
 import pickle
 import subprocess
 import sys
@@ -119,7 +120,7 @@ def test_frames_are_tracked_in_partitions(tmp_path: Path, ball: limber3d.Model, 
 
 
 def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
-    models = [ball, tetra, limber3d.Model(*shapes.ball(9, 7)), ball, tetra]
+    models = [ball, tetra, limber3d.Model(*shapes.ball(9, 7)), limber3d.Model(ball.vertices, ball.faces), tetra]
     turns, shifts = shapes.random_quaternions(6, 5, 1.5)
     poses: list[Any] = [(turns, shifts), shapes.random_poses(6, 5), None]
     for i, form in enumerate(poses):
@@ -131,6 +132,9 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
             placed = [None if form is None else (turns[m], shifts[m]) if i == 0 else form[m] for m in (j, k)]
             single = limber3d.distance_many(models[j], models[k], *placed)
             assert same_bits(numpy.array([record], record.dtype), single)
+    assert set(inputs.Unpacked(inputs.Meshes(models).packed()).arrays) == {
+        *(f"{name}_{k}" for name in ("vertices", "faces") for k in range(3)), "mesh_of_model",
+    }  # fmt: skip
     few = [[3, 0], [1, 2], [4, 4]]
     batch.pairs(models, poses[1], few, out=tmp_path / "few", query="collide")
     for record, (j, k) in zip(batch.read(tmp_path / "few"), few):
@@ -189,6 +193,9 @@ def test_no_damage_goes_unnoticed(tmp_path: Path) -> None:
             assert "of 2 partitions" in str(error) and "1 are missing or damaged, part-00000001" in str(error)
             noticed += 1
     assert noticed > 150
+    path.write_bytes(whole.replace(b"lower", b"lowes"))
+    with pytest.raises(ValueError, match="1 are missing or damaged"):
+        batch.read(tmp_path)
     data = bytearray(whole)
     data[len(whole) // 2] ^= 1
     path.write_bytes(data)
@@ -201,6 +208,46 @@ def test_two_clients_of_one_folder_do_no_harm(tmp_path: Path, expected: RecordAr
         reports = [clients.submit(shared_batches.sweep, tmp_path) for _ in range(2)]
     assert all(report.result().partitions == PARTS for report in reports)
     assert same_bits(batch.read(tmp_path), expected)
+
+
+def test_a_file_has_its_name_only_once_it_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, seen, replace = tmp_path / "part", list[bytes](), os.replace
+
+    def renamed(temporary: Path, target: Path) -> None:
+        assert target == path and not path.exists()
+        seen.append(temporary.read_bytes())
+        replace(temporary, target)
+
+    def full(temporary: Path, data: bytes) -> None:
+        with temporary.open("wb") as file:
+            file.write(data[:2])
+        raise OSError("disk full")
+
+    monkeypatch.setattr("os.replace", renamed)
+    folder.write_whole(path, b"mine")
+    assert seen == [b"mine"] and path.read_bytes() == b"mine"
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="disk full"):
+        folder.write_whole(path, b"other")
+    assert path.read_bytes() == b"mine" and [file.name for file in tmp_path.iterdir()] == ["part"]
+
+
+def test_content_is_told_apart() -> None:
+    rows = numpy.arange(10_000.0).reshape(5000, 2)
+    contents = [rows, rows.T, rows.reshape(2, 5000), rows.view(numpy.int64), rows[:4999], rows[:0], rows[0, 0]]
+    for place in (0, 4095, 4096, 4999):
+        contents.append(rows.copy())
+        contents[-1][place, 1] += 1
+    names = set[str]()
+    for array in contents:
+        digest = inputs.Digest()
+        digest.add(array)
+        names.add(digest.text())
+    assert len(names) == len(contents)
+    digests = [inputs.Digest(), inputs.Digest()]
+    for digest, array in zip(digests, (rows, numpy.asfortranarray(rows))):
+        digest.add(array)
+    assert digests[0].text() == digests[1].text()
 
 
 def test_a_file_whose_beginning_was_removed_by_another_client_is_no_loss(

@@ -172,8 +172,9 @@ def test_a_lost_scheduler_is_told_and_the_next_call_goes_on(
     assert shared_batches.sweep(out).found == 3 and same_bits(batch.read(out), expected)
 
 
-def test_the_program_asks_a_scheduler(tmp_path: Path, cluster: Cluster) -> None:
+def test_the_program_asks_a_scheduler(tmp_path: Path, cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     cluster.add_worker()
+    monkeypatch.setattr("limber3d.batch.running.PlainPool", None)
     mesh, poses = str(shapes.write_obj(tmp_path / "a.obj", *shapes.ball(12, 8))), shapes.random_poses(3, 40)
     numpy.save(tmp_path / "poses.npy", poses)
     with cluster.client() as client:
@@ -228,7 +229,7 @@ def test_an_asynchronous_client_is_refused(tmp_path: Path, cluster: Cluster) -> 
 def test_large_meshes_and_partitions_travel_without_warnings(tmp_path: Path, cluster: Cluster) -> None:
     cluster.add_worker()
     a, _ = shared_batches.models()
-    frames = [a.vertices] * 800
+    frames = [a.vertices.copy() for _ in range(800)]  # of one array, Dask would send one
     assert sum(frame.nbytes for frame in frames) > 20e6
     with cluster.client() as client:
         batch.track(a, frames, a, out=tmp_path, executor=client, partition_size=800, max_distance=1.0)
