@@ -30,16 +30,14 @@ _CHECK_SECONDS = 2.0
 
 @dataclass(frozen=True)
 class Report:
-    """What a batch has done.
-
-    count       Poses, frames or pairs.
-    partitions  Of all.
-    found       Partitions that an earlier call had finished.
-    """
+    """What a batch has done."""
 
     count: int
+    """Poses, frames or pairs."""
     partitions: int
+    """Into which they were cut."""
     found: int
+    """Partitions that earlier calls had finished."""
 
 
 @dataclass(frozen=True)
