@@ -153,7 +153,8 @@ def test_a_client_that_was_killed_goes_on_where_it_was(tmp_path: Path, expected:
     client = shared_batches.start(CLIENT, out)
     shared_batches.wait_for(lambda: shared_batches.done(out) == 3)
     shared_batches.kill(client)
-    (out / "_part-00000009.parquet.left").write_bytes(b"PAR1")
+    (out / "_temporary-left").write_bytes(b"PAR1")
+    (out / "_notes.txt").write_text("mine")
     with pytest.raises(
         ValueError, match=rf"of {PARTS} partitions in .*, {PARTS - 3} are missing or damaged, part-00000003"
     ):
@@ -162,7 +163,7 @@ def test_a_client_that_was_killed_goes_on_where_it_was(tmp_path: Path, expected:
     assert shared_batches.sweep(out) == batch.Report(count=COUNT, partitions=PARTS, found=3)
     assert all(path.stat().st_mtime_ns == then for path, then in times.items())
     assert same_bits(batch.read(out), expected)
-    assert {path.name for path in out.glob("_*")} == {folder.MANIFEST, folder.TOKEN}
+    assert {path.name for path in out.glob("_*")} == {folder.MANIFEST, folder.TOKEN, "_notes.txt"}
 
 
 def test_files_that_are_not_whole_or_of_another_batch_are_made_again(tmp_path: Path, expected: RecordArray) -> None:
@@ -296,7 +297,7 @@ def test_the_folder_of_another_batch_is_refused(tmp_path: Path, ball: limber3d.M
 
 
 def test_folders_that_are_none_are_refused(tmp_path: Path, ball: limber3d.Model) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "_notes.txt").write_text("mine")
     with pytest.raises(ValueError, match=r"is not empty, and has no _manifest.json"):
         batch.sweep(ball, ball, out=tmp_path)
     with pytest.raises(OSError):
@@ -304,11 +305,12 @@ def test_folders_that_are_none_are_refused(tmp_path: Path, ball: limber3d.Model)
     (tmp_path / folder.MANIFEST).write_text("{")
     with pytest.raises(ValueError, match="is not JSON"):
         batch.read(tmp_path)
-    (tmp_path / folder.MANIFEST).write_text("[]")
-    with pytest.raises(ValueError, match="not the manifest of a batch"):
-        batch.sweep(ball, ball, out=tmp_path)
+    for text in ("[]", "3", "{}"):
+        (tmp_path / folder.MANIFEST).write_text(text)
+        with pytest.raises(ValueError, match="not the manifest of a batch"):
+            batch.sweep(ball, ball, out=tmp_path)
     with pytest.raises(FileExistsError):
-        batch.sweep(ball, ball, out=tmp_path / "notes.txt")
+        batch.sweep(ball, ball, out=tmp_path / "_notes.txt")
 
 
 def test_bad_arguments_leave_no_folder(tmp_path: Path, ball: limber3d.Model) -> None:

@@ -8,9 +8,10 @@ import json
 import os
 import uuid
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 MANIFEST, TOKEN, MESHES = "_manifest.json", "_token", "_meshes.npz"  # readers of Parquet folders skip names with _
+_TEMPORARY = "_temporary-"
 
 
 def part_name(index: int) -> str:
@@ -20,7 +21,7 @@ def part_name(index: int) -> str:
 
 def write_whole(path: Path, data: bytes) -> None:
     """Writes a file that has its name only once it is whole."""
-    temporary = path.with_name(f"_{path.name}.{uuid.uuid4().hex}")
+    temporary = path.with_name(f"{_TEMPORARY}{uuid.uuid4().hex}")
     try:
         temporary.write_bytes(data)
         os.replace(temporary, path)
@@ -43,12 +44,12 @@ def is_shared(folder: str, token: str) -> bool:
 def read_manifest(folder: Path) -> dict[str, Any]:
     """Raises OSError if there is none, ValueError if it is none."""
     try:
-        manifest: dict[str, Any] = json.loads((folder / MANIFEST).read_text())
+        manifest: Any = json.loads((folder / MANIFEST).read_text())
     except ValueError as error:
         raise ValueError(f"out: {folder / MANIFEST} is not JSON: {error}") from None
-    if "partition_size" not in manifest:
+    if not isinstance(manifest, dict) or "partition_size" not in manifest:
         raise ValueError(f"out: {folder / MANIFEST} is not the manifest of a batch")
-    return manifest
+    return cast("dict[str, Any]", manifest)
 
 
 def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | None, usual_size: int) -> tuple[str, int]:
@@ -70,7 +71,7 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
                     f"out: {folder} is the folder of another batch: {name} is {_text(theirs.get(name))} there, "
                     f"{_text(ours.get(name))} here"
                 )
-    elif any(name for name in os.listdir(folder) if not name.startswith("_")):
+    elif any(name != TOKEN and not name.startswith(_TEMPORARY) for name in os.listdir(folder)):
         raise ValueError(f"out: {folder} is not empty, and has no {MANIFEST}")
     else:
         size = usual_size if partition_size is None else partition_size
@@ -83,9 +84,8 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
 
 def remove_leftovers(folder: Path) -> None:
     """Removes what writers that were killed have left, and the meshes, which nobody needs any more."""
-    for path in folder.glob("_*"):
-        if path.name not in (MANIFEST, TOKEN):
-            path.unlink(missing_ok=True)
+    for path in [*folder.glob(f"{_TEMPORARY}*"), folder / MESHES]:
+        path.unlink(missing_ok=True)
 
 
 def _text(value: Any) -> str:

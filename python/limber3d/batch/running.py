@@ -9,6 +9,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -25,7 +26,7 @@ from .work import Batch, Task, label_of
 
 _FORMAT = 1  # of the folder
 _PER_THREAD = 3  # partitions that are under way for each thread of the workers: one runs, the others are on their way
-_CHECK_SECONDS = 2.0
+_CHECK_SECONDS = 2.0  # without an answer, after which the pool is looked at
 
 
 @dataclass(frozen=True)
@@ -98,19 +99,14 @@ def _pool(executor: Any, meshes: bytes, out: Path, owned: ExitStack) -> Pool:
 def _run_all(pool: Pool, tasks: Iterator[Task], out: Path, done: Callable[[Task], object]) -> None:
     running: dict[Future, Task] = {}
     finished: SimpleQueue[Future] = SimpleQueue()
-    is_more = True
     try:
-        while is_more or running:
-            while is_more and len(running) < _PER_THREAD * max(1, pool.width()):
-                task = next(tasks, None)
-                if task is None:
-                    is_more = False
-                    break
+        while True:
+            for task in islice(tasks, max(0, _PER_THREAD * max(1, pool.width()) - len(running))):
                 future = pool.submit(task)
                 running[future] = task
                 future.add_done_callback(finished.put)
             if not running:
-                break
+                return
             try:
                 future = finished.get(timeout=_CHECK_SECONDS)
             except Empty:
