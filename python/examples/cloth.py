@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 # pyright: basic
-"""A sheet falls onto a ring and folds over it: its distance frame by frame, where it touches, and where it meets itself.
+"""A sheet falls onto a ring and folds over it: its distance frame by frame, and its contacts, also with itself.
 
 A small simulation in NumPy makes the frames; what it needs to know about the ring it asks limber3d. Then the frames are
 asked about. Prints a table; `--plot FILE` draws a frame, and the numbers of all.

@@ -30,14 +30,15 @@ def scene(count: int) -> str:
     directions = random.normal(size=(40, 3))
     stone = directions / numpy.linalg.norm(directions, axis=1, keepdims=True) * (0.24, 0.2, 0.15)
     points = " ".join(f"{x:.6f}" for x in stone.ravel())
+    side = 0.8 / (count - 1)
     return f"""
       <mujoco>
         <option timestep="0.002" solver="CG" tolerance="1e-6" integrator="implicitfast"/>
         <asset><mesh name="stone" vertex="{points}"/></asset>
         <worldbody>
           <geom name="stone" type="mesh" mesh="stone" euler="10 15 20" solref=".004 1"/>
-          <flexcomp name="cloth" type="grid" dim="2" count="{count} {count} 1" spacing="{0.8 / (count - 1)} {0.8 / (count - 1)} 1"
-                    pos="0 0 .22" radius="0.02" mass="0.1">
+          <flexcomp name="cloth" type="grid" dim="2" count="{count} {count} 1" spacing="{side} {side} 1" pos="0 0 .22"
+                    radius="0.02" mass="0.1">
             <edge equality="true" damping="1"/>
             <contact selfcollide="none" solref=".004 1"/>
           </flexcomp>
@@ -154,9 +155,7 @@ def draw(file: Path, run: Run) -> None:
     stone = (run.stone.vertices @ rotation.T + shift)[run.stone.faces]
     cloth = run.cloth.vertices[run.cloth.faces]
     for corners, paint in ((stone, "#5b6770"), (cloth, colors)):
-        scene.add_collection3d(
-            Poly3DCollection(corners, facecolors=paint, shade=True, lightsource=light, linewidth=0)
-        )
+        scene.add_collection3d(Poly3DCollection(corners, facecolors=paint, shade=True, lightsource=light, linewidth=0))
     low, high = cloth.min(axis=(0, 1)), cloth.max(axis=(0, 1))
     high = numpy.maximum(high, low + 0.1)
     scene.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
@@ -172,7 +171,9 @@ def draw(file: Path, run: Run) -> None:
     above.plot(times, theirs, color=orange, linewidth=4, alpha=0.5, label="MuJoCo, of its contacts")
     above.axhline(0, color="#999999", linewidth=1)
     above.set(ylabel="distance less radius, m")
-    below.plot(times, [len(step.touching()) for step in run.steps], color=blue, linewidth=1.2, zorder=3, label="limber3d")
+    below.plot(
+        times, [len(step.touching()) for step in run.steps], color=blue, linewidth=1.2, zorder=3, label="limber3d"
+    )
     counts = [len(step.mujoco_elements) for step in run.steps]
     below.plot(times, counts, color=orange, linewidth=4, alpha=0.5, label="MuJoCo")
     below.set(xlabel="time, s", ylabel="elements in contact")

@@ -3,8 +3,8 @@
 # pyright: basic
 """An arm takes something out of one compartment of a shelf and puts it into another. Is its path free?
 
-The bodies of the arm are made by code, their poses by forward kinematics in NumPy. For each pair of bodies one call asks
-for the distances at all times. Prints for two paths when bodies collide, or else how close they come, and where.
+The bodies of the arm are made by code, their poses by forward kinematics in NumPy. For each pair of bodies one call
+asks for the distances at all times. Prints for two paths when bodies collide, or else how close they come, and where.
 `--plot FILE` draws the arm and its clearance over time.
 
     python robot_arm.py --samples 20000 --plot robot_arm.png
@@ -131,10 +131,7 @@ def sweep(waypoints: Sequence[Sequence[float]], count: int) -> Sweep:
         times,
         poses,
         {(NAMES[i], "shelf"): limber3d.distance_many(bodies[i], obstacle, poses[i]) for i in moving},
-        {
-            (NAMES[i], NAMES[j]): limber3d.distance_many(bodies[i], bodies[j], poses[i], poses[j])
-            for i, j in SELF_PAIRS
-        },
+        {(NAMES[i], NAMES[j]): limber3d.distance_many(bodies[i], bodies[j], poses[i], poses[j]) for i, j in SELF_PAIRS},
     )
 
 

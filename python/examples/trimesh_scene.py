@@ -3,8 +3,8 @@
 # pyright: basic
 """A scene of trimesh: which of its parts meet, how close the others are, and what a tool touches on its way.
 
-limber3d.CollisionManager has the methods of trimesh's manager of that name, which needs python-fcl and SciPy. Where they
-are installed, both are asked and have to agree. The manager's answers are those of limber3d's own queries, too.
+limber3d.CollisionManager has the methods of trimesh's manager of that name, which needs python-fcl and SciPy. Where
+they are installed, both are asked and have to agree. The manager's answers are those of limber3d's own queries, too.
 
     python trimesh_scene.py --parts 200
 """

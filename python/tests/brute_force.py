@@ -25,7 +25,11 @@ def _dot(a: Any, b: Any) -> Any:
 
 def _from_points(points: Any, triangles: Any) -> Any:
     """Distances from points to triangles where the foot is inside; infinite where it is not, as edges cover that."""
-    a, u, v = triangles[..., 0, :], triangles[..., 1, :] - triangles[..., 0, :], triangles[..., 2, :] - triangles[..., 0, :]
+    a, u, v = (
+        triangles[..., 0, :],
+        triangles[..., 1, :] - triangles[..., 0, :],
+        triangles[..., 2, :] - triangles[..., 0, :],
+    )
     normal, w = numpy.cross(u, v), points - a
     area = _dot(normal, normal)
     beta, gamma = _dot(numpy.cross(w, v), normal) / area, _dot(numpy.cross(u, w), normal) / area
@@ -47,13 +51,19 @@ def _of_segments(p: Any, d: Any, q: Any, e: Any) -> Any:
     s = (de * _dot(e, w) - ee * _dot(d, w)) / determinant
     t = (dd * _dot(e, w) - de * _dot(d, w)) / determinant
     inside = (s > 0) & (s < 1) & (t > 0) & (t < 1)
-    gap = numpy.linalg.norm(w + numpy.where(inside, s, 0)[..., None] * d - numpy.where(inside, t, 0)[..., None] * e, axis=-1)
+    gap = numpy.linalg.norm(
+        w + numpy.where(inside, s, 0)[..., None] * d - numpy.where(inside, t, 0)[..., None] * e, axis=-1
+    )
     return numpy.where(inside, numpy.minimum(best, gap), best)
 
 
 def _crosses(p: Any, d: Any, triangles: Any) -> Any:
     """Whether segments p + s d pass through triangles."""
-    a, u, v = triangles[..., 0, :], triangles[..., 1, :] - triangles[..., 0, :], triangles[..., 2, :] - triangles[..., 0, :]
+    a, u, v = (
+        triangles[..., 0, :],
+        triangles[..., 1, :] - triangles[..., 0, :],
+        triangles[..., 2, :] - triangles[..., 0, :],
+    )
     across = numpy.cross(d, v)
     determinant = _dot(u, across)
     scale = numpy.where(determinant == 0, 1, determinant)

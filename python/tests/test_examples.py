@@ -96,10 +96,12 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
     vertex_of = numpy.zeros((len(faces), int(faces.max()) + 1), numpy.float32)
     numpy.put_along_axis(vertex_of, faces.astype(int), 1, axis=1)
     edges = vertex_of.T @ vertex_of > 0  # of the sheet, and from each vertex to itself
-    is_far = vertex_of @ (edges.astype(numpy.float32) @ edges) @ vertex_of.T == 0  # no path of up to 2 edges between them
+    is_far = (
+        vertex_of @ (edges.astype(numpy.float32) @ edges) @ vertex_of.T == 0
+    )  # no path of up to 2 edges between them
     most = int(found.self_contacts.argmax())
     assert found.self_contacts[most] > 0 and found.contacts[-1] > 0
-    for i in (0, 16, most):
+    for i in (17, most):
         sheet = frames[i][faces]
         assert abs(brute_force.least_distance(sheet, body) - found.distances["upper"][i]) < 1e-9
         assert len(brute_force.pairs_within(sheet, body, margin)[0]) == found.contacts[i]
@@ -107,7 +109,9 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
         assert ((one < two) & is_far[one, two]).sum() == found.self_contacts[i]
 
 
-def test_managers_agree_on_the_scene_of_trimesh(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_managers_agree_on_the_scene_of_trimesh(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     pytest.importorskip("fcl")
     scenes = example("trimesh_scene", monkeypatch)
     answers = scenes.main(["--parts", "25", "--steps", "20"])

@@ -34,7 +34,11 @@ def given() -> dict[str, Any]:
     vertices_b = vertices_b * [1, 0.7, 1.3]
     vertices_b[vertices_b[:, 2] > 0.9] *= [1, 1, 0.2]  # a dent, as trimesh takes convex meshes for solids
     random = numpy.random.default_rng(1)
-    rotation, translation, far = shapes.rotation([1, 0.2, 0.3, 0.1]), numpy.array([1.6, 0.1, 0.2]), numpy.array([0.9, 0, 0])
+    rotation, translation, far = (
+        shapes.rotation([1, 0.2, 0.3, 0.1]),
+        numpy.array([1.6, 0.1, 0.2]),
+        numpy.array([0.9, 0, 0]),
+    )
     matrix_b = numpy.eye(4)
     matrix_b[:3, :3], matrix_b[:3, 3] = rotation, translation
     far_b = matrix_b.copy()
@@ -72,7 +76,9 @@ def run(code: str, names: dict[str, Any]) -> dict[str, Any]:
     """Those variables that a snippet sets which may be compared: numbers, arrays, sets and the like."""
     exec(code, names)
     kinds = (bool, int, float, tuple, list, set, dict, numpy.ndarray, numpy.generic)
-    nodes = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
+    nodes = [
+        node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    ]
     return {node.id: names[node.id] for node in nodes if isinstance(names.get(node.id), kinds)}
 
 
@@ -131,4 +137,7 @@ def test_what_the_page_says_is_different() -> None:
     assert fcl.Transform(stretched, numpy.zeros(3)).getRotation()[0, 0] == 1.1
     with pytest.raises(ValueError, match="rigid"):
         limber3d.collide(limber3d.Model(nested["large"]), limber3d.Model(nested["small"]), (stretched, numpy.zeros(3)))
-    assert trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]], [[0, 1, 2], [3, 2, 1]]).vertices.shape == (3, 3)
+    assert trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]], [[0, 1, 2], [3, 2, 1]]).vertices.shape == (
+        3,
+        3,
+    )
