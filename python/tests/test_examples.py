@@ -95,12 +95,11 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
     body = brute_force.corners(*ring)
     vertex_of = numpy.zeros((len(faces), int(faces.max()) + 1), numpy.float32)
     numpy.put_along_axis(vertex_of, faces.astype(int), 1, axis=1)
-    edges = vertex_of.T @ vertex_of > 0  # of the sheet, and from each vertex to itself
-    is_far = (
-        vertex_of @ (edges.astype(numpy.float32) @ edges) @ vertex_of.T == 0
-    )  # no path of up to 2 edges between them
+    edges = (vertex_of.T @ vertex_of > 0).astype(numpy.float32)  # of the sheet, and from each vertex to itself
+    is_far = vertex_of @ (edges @ edges) @ vertex_of.T == 0  # triangles without a path of up to 2 edges between them
     most = int(found.self_contacts.argmax())
     assert found.self_contacts[most] > 0 and found.contacts[-1] > 0
+    assert (found.distances["lower"] == found.distances["upper"]).all()
     for i in (17, most):
         sheet = frames[i][faces]
         assert abs(brute_force.least_distance(sheet, body) - found.distances["upper"][i]) < 1e-9
