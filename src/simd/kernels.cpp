@@ -8,8 +8,8 @@
 #include <atomic>
 #include <vector>
 
-// Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. This tells Highway
-// so. It would otherwise mark functions by an attribute that GCC does not give to constructors that it makes itself.
+// Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. The macro tells
+// Highway so. It would otherwise mark functions by an attribute that GCC does not give to constructors of its own making.
 #if defined(__aarch64__)
 #define TOOLCHAIN_MISS_SYS_AUXV_H
 #endif
