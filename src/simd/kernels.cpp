@@ -9,7 +9,7 @@
 #include <vector>
 
 // Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. The macro tells
-// Highway so. It would otherwise mark functions by an attribute that GCC does not give to constructors of its own making.
+// Highway so. It would otherwise mark functions by an attribute that GCC does not give to constructors that it makes.
 #if defined(__aarch64__)
 #define TOOLCHAIN_MISS_SYS_AUXV_H
 #endif
