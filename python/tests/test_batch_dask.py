@@ -90,11 +90,6 @@ def cluster(scheduler: Cluster) -> Iterator[Cluster]:
     scheduler.remove_workers()
 
 
-@pytest.fixture(scope="module")
-def expected() -> RecordArray:
-    return shared_batches.expected()
-
-
 @pytest.fixture
 def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose batch is held when three partitions are done."""
