@@ -61,7 +61,9 @@ class Split {
   static constexpr unsigned bin_bits = 11;
 
   std::uint64_t key(const PrimitiveRef& primitive) const;
-  std::size_t bin(const PrimitiveRef& primitive) const { return (key(primitive) - lowest_key_) >> shift_; }
+  std::size_t bin(const PrimitiveRef& primitive) const {
+    return static_cast<std::size_t>((key(primitive) - lowest_key_) >> shift_);
+  }
   void measure_some(std::span<const PrimitiveRef> primitives);
   void choose_axis();
   void start_counting(std::uint64_t highest_key);
