@@ -5,7 +5,7 @@ import { require } from "./errors.js";
 import { addressOf } from "./model.js";
 import { writePose } from "./poses.js";
 import { cacheAddress, collideResult, distanceResult, stats } from "./queries.js";
-import { Owner, check, checkWithFilter, copyOf, engine, word } from "./wasm.js";
+import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
 
 /**
  * @typedef {import("./arrays.js").Point} Point
