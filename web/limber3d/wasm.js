@@ -19,6 +19,8 @@ let loading;
 /** Byte addresses in the module's memory. */
 let exchange = 0;
 let inputAt = 0;
+/** The module's memory has 32-bit addresses. */
+const mostInputBytes = 2 ** 32 - 2 ** 16;
 let inputBytes = 0;
 
 /** Views of the whole memory, until it grows. */
@@ -198,6 +200,7 @@ export const copyOf = (begin, bytes) => uint8.slice(begin, begin + bytes).buffer
  * @param {number} bytes
  */
 function reserveInput(bytes) {
+  if (bytes > mostInputBytes) throw new LimberError("outOfMemory", `limber3d: there is no room for ${bytes} bytes`);
   if (bytes > inputBytes) {
     inputAt = engine().reserveInput(bytes) >>> 0;
     if (inputAt === 0) {
