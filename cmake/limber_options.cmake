@@ -16,9 +16,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_FLAGS MATCHES "-fsanitize"
 endif()
 target_compile_definitions(limber_options INTERFACE $<$<BOOL:${LIMBER_CHECKS}>:LIMBER_CHECKS>)
 # Libraries are position-independent, so that a static one can become part of somebody's shared one. The option lets the
-# compiler inline across functions all the same, as it does in programs.
-target_compile_options(limber_options INTERFACE -fno-semantic-interposition)
-set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON
+# compiler inline across functions all the same, as it does in programs. WebAssembly has no shared libraries here.
+if(NOT EMSCRIPTEN)
+  target_compile_options(limber_options INTERFACE -fno-semantic-interposition)
+  set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endif()
+list(APPEND LIMBER_LIBRARY_PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
 # For sources whose own speed does not matter: tests, and the program around the library.

@@ -19,8 +19,8 @@ UMBRELLA_LINES = 4000  # ours, pulled in by limber.h
 CHECKS_WANTED = 10.0  # LIMBER_ASSERT, LIMBER_REQUIRE and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
 CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
 
-SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "tools")
-LICENSED_SUFFIXES = CPP_SUFFIXES + (".py", ".sh", ".cmake", ".cff", ".js")
+SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "web", "tools")
+LICENSED_SUFFIXES = CPP_SUFFIXES + (".py", ".sh", ".cmake", ".cff", ".js", ".ts")
 LICENSED_NAMES = ("CMakeLists.txt", "dev", ".ci/run", ".clang-format", ".clang-tidy", ".editorconfig", ".gitignore")
 LICENCE = re.compile(
     r"\A(?:#![^\n]*\n)?(?P<mark>//|#) SPDX-FileCopyrightText: The limber authors\n"

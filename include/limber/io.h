@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,12 @@ struct MeshFile {
 /// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
-/// The same, the mesh alone.
+/// The same for a file that is in memory. Its name has the extension, and is what messages call it.
+///
+/// Errors   As read_mesh_file(). glTF files that name buffer files are malformed.
+Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name);
+
+/// The mesh of a file alone.
 Result<Mesh> load_mesh(const std::filesystem::path& path);
 
 /// Frames of one deforming mesh: files with the same vertex count and the same faces, positions differing.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "limber/mesh.h"
 #include "limber/query.h"
@@ -150,6 +151,14 @@ class Model {
   /// Cost     O(1).
   Box bounding_box() const;
   Sphere bounding_sphere() const;
+
+  /// The bounding spheres of one level of the tree, to draw it: of the root on level 0, of all leaves on the last one,
+  /// tree_stats().levels - 1. Each holds the triangles below it; the root's is bounding_sphere().
+  ///
+  /// Frame    The model's own frame.
+  /// Throws   std::invalid_argument unless the model is committed and there is such a level.
+  /// Cost     O(spheres).
+  std::vector<Sphere> node_spheres(std::uint32_t level) const;
 
   /// Checks every invariant of the tree against the positions.
   ///

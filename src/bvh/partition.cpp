@@ -200,11 +200,12 @@ PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin
 
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {
   LIMBER_ASSERT(!primitives.empty() && primitives.size() <= width);
-  for (std::size_t k = 0; k < width; ++k) {
-    const TriangleId triangle = primitives[std::min(k, primitives.size() - 1)].triangle;
-    leaf.triangle[k] = triangle;
-    leaf.vertices[k] = mesh.triangles[triangle];
-  }
+  TriangleId* const end = std::transform(primitives.begin(), primitives.end(), leaf.triangle,
+                                         [](const PrimitiveRef& primitive) { return primitive.triangle; });
+  // Splits leave the order within a leaf to the standard library; queries are to find pairs in the same order anywhere.
+  std::sort(leaf.triangle, end);
+  std::fill(end, leaf.triangle + width, *(end - 1));
+  for (std::size_t k = 0; k < width; ++k) leaf.vertices[k] = mesh.triangles[leaf.triangle[k]];
 }
 
 std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i) {

@@ -61,7 +61,9 @@ class Split {
   static constexpr unsigned bin_bits = 11;
 
   std::uint64_t key(const PrimitiveRef& primitive) const;
-  std::size_t bin(const PrimitiveRef& primitive) const { return (key(primitive) - lowest_key_) >> shift_; }
+  std::size_t bin(const PrimitiveRef& primitive) const {
+    return static_cast<std::size_t>((key(primitive) - lowest_key_) >> shift_);
+  }
   void measure_some(std::span<const PrimitiveRef> primitives);
   void choose_axis();
   void start_counting(std::uint64_t highest_key);
@@ -117,7 +119,7 @@ BoundingBox bounding_box_of(MeshView mesh);
 /// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.
 PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
 
-/// Writes primitives, one to `width`, into a leaf; slots beyond the last one repeat it.
+/// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last repeat it.
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);
 
 /// The primitives of leaf `i`, where each leaf takes the next `width` of them.

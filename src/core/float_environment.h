@@ -6,7 +6,7 @@
 
 #if defined(__x86_64__) || defined(__i386__)
 #include <xmmintrin.h>
-#elif !defined(__aarch64__)
+#elif !defined(__aarch64__) && !defined(__wasm__)
 #include <cfenv>
 #endif
 
@@ -42,7 +42,9 @@ class DefaultFloatEnvironment {
   /// `value`, computed before this object changes the environment back.
   template <typename T>
   T settled(T value) const {
+#if !defined(__wasm__)
     asm volatile("" : "+m"(value) : : "memory");
+#endif
     return value;
   }
 
@@ -68,6 +70,13 @@ class DefaultFloatEnvironment {
   }
   static void write(Control control) { asm volatile("msr fpcr, %0" ::"r"(control) : "memory"); }
   static bool is_default(Control control) { return control == default_control; }
+#elif defined(__wasm__)
+  // WebAssembly has the default environment and no other.
+  struct Control {};
+  static constexpr Control default_control{};
+  static Control read() { return {}; }
+  static void write(Control) {}
+  static bool is_default(Control) { return true; }
 #else
   using Control = int;
   static constexpr Control default_control = FE_TONEAREST;

@@ -3,7 +3,9 @@
 #include "limber/io.h"
 
 #include <algorithm>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/check.h"
@@ -26,15 +28,19 @@ Error in_file(const fs::path& path, Error error) {
   return error;
 }
 
-Result<io::Soup> read_soup(const fs::path& path) {
+Result<io::Soup> parse_soup(const fs::path& path, std::string_view bytes, const io::BufferSource& external) {
   const core::DefaultFloatEnvironment environment;  // numbers are read by arithmetic
-  const Result<std::string> bytes = io::read_regular_file(path, mesh_file_limits::bytes);
-  if (!bytes) return in_file(path, bytes.error());
   std::string extension = path.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  Result<io::Soup> soup = io::parse_mesh(*bytes, extension, io::buffers_beside(path));
+  Result<io::Soup> soup = io::parse_mesh(bytes, extension, external);
   if (!soup) return in_file(path, soup.error());
   return soup;
+}
+
+Result<io::Soup> read_soup(const fs::path& path) {
+  const Result<std::string> bytes = io::read_regular_file(path, mesh_file_limits::bytes);
+  if (!bytes) return in_file(path, bytes.error());
+  return parse_soup(path, *bytes, io::buffers_beside(path));
 }
 
 std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<VertexId>& vertices) {
@@ -81,6 +87,13 @@ Result<MeshFile> read_mesh_file(const fs::path& path) {
   return make_mesh_file(path, *soup, io::weld(soup->positions));
 }
 
+Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const fs::path& name) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const Result<io::Soup> soup = parse_soup(name, text, {});
+  if (!soup) return soup.error();
+  return make_mesh_file(name, *soup, io::weld(soup->positions));
+}
+
 Result<Mesh> load_mesh(const fs::path& path) {
   Result<MeshFile> file = read_mesh_file(path);
   if (!file) return file.error();
@@ -116,7 +129,7 @@ Result<std::vector<Vec3>> MeshSequence::read_positions(const fs::path& path, std
   if (faces.corners != file_corners_ || faces.ends != file_face_ends_) {
     const io::FaceLists first{file_corners_, file_face_ends_};
     std::size_t face = 0;
-    while (std::ranges::equal(faces[face], first[face])) ++face;
+    while (std::equal(faces[face].begin(), faces[face].end(), first[face].begin(), first[face].end())) ++face;
     return changed("differs from the first frame in face " + std::to_string(face) + " of " +
                    std::to_string(faces.size()) + ", with " + std::to_string(file_vertex_count_) + " vertices in both");
   }

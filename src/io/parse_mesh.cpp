@@ -18,7 +18,8 @@ Result<Soup> parse(std::string_view bytes, std::string_view extension, const Buf
                  {}};
   }
   if (bytes.empty()) return malformed("is empty");
-  if (bytes.size() > mesh_file_limits::bytes) {
+  const std::uint64_t byte_count = bytes.size();
+  if (byte_count > mesh_file_limits::bytes) {
     return Error{ErrorCode::too_large, "has more bytes than the limit", {}};
   }
   if (extension == ".obj") return read_obj(bytes);

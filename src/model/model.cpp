@@ -35,11 +35,19 @@ update::TreeUpdater& updater_of(Model::Impl& impl) {
   return *impl.updater;
 }
 
-/// What rounding can change the root's center and extent by.
-double rounding(const bvh::Tree& tree) {
-  const bvh::WideNode& root = tree.nodes[0];
-  const double extent = tree.unit * (static_cast<double>(root.radius) + static_cast<double>(root.bounds.radius[0]));
-  return core::offset_error * (max_abs(root.origin) + extent) + std::numeric_limits<double>::min();
+/// What rounding can change the center and extent of a slot by.
+double rounding(const bvh::Tree& tree, bvh::SlotId id) {
+  const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
+  const double radius = static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
+  const double extent = tree.unit * (static_cast<double>(node.radius) + radius);
+  return core::offset_error * (max_abs(node.origin) + extent) + std::numeric_limits<double>::min();
+}
+
+/// The sphere of a slot, around all that is below it.
+Sphere slot_sphere(const bvh::Tree& tree, bvh::SlotId id) {
+  const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
+  const double radius = tree.unit * static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
+  return {bvh::slot_center(tree, id), (radius + tree.drift + rounding(tree, id)) * core::outward};
 }
 
 /// validate() for builds with checks; says nothing where there is no memory for it.
@@ -168,7 +176,8 @@ Box Model::bounding_box() const {
   const bvh::Tree& tree = impl_->tree;
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
-  const Vec3 center = bvh::slot_center(tree, bvh::root), extents = half + Vec3{1, 1, 1} * (tree.drift + rounding(tree));
+  const Vec3 center = bvh::slot_center(tree, bvh::root),
+             extents = half + Vec3{1, 1, 1} * (tree.drift + rounding(tree, bvh::root));
   return environment.settled(Box{center - extents, center + extents});
 }
 
@@ -176,10 +185,22 @@ Sphere Model::bounding_sphere() const {
   const core::DefaultFloatEnvironment environment;
   require_valid("bounding_sphere");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
+  return environment.settled(slot_sphere(impl_->tree, bvh::root));
+}
+
+std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {
+  const core::DefaultFloatEnvironment environment;
+  require_valid("node_spheres");
+  LIMBER_REQUIRE(is_committed(), "limber::Model::node_spheres: the model has moves that are not committed");
   const bvh::Tree& tree = impl_->tree;
-  const double radius = tree.unit * static_cast<double>(tree.nodes[0].bounds.radius[0]);
-  return environment.settled(
-      Sphere{bvh::slot_center(tree, bvh::root), (radius + tree.drift + rounding(tree)) * core::outward});
+  LIMBER_REQUIRE(level < tree.level_begin.size() - 1, "limber::Model::node_spheres: the tree has no such level");
+  std::vector<Sphere> spheres;
+  for (std::uint32_t n = tree.level_begin[level]; n < tree.level_begin[level + 1]; ++n) {
+    for (std::uint32_t slot = 0; slot < tree.nodes[n].child_count; ++slot) {
+      spheres.push_back(slot_sphere(tree, n * bvh::width + slot));
+    }
+  }
+  return spheres;
 }
 
 Result<void> Model::validate() const {

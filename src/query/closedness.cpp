@@ -57,7 +57,7 @@ Result<void> check_closed(std::span<const Corners> triangles) {
     const auto last = std::find_if(
         first, uses.end(), [&](const EdgeUse& use) { return use.low != first->low || use.high != first->high; });
     if (worst == nullptr || first->triangle < worst->triangle) {
-      const std::string found = fault_of({first, last});
+      const std::string found = fault_of({&*first, static_cast<std::size_t>(last - first)});
       if (!found.empty()) worst = &*first, fault = found;
     }
     first = last;

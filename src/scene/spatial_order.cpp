@@ -125,7 +125,9 @@ void SpatialOrder::sort_entries(std::size_t begin, std::size_t end) {
   constexpr unsigned digits = 2, digit_bits = code_bits / digits;
   constexpr std::size_t values = std::size_t{1} << digit_bits;
   std::array<std::array<std::uint32_t, values>, digits> counts{};
-  const auto digit = [](Entry entry, unsigned k) { return (entry >> (32 + k * digit_bits)) % values; };
+  const auto digit = [](Entry entry, unsigned k) {
+    return static_cast<std::size_t>(entry >> (32 + k * digit_bits)) % values;
+  };
   for (const Entry entry : entries) {
     for (unsigned k = 0; k < digits; ++k) ++counts[k][digit(entry, k)];
   }

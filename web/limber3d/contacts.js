@@ -1,0 +1,322 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+import { invalid } from "./errors.js";
+import { addressOf } from "./model.js";
+import { writePose } from "./poses.js";
+import { cacheAddress, collideResult, distanceResult, stats } from "./queries.js";
+import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
+
+/**
+ * @typedef {import("./arrays.js").Point} Point
+ * @typedef {import("./model.js").Model} Model
+ * @typedef {import("./queries.js").CollideResult} CollideResult
+ * @typedef {import("./queries.js").DistanceResult} DistanceResult
+ * @typedef {import("./queries.js").ErrorOptions} ErrorOptions
+ * @typedef {import("./queries.js").PoseOptions} PoseOptions
+ * @typedef {import("./queries.js").QueryCache} QueryCache
+ * @typedef {import("./queries.js").QueryStats} QueryStats
+ */
+
+/**
+ * Which pairs count: called with the ids of two triangles whose bounds are close, before they are compared. May not
+ * call the library; what it throws ends the query.
+ *
+ * @typedef {(a: number, b: number) => boolean} TrianglePairFilter
+ */
+
+/**
+ * @typedef {object} PairOptions
+ * @property {TrianglePairFilter} [filter] all pairs count without one
+ */
+
+/**
+ * @typedef {object} SelfPairOptions
+ * @property {TrianglePairFilter | NeighborRings} [filter] all pairs count without one
+ */
+
+/**
+ * @typedef {object} CountOptions
+ * @property {number} [maxCount] stop after that many pairs
+ */
+
+/**
+ * Pairs of triangles, in an order that depends on the models, their history and their poses alone.
+ *
+ * @typedef {object} TrianglePairs
+ * @property {number} count
+ * @property {boolean} isComplete false if there may be more than maxCount
+ * @property {Uint32Array} triangles two for each pair
+ * @property {QueryStats} stats
+ */
+
+/** A part of a triangle: vertex i is corner i, edge i goes from corner i to the next one; 0 for the face.
+ * @typedef {{ kind: "vertex" | "edge" | "face", index: number }} Feature */
+
+/**
+ * Two triangles that intersect or are close, in the world; for pairs of one model, in the model's own frame.
+ *
+ * @typedef {object} Contact
+ * @property {number} distance 0 exactly when the triangles intersect
+ * @property {number} depth 0 unless they intersect: moving b by that much along the normal parts the two
+ * @property {Point} pointA
+ * @property {Point} pointB
+ * @property {Point} normal of length 1, from a to b
+ * @property {number} triangleA
+ * @property {number} triangleB
+ * @property {Feature} featureA
+ * @property {Feature} featureB
+ */
+
+/** @type {readonly Feature["kind"][]} */
+export const featureKinds = ["vertex", "edge", "face"];
+
+/** Many contacts, one array for each of their numbers. */
+export class Contacts {
+  /** Private: made by queries, of what these have left in the module's memory. */
+  constructor() {
+    const n = word(2);
+    const bytes = copyOf(word(0), word(1));
+    let at = 0;
+    /** @param {number} each */
+    const numbers = (each) => new Float64Array(bytes, (at += 8 * each * n) - 8 * each * n, each * n);
+    /** How many there are. */
+    this.count = n;
+    /** False if there may be more than maxCount. */
+    this.isComplete = word(3) !== 0;
+    this.distances = numbers(1);
+    this.depths = numbers(1);
+    /** Three numbers for each contact, as for the next two. */
+    this.pointsA = numbers(3);
+    this.pointsB = numbers(3);
+    this.normals = numbers(3);
+    this.trianglesA = new Uint32Array(bytes, at, n);
+    this.trianglesB = new Uint32Array(bytes, at + 4 * n, n);
+    /** For each contact kind (0 vertex, 1 edge, 2 face) and index of the feature of a, then those of b. */
+    this.features = new Uint8Array(bytes, at + 8 * n, 4 * n);
+    /** @type {QueryStats} */
+    this.stats = stats(0);
+  }
+
+  /**
+   * One contact as an object.
+   *
+   * @param {number} i
+   * @returns {Contact}
+   */
+  at(i) {
+    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no contact ${i} of ${this.count}`);
+    /** @param {Float64Array} from @returns {Point} */
+    const point = (from) => [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
+    /** @param {number} from @returns {Feature} */
+    const feature = (from) => ({ kind: featureKinds[this.features[from]], index: this.features[from + 1] });
+    return {
+      distance: this.distances[i],
+      depth: this.depths[i],
+      pointA: point(this.pointsA),
+      pointB: point(this.pointsB),
+      normal: point(this.normals),
+      triangleA: this.trianglesA[i],
+      triangleB: this.trianglesB[i],
+      featureA: feature(4 * i),
+      featureB: feature(4 * i + 2),
+    };
+  }
+
+  /** @returns {IterableIterator<Contact>} */
+  *[Symbol.iterator]() {
+    for (let i = 0; i < this.count; ++i) yield this.at(i);
+  }
+}
+
+/**
+ * Which triangles of a mesh are near each other along the surface, as a filter for self-queries: triangles do not count
+ * if a vertex of one and a vertex of the other are joined by a path of at most `edges` edges. With 0 edges, if they
+ * share a vertex.
+ *
+ * Connectivity alone matters, so one object serves all shapes that a model takes. dispose() frees its memory.
+ */
+export class NeighborRings extends Owner {
+  /**
+   * @param {Model} model
+   * @param {number} edges
+   */
+  constructor(model, edges) {
+    super(engine().newRings(addressOf(model), edges), "deleteRings");
+  }
+}
+
+/** @param {PairOptions} options */
+function filterOf({ filter }) {
+  if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function");
+  return filter;
+}
+
+/** @param {SelfPairOptions} options @returns {[TrianglePairFilter | undefined, number]} */
+function filterAndRings({ filter }) {
+  if (filter instanceof NeighborRings) return [undefined, Owner.addressOf(filter, "filter")];
+  return [filterOf({ filter }), 0];
+}
+
+/** @returns {TrianglePairs} */
+const trianglePairs = () => ({
+  count: word(2),
+  isComplete: word(3) !== 0,
+  triangles: new Uint32Array(copyOf(word(0), word(1))),
+  stats: stats(0),
+});
+
+/**
+ * All pairs of triangles that intersect, each once, decided exactly.
+ *
+ * Throws invalidArgument unless both models are committed; notRigid; what the filter throws.
+ *
+ * @param {Model} a
+ * @param {Model} b
+ * @param {PoseOptions & PairOptions & CountOptions} [options]
+ * @returns {TrianglePairs}
+ */
+export function intersections(a, b, options = {}) {
+  const { maxCount = Infinity } = options;
+  const filter = filterOf(options);
+  const first = addressOf(a, "a"), second = addressOf(b, "b");
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const { intersections } = engine();
+  checkWithFilter(filter, () => intersections(first, formA, second, formB, maxCount, filter ? 1 : 0));
+  return trianglePairs();
+}
+
+/**
+ * All pairs of triangles at most `margin` apart, each once. With a margin of 0, those that intersect.
+ *
+ * Throws as intersections(); invalidArgument unless the margin is finite and >= 0.
+ *
+ * @param {Model} a
+ * @param {Model} b
+ * @param {number} margin
+ * @param {PoseOptions & PairOptions & CountOptions} [options]
+ * @returns {Contacts}
+ */
+export function contacts(a, b, margin, options = {}) {
+  const { maxCount = Infinity } = options;
+  const filter = filterOf(options);
+  const first = addressOf(a, "a"), second = addressOf(b, "b");
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const { contacts } = engine();
+  checkWithFilter(filter, () => contacts(first, formA, second, formB, margin, maxCount, filter ? 1 : 0));
+  return new Contacts();
+}
+
+/**
+ * The closest pairs of triangles, nearest first: `count` of them, or fewer if there are not so many.
+ *
+ * Throws as intersections().
+ *
+ * @param {Model} a
+ * @param {Model} b
+ * @param {number} count
+ * @param {PoseOptions & PairOptions} [options]
+ * @returns {Contacts}
+ */
+export function closestPairs(a, b, count, options = {}) {
+  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  const filter = filterOf(options);
+  const first = addressOf(a, "a"), second = addressOf(b, "b");
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const { closestPairs } = engine();
+  checkWithFilter(filter, () => closestPairs(first, formA, second, formB, count, filter ? 1 : 0));
+  return new Contacts();
+}
+
+// --- one model with itself ---
+//
+// Triangles that share vertices, by id, meet only if they have a point in common beyond the shared vertices and the
+// edge between them. Otherwise such neighbors do not count, however close they are. Equal positions under different ids
+// are not shared.
+
+/**
+ * Whether a model meets itself; stops at the first such pair found, decided exactly.
+ *
+ * Throws invalidArgument unless the model is committed; what the filter throws.
+ *
+ * @param {Model} model
+ * @param {SelfPairOptions & { cache?: QueryCache }} [options]
+ * @returns {CollideResult}
+ */
+export function selfCollide(model, options = {}) {
+  const [filter, rings] = filterAndRings(options);
+  const address = addressOf(model), cache = cacheAddress(options.cache);
+  const { selfCollide } = engine();
+  checkWithFilter(filter, () => selfCollide(address, filter ? 1 : 0, rings, cache));
+  return collideResult();
+}
+
+/**
+ * The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. Throws as selfCollide().
+ *
+ * @param {Model} model
+ * @param {ErrorOptions & SelfPairOptions & { cache?: QueryCache }} [options]
+ * @returns {DistanceResult}
+ */
+export function selfDistance(model, options = {}) {
+  const { relativeError = 0, absoluteError = 0, maxDistance = Infinity } = options;
+  const [filter, rings] = filterAndRings(options);
+  const address = addressOf(model), cache = cacheAddress(options.cache);
+  const { selfDistance } = engine();
+  checkWithFilter(filter, () =>
+    selfDistance(address, relativeError, absoluteError, maxDistance, filter ? 1 : 0, rings, cache),
+  );
+  return distanceResult();
+}
+
+/**
+ * All pairs of triangles of a model that meet. Throws as selfCollide().
+ *
+ * @param {Model} model
+ * @param {SelfPairOptions & CountOptions} [options]
+ * @returns {TrianglePairs}
+ */
+export function selfIntersections(model, options = {}) {
+  const { maxCount = Infinity } = options;
+  const [filter, rings] = filterAndRings(options);
+  const address = addressOf(model);
+  const { selfIntersections } = engine();
+  checkWithFilter(filter, () => selfIntersections(address, maxCount, filter ? 1 : 0, rings));
+  return trianglePairs();
+}
+
+/**
+ * All pairs of triangles of a model that meet, or are no neighbors and at most `margin` apart.
+ *
+ * Throws as selfCollide(); invalidArgument unless the margin is finite and >= 0.
+ *
+ * @param {Model} model
+ * @param {number} margin
+ * @param {SelfPairOptions & CountOptions} [options]
+ * @returns {Contacts}
+ */
+export function selfContacts(model, margin, options = {}) {
+  const { maxCount = Infinity } = options;
+  const [filter, rings] = filterAndRings(options);
+  const address = addressOf(model);
+  const { selfContacts } = engine();
+  checkWithFilter(filter, () => selfContacts(address, margin, maxCount, filter ? 1 : 0, rings));
+  return new Contacts();
+}
+
+/**
+ * The closest pairs of triangles of a model that meet or are no neighbors, as closestPairs(). Throws as selfCollide().
+ *
+ * @param {Model} model
+ * @param {number} count
+ * @param {SelfPairOptions} [options]
+ * @returns {Contacts}
+ */
+export function selfClosestPairs(model, count, options = {}) {
+  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  const [filter, rings] = filterAndRings(options);
+  const address = addressOf(model);
+  const { selfClosestPairs } = engine();
+  checkWithFilter(filter, () => selfClosestPairs(address, count, filter ? 1 : 0, rings));
+  return new Contacts();
+}

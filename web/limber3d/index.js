@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/**
+ * Collision and distance for triangle meshes that deform.
+ *
+ *     import { Model, distance, init } from "limber3d";
+ *     await init();
+ *     const model = new Model(vertices, faces);
+ *     const result = distance(model, other, { poseB: mesh.matrixWorld, relativeError: 0.01 });
+ *     model.moveAll(newVertices);
+ *     model.commit();
+ *
+ * @module
+ */
+
+export { closestPairs, Contacts, contacts, intersections, NeighborRings } from "./contacts.js";
+export { selfClosestPairs, selfCollide, selfContacts, selfDistance, selfIntersections } from "./contacts.js";
+export { LimberError } from "./errors.js";
+export { readMeshBytes } from "./mesh_files.js";
+export { Model } from "./model.js";
+export { closestPoint, closestPoints, ClosedSurface, SurfacePoints } from "./points.js";
+export { orthonormalized } from "./poses.js";
+export { collide, distance, QueryCache, within } from "./queries.js";
+export { init } from "./wasm.js";
+
+/**
+ * @typedef {import("./arrays.js").Coordinates} Coordinates
+ * @typedef {import("./arrays.js").Ids} Ids
+ * @typedef {import("./arrays.js").Point} Point
+ * @typedef {import("./arrays.js").Vector} Vector
+ * @typedef {import("./contacts.js").Contact} Contact
+ * @typedef {import("./contacts.js").CountOptions} CountOptions
+ * @typedef {import("./contacts.js").Feature} Feature
+ * @typedef {import("./contacts.js").PairOptions} PairOptions
+ * @typedef {import("./contacts.js").SelfPairOptions} SelfPairOptions
+ * @typedef {import("./contacts.js").TrianglePairFilter} TrianglePairFilter
+ * @typedef {import("./contacts.js").TrianglePairs} TrianglePairs
+ * @typedef {import("./errors.js").ErrorCode} ErrorCode
+ * @typedef {import("./mesh_files.js").MeshFile} MeshFile
+ * @typedef {import("./model.js").MaintenanceStats} MaintenanceStats
+ * @typedef {import("./model.js").ModelOptions} ModelOptions
+ * @typedef {import("./model.js").TreeStats} TreeStats
+ * @typedef {import("./points.js").PointOptions} PointOptions
+ * @typedef {import("./points.js").SignedDistance} SignedDistance
+ * @typedef {import("./points.js").SurfacePoint} SurfacePoint
+ * @typedef {import("./poses.js").Matrix} Matrix
+ * @typedef {import("./poses.js").Pose} Pose
+ * @typedef {import("./poses.js").Quaternion} Quaternion
+ * @typedef {import("./queries.js").Answer} Answer
+ * @typedef {import("./queries.js").BudgetedAnswer} BudgetedAnswer
+ * @typedef {import("./queries.js").CollideResult} CollideResult
+ * @typedef {import("./queries.js").DistanceOptions} DistanceOptions
+ * @typedef {import("./queries.js").DistanceResult} DistanceResult
+ * @typedef {import("./queries.js").ErrorOptions} ErrorOptions
+ * @typedef {import("./queries.js").PoseOptions} PoseOptions
+ * @typedef {import("./queries.js").QueryBudget} QueryBudget
+ * @typedef {import("./queries.js").QueryOptions} QueryOptions
+ * @typedef {import("./queries.js").QueryStats} QueryStats
+ * @typedef {import("./queries.js").Status} Status
+ * @typedef {import("./queries.js").StoppedBy} StoppedBy
+ * @typedef {import("./queries.js").WithinResult} WithinResult
+ * @typedef {import("./queries.js").Witness} Witness
+ */

@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+import { invalid } from "./errors.js";
+import { addressOf } from "./model.js";
+import { writePose } from "./poses.js";
+import { Owner, check, engine, number, point, word } from "./wasm.js";
+
+/**
+ * @typedef {import("./arrays.js").Point} Point
+ * @typedef {import("./model.js").Model} Model
+ * @typedef {import("./poses.js").Pose} Pose
+ */
+
+/**
+ * When a query has to end, whether or not it has its answer: the first limit that is reached ends it. Every query makes
+ * at least one step.
+ *
+ * @typedef {object} QueryBudget
+ * @property {number} [deadline] a time of performance.now(), in milliseconds; only as fine as that clock, which
+ *   browsers make coarse
+ * @property {number} [maxSteps] the same for all machines
+ */
+
+/**
+ * @typedef {object} PoseOptions
+ * @property {Pose | null} [poseA] where a stands in the world; at the identity if there is none
+ * @property {Pose | null} [poseB]
+ */
+
+/**
+ * @typedef {object} QueryOptions
+ * @property {QueryBudget} [budget]
+ * @property {QueryCache} [cache] what the last query of the same two models has found, to start from
+ */
+
+/**
+ * How good the answer must be: within either error is enough. Contacts are found at any setting.
+ *
+ * @typedef {object} ErrorOptions
+ * @property {number} [relativeError] the answer may exceed the true distance by this fraction of it; 0 if not given
+ * @property {number} [absoluteError] the answer may exceed the true distance by this length; 0 if not given
+ * @property {number} [maxDistance] beyond it the query only reports "beyondLimit"; no limit if not given
+ */
+
+/** @typedef {PoseOptions & QueryOptions & ErrorOptions} DistanceOptions */
+
+/**
+ * A pair of points, one on each model, in the world, and the triangles they lie on.
+ *
+ * @typedef {object} Witness
+ * @property {Point} pointA
+ * @property {Point} pointB
+ * @property {number} triangleA
+ * @property {number} triangleB
+ */
+
+/**
+ * Work done by one query.
+ *
+ * @typedef {object} QueryStats
+ * @property {number} nodeTests pairs of bounding volumes compared
+ * @property {number} triangleTests pairs of triangles compared
+ */
+
+/**
+ * Why a query of a distance stopped where it did.
+ *
+ * - "exact": lower === upper, the distance up to rounding
+ * - "withinError": upper is within the asked error of the true distance
+ * - "collision": the models meet, lower === upper === 0
+ * - "beyondLimit": nothing is as close as maxDistance; lower >= maxDistance, upper is infinite, no witness
+ * - "interrupted": the budget was spent; lower <= distance <= upper
+ *
+ * @typedef {"exact" | "withinError" | "collision" | "beyondLimit" | "interrupted"} Status
+ */
+
+/** @type {readonly Status[]} */
+const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupted"];
+
+/**
+ * Which limit of its budget has ended a query.
+ *
+ * @typedef {"nothing" | "deadline" | "maxSteps"} StoppedBy
+ */
+
+/** @type {readonly StoppedBy[]} */
+const limits = ["nothing", "deadline", "maxSteps"];
+
+/**
+ * What a question of yes or no is answered within a budget; "unknown" if it was spent before either was proven.
+ *
+ * @typedef {"no" | "yes" | "unknown"} Answer
+ */
+
+/** @type {readonly Answer[]} */
+const answers = ["no", "yes", "unknown"];
+
+/**
+ * @typedef {object} DistanceResult
+ * @property {number} lower no two points of the models are closer
+ * @property {number} upper the distance of the witness points
+ * @property {Status} status
+ * @property {Witness | null} witness none exactly when the status is "beyondLimit"
+ * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "interrupted"
+ * @property {QueryStats} stats
+ */
+
+/**
+ * @typedef {object} CollideResult
+ * @property {boolean} collision
+ * @property {Witness | null} witness there exactly when `collision`; both points are the same
+ * @property {QueryStats} stats
+ */
+
+/**
+ * @typedef {object} WithinResult
+ * @property {boolean} within
+ * @property {Witness | null} witness a pair of points at most that far apart, there exactly when `within`
+ * @property {QueryStats} stats
+ */
+
+/**
+ * @typedef {object} BudgetedAnswer
+ * @property {Answer} answer
+ * @property {Witness | null} witness there exactly when the answer is "yes"
+ * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the answer is "unknown"
+ * @property {QueryStats} stats
+ */
+
+/**
+ * What a query of two models has found, for the next query of the same two to start from. Keep one for each pair, from
+ * frame to frame. Answers do not depend on it beyond the asked error and rounding. 50 kB, which dispose() frees.
+ */
+export class QueryCache extends Owner {
+  constructor() {
+    super(engine().newCache(), "deleteCache");
+  }
+
+  /** Makes the next query start from nothing. */
+  clear() {
+    engine().clearCache(cacheAddress(this));
+  }
+}
+
+/** Private to the package. @param {QueryCache | undefined} cache */
+export function cacheAddress(cache) {
+  if (cache === undefined) return 0;
+  if (!(cache instanceof QueryCache)) throw invalid("cache is no QueryCache");
+  return Owner.addressOf(cache, "cache");
+}
+
+/** @returns {Witness | null} */
+function witness() {
+  if (word(0) === 0xffffffff) return null;
+  return { pointA: point(2), pointB: point(5), triangleA: word(0), triangleB: word(1) };
+}
+
+/** @param {number} i @returns {QueryStats} */
+export const stats = (i) => ({ nodeTests: number(i), triangleTests: number(i + 1) });
+
+/** Private to the package. @returns {DistanceResult} */
+export function distanceResult() {
+  return {
+    lower: number(0),
+    upper: number(1),
+    status: statuses[word(2)],
+    witness: witness(),
+    stoppedBy: limits[word(3)],
+    stats: stats(8),
+  };
+}
+
+/** Private to the package. @returns {CollideResult} */
+export const collideResult = () => ({ collision: word(2) === 1, witness: witness(), stats: stats(8) });
+
+/** @returns {BudgetedAnswer} */
+const budgetedAnswer = () => ({
+  answer: answers[word(2)],
+  witness: witness(),
+  stoppedBy: limits[word(3)],
+  stats: stats(8),
+});
+
+/** Stands for options that are not given. @type {Readonly<DistanceOptions>} */
+const none = Object.freeze({});
+
+/**
+ * Shortest distance between two placed models, with a pair of points that attains it.
+ *
+ * Promises lower <= true distance <= upper, each up to rounding, and upper within either of the asked errors. If the
+ * models meet, both are 0 and both points coincide. With a budget that is spent first, the status is "interrupted" and
+ * the interval still holds; the next call with the same cache goes on from there.
+ *
+ * Throws invalidArgument unless both models are committed and options are what their comments say; notRigid.
+ *
+ * @param {Model} a
+ * @param {Model} b
+ * @param {DistanceOptions} [options]
+ * @returns {DistanceResult}
+ */
+export function distance(a, b, options = none) {
+  const { relativeError = 0, absoluteError = 0, maxDistance = Infinity, budget = none } = options;
+  const { deadline = Infinity, maxSteps = Infinity } = /** @type {QueryBudget} */ (budget);
+  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const { distance } = engine();
+  check(
+    distance(first, formA, second, formB, relativeError, absoluteError, maxDistance, deadline, maxSteps, cache),
+  );
+  return distanceResult();
+}
+
+/**
+ * Whether two placed models meet; stops at the first intersecting pair of triangles.
+ *
+ * Triangles are surfaces: a model wholly inside another does not meet it. With a budget the answer may be "unknown";
+ * the next call with the same cache goes on from there. Throws as distance().
+ *
+ * @overload
+ * @param {Model} a
+ * @param {Model} b
+ * @param {PoseOptions & QueryOptions & { budget: QueryBudget }} options
+ * @returns {BudgetedAnswer}
+ */
+/**
+ * @overload
+ * @param {Model} a
+ * @param {Model} b
+ * @param {PoseOptions & { cache?: QueryCache, budget?: undefined }} [options]
+ * @returns {CollideResult}
+ */
+/**
+ * @param {Model} a
+ * @param {Model} b
+ * @param {PoseOptions & QueryOptions} options
+ * @returns {CollideResult | BudgetedAnswer}
+ */
+export function collide(a, b, options = none) {
+  const { deadline = Infinity, maxSteps = Infinity } = options.budget ?? /** @type {QueryBudget} */ (none);
+  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  check(engine().collide(first, formA, second, formB, deadline, maxSteps, cache));
+  return options.budget === undefined ? collideResult() : budgetedAnswer();
+}
+
+/**
+ * Whether two placed models are at most maxDistance apart; stops at the first such pair of triangles.
+ *
+ * Throws as distance(); invalidArgument unless maxDistance is finite and >= 0.
+ *
+ * @overload
+ * @param {Model} a
+ * @param {Model} b
+ * @param {number} maxDistance
+ * @param {PoseOptions & QueryOptions & { budget: QueryBudget }} options
+ * @returns {BudgetedAnswer}
+ */
+/**
+ * @overload
+ * @param {Model} a
+ * @param {Model} b
+ * @param {number} maxDistance
+ * @param {PoseOptions & { cache?: QueryCache, budget?: undefined }} [options]
+ * @returns {WithinResult}
+ */
+/**
+ * @param {Model} a
+ * @param {Model} b
+ * @param {number} maxDistance
+ * @param {PoseOptions & QueryOptions} options
+ * @returns {WithinResult | BudgetedAnswer}
+ */
+export function within(a, b, maxDistance, options = none) {
+  const { deadline = Infinity, maxSteps = Infinity } = options.budget ?? /** @type {QueryBudget} */ (none);
+  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
+  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  check(engine().within(first, formA, second, formB, maxDistance, deadline, maxSteps, cache));
+  if (options.budget !== undefined) return budgetedAnswer();
+  return { within: word(2) === 1, witness: witness(), stats: stats(8) };
+}

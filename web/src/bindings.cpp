@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bindings.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace limber::web {
+
+Exchange exchange;
+
+namespace {
+
+/// Codes beyond those of ErrorCode, which come first.
+enum OtherCode : std::int32_t { invalid_argument = 100, out_of_memory, filter_has_thrown, other };
+
+struct LastError {
+  std::int32_t code = 0;
+  double where = -1;  // none if negative
+  std::string text;
+};
+LastError last_error;
+
+std::vector<double> input_memory;  // of double for the sake of alignment
+
+void keep(std::int32_t code, const char* text, double where = -1) {
+  last_error.code = code, last_error.where = where;
+  last_error.text = text;
+}
+
+}  // namespace
+
+void keep_current_error() {
+  try {
+    throw;
+  } catch (const BadResult& bad) {
+    const std::optional<std::size_t>& where = bad.error().where;
+    keep(static_cast<std::int32_t>(bad.error().code), bad.what(), where ? static_cast<double>(*where) : -1);
+  } catch (const std::invalid_argument& invalid) {
+    keep(invalid_argument, invalid.what());
+  } catch (const std::bad_alloc&) {
+    keep(out_of_memory, "limber: out of memory");
+  } catch (const std::length_error&) {
+    keep(out_of_memory, "limber: out of memory");
+  } catch (const FilterHasThrown&) {
+    keep(filter_has_thrown, "");
+  } catch (const std::exception& unexpected) {
+    keep(other, unexpected.what());
+  }
+}
+
+Transform pose_from(PoseForm form, std::size_t which) {
+  const double(&p)[16] = exchange.poses[which];
+  const auto placed = [&]() -> Result<Transform> {
+    switch (form) {
+      case PoseForm::identity:
+        return Transform{};
+      case PoseForm::matrix:
+        return transform_from_matrix(std::span<const double, 16>(p), MatrixOrder::column_major);
+      case PoseForm::quaternion:
+        return transform_from_quaternion({p[4], p[5], p[6]}, p[3], p[0], p[1], p[2]);
+      case PoseForm::rotation:
+        break;
+    }
+    const std::array<double, 16> matrix{p[0], p[1], p[2], 0, p[3], p[4],  p[5],  0,
+                                        p[6], p[7], p[8], 0, p[9], p[10], p[11], 1};
+    return transform_from_matrix(matrix, MatrixOrder::column_major);
+  };
+  const Result<Transform> pose = placed();
+  if (!pose) throw BadResult({pose.error().code, (which == 0 ? "poseA: " : "poseB: ") + pose.error().text, {}});
+  return *pose;
+}
+
+std::byte* input() { return reinterpret_cast<std::byte*>(input_memory.data()); }
+
+void give_bytes(const void* first, std::size_t bytes) {
+  exchange.words[0] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(first));
+  exchange.words[1] = static_cast<std::uint32_t>(bytes);
+}
+
+QueryBudget budget_from(double deadline_ms, double max_steps) {
+  using Clock = std::chrono::steady_clock;
+  QueryBudget budget;
+  if (std::isnan(deadline_ms)) throw std::invalid_argument("limber: budget.deadline is not a number");
+  if (!(max_steps >= 0)) throw std::invalid_argument("limber: budget.maxSteps is not a number of steps");
+  if (deadline_ms < 1e15) {
+    const std::chrono::duration<double, std::milli> since_start(std::max(deadline_ms, 0.0));
+    budget.deadline = Clock::time_point(std::chrono::duration_cast<Clock::duration>(since_start));
+  }
+  if (max_steps < 0x1p63) budget.max_steps = static_cast<std::uint64_t>(max_steps);
+  return budget;
+}
+
+namespace {
+
+void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by) {
+  const Witness w = witness.value_or(Witness{});
+  const double points[6] = {w.point_a.x, w.point_a.y, w.point_a.z, w.point_b.x, w.point_b.y, w.point_b.z};
+  std::copy(std::begin(points), std::end(points), exchange.numbers + 2);
+  give_stats(stats, 8);
+  const std::uint32_t words[4] = {w.triangle_a, w.triangle_b, status, static_cast<std::uint32_t>(stopped_by)};
+  std::copy(std::begin(words), std::end(words), exchange.words);
+}
+
+}  // namespace
+
+void give_stats(const QueryStats& stats, std::size_t first) {
+  exchange.numbers[first] = static_cast<double>(stats.node_tests);
+  exchange.numbers[first + 1] = static_cast<double>(stats.triangle_tests);
+}
+
+void give(const DistanceResult& result) {
+  exchange.numbers[0] = result.lower, exchange.numbers[1] = result.upper;
+  give(result.witness, result.stats, static_cast<std::uint32_t>(result.status), result.stopped_by);
+}
+
+void give(const BudgetedAnswer& result) {
+  give(result.witness, result.stats, static_cast<std::uint32_t>(result.answer), result.stopped_by);
+}
+
+void give(const CollideResult& result) {
+  const Answer answer = result.collision ? Answer::yes : Answer::no;
+  give(result.witness, result.stats, static_cast<std::uint32_t>(answer), StoppedBy::nothing);
+}
+
+LIMBER_EXPORT(exchange) Exchange* exported_exchange() { return &exchange; }
+
+/// Makes room for arrays from JavaScript; returns where, or null.
+LIMBER_EXPORT(reserveInput) void* reserve_input(std::size_t bytes) {
+  if (!guarded([&] { input_memory.resize((bytes + sizeof(double) - 1) / sizeof(double)); })) return nullptr;
+  return input();
+}
+
+LIMBER_EXPORT(errorCode) std::int32_t error_code() { return last_error.code; }
+LIMBER_EXPORT(errorWhere) double error_where() { return last_error.where; }
+LIMBER_EXPORT(errorText) const char* error_text() { return last_error.text.data(); }
+LIMBER_EXPORT(errorTextSize) std::size_t error_text_size() { return last_error.text.size(); }
+
+}  // namespace limber::web

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+
+#include "limber/base.h"
+#include "limber/math.h"
+#include "limber/model.h"
+#include "limber/query.h"
+
+/// What web/limber3d, the JavaScript half of the package, calls and reads. Whatever is declared here is private to the
+/// two: the public interface is the one of JavaScript.
+///
+/// Numbers go as arguments; poses, arrays and results through memory. Functions that can fail return whether they have
+/// succeeded; if not, `error` says why.
+namespace limber::web {
+
+/// Makes a function callable from JavaScript.
+#define LIMBER_EXPORT(name) extern "C" __attribute__((export_name(#name)))
+
+/// How a pose is written in Exchange::poses.
+enum class PoseForm : std::uint32_t {
+  identity,    ///< not at all
+  matrix,      ///< 16 numbers, by columns
+  quaternion,  ///< x, y, z, w, then the translation
+  rotation,    ///< 9 numbers, by columns, then the translation
+};
+
+/// Where JavaScript writes poses, and reads results.
+struct Exchange {
+  double poses[2][16];
+  double numbers[32];
+  std::uint32_t words[32];
+};
+extern Exchange exchange;
+
+/// The pose in Exchange::poses[which].
+///
+/// Throws   BadResult, naming the argument.
+Transform pose_from(PoseForm form, std::size_t which);
+
+/// Memory for arrays on their way from JavaScript, until the next call of reserve_input().
+std::byte* input();
+
+/// Writes where a result begins, and how many bytes it has, to Exchange::words[0] and [1].
+void give_bytes(const void* first, std::size_t bytes);
+
+/// Thrown when a filter of JavaScript has thrown: ends the query.
+struct FilterHasThrown {};
+
+/// Writes the error for what is being thrown. Pre: called by an exception handler.
+void keep_current_error();
+
+/// Runs `body`; returns whether it has returned.
+template <typename Body>
+bool guarded(const Body& body) {
+  try {
+    body();
+    return true;
+  } catch (const std::exception&) {
+    keep_current_error();
+  } catch (const FilterHasThrown&) {
+    keep_current_error();
+  }
+  return false;
+}
+
+/// The budget that JavaScript asks for: a deadline in milliseconds of performance.now(), and a number of steps. Both
+/// are infinite where there is none.
+QueryBudget budget_from(double deadline_ms, double max_steps);
+
+/// Writes a result: to Exchange::numbers the bounds of the distance, the two points and the statistics; to words the
+/// two triangles, status or answer, and what has stopped the query. Without a witness the triangles are no_id.
+void give(const DistanceResult& result);
+void give(const BudgetedAnswer& result);
+void give(const CollideResult& result);
+
+/// Writes statistics to Exchange::numbers[first] and the next.
+void give_stats(const QueryStats& stats, std::size_t first);
+
+}  // namespace limber::web

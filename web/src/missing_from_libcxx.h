@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// What the library uses of C++20 and libc++ 13, that of Debian's Emscripten, does not have. Included before everything
+// else that is compiled to WebAssembly, so that the sources of the library need not know.
+
+#include <bit>
+#include <charconv>
+
+namespace std {
+
+#if !defined(__cpp_lib_bit_cast)
+template <typename To, typename From>
+constexpr To bit_cast(const From& from) noexcept {
+  return __builtin_bit_cast(To, from);
+}
+#endif
+
+#if _LIBCPP_VERSION < 20000
+from_chars_result from_chars(const char* first, const char* last, double& value);
+#endif
+
+}  // namespace std

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/model.h"
+
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "bindings.h"
+
+namespace limber::web {
+namespace {
+
+/// Coordinates from JavaScript at the beginning of input().
+PositionsView positions_from(std::size_t count, bool is_float32) {
+  if (is_float32) return PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count));
+  return PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
+}
+
+/// What follows those coordinates.
+template <typename T>
+const T* after_positions(std::size_t count, bool is_float32) {
+  return reinterpret_cast<const T*>(input() + 3 * count * (is_float32 ? sizeof(float) : sizeof(double)));
+}
+
+// Stands for ModelOptions::automatic.
+constexpr double automatic = -1;
+
+std::optional<double> number_or_automatic(double x) { return x == automatic ? std::nullopt : std::optional(x); }
+
+void give_sphere(const Sphere& sphere, double* to) {
+  to[0] = sphere.center.x, to[1] = sphere.center.y, to[2] = sphere.center.z, to[3] = sphere.radius;
+}
+
+std::vector<double> spheres;  // of the last call of node_spheres()
+
+}  // namespace
+
+/// A model of vertices and faces in input(). Returns null on failure.
+LIMBER_EXPORT(newModel)
+Model* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle_count, double motion_margin,
+                 bool rebuilds, double rebuild_budget_us, bool preallocate) {
+  Model* model = nullptr;
+  guarded([&] {
+    std::vector<Corners> triangles(triangle_count);
+    if (triangle_count > 0) {
+      std::memcpy(triangles.data(), after_positions<Corners>(vertex_count, is_float32),
+                  triangle_count * sizeof(Corners));
+    }
+    Mesh mesh = Mesh::create(positions_from(vertex_count, is_float32), std::move(triangles)).value();
+    const ModelOptions options{.motion_margin = number_or_automatic(motion_margin),
+                               .rebuild_policy = rebuilds ? RebuildPolicy::in_commit : RebuildPolicy::off,
+                               .rebuild_budget_us = number_or_automatic(rebuild_budget_us),
+                               .preallocate = preallocate};
+    model = new Model(std::move(mesh), options);
+  });
+  return model;
+}
+
+LIMBER_EXPORT(deleteModel) void delete_model(Model* model) { delete model; }
+
+/// Positions in input(), then ids.
+LIMBER_EXPORT(moveVertices) bool move_vertices(Model* model, std::size_t count, bool is_float32) {
+  return guarded([&] {
+    const std::span ids(after_positions<VertexId>(count, is_float32), count);
+    model->move_vertices(ids, positions_from(count, is_float32)).value();
+  });
+}
+
+LIMBER_EXPORT(moveAll) bool move_all(Model* model, std::size_t count, bool is_float32) {
+  return guarded([&] { model->move_all(positions_from(count, is_float32)).value(); });
+}
+
+LIMBER_EXPORT(commit) bool commit(Model* model) {
+  return guarded([&] { model->commit(); });
+}
+
+LIMBER_EXPORT(isCommitted) bool is_committed(const Model* model) { return model->is_committed(); }
+
+LIMBER_EXPORT(rebuild) bool rebuild(Model* model) {
+  return guarded([&] { model->rebuild(); });
+}
+
+LIMBER_EXPORT(setMotionMargin) bool set_motion_margin(Model* model, double motion_margin) {
+  return guarded([&] { model->set_motion_margin(number_or_automatic(motion_margin)); });
+}
+
+LIMBER_EXPORT(validate) bool validate(const Model* model) {
+  return guarded([&] { model->validate().value(); });
+}
+
+/// Counts of vertices and triangles, and where they are.
+LIMBER_EXPORT(meshOf) void mesh_of(const Model* model) {
+  const Mesh& mesh = model->mesh();
+  exchange.words[0] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(mesh.positions().data()));
+  exchange.words[1] = static_cast<std::uint32_t>(mesh.positions().size());
+  exchange.words[2] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(mesh.triangles().data()));
+  exchange.words[3] = static_cast<std::uint32_t>(mesh.triangles().size());
+}
+
+LIMBER_EXPORT(boundingBox) bool bounding_box(const Model* model) {
+  return guarded([&] {
+    const Box box = model->bounding_box();
+    const double numbers[6] = {box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z};
+    std::memcpy(exchange.numbers, numbers, sizeof(numbers));
+  });
+}
+
+LIMBER_EXPORT(boundingSphere) bool bounding_sphere(const Model* model) {
+  return guarded([&] { give_sphere(model->bounding_sphere(), exchange.numbers); });
+}
+
+LIMBER_EXPORT(nodeSpheres) bool node_spheres(const Model* model, double level) {
+  return guarded([&] {
+    const bool is_level = level >= 0 && level < model->tree_stats().levels;
+    const std::vector<Sphere> of_level = model->node_spheres(is_level ? static_cast<std::uint32_t>(level) : no_id);
+    spheres.resize(4 * of_level.size());
+    for (std::size_t i = 0; i < of_level.size(); ++i) give_sphere(of_level[i], spheres.data() + 4 * i);
+    give_bytes(spheres.data(), spheres.size() * sizeof(double));
+  });
+}
+
+LIMBER_EXPORT(treeStats) void tree_stats(const Model* model) {
+  const TreeStats stats = model->tree_stats();
+  exchange.numbers[0] = stats.levels, exchange.numbers[1] = stats.nodes;
+  exchange.numbers[2] = stats.leaves, exchange.numbers[3] = stats.bytes;
+}
+
+LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const Model* model) {
+  const MaintenanceStats stats = model->maintenance_stats();
+  const double numbers[8] = {static_cast<double>(stats.moved_vertices),
+                             static_cast<double>(stats.refits),
+                             static_cast<double>(stats.whole_passes),
+                             static_cast<double>(stats.absorbed),
+                             stats.margin_steps,
+                             stats.motion_margin,
+                             static_cast<double>(stats.rebuilt_triangles),
+                             stats.rebuild_us};
+  std::memcpy(exchange.numbers, numbers, sizeof(numbers));
+}
+
+}  // namespace limber::web

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/points.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "bindings.h"
+#include "limber/mesh.h"
+
+namespace limber::web {
+namespace {
+
+std::vector<double> columns;  // of the last result
+
+std::vector<Vec3> points_from(std::size_t count, bool is_float32) {
+  const PositionsView view =
+      is_float32 ? PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count))
+                 : PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
+  std::vector<Vec3> points(count);
+  view.copy_to(points);
+  return points;
+}
+
+void put(double*& to, const Vec3& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; }
+
+/// One column after the other: distances, positions, barycentric coordinates; then, in 32 bits, triangles; then, in 8
+/// bits, kind and index of the feature and whether the point is inside, point by point. Where nothing was found, the
+/// distance is infinite, the other numbers are 0 and the triangle is no_id.
+template <typename T, typename IsInside>
+void give_points(const std::vector<T>& results, const IsInside& is_inside) {
+  const std::size_t n = results.size();
+  const std::size_t bytes = n * (7 * sizeof(double) + sizeof(TriangleId) + 3);
+  columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
+  SurfacePoint nothing;
+  nothing.distance = std::numeric_limits<double>::infinity();
+  const auto closest = [&](const T& result) -> const SurfacePoint& {
+    return result.closest ? *result.closest : nothing;
+  };
+  double* to = columns.data();
+  for (const T& r : results) *to++ = is_inside(r) ? -closest(r).distance : closest(r).distance;
+  for (const T& r : results) put(to, closest(r).position);
+  for (const T& r : results) {
+    for (const double weight : closest(r).barycentric) *to++ = weight;
+  }
+  auto* id = reinterpret_cast<TriangleId*>(to);
+  for (const T& r : results) *id++ = closest(r).triangle;
+  auto* byte = reinterpret_cast<std::uint8_t*>(id);
+  for (const T& r : results) {
+    *byte++ = static_cast<std::uint8_t>(closest(r).feature.kind), *byte++ = closest(r).feature.index;
+    *byte++ = is_inside(r) ? 1 : 0;
+  }
+  give_bytes(columns.data(), bytes);
+}
+
+}  // namespace
+
+/// Of points in input().
+LIMBER_EXPORT(closestPoints)
+bool exported_closest_points(const Model* model, PoseForm pose, std::size_t count, bool is_float32,
+                             double max_distance) {
+  return guarded([&] {
+    const std::vector<Vec3> points = points_from(count, is_float32);
+    std::vector<PointResult> results(count);
+    closest_points(Placed(*model, pose_from(pose, 0)), points, results, {max_distance});
+    give_points(results, [](const PointResult&) { return false; });
+  });
+}
+
+LIMBER_EXPORT(newClosedSurface) ClosedSurface* new_closed_surface(const Model* model) {
+  ClosedSurface* surface = nullptr;
+  guarded([&] { surface = new ClosedSurface(ClosedSurface::create(*model).value()); });
+  return surface;
+}
+LIMBER_EXPORT(deleteClosedSurface) void delete_closed_surface(ClosedSurface* surface) { delete surface; }
+
+/// Of points in input(). Distances are negative inside.
+LIMBER_EXPORT(signedDistances)
+bool exported_signed_distances(const ClosedSurface* surface, PoseForm pose, std::size_t count, bool is_float32,
+                               double max_distance) {
+  return guarded([&] {
+    const std::vector<Vec3> points = points_from(count, is_float32);
+    std::vector<SignedDistance> results(count);
+    surface->signed_distances(points, results, pose_from(pose, 0), {max_distance});
+    give_points(results, [](const SignedDistance& result) { return result.is_inside; });
+  });
+}
+
+LIMBER_EXPORT(contains)
+bool exported_contains(const ClosedSurface* surface, PoseForm pose, double x, double y, double z) {
+  return guarded([&] { exchange.words[0] = surface->contains({x, y, z}, pose_from(pose, 0)) ? 1 : 0; });
+}
+
+/// The rotation nearest to the 3 x 3 matrix, by columns, in Exchange::poses[0]: to Exchange::numbers, the same way.
+LIMBER_EXPORT(orthonormalized) bool exported_orthonormalized() {
+  return guarded([] {
+    const double(&m)[16] = exchange.poses[0];
+    const Mat3 columns_as_rows{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
+    const Mat3 nearest = transpose(orthonormalized(transpose(columns_as_rows)).value());
+    double* to = exchange.numbers;
+    put(to, nearest.row0), put(to, nearest.row1), put(to, nearest.row2);
+  });
+}
+
+}  // namespace limber::web
