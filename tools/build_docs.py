@@ -69,7 +69,10 @@ def write_interfaces(folder: Path) -> None:
     contents = f"# C++\n\n{about}\n\n```{{toctree}}\n{entries}\n```\n"
     (folder / "api/cpp.md").write_text(contents, encoding="utf-8")
     options = ":members:\n:imported-members:\n:undoc-members:"
-    page = f"# Python\n\n```{{eval-rst}}\n.. automodule:: limber3d\n   {options.replace(chr(10), chr(10) + '   ')}\n```\n"
+    page = "# Python\n"
+    for module in ("limber3d", "limber3d.batch"):
+        settings = options.replace("\n", "\n   ")
+        page += f"\n## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   {settings}\n```\n"
     (folder / "api/python.md").write_text(page, encoding="utf-8")
 
 

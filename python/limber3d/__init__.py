@@ -24,6 +24,7 @@ Threads   Builds, commits and queries release the GIL, except queries with a fil
 Docstrings are those of the C++ library, so that some of their words are C++.
 """
 
+from . import batch as batch
 from . import typing as typing
 from ._core import (
     Answer,
@@ -91,7 +92,7 @@ from ._core import version as __version__
 from .collision_manager import CollisionManager
 from .errors import Error, InputError, OutOfRangeError, UnreadableFileError
 from .files import load
-from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track
+from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track, within_many
 
 __all__ = [
     "Answer",
@@ -133,6 +134,7 @@ __all__ = [
     "WithinResult",
     "Witness",
     "__version__",
+    "batch",
     "closest_pairs",
     "closest_point",
     "closest_points",
@@ -167,4 +169,5 @@ __all__ = [
     "winding_number",
     "within",
     "within_dtype",
+    "within_many",
 ]

@@ -83,6 +83,8 @@ def test_meshes_of_friends_are_taken() -> None:
     for mesh in (
         box,
         SimpleNamespace(vertices=box.vertices, triangles=box.faces.astype("int32")),
+        # As Open3D's TriangleMesh: buffers that are not arrays of NumPy.
+        SimpleNamespace(vertices=numpy.array(box.vertices).data, triangles=box.faces.astype(numpy.int32).data),
     ):
         model = limber3d.Model(mesh)
         assert (model.vertices == box.vertices).all() and (model.faces == box.faces).all()
