@@ -27,6 +27,9 @@ class BatchInterrupted(KeyboardInterrupt):
         self.results = results
         self.count = count
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.results, self.count)
+
 
 @contextmanager
 def progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:

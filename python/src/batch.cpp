@@ -24,8 +24,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 /// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
 class Batch {
  public:
