@@ -97,7 +97,9 @@ def test_frames_are_tracked_in_partitions(tmp_path: Path, ball: limber3d.Model, 
         tracked = limber3d.track(model, frames[part], tetra, None, poses[part], max_distance=2.0)
         assert same_bits(answers[part], tracked)
     whole = limber3d.track(ball, frames, tetra, None, poses, max_distance=2.0)
-    assert (answers["lower"] == whole["lower"]).all() and (answers["upper"] == whole["upper"]).all()
+    # Trees of another history may find another of several pairs that are equally close up to rounding.
+    for bound in ("lower", "upper"):
+        numpy.testing.assert_allclose(answers[bound], whole[bound], rtol=1e-13)
     with pytest.raises(ValueError, match="there are 39, and 40 poses"):
         batch.track(ball, frames[1:], tetra, poses, out=tmp_path / "2")
 
