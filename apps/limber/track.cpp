@@ -17,6 +17,7 @@
 #include "output.h"
 #include "pose_text.h"
 #include "progress_bar.h"
+#include "report_file.h"
 #include "stopwatch.h"
 #include "text.h"
 #include "track_contacts.h"
@@ -40,6 +41,7 @@ struct TrackArguments {
   TrackContactArguments contacts;
   std::uint64_t loops = 1;
   bool json = false;
+  ReportArguments report;
 };
 
 /// Work done on trees between two frames.
@@ -214,8 +216,9 @@ ExitCode run(const TrackArguments& arguments) {
 
 }  // namespace
 
-Verb add_track(CLI::App& app) {
+Verb add_track(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<TrackArguments>();
+  arguments->report.command_line = command_line;
   CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
   command
       .add_option("--a", arguments->a.frames,
