@@ -11,7 +11,10 @@ import { build, transform } from 'esbuild';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const pages = join(here, '../../apps/limber/pages');
-const titles = { report: 'limber distance', replay: 'limber track' };
+const all = {
+  report: { title: 'limber distance', sheets: ['shared/page.css'] },
+  replay: { title: 'limber track', sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'] },
+};
 const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts the data there
 
 /** The digest of all that pages are made of; tests/program/check_pages.cmake computes it too, without npm. */
@@ -27,6 +30,7 @@ function digestOfSources() {
 const sha256 = (content) => createHash('sha256').update(content).digest('hex');
 
 async function page(name, digest) {
+  const { title, sheets } = all[name];
   const read = (path) => readFileSync(join(here, path), 'utf8');
   const bundle = await build({
     entryPoints: [join(here, name, 'main.ts')],
@@ -36,18 +40,10 @@ async function page(name, digest) {
     target: 'es2022',
     charset: 'ascii',
     legalComments: 'eof',
-    loader: { '.css': 'text' },
     write: false,
     logLevel: 'warning',
   });
-  const sheets = ['shared/page.css', `${name}/page.css`].map((path) => {
-    try {
-      return read(path);
-    } catch {
-      return ''; // a page need not have rules of its own
-    }
-  });
-  const style = await transform(sheets.join('\n'), { loader: 'css', minify: true, charset: 'ascii', legalComments: 'none' });
+  const style = await transform(sheets.map(read).join('\n'), { loader: 'css', minify: true, charset: 'ascii', legalComments: 'none' });
   return `<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -55,7 +51,7 @@ async function page(name, digest) {
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <meta name="limber-sources" content="${digest}">
-<title>${titles[name]}</title>
+<title>${title}</title>
 <link rel="icon" href="data:,">
 <style>${style.code.trim()}</style>
 </head>
@@ -70,7 +66,7 @@ ${read(`${name}/page.html`).trim()}
 const isCheck = process.argv.includes('--check');
 const digest = digestOfSources();
 let failed = false;
-for (const name of Object.keys(titles)) {
+for (const name of Object.keys(all)) {
   const path = join(pages, `${name}.html`);
   const built = await page(name, digest);
   if (!isCheck) {

@@ -5,8 +5,7 @@
 
 import { cornersOf, countsOf, increasingIdsOf, numbersOf, pointsOf } from '../shared/decode.ts';
 import type { Mesh } from '../shared/section.ts';
-import { dot, length, subtract } from '../shared/vectors.ts';
-import type { Vec3 } from '../shared/vectors.ts';
+import { length, subtract } from '../shared/vectors.ts';
 import type { Frame } from '../shared/viewer.ts';
 import type { ModelData } from './data.ts';
 
@@ -44,16 +43,4 @@ function shownTriangles(ids: number[], parts: string | undefined): number[] {
     const first = id === 0 ? 0 : ends[id - 1];
     return Array.from({ length: ends[id] - first }, (_, i) => first + i);
   });
-}
-
-/** The vertex that lies farthest in a direction. */
-export function farthestAlong(mesh: Mesh, along: Vec3): Vec3 {
-  let best: Vec3 = [0, 0, 0];
-  let most = -Infinity;
-  for (let i = 0; i < mesh.points.length; i += 3) {
-    const p: Vec3 = [mesh.points[i], mesh.points[i + 1], mesh.points[i + 2]];
-    const reached = dot(p, along);
-    if (reached > most) [best, most] = [p, reached];
-  }
-  return best;
 }

@@ -15,7 +15,6 @@ import { Viewer, framed, upOf } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 import { Color } from 'three';
 import type { ReportData } from './data.ts';
-import { farthestAlong } from './model.ts';
 import type { ReportModel } from './model.ts';
 import { shownDistance } from './texts.ts';
 
@@ -44,7 +43,7 @@ export function showView(data: ReportData, models: readonly ReportModel[], frame
   onThemeChange(recolor);
   viewer.add(...surfaces.map((surface) => surface.object));
 
-  showMarks(data, models, frame, viewer, surfaces);
+  showMarks(data, frame, viewer, surfaces);
   connectToggles(data, viewer, look, surfaces);
   connectDirections(data, frame, viewer);
   showLegend(data, models, viewer, look);
@@ -61,14 +60,13 @@ function captionOf(data: ReportData): string {
 
 function showMarks(
   data: ReportData,
-  models: readonly ReportModel[],
   frame: Frame,
   viewer: Viewer,
   surfaces: readonly Surface[],
 ): void {
   const marks = new Marks(byId('view'), viewer);
-  models.forEach((model, i) => {
-    marks.addName('AB'[i], 'ab'[i], farthestAlong(model.mesh, viewer.up), () => surfaces[i].object.visible);
+  surfaces.forEach((surface, i) => {
+    marks.addName('AB'[i], 'ab'[i], surface.farthestAlong(viewer.up), () => surface.object.visible);
   });
   if (data.witness === null) return;
   const [a, b] = [framed(frame, data.witness.point_a), framed(frame, data.witness.point_b)];

@@ -19,7 +19,9 @@ import {
   Vector4,
 } from 'three';
 import { mapTable } from './palette.ts';
+import type { Matrix4 } from 'three';
 import type { Mesh, Plane } from './section.ts';
+import type { Vec3 } from './vectors.ts';
 
 const vertexShader = `
 in float mapped;
@@ -124,6 +126,26 @@ export class Surface {
   /** Tells that `mesh.points` has changed. */
   pointsHaveMoved(): void {
     this.geometry.getAttribute('position').needsUpdate = true;
+  }
+
+  /** Places the mesh by the rows of a matrix. */
+  place(rows: readonly number[]): void {
+    this.object.matrix.set(...(rows as Parameters<Matrix4['set']>));
+  }
+
+  /** The vertex that lies farthest in a direction, as placed. */
+  farthestAlong(along: Vec3): Vec3 {
+    const { points } = this.mesh;
+    const e = this.object.matrix.elements;
+    const turned = [0, 4, 8].map((i) => along[0] * e[i] + along[1] * e[i + 1] + along[2] * e[i + 2]);
+    let best = 0;
+    let most = -Infinity;
+    for (let i = 0; i < points.length; i += 3) {
+      const reached = turned[0] * points[i] + turned[1] * points[i + 1] + turned[2] * points[i + 2];
+      if (reached > most) [best, most] = [i, reached];
+    }
+    const p = new Vector3(points[best], points[best + 1], points[best + 2]).applyMatrix4(this.object.matrix);
+    return [p.x, p.y, p.z];
   }
 
   /** Draws some of the triangles once more, in a colour of their own. */
