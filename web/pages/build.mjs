@@ -13,7 +13,10 @@ const here = dirname(fileURLToPath(import.meta.url));
 const pages = join(here, '../../apps/limber/pages');
 const all = {
   report: { title: 'limber distance', sheets: ['shared/page.css'] },
-  replay: { title: 'limber track', sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'] },
+  replay: {
+    title: 'limber track',
+    sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'],
+  },
 };
 const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts the data there
 
@@ -21,7 +24,11 @@ const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts 
 function digestOfSources() {
   const names = readdirSync(here, { recursive: true, withFileTypes: true })
     .filter((entry) => entry.isFile())
-    .map((entry) => join(entry.parentPath, entry.name).slice(here.length + 1).replaceAll('\\', '/'))
+    .map((entry) =>
+      join(entry.parentPath, entry.name)
+        .slice(here.length + 1)
+        .replaceAll('\\', '/'),
+    )
     .filter((name) => /^(report|replay|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name));
   const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
   return sha256(lines.join(''));
@@ -43,7 +50,12 @@ async function page(name, digest) {
     write: false,
     logLevel: 'warning',
   });
-  const style = await transform(sheets.map(read).join('\n'), { loader: 'css', minify: true, charset: 'ascii', legalComments: 'none' });
+  const style = await transform(sheets.map(read).join('\n'), {
+    loader: 'css',
+    minify: true,
+    charset: 'ascii',
+    legalComments: 'none',
+  });
   return `<!DOCTYPE html>
 <html lang="en">
 <head>

@@ -27,7 +27,8 @@ export function showTitle({ models: [a, b], rows, stride, max_megabytes }: Repla
     `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
 }
 
-const median = (values: readonly number[]): number => [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
+const median = (values: readonly number[]): number =>
+  [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
 
 export function showTiles({ rows }: ReplayData): void {
   const tile = (number: string, name: string, kind = ''): HTMLElement =>
@@ -85,8 +86,10 @@ export function showModels(data: ReplayData, models: readonly ReplayModel[]): vo
     of('Triangles', ({ data: model }) => grouped(model.triangles)),
     of('Vertices', ({ data: model }) => grouped(model.vertices)),
     of('Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')),
-    of('Shown within', ({ data: { frames, positions } }) =>
-      `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
+    of(
+      'Shown within',
+      ({ data: { frames, positions } }) =>
+        `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
     ),
   ]);
   const settings = [`Engine: ${data.engine}.`];

@@ -54,16 +54,12 @@ export function showView(data: ReportData, models: readonly ReportModel[], frame
 function captionOf(data: ReportData): string {
   const divided = data.models.some((model) => model.parts !== undefined);
   if (data.status === 'collision') return 'The triangles that intersect are yellow.';
-  const points = data.witness === null ? '' : 'The red segment joins the closest points; their triangles are outlined. ';
+  const points =
+    data.witness === null ? '' : 'The red segment joins the closest points; their triangles are outlined. ';
   return `${points}Distances are measured at the vertices${divided ? ' and at points that divide long edges' : ''}.`;
 }
 
-function showMarks(
-  data: ReportData,
-  frame: Frame,
-  viewer: Viewer,
-  surfaces: readonly Surface[],
-): void {
+function showMarks(data: ReportData, frame: Frame, viewer: Viewer, surfaces: readonly Surface[]): void {
   const marks = new Marks(byId('view'), viewer);
   surfaces.forEach((surface, i) => {
     marks.addName('AB'[i], 'ab'[i], surface.farthestAlong(viewer.up), () => surface.object.visible);

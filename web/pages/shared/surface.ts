@@ -65,7 +65,8 @@ void main() {
   if (isMapped) {
     shown = texture(table, vec2(clamp((value - range.x) / (range.y - range.x), 0.0, 1.0), 0.5)).rgb;
     shown *= 0.74 + 0.26 * light;
-    if (lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
+    bool hasLines = lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep;
+    if (hasLines) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
     if (limit > 0.0) {
       float off = abs(value - limit) / max(fwidth(value), 1e-12);
       shown = mix(lineColor, shown, smoothstep(1.0, 2.0, off));
