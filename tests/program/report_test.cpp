@@ -199,6 +199,9 @@ TEST(ProgramReport, IsRefusedWhereItHasNoPlace) {
   expect_refused({"distance", mesh, "scene:ball", "--report", "-"}, "--report: must name a file");
   expect_refused({"distance", mesh, "scene:ball", "--report", mesh}, "--report: ");
   expect_refused({"distance", mesh, "scene:ball", "--report", folder.path("no/where.html")}, "--report: cannot write");
+  const std::string huge = folder.store("huge.obj", "v 1e60 0 0\nv 0 1e60 0\nv 0 0 1e60\nf 1 2 3\n");
+  expect_refused({"distance", huge, mesh, "--pose-a", "1.6e60,0,0,1,0,0,0", "--report", folder.path("h.html")},
+                 "--report: a pose moves a vertex");
   EXPECT_EQ(text_of(mesh), text);
   EXPECT_FALSE(std::filesystem::exists(folder.path("r.html")));
 }

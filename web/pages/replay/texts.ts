@@ -18,10 +18,12 @@ export function shownDistance({ rows }: ReplayData, row: number): string {
   return lower === null || lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
 }
 
+const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
+
 export function showTitle({ models: [a, b], rows, stride, max_megabytes }: ReplayData): void {
-  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
-  const count = rows.status.length;
-  byId('kind').textContent = `limber track, ${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
+  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
+  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
+  byId('kind').textContent = `limber track, ${frames(rows.status.length)}`;
   if (stride === 1) return;
   byId('view-caption').textContent =
     `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
@@ -39,7 +41,7 @@ export function showTiles({ rows }: ReplayData): void {
   const tiles = [];
   if (contactCount > 0) {
     const first = rows.status.indexOf('collision');
-    tiles.push(tile(`${grouped(contactCount)} in contact`, `frames; the first is ${grouped(first)}`, 'bad'));
+    tiles.push(tile(frames(contactCount), `in contact; the first is frame ${grouped(first)}`, 'bad'));
   } else if (Number.isFinite(least)) {
     const row = uppers.indexOf(least);
     const name = rows.lower[row] === least ? 'smallest distance' : 'smallest upper bound';

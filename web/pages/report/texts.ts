@@ -19,7 +19,8 @@ export function shownDistance(data: ReportData): string {
 }
 
 export function showTitle({ models: [a, b] }: ReportData): void {
-  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
+  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
+  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
 }
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {

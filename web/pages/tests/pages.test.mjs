@@ -28,6 +28,10 @@ before(async () => {
   report('collision', box, 'scene:ball');
   report('beyond', box, 'scene:ball', '--pose-b', '9,0,0,1,0,0,0', '--max-distance', '2');
   report('tiny', box, 'scene:ball', '--pose-b', '0.5,0.5,2.00001,1,0,0,0');
+  const corner = (size) => `v ${size} 0 0\nv 0 ${size} 0\nv 0 0 ${size}\nf 1 2 3\n`;
+  const [minute, huge] = [folder.store('minute.obj', corner('1e-300')), folder.store('huge.obj', corner('1e60'))];
+  report('minute', minute, minute);
+  report('huge', huge, folder.store('point.obj', 'v 1 1 3\nf 1 1 1\n'));
   const frames = [];
   for (let f = 0; f < 40; ++f) {
     const z = (x, y) => 0.3 * Math.sin(2 * x + f / 5) * Math.cos(y);
@@ -47,7 +51,7 @@ after(async () => {
   folder.remove();
 });
 
-const reports = ['apart', 'close', 'kept', 'interval', 'collision', 'beyond', 'tiny'];
+const reports = ['apart', 'close', 'kept', 'interval', 'collision', 'beyond', 'tiny', 'minute', 'huge'];
 const replays = ['replay', 'twice', 'single'];
 
 for (const name of [...reports, ...replays]) {

@@ -105,6 +105,18 @@ test('ticks are round and few', () => {
   );
 });
 
+test('ticks end, whatever the range', () => {
+  assert.deepEqual(ticks(1, 1, 6), { step: 0, values: [] });
+  assert.deepEqual(ticks(0, 0, 6), { step: 0, values: [] });
+  for (const [low, high] of [
+    [0, 5e-324],
+    [1e20, 1.0000001e20],
+    [0, 1e300],
+  ]) {
+    assert.ok(ticks(low, high, 6).values.length <= 7);
+  }
+});
+
 test('labels stay off their segment, and inside', () => {
   const [left, base] = labelPlace([100, 100], [200, 110], 60, [400, 300]);
   assert.ok(base < 100 && left > 100);
