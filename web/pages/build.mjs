@@ -85,7 +85,7 @@ for (const name of Object.keys(all)) {
     writeFileSync(path, built);
     console.log(`${path}: ${built.length} bytes`);
   } else if (readFileSync(path, 'utf8') !== built) {
-    console.error(`${path} is not what web/pages gives; run ./dev web`);
+    console.error(`${path} is not what web/pages gives; run ./dev pages`);
     failed = true;
   }
 }
