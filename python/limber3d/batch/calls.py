@@ -93,9 +93,9 @@ def track(
     """limber3d.track() on many processes or machines. The model itself is left as it is.
 
     Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3).
-    Promise   Lower and upper bounds are those of limber3d.track(), to the bit, where no error is allowed. Each
-              partition starts with a model just made of the mesh that `model` has: where several pairs of triangles
-              are equally close, and within an error that is allowed, answers depend on partition_size as well.
+    Promise   Each partition starts with a model just made of the mesh that `model` has, and has the bits of
+              limber3d.track() from there. So where several pairs of triangles are equally close up to rounding, and
+              within an error that is allowed, answers depend on partition_size as well.
     Folder, Options, Failures, Raises, Threads   As sweep(); ValueError if there are not as many poses as frames.
     """
     asked = _query("distance", relative_error, absolute_error, max_distance)
