@@ -12,10 +12,12 @@ import unittest
 from collections.abc import Callable
 from pathlib import Path
 
+import build_docs
 import check_layers
 import check_refs
 import check_sizes
 import demo_picture
+import doxygen_filter
 import mutants
 from repository import Finding, cpp_code, files
 
@@ -250,6 +252,62 @@ class Mutants(unittest.TestCase):
         ):
             with self.assertRaises(mutants.Unusable):
                 self.check(text, *entries)
+
+
+class Docs(unittest.TestCase):
+    HEADER = """#include <vector>
+
+/// About the header.
+///
+/// Order    As it comes.
+namespace limber {
+
+/// A class.
+class Model {
+ public:
+  /// For the library's own use.
+  struct Impl;
+  const Impl& impl() const;
+
+  /// Public, see docs/algorithms/bounds.md.
+  ///
+  /// Cost     O(1),
+  ///          always.
+  void commit();
+
+ private:
+  int secret_;
+};
+
+int after();
+"""
+
+    def test_what_doxygen_reads(self) -> None:
+        text = doxygen_filter.for_doxygen(self.HEADER)
+        self.assertIn("/// @file\n/// About the header.", text)
+        self.assertIn("/// @par Order\n/// As it comes.", text)
+        self.assertIn("  /// @par Cost\n  /// O(1),\n", text)
+        self.assertIn('<a href="../../docs/algorithms/bounds.html">docs/algorithms/bounds.md</a>', text)
+        for kept in ("/// A class.", "class Model {", "void commit();", "int after();"):
+            self.assertIn(kept, text)
+        for left_out in ("secret_", "Impl", "private"):
+            self.assertNotIn(left_out, text)
+
+    def test_links(self) -> None:
+        pages = {
+            "a.html": '<p id="here"><a href="sub/b.html#there">b</a> <a href="#here">a</a> <a href="mailto:x@y">x</a>',
+            "sub/b.html": '<h1 id="there"><a href="../a.html">a</a> <img src="../c.png">',
+        }
+        with tempfile.TemporaryDirectory() as folder:
+            site = Path(folder).resolve()
+            (site / "sub").mkdir()
+            for name, text in pages.items():
+                (site / name).write_text(text, encoding="utf-8")
+            (site / "c.png").touch()
+            self.assertEqual(build_docs.broken_links(site), [])
+            (site / "c.png").unlink()
+            (site / "a.html").write_text('<a href="sub/b.html#nowhere">b</a>', encoding="utf-8")
+            self.assertEqual(build_docs.broken_links(site), ["a.html: sub/b.html#nowhere", "sub/b.html: ../c.png"])
 
 
 class DemoPicture(unittest.TestCase):

@@ -35,7 +35,7 @@ struct PointAnswer {
   std::optional<double> winding_number;
 
   /// Negative inside. Pre: result.closest.
-  double distance() const { return is_inside.value_or(false) ? -result.closest->distance : result.closest->distance; }
+  double distance() const { return SignedDistance{is_inside.value_or(false), result.closest, result.stats}.distance(); }
 };
 
 /// Asks about some points at a time, on all threads.

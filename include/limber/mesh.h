@@ -48,7 +48,8 @@ class PositionsView {
   /// vertex.
   static PositionsView packed(std::span<const float> coordinates);
   static PositionsView packed(std::span<const double> coordinates);
-  /// x, y, z of vertex i start at `first` + i * `stride_bytes` bytes.
+  /// x, y, z of vertex i start at `first` + i * `stride_bytes` bytes. Throws std::invalid_argument for a stride that
+  /// no memory has, such as a negative one that was converted.
   static PositionsView strided(const float* first, std::size_t count, std::size_t stride_bytes);
   static PositionsView strided(const double* first, std::size_t count, std::size_t stride_bytes);
 

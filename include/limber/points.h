@@ -68,8 +68,8 @@ struct SignedDistance {
   std::optional<SurfacePoint> closest;  ///< none exactly when nothing is as close as max_distance
   QueryStats stats{};
 
-  /// Negative inside; on the surface 0, which may have a minus sign. Pre: `closest` is there.
-  double distance() const { return is_inside ? -closest->distance : closest->distance; }
+  /// Negative inside; on the surface 0, without a minus sign. Pre: `closest` is there.
+  double distance() const { return is_inside && closest->distance > 0 ? -closest->distance : closest->distance; }
 };
 
 /// A model whose surface is closed and oriented, so that it has an inside: every edge, by vertex ids, belongs to

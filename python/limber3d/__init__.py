@@ -14,14 +14,17 @@ Poses     are world_from_model: None for the identity; a 4 x 4 matrix; (rotation
           float32 there is orthonormalized().
 Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64. They are read where they are,
           whatever their strides, unless the coordinates of a vertex are not side by side. Others raise ValueError.
-Errors    ValueError where a docstring names an error code, but IndexError for `index_out_of_range` and OSError for
-          `unreadable_file`. BusyError where a model is changed and used at the same time.
+Errors    limber3d.Error where a docstring names an error code: an InputError, which is a ValueError; for
+          `index_out_of_range` an OutOfRangeError, an IndexError; for `unreadable_file` an UnreadableFileError, an
+          OSError. Their `code` and `where` say what was wrong, and where. BusyError where a model is changed and used
+          at the same time.
 Threads   Builds, commits and queries release the GIL, except queries with a filter that is a Python function. Models
           may be shared by threads that query them.
 
 Docstrings are those of the C++ library, so that some of their words are C++.
 """
 
+from . import batch as batch
 from . import typing as typing
 from ._core import (
     Answer,
@@ -33,6 +36,7 @@ from ._core import (
     ClosestObjects,
     CollideResult,
     DistanceResult,
+    ErrorCode,
     Feature,
     FeatureKind,
     MaintenanceStats,
@@ -86,8 +90,9 @@ from ._core import (
 )
 from ._core import version as __version__
 from .collision_manager import CollisionManager
+from .errors import Error, InputError, OutOfRangeError, UnreadableFileError
 from .files import load
-from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track
+from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track, within_many
 
 __all__ = [
     "Answer",
@@ -101,13 +106,17 @@ __all__ = [
     "CollideResult",
     "CollisionManager",
     "DistanceResult",
+    "Error",
+    "ErrorCode",
     "Feature",
     "FeatureKind",
+    "InputError",
     "MaintenanceStats",
     "MeshEdges",
     "MeshSequence",
     "Model",
     "NeighborRings",
+    "OutOfRangeError",
     "PointResult",
     "QueryBudget",
     "QueryCache",
@@ -121,9 +130,11 @@ __all__ = [
     "StoppedBy",
     "SurfacePoint",
     "TreeStats",
+    "UnreadableFileError",
     "WithinResult",
     "Witness",
     "__version__",
+    "batch",
     "closest_pairs",
     "closest_point",
     "closest_points",
@@ -158,4 +169,5 @@ __all__ = [
     "winding_number",
     "within",
     "within_dtype",
+    "within_many",
 ]

@@ -89,7 +89,7 @@ class _World:
         return (b, a) if a in self.theirs or (b in self.mine and self.mine[b] < self.mine[a]) else (a, b)
 
     def names(self, pair: _Pair) -> tuple[str, str]:
-        a, b = (self.mine.get(id) or self.theirs[id] for id in pair)
+        a, b = (self.mine[id] if id in self.mine else self.theirs[id] for id in pair)
         return a, b
 
     def collisions(self) -> list[_Pair]:

@@ -27,9 +27,12 @@ class BatchInterrupted(KeyboardInterrupt):
         self.results = results
         self.count = count
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.results, self.count)
+
 
 @contextmanager
-def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
+def progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int], object], None, None]:
     """What to tell of progress: tqdm, if that is wanted and installed."""
     if is_wanted:
         try:
@@ -45,7 +48,7 @@ def _progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int
 
 def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
     """Ranges that make up 0 to count, of a length that takes about a tenth of a second each."""
-    with _progress_bar(count, is_shown) as advance:
+    with progress_bar(count, is_shown) as advance:
         begin, size = 0, 16
         while begin < count:
             end = min(begin + size, count)
@@ -76,6 +79,12 @@ def _records(
     return records
 
 
+def _joined(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
+    """One array of all records. NumPy by itself would pack them: their element type would be another."""
+    records = numpy.zeros(sum(map(len, parts)), dtype)
+    return numpy.concatenate(parts, out=records) if parts else records
+
+
 def distance_many(
     a: _core.Model,
     b: _core.Model,
@@ -85,6 +94,7 @@ def distance_many(
     relative_error: float = 0.0,
     absolute_error: float = 0.0,
     max_distance: float = float("inf"),
+    threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """distance() for many poses.
@@ -94,9 +104,10 @@ def distance_many(
              its triangles are 2^32 - 1 and its points are not numbers.
     Raises   ValueError as distance(), before anything is asked where a pose is malformed; BatchInterrupted, a
              KeyboardInterrupt, which holds the records that were done.
-    Threads  All, without the GIL; see set_thread_limit(). With progress, tqdm shows it where that is installed.
+    Threads  At most `threads`, all if that is None, without the GIL; see set_thread_limit(). One is the caller's: with
+             threads=1 it does all the work. With progress, tqdm shows it where that is installed.
     """
-    batch = _core.Batch(a, b, poses_a, poses_b)
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
 
     def ask(records: RecordArray, begin: int, end: int) -> None:
         batch.distance(records, begin, end, relative_error, absolute_error, max_distance)
@@ -105,12 +116,38 @@ def distance_many(
 
 
 def collide_many(
-    a: _core.Model, b: _core.Model, poses_a: PosesLike = None, poses_b: PosesLike = None, *, progress: bool = False
+    a: _core.Model,
+    b: _core.Model,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    threads: int | None = None,
+    progress: bool = False,
 ) -> RecordArray:
     """collide() for many poses: an array of records, limber3d.collision_dtype. Everything else is as distance_many()
     says."""
-    batch = _core.Batch(a, b, poses_a, poses_b)
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
     return _records(batch, _core.collision_dtype, progress, batch.collide)
+
+
+def within_many(
+    a: _core.Model,
+    b: _core.Model,
+    max_distance: float,
+    poses_a: PosesLike = None,
+    poses_b: PosesLike = None,
+    *,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """within() for many poses: an array of records, limber3d.within_dtype. Everything else is as distance_many()
+    says."""
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.within(records, begin, end, max_distance)
+
+    return _records(batch, _core.within_dtype, progress, ask)
 
 
 def contacts_many(
@@ -121,6 +158,7 @@ def contacts_many(
     poses_b: PosesLike = None,
     *,
     filter: _core.NeighborRings | None = None,
+    threads: int | None = None,
     progress: bool = False,
 ) -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
     """contacts() for many poses.
@@ -130,12 +168,12 @@ def contacts_many(
     Promise  They are those that contacts() finds for poses i, in that order, to the bit.
     Raises, Threads   As distance_many().
     """
-    batch = _core.Batch(a, b, poses_a, poses_b)
-    found: list[RecordArray] = [numpy.zeros(0, _core.contact_dtype)]
+    batch = _core.Batch(a, b, poses_a, poses_b, threads)
+    found: list[RecordArray] = []
     counts: list[Any] = [numpy.zeros(1, numpy.int64)]
 
     def joined() -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
-        return numpy.concatenate(found), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
+        return _joined(found, _core.contact_dtype), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
 
     try:
         for begin, end in _parts(1 if batch.size is None else batch.size, progress):
@@ -143,7 +181,7 @@ def contacts_many(
             found.append(part[0])
             counts.append(part[1])
     except KeyboardInterrupt:
-        del found[len(counts) :]
+        del found[len(counts) - 1 :]
         results = joined()
         raise BatchInterrupted(results, len(results[1]) - 1) from None
     return joined()
@@ -176,10 +214,10 @@ def track(
     count = len(frames) if isinstance(frames, Sized) else None
 
     def joined() -> RecordArray:
-        return numpy.concatenate([numpy.zeros(0, _core.distance_dtype), *records])
+        return _joined(records, _core.distance_dtype)
 
     try:
-        with _progress_bar(count, progress) as advance:
+        with progress_bar(count, progress) as advance:
             for i, frame in enumerate(frames):
                 if batch.size is not None and i >= batch.size:
                     raise ValueError(f"frames: there are only {batch.size} poses")

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,17 +22,20 @@ namespace nb = nanobind;
 /// Element types that arguments may have.
 enum class Scalar { float32, float64, int32, int64, uint32, uint64, other };
 
+/// What a list of integers stands for: coordinates, or ids.
+enum class Lists { floats, integers };
+
 /// The memory of an array: NumPy's, or anything with the buffer protocol. What has neither, such as a list, becomes
-/// a NumPy array first.
+/// a NumPy array first. Arrays with masked elements are refused: whoever reads memory does not see the mask.
 ///
 /// Threads  The destructor needs the GIL; reading does not.
 class Array {
  public:
   /// `expected` says what the argument has to be, for messages: "shape (n, 3) and dtype float32 or float64".
-  /// `list_dtype` is what lists become; nullptr lets NumPy decide.
+  /// `lists` says what a list of integers becomes.
   ///
   /// Throws   nb::python_error or nb::value_error if there is no such array.
-  Array(nb::handle object, const char* name, const char* expected, const char* list_dtype);
+  Array(nb::handle object, const char* name, const char* expected, Lists lists);
   Array(const Array&) = delete;
   Array& operator=(const Array&) = delete;
   ~Array();
@@ -41,28 +45,36 @@ class Array {
   bool is_integer() const { return scalar_ != Scalar::other && !is_float(); }
   std::size_t dimensions() const { return static_cast<std::size_t>(buffer_.ndim); }
   std::size_t size(std::size_t axis) const { return static_cast<std::size_t>(buffer_.shape[axis]); }
-  std::ptrdiff_t stride(std::size_t axis) const { return buffer_.strides[axis]; }
+  std::ptrdiff_t stride(std::size_t axis) const { return strides_[axis]; }
   std::size_t item_bytes() const { return static_cast<std::size_t>(buffer_.itemsize); }
-  /// Whether the elements lie one after the other, the last axis fastest.
+  /// Whether the elements lie one after the other, the last axis fastest, at multiples of their size.
   bool is_packed() const;
   const unsigned char* data() const { return static_cast<const unsigned char*>(buffer_.buf); }
 
   /// Whether this is an array of floats of that shape; -1 stands for any size.
   bool has_floats(std::initializer_list<std::ptrdiff_t> shape) const { return is_float() && has_shape(shape); }
   bool has_shape(std::initializer_list<std::ptrdiff_t> shape) const;
+  /// Whether this may be a list of no rows: NumPy makes it one axis of floats.
+  bool is_empty_list() const { return dimensions() == 1 && size(0) == 0; }
 
   /// The number at a place. Pre: the array holds floats, or integers.
   double real(const unsigned char* place) const;
-  /// Pre: the array holds integers. Throws nb::index_error for a number that is no id.
-  std::uint32_t id(const unsigned char* place) const;
+  /// The id at a place in that row. Pre: the array holds integers.
+  ///
+  /// Throws   IndexError for a number that is no id.
+  std::uint32_t id(const unsigned char* place, std::size_t row) const;
 
   /// Throws nb::value_error naming argument, shape, element type and what was expected.
   [[noreturn]] void refuse() const;
 
  private:
   [[noreturn]] void refuse(const std::string& found) const;
+  /// What the argument is: shape and element type, or its class where it has neither.
+  std::string found() const;
 
   Py_buffer buffer_{};
+  const Py_ssize_t* strides_ = nullptr;
+  std::vector<Py_ssize_t> packed_strides_;  // of objects that leave them out, as ctypes does
   nb::object owner_;
   const char* name_;
   const char* expected_;
@@ -77,7 +89,7 @@ class Positions {
 
  private:
   Array array_;
-  std::vector<double> copied_;
+  std::optional<std::vector<double>> copied_;
 };
 
 /// Ids of vertices, read where they are if they are packed uint32.
@@ -88,7 +100,7 @@ class Ids {
 
  private:
   Array array_;
-  std::vector<std::uint32_t> copied_;
+  std::optional<std::vector<std::uint32_t>> copied_;
 };
 
 /// Triples of vertex ids.

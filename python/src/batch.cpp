@@ -5,6 +5,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <memory>
@@ -23,18 +24,20 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 /// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
 class Batch {
  public:
-  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, nb::handle poses_a, nb::handle poses_b)
+  /// `threads`: at most so many, the caller's included; nothing: all.
+  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, nb::handle poses_a, nb::handle poses_b,
+        std::optional<int> threads)
       : owner_a_(nb::borrow(a)),
         owner_b_(nb::borrow(b)),
         a_(nb::cast<ModelObject&>(a)),
         b_(nb::cast<ModelObject&>(b)),
         poses_a_(poses_a, "poses_a"),
-        poses_b_(poses_b, "poses_b") {
+        poses_b_(poses_b, "poses_b"),
+        threads_(threads) {
+    if (threads && *threads < 1) throw nb::value_error("threads: expected at least 1, or None");
     const bool is_list_a = !poses_a_.is_one_for_all(), is_list_b = !poses_b_.is_one_for_all();
     if (is_list_a) size_ = poses_a_.size();
     if (is_list_b) size_ = poses_b_.size();
@@ -91,12 +94,19 @@ class Batch {
 
  private:
   template <typename Body>
-  static void for_all(std::size_t begin, std::size_t end, const Body& body) {
+  void for_all(std::size_t begin, std::size_t end, const Body& body) const {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
     if (begin >= end) return;
-    oneapi::tbb::parallel_for(Range(begin, end), [&](const Range& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-    });
+    const auto run_all = [&] {
+      oneapi::tbb::parallel_for(Range(begin, end), [&](const Range& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+      });
+    };
+    if (threads_) {
+      oneapi::tbb::task_arena(*threads_).execute(run_all);
+    } else {
+      run_all();
+    }
   }
 
   void require_within(std::size_t end) const {
@@ -109,6 +119,7 @@ class Batch {
   nb::object owner_a_, owner_b_;
   ModelObject &a_, &b_;
   PoseList poses_a_, poses_b_;
+  std::optional<int> threads_;
   std::optional<std::size_t> size_;
 };
 
@@ -132,6 +143,12 @@ void run_collide(Batch& batch, nb::handle records, std::size_t begin, std::size_
                            [](const Placed& a, const Placed& b) { return record_of(limber::collide(a, b)); });
 }
 
+void run_within(Batch& batch, nb::handle records, std::size_t begin, std::size_t end, double max_distance) {
+  batch.run<WitnessRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
+    return record_of(limber::within(a, b, max_distance));
+  });
+}
+
 std::unique_ptr<oneapi::tbb::global_control> thread_limit;
 
 void set_thread_limit(std::optional<std::size_t> count) {
@@ -146,9 +163,10 @@ void set_thread_limit(std::optional<std::size_t> count) {
 
 void bind_batch(nb::module_& m) {
   nb::class_<Batch>(m, "Batch", "Two models and many poses.")
-      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle>(), "a"_a, "b"_a,
-           "poses_a"_a.none(), "poses_b"_a.none(),
-           nb::sig("def __init__(self, a: Model, b: Model, poses_a: PosesLike, poses_b: PosesLike) -> None"))
+      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle, std::optional<int>>(),
+           "a"_a, "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none(),
+           nb::sig("def __init__(self, a: Model, b: Model, poses_a: PosesLike, poses_b: PosesLike, "
+                   "threads: int | None = None) -> None"))
       .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
       .def("distance", &run_distance, "records"_a, "begin"_a, "end"_a, "relative_error"_a, "absolute_error"_a,
            "max_distance"_a,
@@ -163,6 +181,9 @@ void bind_batch(nb::module_& m) {
       .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a,
            nb::sig("def collide(self, records: RecordArray, begin: int, end: int) -> None"),
            "Writes the collisions of poses begin to end.")
+      .def("within", &run_within, "records"_a, "begin"_a, "end"_a, "max_distance"_a,
+           nb::sig("def within(self, records: RecordArray, begin: int, end: int, max_distance: float) -> None"),
+           "Writes the answers of within() for poses begin to end.")
       .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
            nb::sig("def contacts(self, margin: float, begin: int, end: int, rings: NeighborRings | None) "
                    "-> tuple[RecordArray, IdArray]"),

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
 
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
@@ -19,8 +21,6 @@
 
 namespace limber::python {
 namespace {
-
-using nb::literals::operator""_a;
 
 nb::object intersections_of(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, nb::handle filter,
                             std::optional<std::size_t> max_count) {
@@ -54,8 +54,17 @@ nb::object closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, n
 
 /// The kept contacts and their regions.
 nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size_t max_points) {
-  const nb::object packed = nb::module_::import_("numpy").attr("array")(contacts, dtypes().contact);
-  if (nb::cast<std::size_t>(packed.attr("ndim")) != 1) throw nb::value_error("contacts: expected one axis");
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  const nb::object given = numpy.attr("asarray")(contacts);
+  // Arrays that NumPy has put together have the fields, at other places.
+  const bool has_fields = given.attr("dtype").attr("names").equal(dtypes().contact.attr("names"));
+  if (!has_fields || nb::cast<std::size_t>(given.attr("ndim")) != 1) {
+    const nb::object text =
+        nb::str("contacts: expected shape (n,) and the fields of contact_dtype; got shape {} and fields {}")
+            .format(given.attr("shape"), given.attr("dtype").attr("names"));
+    throw nb::value_error(nb::cast<std::string>(text).c_str());
+  }
+  const nb::object packed = numpy.attr("array")(given, dtypes().contact);
   const auto count = nb::cast<std::size_t>(packed.attr("size"));
   // The copy is this call's own.
   const std::span<Contact> all(static_cast<Contact*>(memory_of(packed, count * sizeof(Contact))), count);
@@ -71,26 +80,19 @@ nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size
 CollideResult self_collide_of(ModelObject& model, nb::handle filter, CacheObject* cache) {
   const Reading guard = reading(model);
   const TriangleFilter which(filter);
-  const UsedCache used(cache);
-  return without_gil_unless(which.needs_gil(), [&] {
-    QueryCache* const c = used.get();
-    const PairOptions options{which.get()};
-    return c != nullptr ? self_collide(model.model, options, *c) : self_collide(model.model, options);
-  });
+  const auto ask = [&](auto&... used) { return self_collide(model.model, PairOptions{which.get()}, used...); };
+  return with_cache(cache, ask, which.needs_gil());
 }
 
 DistanceResult self_distance_of(ModelObject& model, double relative_error, double absolute_error, double max_distance,
                                 nb::handle filter, CacheObject* cache) {
   const Reading guard = reading(model);
   const TriangleFilter which(filter);
-  const UsedCache used(cache);
-  return without_gil_unless(which.needs_gil(), [&] {
-    QueryCache* const c = used.get();
-    const DistanceOptions distances{relative_error, absolute_error, max_distance};
-    const PairOptions options{which.get()};
-    return c != nullptr ? self_distance(model.model, distances, options, *c)
-                        : self_distance(model.model, distances, options);
-  });
+  const DistanceOptions options{relative_error, absolute_error, max_distance};
+  const auto ask = [&](auto&... used) {
+    return self_distance(model.model, options, PairOptions{which.get()}, used...);
+  };
+  return with_cache(cache, ask, which.needs_gil());
 }
 
 nb::object self_intersections_of(ModelObject& model, nb::handle filter, std::optional<std::size_t> max_count) {
@@ -118,12 +120,28 @@ nb::object self_closest_pairs_of(ModelObject& model, std::size_t count, nb::hand
 
 constexpr const char* filter_note = R"(
 
-Shape    Pairs come as an array of shape (k, 2), uint32; contacts as an array of limber3d.contact_dtype.
 Filter   None, a NeighborRings, or a function of two triangle ids: pairs for which it is false do not count. With a
          function the query holds the GIL.
-Limit    The search ends where max_count pairs have been found.)";
+Ctrl-C   Ends the search with KeyboardInterrupt.)";
 
-std::string with_note(const char* documentation) { return std::string(documentation) + filter_note; }
+std::string pairs_documentation(const char* documentation) {
+  return std::string(documentation) + filter_note + R"(
+Limit    The search ends where max_count pairs have been found.
+Returns  Ids of triangles, one pair a row: shape (k, 2), uint32.)";
+}
+
+std::string contacts_documentation(const char* documentation) {
+  return std::string(documentation) + filter_note + R"(
+Limit    The search ends where max_count pairs have been found.
+Returns  An array of k contacts, limber3d.contact_dtype, with these fields.)" +
+         contact_fields();
+}
+
+std::string closest_documentation(const char* documentation) {
+  return std::string(documentation) + filter_note + R"(
+Returns  An array of at most `count` contacts, limber3d.contact_dtype, with these fields.)" +
+         contact_fields();
+}
 
 }  // namespace
 
@@ -132,17 +150,17 @@ void bind_contacts(nb::module_& m) {
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
         nb::sig("def intersections(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
                 "filter: TriangleFilter = None, max_count: int | None = None) -> IdArray"),
-        with_note(docs::visit_intersections).c_str());
+        pairs_documentation(docs::visit_intersections).c_str());
   m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
         nb::sig("def contacts(a: Model, b: Model, margin: float, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
                 "filter: TriangleFilter = None, max_count: int | None = None) -> RecordArray"),
-        with_note(docs::visit_contacts).c_str());
+        contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(),
         nb::sig("def closest_pairs(a: Model, b: Model, count: int, pose_a: PoseLike = None, pose_b: PoseLike = None, "
                 "*, filter: TriangleFilter = None) -> RecordArray"),
-        with_note(docs::closest_pairs).c_str());
+        closest_documentation(docs::closest_pairs).c_str());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
         nb::sig("def reduce_contacts(contacts: RecordArray, *, radius: float, max_angle: float = 0.5, "
                 "max_points: int = 4) -> tuple[RecordArray, IdArray]"),
@@ -169,15 +187,15 @@ void bind_self_queries(nb::module_& m) {
         "max_count"_a = nb::none(),
         nb::sig("def self_intersections(model: Model, *, filter: TriangleFilter = None, "
                 "max_count: int | None = None) -> IdArray"),
-        with_note(docs::visit_self_intersections).c_str());
+        pairs_documentation(docs::visit_self_intersections).c_str());
   m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
         "max_count"_a = nb::none(),
         nb::sig("def self_contacts(model: Model, margin: float, *, filter: TriangleFilter = None, "
                 "max_count: int | None = None) -> RecordArray"),
-        with_note(docs::visit_self_contacts).c_str());
+        contacts_documentation(docs::visit_self_contacts).c_str());
   m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), "filter"_a = nb::none(),
         nb::sig("def self_closest_pairs(model: Model, count: int, *, filter: TriangleFilter = None) -> RecordArray"),
-        with_note(docs::self_closest_pairs).c_str());
+        closest_documentation(docs::self_closest_pairs).c_str());
 }
 
 }  // namespace limber::python

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "bindings.h"
@@ -14,8 +15,6 @@
 
 namespace limber::python {
 namespace {
-
-using nb::literals::operator""_a;
 
 struct FoundElements {
   std::vector<VertexFacePair> vertex_face;
@@ -66,10 +65,15 @@ NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
   return without_gil([&] { return NeighborRings(model.model.mesh(), edges); });
 }
 
-constexpr const char* shape_note = R"(
+std::string element_pairs_documentation(const char* documentation) {
+  return std::string(documentation) + R"(
 
-Returns  Two arrays: of limber3d.vertex_face_dtype, and of limber3d.edge_edge_dtype, whose edges are those of MeshEdges
-         of each model. The edges of a model are built when they are first needed, and kept until reset().)";
+Returns  Two arrays: pairs of a vertex and a face, limber3d.vertex_face_dtype, and pairs of edges,
+         limber3d.edge_edge_dtype. The edges of a model are built when they are first needed, and kept until reset().
+
+Fields of pairs of a vertex and a face)" +
+         vertex_face_fields() + "\n\nFields of pairs of edges" + edge_edge_fields();
+}
 
 }  // namespace
 
@@ -103,10 +107,10 @@ void bind_elements(nb::module_& m) {
   m.def("element_pairs", &element_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::sig("def element_pairs(a: Model, b: Model, margin: float, pose_a: PoseLike = None, "
                 "pose_b: PoseLike = None) -> tuple[RecordArray, RecordArray]"),
-        (std::string(docs::visit_element_pairs) + shape_note).c_str());
+        element_pairs_documentation(docs::visit_element_pairs).c_str());
   m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a,
         nb::sig("def self_element_pairs(model: Model, margin: float) -> tuple[RecordArray, RecordArray]"),
-        (std::string(docs::visit_self_element_pairs) + shape_note).c_str());
+        element_pairs_documentation(docs::visit_self_element_pairs).c_str());
 }
 
 }  // namespace limber::python

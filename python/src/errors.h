@@ -11,7 +11,7 @@
 /// Errors of the library as Python's exceptions.
 namespace limber::python {
 
-/// Raises IndexError for `index_out_of_range`, OSError for `unreadable_file`, ValueError for everything else.
+/// Raises the exception of limber3d.errors that stands for the error.
 ///
 /// Pre      The GIL is held.
 [[noreturn]] void raise(const Error& error);

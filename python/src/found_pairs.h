@@ -17,7 +17,7 @@
 /// From the pairs that a query visits to an array of them.
 namespace limber::python {
 
-/// The pairs that search(visitor, options) visits, at most max_count of them.
+/// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search.
 template <typename Pair, typename Search>
 std::vector<Pair> collected(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
   std::vector<Pair> found;
@@ -27,6 +27,8 @@ std::vector<Pair> collected(nb::handle filter, std::optional<std::size_t> max_co
     search(
         [&](const Pair& pair) {
           found.push_back(pair);
+          constexpr std::size_t pairs_between_looks = 1 << 16;  // some ten milliseconds
+          if (found.size() % pairs_between_looks == 0) look_for_signals();
           return found.size() != max_count;
         },
         PairOptions{which.get()});

@@ -16,8 +16,6 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 nb::tuple mesh_file(const std::filesystem::path& path) {
   const MeshFile file = value_or_raise(without_gil([&] { return read_mesh_file(path); }));
   return nb::make_tuple(array_of(std::span<const Vec3>(file.mesh.positions())),

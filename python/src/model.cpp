@@ -17,11 +17,10 @@
 #include "model_object.h"
 #include "query_arguments.h"
 #include "records.h"
+#include "value_class.h"
 
 namespace limber::python {
 namespace {
-
-using nb::literals::operator""_a;
 
 /// Makes a mesh of arrays, and calls use(mesh) without the GIL.
 template <typename Use>
@@ -98,34 +97,52 @@ nb::object vertices_of(ModelObject& self) {
   return read(self, [](const Model& m) { return array_of(std::span<const Vec3>(m.mesh().positions())); });
 }
 
+nb::dict options_of(ModelObject& self) {
+  const ModelOptions o = read(self, [](const Model& m) { return m.options(); });
+  nb::dict options;
+  options["motion_margin"] = o.motion_margin;
+  options["rebuild_policy"] = o.rebuild_policy;
+  options["rebuild_budget_us"] = o.rebuild_budget_us;
+  options["preallocate"] = o.preallocate;
+  return options;
+}
+
 nb::object faces_of(ModelObject& self) {
   return read(self, [](const Model& m) { return array_of(std::span<const Corners>(m.mesh().triangles())); });
 }
 
-/// What pickle calls and with what: the constructor, mesh and options.
-nb::tuple reduced(nb::handle self) {
+/// What a pickle keeps: mesh, options, and the attributes that a class of Python has added.
+nb::tuple state_of(nb::handle_t<ModelObject> self) {
   auto& object = nb::cast<ModelObject&>(self);
-  const ModelOptions options = read(object, [](const Model& m) { return m.options(); });
-  return nb::make_tuple(
-      self.type(), nb::make_tuple(vertices_of(object), faces_of(object), options.motion_margin, options.rebuild_policy,
-                                  options.rebuild_budget_us, options.preallocate));
+  return nb::make_tuple(vertices_of(object), faces_of(object), options_of(object),
+                        nb::getattr(self, "__dict__", nb::none()));
+}
+
+/// Builds a model from what state_of() returned.
+void restore(nb::pointer_and_handle<ModelObject> self, const nb::tuple& state) {
+  if (state.size() != 4) throw nb::value_error("the state is not that of a model");
+  const nb::dict options = nb::cast<nb::dict>(state[2]);
+  construct(self.p, state[0], state[1], nb::cast<std::optional<double>>(options["motion_margin"]),
+            nb::cast<RebuildPolicy>(options["rebuild_policy"]),
+            nb::cast<std::optional<double>>(options["rebuild_budget_us"]), nb::cast<bool>(options["preallocate"]));
+  if (!state[3].is_none()) nb::getattr(self.h, "__dict__").attr("update")(state[3]);
 }
 
 void bind_stats(nb::module_& m) {
-  nb::class_<TreeStats>(m, "TreeStats", "The size of a tree.")
-      .def_ro("levels", &TreeStats::levels, "Of nodes, the root's included.")
-      .def_ro("nodes", &TreeStats::nodes)
-      .def_ro("leaves", &TreeStats::leaves, docs::TreeStats_leaves)
-      .def_ro("bytes", &TreeStats::bytes, docs::TreeStats_bytes);
-  nb::class_<MaintenanceStats>(m, "MaintenanceStats", docs::MaintenanceStats)
-      .def_ro("moved_vertices", &MaintenanceStats::moved_vertices, docs::MaintenanceStats_moved_vertices)
-      .def_ro("refits", &MaintenanceStats::refits, docs::MaintenanceStats_refits)
-      .def_ro("whole_passes", &MaintenanceStats::whole_passes, docs::MaintenanceStats_whole_passes)
-      .def_ro("absorbed", &MaintenanceStats::absorbed, docs::MaintenanceStats_absorbed)
-      .def_ro("margin_steps", &MaintenanceStats::margin_steps, docs::MaintenanceStats_margin_steps)
-      .def_ro("motion_margin", &MaintenanceStats::motion_margin, docs::MaintenanceStats_motion_margin)
-      .def_ro("rebuilt_triangles", &MaintenanceStats::rebuilt_triangles, docs::MaintenanceStats_rebuilt_triangles)
-      .def_ro("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
+  ValueClass<TreeStats>(m, "TreeStats", "The size of a tree.")
+      .field("levels", &TreeStats::levels, "Of nodes, the root's included.")
+      .field("nodes", &TreeStats::nodes, "Of up to 8 children each.")
+      .field("leaves", &TreeStats::leaves, docs::TreeStats_leaves)
+      .field("bytes", &TreeStats::bytes, docs::TreeStats_bytes);
+  ValueClass<MaintenanceStats>(m, "MaintenanceStats", docs::MaintenanceStats)
+      .field("moved_vertices", &MaintenanceStats::moved_vertices, docs::MaintenanceStats_moved_vertices)
+      .field("refits", &MaintenanceStats::refits, docs::MaintenanceStats_refits)
+      .field("whole_passes", &MaintenanceStats::whole_passes, docs::MaintenanceStats_whole_passes)
+      .field("absorbed", &MaintenanceStats::absorbed, docs::MaintenanceStats_absorbed)
+      .field("margin_steps", &MaintenanceStats::margin_steps, docs::MaintenanceStats_margin_steps)
+      .field("motion_margin", &MaintenanceStats::motion_margin, docs::MaintenanceStats_motion_margin)
+      .field("rebuilt_triangles", &MaintenanceStats::rebuilt_triangles, docs::MaintenanceStats_rebuilt_triangles)
+      .field("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
 }
 
 constexpr const char* constructor_doc = R"(A model of a mesh.
@@ -167,10 +184,10 @@ Pickle   A pickled model keeps its mesh, with all moves, and its options. It is 
 Busy     A call that would change a model while another thread uses it raises BusyError, and so does a query of a model
          that is being changed. Nothing waits.)")
                               .c_str())
-      .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), "motion_margin"_a.none() = 0.0,
+      .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a.none() = 0.0,
            "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
            "preallocate"_a = false,
-           nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, "
+           nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, *, "
                    "motion_margin: float | None = 0.0, rebuild_policy: RebuildPolicy = ..., "
                    "rebuild_budget_us: float | None = None, preallocate: bool = False) -> None"),
            constructor_documentation().c_str())
@@ -207,18 +224,8 @@ Busy     A call that would change a model while another thread uses it raises Bu
                    "A copy of the positions, moves included: shape (v, 3), float64.")
       .def_prop_ro("faces", &faces_of, nb::sig("def faces(self) -> IdArray"),
                    "A copy of the triangles: shape (n, 3), uint32.")
-      .def_prop_ro(
-          "options",
-          [](ModelObject& self) {
-            const ModelOptions o = read(self, [](const Model& model) { return model.options(); });
-            nb::dict options;
-            options["motion_margin"] = o.motion_margin;
-            options["rebuild_policy"] = o.rebuild_policy;
-            options["rebuild_budget_us"] = o.rebuild_budget_us;
-            options["preallocate"] = o.preallocate;
-            return options;
-          },
-          nb::sig("def options(self) -> ModelOptions"), "The options that the model was made with, by name.")
+      .def_prop_ro("options", &options_of, nb::sig("def options(self) -> ModelOptions"),
+                   "The options that the model has, by name.")
       .def_prop_ro(
           "tree_stats",
           [](ModelObject& self) { return read(self, [](const Model& model) { return model.tree_stats(); }); },
@@ -242,9 +249,8 @@ Busy     A call that would change a model while another thread uses it raises Bu
                    .format(model.mesh().positions().size(), model.mesh().triangles().size());
              });
            })
-      .def(
-          "__reduce__", [](nb::handle_t<ModelObject> self) { return reduced(self); },
-          nb::sig("def __reduce__(self) -> tuple[Any, ...]"));
+      .def("__getstate__", &state_of, nb::sig("def __getstate__(self) -> tuple[Any, ...]"))
+      .def("__setstate__", &restore, nb::sig("def __setstate__(self, state: tuple[Any, ...], /) -> None"));
 }
 
 }  // namespace limber::python

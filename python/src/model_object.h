@@ -41,8 +41,6 @@ std::shared_ptr<const MeshEdges> edges_of(ModelObject& object);
 
 /// A cache, and who uses it.
 struct CacheObject {
-  static constexpr const char* refusal = "the cache is in use by another thread, or by a query that has not returned";
-
   QueryCache cache;
   Users users;
 };

@@ -3,22 +3,28 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings.h"
+#include "gil.h"
 #include "records.h"
 
+namespace python = limber::python;
+
 NB_MODULE(_core, module) {
-  using namespace limber::python;
+  // What daemon threads use when Python ends is never freed, and no fault.
+  nanobind::set_leak_warnings(false);
+  const nanobind::object main_thread = nanobind::module_::import_("threading").attr("main_thread")();
+  python::main_thread = nanobind::cast<unsigned long>(main_thread.attr("ident"));
   module.doc() = "The compiled part of limber3d.";
   module.attr("version") = LIMBER_VERSION;
-  bind_errors(module);
-  bind_records(module);
-  bind_results(module);
-  bind_model(module);
-  bind_queries(module);
-  bind_elements(module);
-  bind_contacts(module);
-  bind_self_queries(module);
-  bind_points(module);
-  bind_scene(module);
-  bind_batch(module);
-  bind_mesh_files(module);
+  python::bind_errors(module);
+  python::bind_records(module);
+  python::bind_results(module);
+  python::bind_model(module);
+  python::bind_queries(module);
+  python::bind_elements(module);
+  python::bind_contacts(module);
+  python::bind_self_queries(module);
+  python::bind_points(module);
+  python::bind_scene(module);
+  python::bind_batch(module);
+  python::bind_mesh_files(module);
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
@@ -21,8 +22,6 @@
 
 namespace limber::python {
 namespace {
-
-using nb::literals::operator""_a;
 
 PointResult closest_point_of(ModelObject& model, nb::handle point, nb::handle pose, double max_distance) {
   const Reading guard = reading(model);
@@ -76,6 +75,8 @@ class ClosedSurfaceObject {
 
   nb::object model() const { return owner_; }
 
+  int visit_references(visitproc visit, void* argument) const { return visit(owner_.ptr(), argument); }
+
   bool contains(nb::handle point, nb::handle pose) {
     return ask(point, pose, [&](const Vec3& p, const Transform& t) { return surface_.contains(p, t); });
   }
@@ -121,7 +122,8 @@ class ClosedSurfaceObject {
 };
 
 void bind_closed_surface(nb::module_& m, double unlimited) {
-  nb::class_<ClosedSurfaceObject>(m, "ClosedSurface", docs::ClosedSurface)
+  nb::class_<ClosedSurfaceObject>(m, "ClosedSurface", docs::ClosedSurface,
+                                  nb::type_slots(collectable<ClosedSurfaceObject>))
       .def(nb::init<nb::handle_t<ModelObject>>(), "model"_a, nb::sig("def __init__(self, model: Model) -> None"),
            "Raises ValueError, naming an edge, if the surface is not closed and oriented. Takes O(n log n).")
       .def_prop_ro("model", &ClosedSurfaceObject::model, nb::sig("def model(self) -> Model"), "The model.")
@@ -142,8 +144,14 @@ void bind_closed_surface(nb::module_& m, double unlimited) {
            "max_distance"_a = unlimited,
            nb::sig("def signed_distances(self, points: ArrayLike, pose: PoseLike = None, *, "
                    "max_distance: float = float('inf')) -> RecordArray"),
-           "signed_distance() of each of the points, shape (n, 3), on all threads: an array of "
-           "limber3d.signed_distance_dtype, where distances are negative inside and infinite beyond the limit.");
+           (std::string(R"(signed_distance() of each of the points, on all threads.
+
+Shape    points is (n, 3), of the world.
+Returns  An array of n records, limber3d.signed_distance_dtype, with these fields. Distances are negative inside, and
+         infinite where nothing is as close as max_distance.
+Raises   As signed_distance(); then nothing is returned.)") +
+            surface_point_fields() + "\n\nis_inside: " + docs::SignedDistance_is_inside)
+               .c_str());
 }
 
 }  // namespace
@@ -159,8 +167,14 @@ void bind_points(nb::module_& m) {
         "max_distance"_a = unlimited,
         nb::sig("def closest_points(model: Model, points: ArrayLike, pose: PoseLike = None, *, "
                 "max_distance: float = float('inf')) -> RecordArray"),
-        "closest_point() of each of the points, shape (n, 3), on all threads: an array of "
-        "limber3d.surface_point_dtype, whose distance is infinite where nothing is as close as max_distance.");
+        (std::string(R"(closest_point() of each of the points, on all threads.
+
+Shape    points is (n, 3), of the world.
+Returns  An array of n records, limber3d.surface_point_dtype, with these fields. The distance is infinite where nothing
+         is as close as max_distance.
+Raises   As closest_point(); then nothing is returned.)") +
+         surface_point_fields())
+            .c_str());
   m.def("winding_number", &winding_number_of, "model"_a, "point"_a, "pose"_a = nb::none(),
         nb::sig("def winding_number(model: Model, point: ArrayLike, pose: PoseLike = None) -> float"),
         docs::winding_number);

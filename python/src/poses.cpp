@@ -8,6 +8,7 @@
 #include <string>
 
 #include "arrays.h"
+#include "errors.h"
 
 namespace limber::python {
 namespace {
@@ -26,7 +27,7 @@ Transform rigid_or_raise(Result<Transform> result, const char* name, Index index
   if (result) return *result;
   std::string text = name;
   if (index) text.append("[").append(std::to_string(*index)).append("]");
-  throw nb::value_error(text.append(": ").append(result.error().text).c_str());
+  raise({result.error().code, text.append(": ").append(result.error().text), index});
 }
 
 /// `count` numbers of the two axes that follow `first_axis`, row by row.
@@ -79,12 +80,12 @@ std::optional<std::array<nb::handle, 2>> parts_of(nb::handle object) {
 Transform pose_from(nb::handle object, const char* name) {
   if (object.is_none()) return {};
   if (const auto parts = parts_of(object)) {
-    const Array turn((*parts)[0], name, pose_form, "float64"), shift((*parts)[1], name, pose_form, "float64");
+    const Array turn((*parts)[0], name, pose_form, Lists::floats), shift((*parts)[1], name, pose_form, Lists::floats);
     if (!turn.has_floats({3, 3}) && !turn.has_floats({4})) turn.refuse();
     if (!shift.has_floats({3})) shift.refuse();
     return from_parts(turn, turn.data(), shift, shift.data(), 0, name, std::nullopt);
   }
-  const Array matrix(object, name, pose_form, "float64");
+  const Array matrix(object, name, pose_form, Lists::floats);
   if (!matrix.has_floats({4, 4})) matrix.refuse();
   return from_matrix(matrix, matrix.data(), 0, name, std::nullopt);
 }
@@ -95,7 +96,7 @@ PoseList::PoseList(nb::handle object, const char* name) {
     return;
   }
   if (const auto parts = parts_of(object)) {
-    const Array turn((*parts)[0], name, poses_form, "float64"), shift((*parts)[1], name, poses_form, "float64");
+    const Array turn((*parts)[0], name, poses_form, Lists::floats), shift((*parts)[1], name, poses_form, Lists::floats);
     if (shift.dimensions() == 1) {
       poses_.push_back(pose_from(object, name));
       return;
@@ -111,7 +112,7 @@ PoseList::PoseList(nb::handle object, const char* name) {
     }
     return;
   }
-  const Array matrices(object, name, poses_form, "float64");
+  const Array matrices(object, name, poses_form, Lists::floats);
   if (matrices.dimensions() == 2) {
     poses_.push_back(pose_from(object, name));
     return;

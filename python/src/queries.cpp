@@ -17,63 +17,38 @@
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
-
 DistanceResult distance(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, double relative_error,
                         double absolute_error, double max_distance, const BudgetObject* budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const DistanceOptions options{relative_error, absolute_error, max_distance};
-  const UsedCache used(cache);
-  return without_gil([&] {
-    if (QueryCache* const c = used.get()) {
-      return budget != nullptr ? limber::distance(pair.a(), pair.b(), options, budget->budget, *c)
-                               : limber::distance(pair.a(), pair.b(), options, *c);
-    }
-    return budget != nullptr ? limber::distance(pair.a(), pair.b(), options, budget->budget)
-                             : limber::distance(pair.a(), pair.b(), options);
+  return with_cache(cache, [&](auto&... used) {
+    return budget != nullptr ? limber::distance(pair.a(), pair.b(), options, budget->budget, used...)
+                             : limber::distance(pair.a(), pair.b(), options, used...);
   });
 }
 
 CollideResult collide(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  const UsedCache used(cache);
-  return without_gil([&] {
-    QueryCache* const c = used.get();
-    return c != nullptr ? limber::collide(pair.a(), pair.b(), *c) : limber::collide(pair.a(), pair.b());
-  });
+  return with_cache(cache, [&](auto&... used) { return limber::collide(pair.a(), pair.b(), used...); });
 }
 
 BudgetedAnswer collide_within_budget(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b,
                                      const BudgetObject& budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  const UsedCache used(cache);
-  return without_gil([&] {
-    QueryCache* const c = used.get();
-    return c != nullptr ? limber::collide(pair.a(), pair.b(), budget.budget, *c)
-                        : limber::collide(pair.a(), pair.b(), budget.budget);
-  });
+  return with_cache(cache, [&](auto&... used) { return limber::collide(pair.a(), pair.b(), budget.budget, used...); });
 }
 
 WithinResult within(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a, nb::handle pose_b,
                     CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  const UsedCache used(cache);
-  return without_gil([&] {
-    QueryCache* const c = used.get();
-    return c != nullptr ? limber::within(pair.a(), pair.b(), max_distance, *c)
-                        : limber::within(pair.a(), pair.b(), max_distance);
-  });
+  return with_cache(cache, [&](auto&... used) { return limber::within(pair.a(), pair.b(), max_distance, used...); });
 }
 
 BudgetedAnswer within_within_budget(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a,
                                     nb::handle pose_b, const BudgetObject& budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  const UsedCache used(cache);
-  return without_gil([&] {
-    QueryCache* const c = used.get();
-    return c != nullptr ? limber::within(pair.a(), pair.b(), max_distance, budget.budget, *c)
-                        : limber::within(pair.a(), pair.b(), max_distance, budget.budget);
-  });
+  return with_cache(
+      cache, [&](auto&... used) { return limber::within(pair.a(), pair.b(), max_distance, budget.budget, used...); });
 }
 
 void bind_arguments(nb::module_& m) {
@@ -82,7 +57,7 @@ void bind_arguments(nb::module_& m) {
       .def(
           "clear",
           [](CacheObject& self) {
-            const UsedCache used(&self);
+            const Used used(&self);
             used.get()->clear();
           },
           docs::QueryCache_clear);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "gil.h"
 #include "limber/contacts.h"
 #include "limber/query.h"
 #include "model_object.h"
@@ -55,20 +56,28 @@ class PlacedPair {
   Placed a_, b_;
 };
 
-/// The cache that a query uses, if it was given one.
-class UsedCache {
+/// The cache that a query uses, if it was given one. `Object` holds it as Python does.
+template <typename Object>
+class Used {
  public:
-  explicit UsedCache(CacheObject* object) {
+  explicit Used(Object* object) {
     if (object == nullptr) return;
-    using_.emplace(object->users, CacheObject::refusal);
+    using_.emplace(object->users, "the cache is in use by another thread, or by a query that has not returned");
     cache_ = &object->cache;
   }
-  QueryCache* get() const { return cache_; }
+  auto* get() const { return cache_; }
 
  private:
   std::optional<Changing> using_;
-  QueryCache* cache_ = nullptr;
+  decltype(Object::cache)* cache_ = nullptr;
 };
+
+/// Calls ask(), or ask(cache) if there is a cache, without the GIL unless a filter needs it.
+template <typename Ask>
+auto with_cache(CacheObject* cache, const Ask& ask, bool needs_gil = false) {
+  const Used used(cache);
+  return without_gil_unless(needs_gil, [&] { return used.get() != nullptr ? ask(*used.get()) : ask(); });
+}
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
 template <typename FilterRef>
@@ -105,19 +114,5 @@ class PairFilter {
 };
 
 using TriangleFilter = PairFilter<TrianglePairFilter>;
-
-/// Calls `query` without the GIL, unless a filter needs it.
-template <typename Query>
-auto without_gil_unless(bool is_needed, const Query& query) {
-  std::optional<nb::gil_scoped_release> released;
-  if (!is_needed) released.emplace();
-  return query();
-}
-
-template <typename Query>
-auto without_gil(const Query& query) {
-  const nb::gil_scoped_release released;
-  return query();
-}
 
 }  // namespace limber::python

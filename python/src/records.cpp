@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "records.h"
 
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "docstrings.h"
 
 namespace limber::python {
 namespace {
@@ -127,6 +130,15 @@ nb::object edge_edge_dtype() {
       .dtype();
 }
 
+/// The end of a docstring: fields and what they are.
+std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
+  std::string text;
+  for (const auto& [name, meaning] : lines) text.append("\n\n").append(name).append(": ").append(meaning);
+  return text;
+}
+
+constexpr const char* feature_text = "kind, a FeatureKind, and index, as those of Feature";
+
 WitnessRecord witness_record(const std::optional<Witness>& witness, bool is_yes) {
   const Witness w = witness.value_or(Witness{nowhere, nowhere, no_id, no_id});
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, is_yes};
@@ -160,11 +172,50 @@ SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest) {
 SurfacePointRecord record_of(const SignedDistance& signed_distance) {
   SurfacePointRecord record = record_of(signed_distance.closest);
   record.is_inside = signed_distance.is_inside;
-  if (record.is_inside) record.distance = -record.distance;
+  if (signed_distance.closest) record.distance = signed_distance.distance();
   return record;
 }
 
 const Dtypes& dtypes() { return all_dtypes; }
+
+std::string contact_fields() {
+  return fields({{"distance", docs::TriangleContact_distance},
+                 {"depth", docs::TriangleContact_depth},
+                 {"point_a, point_b", docs::TriangleContact_point_a},
+                 {"normal", docs::TriangleContact_normal},
+                 {"feature_a, feature_b", feature_text},
+                 {"triangle_a, triangle_b", docs::Witness_triangle_a}});
+}
+
+std::string surface_point_fields() {
+  return fields({{"distance", docs::SurfacePoint_distance},
+                 {"position", "the point of the model, in the world"},
+                 {"barycentric", docs::SurfacePoint_barycentric},
+                 {"triangle", "the triangle that it lies on"},
+                 {"feature", feature_text}});
+}
+
+std::string distance_fields() {
+  return fields({{"lower", docs::DistanceResult_lower},
+                 {"upper", docs::DistanceResult_upper},
+                 {"point_a, point_b", "the points of the witness; not numbers without one"},
+                 {"triangle_a, triangle_b", "their triangles; 2^32 - 1 without a witness"},
+                 {"status", "a Status"},
+                 {"stopped_by", "a StoppedBy"}});
+}
+
+std::string vertex_face_fields() {
+  return fields({{"vertex, triangle", "ids in each model's own mesh"},
+                 {"is_vertex_of_b", docs::VertexFacePair_is_vertex_of_b},
+                 {"distance", "of the two elements"},
+                 {"weights", docs::VertexFacePair_weights}});
+}
+
+std::string edge_edge_fields() {
+  return fields({{"a, b", "ids of MeshEdges of each model"},
+                 {"distance", "of the two elements"},
+                 {"parameter_a, parameter_b", docs::EdgeEdgePair_parameter_a}});
+}
 
 void bind_records(nb::module_& module) {
   const auto keep = [&module](const char* name, nb::object dtype) {
@@ -198,6 +249,10 @@ void* memory_of(nb::handle array, std::size_t bytes) {
 }
 
 nb::object array_of(const Vec3& vector) { return array_of(std::span<const Vec3>(&vector, 1), nb::str("float64"), {3}); }
+
+nb::object array_of(const std::array<double, 3>& numbers) {
+  return array_of(std::span<const double>(numbers), nb::str("float64"), {3});
+}
 
 nb::object array_of(std::span<const Vec3> vectors) {
   return array_of(vectors, nb::str("float64"), {vectors.size(), 3});

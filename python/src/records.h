@@ -10,6 +10,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <span>
+#include <string>
 #include <type_traits>
 
 #include "limber/limber.h"
@@ -56,6 +57,13 @@ struct Dtypes {
 };
 const Dtypes& dtypes();
 
+/// What the fields of such records are, as the end of a docstring.
+std::string contact_fields();
+std::string surface_point_fields();
+std::string distance_fields();
+std::string vertex_face_fields();
+std::string edge_edge_fields();
+
 /// Creates them and makes them attributes of the module.
 void bind_records(nb::module_& module);
 
@@ -81,8 +89,9 @@ nb::object array_of(std::span<const T> records, nb::handle dtype) {
   return array_of(records, dtype, {records.size()});
 }
 
-/// A vector as three numbers.
+/// Three numbers.
 nb::object array_of(const Vec3& vector);
+nb::object array_of(const std::array<double, 3>& numbers);
 /// Rows of three coordinates.
 nb::object array_of(std::span<const Vec3> vectors);
 /// Rows of ids.

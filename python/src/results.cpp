@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 
 #include <array>
-#include <cstdio>
-#include <string>
+#include <optional>
+#include <span>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -14,20 +12,10 @@
 #include "errors.h"
 #include "limber/limber.h"
 #include "records.h"
+#include "value_class.h"
 
 namespace limber::python {
 namespace {
-
-std::string text_of(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", number);
-  return text;
-}
-
-template <typename Enum>
-std::string name_of(Enum value) {
-  return nb::cast<std::string>(nb::cast(value).attr("name"));
-}
 
 /// The truth of an answer that may be unknown.
 bool truth_of(const BudgetedAnswer& answer) {
@@ -59,104 +47,81 @@ void bind_enums(nb::module_& m) {
 }
 
 void bind_parts(nb::module_& m) {
-  const nb::sig point_a("def point_a(self) -> FloatArray"), point_b("def point_b(self) -> FloatArray");
-  nb::class_<Witness>(m, "Witness", docs::Witness)
-      .def_prop_ro(
-          "point_a", [](const Witness& w) { return array_of(w.point_a); }, point_a, "The point on model a.")
-      .def_prop_ro(
-          "point_b", [](const Witness& w) { return array_of(w.point_b); }, point_b, "The point on model b.")
-      .def_ro("triangle_a", &Witness::triangle_a, docs::Witness_triangle_a)
-      .def_ro("triangle_b", &Witness::triangle_b, docs::Witness_triangle_a);
-  nb::class_<QueryStats>(m, "QueryStats", docs::QueryStats)
-      .def_ro("node_tests", &QueryStats::node_tests, docs::QueryStats_node_tests)
-      .def_ro("triangle_tests", &QueryStats::triangle_tests, docs::QueryStats_triangle_tests);
-  nb::class_<Feature>(m, "Feature", docs::Feature)
-      .def_ro("kind", &Feature::kind, "Vertex, edge or face.")
-      .def_ro("index", &Feature::index, docs::Feature_index);
+  ValueClass<Witness>(m, "Witness", docs::Witness)
+      .field("point_a", &Witness::point_a, "The point on model a.")
+      .field("point_b", &Witness::point_b, "The point on model b.")
+      .field("triangle_a", &Witness::triangle_a, docs::Witness_triangle_a)
+      .field("triangle_b", &Witness::triangle_b, docs::Witness_triangle_a);
+  ValueClass<QueryStats>(m, "QueryStats", docs::QueryStats)
+      .field("node_tests", &QueryStats::node_tests, docs::QueryStats_node_tests)
+      .field("triangle_tests", &QueryStats::triangle_tests, docs::QueryStats_triangle_tests);
+  ValueClass<Feature>(m, "Feature", docs::Feature)
+      .field("kind", &Feature::kind, "Vertex, edge or face.")
+      .field("index", &Feature::index, docs::Feature_index);
 }
 
 void bind_answers(nb::module_& m) {
-  nb::class_<DistanceResult>(m, "DistanceResult", "What distance() has found.")
-      .def_ro("lower", &DistanceResult::lower, docs::DistanceResult_lower)
-      .def_ro("upper", &DistanceResult::upper, docs::DistanceResult_upper)
-      .def_ro("status", &DistanceResult::status, docs::Status)
-      .def_ro("witness", &DistanceResult::witness, docs::DistanceResult_witness)
-      .def_ro("stopped_by", &DistanceResult::stopped_by, docs::DistanceResult_stopped_by)
-      .def_ro("stats", &DistanceResult::stats, docs::QueryStats)
-      .def("__repr__", [](const DistanceResult& r) {
-        return std::string("DistanceResult(lower=") + text_of(r.lower) + ", upper=" + text_of(r.upper) +
-               ", status=" + name_of(r.status) + ")";
-      });
-  nb::class_<CollideResult>(m, "CollideResult", "What collide() has found. Its truth is that of `collision`.")
-      .def_ro("collision", &CollideResult::collision, "Whether the models meet.")
-      .def_ro("witness", &CollideResult::witness, docs::CollideResult_witness)
-      .def_ro("stats", &CollideResult::stats, docs::QueryStats)
-      .def("__bool__", [](const CollideResult& r) { return r.collision; })
-      .def("__repr__", [](const CollideResult& r) {
-        return std::string("CollideResult(collision=") + (r.collision ? "True" : "False") + ")";
-      });
-  nb::class_<WithinResult>(m, "WithinResult", "What within() has found. Its truth is that of `within`.")
-      .def_ro("within", &WithinResult::within, "Whether the models are that close.")
-      .def_ro("witness", &WithinResult::witness, docs::WithinResult_witness)
-      .def_ro("stats", &WithinResult::stats, docs::QueryStats)
-      .def("__bool__", [](const WithinResult& r) { return r.within; })
-      .def("__repr__", [](const WithinResult& r) {
-        return std::string("WithinResult(within=") + (r.within ? "True" : "False") + ")";
-      });
-  nb::class_<BudgetedAnswer>(
-      m, "BudgetedAnswer",
-      "What collide() or within() has found within a budget. It is true where the answer is yes, "
-      "false where it is no; its truth raises RuntimeError where the answer is unknown.")
-      .def_ro("answer", &BudgetedAnswer::answer, docs::Answer)
-      .def_ro("witness", &BudgetedAnswer::witness, docs::BudgetedAnswer_witness)
-      .def_ro("stopped_by", &BudgetedAnswer::stopped_by, docs::BudgetedAnswer_stopped_by)
-      .def_ro("stats", &BudgetedAnswer::stats, docs::QueryStats)
-      .def("__bool__", &truth_of)
-      .def("__repr__",
-           [](const BudgetedAnswer& r) { return std::string("BudgetedAnswer(answer=") + name_of(r.answer) + ")"; });
+  ValueClass<DistanceResult>(m, "DistanceResult", "What distance() has found.")
+      .field("lower", &DistanceResult::lower, docs::DistanceResult_lower)
+      .field("upper", &DistanceResult::upper, docs::DistanceResult_upper)
+      .field("status", &DistanceResult::status, docs::Status)
+      .field("witness", &DistanceResult::witness, docs::DistanceResult_witness)
+      .field("stopped_by", &DistanceResult::stopped_by, docs::DistanceResult_stopped_by)
+      .field("stats", &DistanceResult::stats, docs::QueryStats);
+  ValueClass<CollideResult>(m, "CollideResult", "What collide() has found. Its truth is that of `collision`.")
+      .field("collision", &CollideResult::collision, "Whether the models meet.")
+      .field("witness", &CollideResult::witness, docs::CollideResult_witness)
+      .field("stats", &CollideResult::stats, docs::QueryStats)
+      .binding()
+      .def("__bool__", [](const CollideResult& r) { return r.collision; });
+  ValueClass<WithinResult>(m, "WithinResult", "What within() has found. Its truth is that of `within`.")
+      .field("within", &WithinResult::within, "Whether the models are that close.")
+      .field("witness", &WithinResult::witness, docs::WithinResult_witness)
+      .field("stats", &WithinResult::stats, docs::QueryStats)
+      .binding()
+      .def("__bool__", [](const WithinResult& r) { return r.within; });
+  ValueClass<BudgetedAnswer>(m, "BudgetedAnswer",
+                             "What collide() or within() has found within a budget. It is true where the answer is "
+                             "yes, false where it is no; its truth raises RuntimeError where the answer is unknown.")
+      .field("answer", &BudgetedAnswer::answer, docs::Answer)
+      .field("witness", &BudgetedAnswer::witness, docs::BudgetedAnswer_witness)
+      .field("stopped_by", &BudgetedAnswer::stopped_by, docs::BudgetedAnswer_stopped_by)
+      .field("stats", &BudgetedAnswer::stats, docs::QueryStats)
+      .binding()
+      .def("__bool__", &truth_of);
 }
 
 void bind_points_found(nb::module_& m) {
-  nb::class_<SurfacePoint>(m, "SurfacePoint", docs::SurfacePoint)
-      .def_ro("distance", &SurfacePoint::distance, docs::SurfacePoint_distance)
-      .def_prop_ro(
-          "position", [](const SurfacePoint& p) { return array_of(p.position); },
-          nb::sig("def position(self) -> FloatArray"), "The point of the model, in the world.")
-      .def_ro("triangle", &SurfacePoint::triangle, "The triangle that it lies on.")
-      .def_prop_ro(
-          "barycentric",
-          [](const SurfacePoint& p) {
-            return array_of(std::span<const double>(p.barycentric), nb::str("float64"), {3});
-          },
-          nb::sig("def barycentric(self) -> FloatArray"),
-          "Weights of the triangle's corners: >= 0, together 1 up to rounding.")
-      .def_ro("feature", &SurfacePoint::feature, docs::SurfacePoint_feature);
-  nb::class_<PointResult>(m, "PointResult", "What closest_point() has found.")
-      .def_ro("closest", &PointResult::closest, docs::PointResult_closest)
-      .def_ro("stats", &PointResult::stats, docs::QueryStats);
-  nb::class_<SignedDistance>(m, "SignedDistance", "What ClosedSurface.signed_distance() has found.")
-      .def_ro("is_inside", &SignedDistance::is_inside, docs::SignedDistance_is_inside)
-      .def_ro("closest", &SignedDistance::closest, docs::SignedDistance_closest)
+  ValueClass<SurfacePoint>(m, "SurfacePoint", docs::SurfacePoint)
+      .field("distance", &SurfacePoint::distance, docs::SurfacePoint_distance)
+      .field("position", &SurfacePoint::position, "The point of the model, in the world.")
+      .field("triangle", &SurfacePoint::triangle, "The triangle that it lies on.")
+      .field("barycentric", &SurfacePoint::barycentric, docs::SurfacePoint_barycentric)
+      .field("feature", &SurfacePoint::feature, docs::SurfacePoint_feature);
+  ValueClass<PointResult>(m, "PointResult", "What closest_point() has found.")
+      .field("closest", &PointResult::closest, docs::PointResult_closest)
+      .field("stats", &PointResult::stats, docs::QueryStats);
+  ValueClass<SignedDistance>(m, "SignedDistance", "What ClosedSurface.signed_distance() has found.")
+      .field("is_inside", &SignedDistance::is_inside, docs::SignedDistance_is_inside)
+      .field("closest", &SignedDistance::closest, docs::SignedDistance_closest)
+      .field("stats", &SignedDistance::stats, docs::QueryStats)
+      .binding()
       .def_prop_ro(
           "distance", [](const SignedDistance& s) { return s.closest ? std::optional(s.distance()) : std::nullopt; },
-          "Negative inside; on the surface 0, which may have a minus sign. None without a closest point.")
-      .def_ro("stats", &SignedDistance::stats, docs::QueryStats);
+          "Negative inside, 0 on the surface. None without a closest point.");
 }
 
 void bind_shapes(nb::module_& m) {
-  nb::class_<Box>(m, "Box", docs::Box)
-      .def_prop_ro(
-          "low", [](const Box& b) { return array_of(b.low); }, nb::sig("def low(self) -> FloatArray"))
-      .def_prop_ro(
-          "high", [](const Box& b) { return array_of(b.high); }, nb::sig("def high(self) -> FloatArray"));
-  nb::class_<Sphere>(m, "Sphere", "The points at most `radius` away from `center`.")
-      .def_prop_ro(
-          "center", [](const Sphere& s) { return array_of(s.center); }, nb::sig("def center(self) -> FloatArray"))
-      .def_ro("radius", &Sphere::radius);
+  ValueClass<Box>(m, "Box", docs::Box)
+      .field("low", &Box::low, "The least of each coordinate.")
+      .field("high", &Box::high, "The largest of each coordinate.");
+  ValueClass<Sphere>(m, "Sphere", "The points at most `radius` away from `center`.")
+      .field("center", &Sphere::center, "Its center.")
+      .field("radius", &Sphere::radius, "Its radius.");
 }
 
 nb::object orthonormalized_of(nb::handle matrix) {
-  const Array array(matrix, "matrix", "shape (3, 3) and dtype float32 or float64", "float64");
+  const Array array(matrix, "matrix", "shape (3, 3) and dtype float32 or float64", Lists::floats);
   if (!array.has_floats({3, 3})) array.refuse();
   const auto at = [&](std::ptrdiff_t row, std::ptrdiff_t column) {
     return array.real(array.data() + row * array.stride(0) + column * array.stride(1));

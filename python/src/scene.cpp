@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "arrays.h"
@@ -16,27 +17,12 @@
 #include "query_arguments.h"
 #include "records.h"
 #include "scene_object.h"
+#include "value_class.h"
 
 namespace limber::python {
 namespace {
 
-using nb::literals::operator""_a;
 using ObjectFilter = PairFilter<ObjectPairFilter>;
-
-/// The cache that a query of a scene uses, if it was given one.
-class UsedSceneCache {
- public:
-  explicit UsedSceneCache(SceneCacheObject* object) {
-    if (object == nullptr) return;
-    using_.emplace(object->users, CacheObject::refusal);
-    cache_ = &object->cache;
-  }
-  SceneCache* get() const { return cache_; }
-
- private:
-  std::optional<Changing> using_;
-  SceneCache* cache_ = nullptr;
-};
 
 nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filter) {
   const ObjectFilter which(filter);
@@ -54,7 +40,7 @@ nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filte
 template <typename Result, typename Record, typename Query>
 nb::object asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
                           const Query& query) {
-  const UsedSceneCache used(cache);
+  const Used used(cache);
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
   std::vector<Result> results(asked.size());
@@ -90,7 +76,7 @@ nb::object pair_distances(SceneObject& self, nb::handle pairs, double relative_e
 ClosestObjects closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
                                   nb::handle filter, SceneCacheObject* cache) {
   const ObjectFilter which(filter);
-  const UsedSceneCache used(cache);
+  const Used used(cache);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
       return scene.closest_objects({relative_error, absolute_error, max_distance}, {which.get()}, used.get());
@@ -106,38 +92,32 @@ void set_poses_of(SceneObject& self, nb::handle ids, nb::handle poses) {
 }
 
 void bind_scene_results(nb::module_& m) {
-  nb::class_<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
-      .def_prop_ro(
-          "objects",
-          [](const ClosestObjects& c) -> nb::object {
-            if (!c.result.witness) return nb::none();
-            return nb::make_tuple(c.objects.a, c.objects.b);
-          },
-          nb::sig("def objects(self) -> tuple[int, int] | None"),
-          "The ids of the two, or None if the result has no witness.")
-      .def_ro("result", &ClosestObjects::result, docs::ClosestObjects_result);
+  ValueClass<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
+      .field("objects", &ClosestObjects::objects, "The ids of the two, or None if the result has no witness.")
+      .field("result", &ClosestObjects::result, docs::ClosestObjects_result);
   nb::class_<SceneCacheObject>(m, "SceneCache", docs::SceneCache)
       .def(nb::init<std::size_t>(), "max_pairs"_a = SceneCache::usual_max_pairs)
       .def(
           "clear",
           [](SceneCacheObject& self) {
-            const UsedSceneCache used(&self);
+            const Used used(&self);
             used.get()->clear();
           },
           docs::SceneCache_clear);
 }
 
-constexpr const char* pairs_note = R"(
-
-Shape    pairs is (n, 2), of ids; results are an array of records, one for each pair.)";
+/// The docstring of a query of pairs of objects.
+std::string asked_documentation(const char* dtype) {
+  return std::string(docs::Scene_collide) +
+         "\n\nShape    pairs is (n, 2), of ids.\nReturns  An array of n records, limber3d." + dtype;
+}
 
 }  // namespace
 
 void bind_scene(nb::module_& m) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   bind_scene_results(m);
-  const std::string asked = std::string(docs::Scene_collide) + pairs_note;
-  nb::class_<SceneObject>(m, "Scene", docs::Scene)
+  nb::class_<SceneObject>(m, "Scene", docs::Scene, nb::type_slots(collectable<SceneObject>))
       .def(nb::init<>())
       .def(
           "add",
@@ -159,10 +139,13 @@ void bind_scene(nb::module_& m) {
           [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.is_committed(); }); },
           docs::Scene_is_committed)
       .def("__len__", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.size(); }); })
-      .def("__contains__",
-           [](SceneObject& self, ObjectId id) {
-             return self.look([&](const Scene& scene) { return scene.contains(id); });
-           })
+      .def(
+          "__contains__",
+          [](SceneObject& self, nb::handle id) {
+            ObjectId number = no_id;
+            return nb::try_cast(id, number) && self.look([&](const Scene& scene) { return scene.contains(number); });
+          },
+          nb::sig("def __contains__(self, id: object, /) -> bool"), "Whether that is the id of an object.")
       .def_prop_ro(
           "id_bound", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.id_bound(); }); },
           docs::Scene_id_bound)
@@ -187,16 +170,16 @@ void bind_scene(nb::module_& m) {
            docs::Scene_visit_candidate_pairs)
       .def("collide", &collide_pairs, "pairs"_a, nb::kw_only(), "cache"_a = nb::none(),
            nb::sig("def collide(self, pairs: ArrayLike, *, cache: SceneCache | None = None) -> RecordArray"),
-           asked.c_str())
+           asked_documentation("collision_dtype.").c_str())
       .def("within", &pairs_within, "pairs"_a, "max_distance"_a, nb::kw_only(), "cache"_a = nb::none(),
            nb::sig("def within(self, pairs: ArrayLike, max_distance: float, *, cache: SceneCache | None = None) "
                    "-> RecordArray"),
-           asked.c_str())
+           asked_documentation("within_dtype.").c_str())
       .def("distance", &pair_distances, "pairs"_a, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
            "max_distance"_a = unlimited, "cache"_a = nb::none(),
            nb::sig("def distance(self, pairs: ArrayLike, *, relative_error: float = 0.0, absolute_error: float = 0.0, "
                    "max_distance: float = float('inf'), cache: SceneCache | None = None) -> RecordArray"),
-           asked.c_str())
+           (asked_documentation("distance_dtype, with these fields.") + distance_fields()).c_str())
       .def("closest_objects", &closest_objects_of, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
            "max_distance"_a = unlimited, "filter"_a = nb::none(), "cache"_a = nb::none(),
            nb::sig("def closest_objects(self, *, relative_error: float = 0.0, absolute_error: float = 0.0, "

@@ -55,6 +55,13 @@ void SceneObject::commit() {
   without_gil([&] { scene_.commit(); });
 }
 
+int SceneObject::visit_references(visitproc visit, void* argument) const {
+  for (const auto& [model, shared] : models_) {
+    if (const int result = visit(shared.owner.ptr(), argument); result != 0) return result;
+  }
+  return 0;
+}
+
 nb::object SceneObject::model(ObjectId id) {
   return look([&](const Scene& scene) {
     (void)scene.object(id);  // throws unless there is such an object

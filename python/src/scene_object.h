@@ -33,6 +33,10 @@ class SceneObject {
 
   nb::object model(ObjectId id);
 
+  /// For the garbage collector: calls visit(object, argument) for what this keeps alive, until it returns something
+  /// other than 0; returns that.
+  int visit_references(visitproc visit, void* argument) const;
+
   /// Calls query(scene) while nobody changes the scene; models may change meanwhile.
   template <typename Query>
   auto look(const Query& query) {

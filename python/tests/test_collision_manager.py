@@ -82,6 +82,13 @@ def test_distances() -> None:
     )
 
 
+def test_any_string_is_a_name() -> None:
+    manager = boxes(0)
+    manager.add_object("", trimesh.creation.box(), at(0.9))
+    assert manager.in_collision_internal(return_names=True) == (True, {("", "a")})
+    assert manager.min_distance_internal("", return_names=True) == (0, ("", "a"))
+
+
 def test_mistakes_are_errors() -> None:
     manager = boxes(0)
     for mistake in (

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import _thread
+import os
 import signal
 import sys
 import threading
@@ -52,12 +53,24 @@ def test_collisions_of_many_poses_are_those_of_single_calls(ball: limber3d.Model
             assert record["triangle_b"] == single.witness.triangle_b
 
 
+def test_within_of_many_poses_is_that_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
+    poses = random_poses(3, 500)
+    many = limber3d.within_many(ball, tetra, 0.5, poses_b=poses)
+    assert many.dtype == limber3d.within_dtype and many["within"].any() and not many["within"].all()
+    for record, pose in zip(many, poses):
+        single = limber3d.within(ball, tetra, 0.5, pose_b=pose)
+        assert record["within"] == single.within
+        if single.witness is not None:
+            assert (record["point_b"] == single.witness.point_b).all()
+
+
 def test_contacts_of_many_poses_are_those_of_single_calls(ball: limber3d.Model) -> None:
     poses = random_poses(4, 200)
     rings = limber3d.NeighborRings(ball, 1)
     for filter in (None, rings):
         contacts, offsets = limber3d.contacts_many(ball, ball, 0.1, poses, filter=filter)
-        assert offsets.shape == (201,) and offsets.dtype == numpy.int64 and offsets[-1] == len(contacts) > 0
+        assert contacts.dtype == limber3d.contact_dtype and offsets.dtype == numpy.int64
+        assert offsets.shape == (201,) and offsets[-1] == len(contacts) > 0
         for i, pose in enumerate(poses):
             single = limber3d.contacts(ball, ball, 0.1, pose, filter=filter)
             assert (contacts[offsets[i] : offsets[i + 1]] == single).all() and offsets[i + 1] - offsets[i] == len(
@@ -104,7 +117,8 @@ def test_tracking_gives_the_answers_of_single_calls(tetra: limber3d.Model, ball:
     frames = TETRA_VERTICES + random_poses(7, 40, 4.0)[:, None, :3, 3]
     poses = random_poses(8, 40)
     answers = limber3d.track(tetra, iter(frames.astype(numpy.float32)), ball, poses, max_distance=9.0)
-    assert answers.shape == (40,) and (tetra.vertices == frames[-1].astype(numpy.float32)).all()
+    assert answers.shape == (40,) and answers.dtype == limber3d.distance_dtype
+    assert (tetra.vertices == frames[-1].astype(numpy.float32)).all()
     for frame, pose, record in zip(frames.astype(numpy.float32), poses, answers):
         moved = limber3d.Model(frame, TETRA_FACES)
         assert record["upper"] == limber3d.distance(moved, ball, pose, max_distance=9.0).upper
@@ -205,3 +219,21 @@ def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) ->
         limber3d.set_thread_limit(None)
     with pytest.raises(ValueError):
         limber3d.set_thread_limit(0)
+
+
+def test_a_batch_may_have_threads_of_its_own(ball: limber3d.Model) -> None:
+    poses = random_poses(10, 300)
+    expected = limber3d.distance_many(ball, ball, poses)
+    for threads in (1, 2, 5):
+        assert (limber3d.distance_many(ball, ball, poses, threads=threads) == expected).all()
+    with pytest.raises(ValueError, match="threads: expected at least 1, or None"):
+        limber3d.collide_many(ball, ball, poses, threads=0)
+
+
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one processor")
+def test_with_one_thread_the_caller_does_all_the_work(ball: limber3d.Model) -> None:
+    poses = random_poses(10, 20_000)
+    start, own = time.process_time(), time.thread_time()
+    limber3d.distance_many(ball, ball, poses, threads=1)
+    start, own = time.process_time() - start, time.thread_time() - own
+    assert own > 0.9 * start

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import copy
 import gc
+import gc
 import pickle
+import weakref
 from types import SimpleNamespace
 
 import limber3d
@@ -81,6 +83,8 @@ def test_meshes_of_friends_are_taken() -> None:
     for mesh in (
         box,
         SimpleNamespace(vertices=box.vertices, triangles=box.faces.astype("int32")),
+        # As Open3D's TriangleMesh: buffers that are not arrays of NumPy.
+        SimpleNamespace(vertices=numpy.array(box.vertices).data, triangles=box.faces.astype(numpy.int32).data),
     ):
         model = limber3d.Model(mesh)
         assert (model.vertices == box.vertices).all() and (model.faces == box.faces).all()
@@ -143,3 +147,46 @@ def test_files_are_loaded(tmp_path: object) -> None:
         limber3d.load(str(folder / "bad.obj"))
     sequence = limber3d.MeshSequence(path)
     assert (sequence.read_positions(path, 1) == sequence.vertices).all()
+
+
+class Organ(limber3d.Model):
+    """A model with a constructor and an attribute of its own, and a cycle of references."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(*shapes.ball(), motion_margin=0.01)
+        self.name = name
+        self.surface: limber3d.ClosedSurface | None = None
+        self.scene: limber3d.Scene | None = None
+
+
+def test_pickles_and_copies_of_subclasses_keep_their_attributes() -> None:
+    organ = Organ("liver")
+    organ.move_all(organ.vertices * 2)
+    organ.commit()
+    for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+        for twin in (pickle.loads(pickle.dumps(organ, protocol)), copy.copy(organ), copy.deepcopy(organ)):
+            assert isinstance(twin, Organ) and vars(twin) == vars(organ) and vars(twin) is not vars(organ)
+            assert (twin.vertices == organ.vertices).all() and twin.options == organ.options
+
+
+@pytest.mark.filterwarnings("ignore:nanobind")
+@pytest.mark.parametrize("state", [(), (1, 2), (1, 2, {}, None), (shapes.TETRA_VERTICES, [[0, 1, 9]], None, None)])
+def test_damaged_pickles_are_refused(state: tuple[object, ...]) -> None:
+    model = limber3d.Model.__new__(limber3d.Model)
+    with pytest.raises((TypeError, ValueError, RuntimeError, KeyError)):
+        model.__setstate__(state)
+    with pytest.raises(TypeError):
+        repr(model)
+
+
+def test_cycles_of_references_are_collected() -> None:
+    organs = [weakref.ref(organ) for organ in map(Organ, ["liver", "heart"]) if tie(organ)]
+    gc.collect()
+    assert [organ() for organ in organs] == [None, None]
+
+
+def tie(organ: Organ) -> bool:
+    """Lets a model know objects that keep it alive."""
+    organ.surface, organ.scene = limber3d.ClosedSurface(organ), limber3d.Scene()
+    organ.scene.add(organ)
+    return True

@@ -54,6 +54,9 @@ def test_closed_surfaces_tell_inside_from_outside(ball: limber3d.Model) -> None:
         assert one.distance == record["distance"] and one.is_inside == is_inside
         assert surface.winding_number(point) == (1 if is_inside else 0)
     assert surface.winding_number([0, 0, 1]) is None
+    on_it = surface.signed_distances(ball.vertices)["distance"]
+    assert (on_it == 0).all() and not numpy.signbit(on_it).any()
+    assert math.copysign(1, surface.signed_distance([0, 0, 1]).distance or 0.0) == 1
     assert surface.signed_distance([9, 0, 0], max_distance=1.0).distance is None
     assert surface.contains([5, 0, 0], ([1, 0, 0, 0], [5, 0, 0])) and surface.model is ball
 

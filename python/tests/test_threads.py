@@ -5,14 +5,18 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import limber3d
 import numpy
+import pytest
 import shapes
 
 POSES = shapes.random_poses(1, 200, 1.5)
@@ -150,6 +154,50 @@ def test_a_cache_serves_one_query_at_a_time(ball: limber3d.Model) -> None:
     limber3d.self_distance(ball, filter=using_it_again, cache=cache)
     assert refused > 0
     assert limber3d.distance(ball, ball, cache=cache).upper == 0
+
+
+def test_control_c_ends_a_search_for_pairs() -> None:
+    """A signal that comes while a call finds pairs ends the call there; the model can be used afterwards."""
+    corners = numpy.random.default_rng(3).normal(size=(60_000, 3))
+    soup = limber3d.Model(corners, numpy.arange(60_000).reshape(-1, 3))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.2, lambda: signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT))
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            start = time.monotonic()
+            limber3d.self_intersections(soup)
+    finally:
+        elapsed = time.monotonic() - start
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+    assert elapsed < 2
+    soup.commit()
+    assert limber3d.collide(soup, soup)
+
+
+DAEMONS = """
+import sys, threading, time
+sys.path.append(sys.argv[1])
+import limber3d, shapes
+ball, large = limber3d.Model(*shapes.ball()), limber3d.Model(*shapes.ball(200, 200))
+def ask(model):
+    while True:
+        limber3d.distance(model, model, ([1, 0, 0, 0], [3, 0, 0]))
+def search():
+    while True:
+        limber3d.self_contacts(large, 0.02)
+for target, arguments in ((ask, [ball]), (ask, [large]), (search, [])):
+    threading.Thread(target=target, args=arguments, daemon=True).start()
+time.sleep(0.05)
+"""
+
+
+def test_python_may_end_while_daemons_ask() -> None:
+    for _ in range(4):
+        command = [sys.executable, "-c", DAEMONS, str(Path(__file__).parent)]
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
+        assert (ended.returncode, ended.stderr) == (0, "")
 
 
 def distance_elsewhere(model: limber3d.Model) -> numpy.typing.NDArray[numpy.float64]:

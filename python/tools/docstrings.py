@@ -102,7 +102,7 @@ def names_in(code: str, scope: str | None) -> str | None:
         code = re.sub(r"^explicit\s+", "", code)
     if function := FUNCTION.match(code):
         return f"{scope}_init" if function[1] == scope else function[1]
-    if member := MEMBER.search(code):
+    if member := MEMBER.search(re.sub(r"<[^<>]*>", "", code)):
         return member[1]
     return None
 

@@ -94,11 +94,22 @@ PositionsView PositionsView::packed(std::span<const double> coordinates) {
   return strided(coordinates.data(), coordinates.size() / 3, 3 * sizeof(double));
 }
 
+namespace {
+
+void require_stride(std::size_t stride_bytes) {
+  LIMBER_REQUIRE(stride_bytes <= static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max()),
+                 "limber::PositionsView::strided: the stride is negative, or larger than any memory");
+}
+
+}  // namespace
+
 PositionsView PositionsView::strided(const float* first, std::size_t count, std::size_t stride_bytes) {
+  require_stride(stride_bytes);
   return {first, count, stride_bytes, true};
 }
 
 PositionsView PositionsView::strided(const double* first, std::size_t count, std::size_t stride_bytes) {
+  require_stride(stride_bytes);
   return {first, count, stride_bytes, false};
 }
 

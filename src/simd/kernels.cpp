@@ -8,6 +8,11 @@
 #include <atomic>
 #include <vector>
 
+// Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. The macro tells
+// Highway so. It would otherwise mark functions by an attribute that GCC does not give to constructors that it makes.
+#if defined(__aarch64__)
+#define TOOLCHAIN_MISS_SYS_AUXV_H
+#endif
 // Vectors whose size is not known cannot be members.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE

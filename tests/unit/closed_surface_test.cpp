@@ -97,6 +97,7 @@ TEST(ClosedSurface, KnownAnswers) {
           const SignedDistance found = surface.signed_distance({x, y, z});
           EXPECT_EQ(found.is_inside, is_in);
           EXPECT_EQ(found.distance(), is_in ? -found.closest->distance : found.closest->distance);
+          EXPECT_EQ(std::signbit(found.distance()), is_in && found.closest->distance > 0);
           EXPECT_EQ(found.closest->distance, closest_point({model}, {x, y, z}).closest->distance);
         }
       }

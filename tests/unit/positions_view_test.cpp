@@ -43,6 +43,15 @@ TEST(PositionsView, ReadsStridedCoordinatesWithoutAlignment) {
   EXPECT_EQ(odd[2], (Vec3{2, 2, 3}));
 }
 
+TEST(PositionsView, RefusesNegativeStrides) {
+  const std::vector<float> floats(6);
+  const std::vector<double> doubles(6);
+  const auto backwards = static_cast<std::size_t>(-24);
+  EXPECT_THROW(PositionsView::strided(floats.data() + 3, 2, backwards), std::invalid_argument);
+  EXPECT_THROW(PositionsView::strided(doubles.data() + 3, 2, backwards), std::invalid_argument);
+  EXPECT_EQ(PositionsView::strided(doubles.data(), 2, 0).size(), 2U);
+}
+
 TEST(PositionsView, MovesModels) {
   Model model(scenes::grid(4, 4, 0, 0, 1, 1)), same(scenes::grid(4, 4, 0, 0, 1, 1));
   std::vector<Vec3> positions = model.mesh().positions();
