@@ -74,13 +74,15 @@ def gated_run(task: work.Task, meshes: bytes | str) -> bytes | None:
 
 
 def start(code: str, *arguments: object) -> subprocess.Popen[bytes]:
-    """Python, whose processes import what tests import."""
+    """Python with that code."""
     return subprocess.Popen([sys.executable, "-c", code, *map(str, arguments)], env=environment())
 
 
 def environment() -> dict[str, str]:
+    """That of processes. They import what tests import, and Dask does not look for one that was killed for long."""
     paths = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    timeout = {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "5s"}
+    return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | timeout
 
 
 def kill(process: subprocess.Popen[bytes]) -> None:

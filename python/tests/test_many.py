@@ -8,7 +8,6 @@ import _thread
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from types import SimpleNamespace
@@ -135,22 +134,23 @@ def interruptible() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-def interrupt_after(seconds: float) -> threading.Timer:
-    """Ctrl-C, soon."""
-    timer = threading.Timer(seconds, _thread.interrupt_main)
-    timer.start()
-    return timer
-
-
-def test_interruption_keeps_what_is_done(ball: limber3d.Model, interruptible: None) -> None:
+def test_interruption_keeps_what_is_done(
+    ball: limber3d.Model, interruptible: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     poses = numpy.tile(random_poses(9, 1000), (300, 1, 1))
     expected = limber3d.distance_many(ball, ball, poses[:1000])
-    timer = interrupt_after(0.3)
+    original = limber3d.many._parts
+
+    def interrupted_parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
+        for i, part in enumerate(original(count, is_shown)):
+            if i == 3:
+                _thread.interrupt_main()  # Ctrl-C
+            yield part
+
+    monkeypatch.setattr(limber3d.many, "_parts", interrupted_parts)
     start = time.monotonic()
     with pytest.raises(limber3d.BatchInterrupted) as interrupted:
-        while time.monotonic() - start < 20:
-            limber3d.distance_many(ball, ball, poses)
-    timer.join()
+        limber3d.distance_many(ball, ball, poses)
     assert time.monotonic() - start < 5
     partial = interrupted.value
     assert isinstance(partial, KeyboardInterrupt) and 0 < partial.count < 300_000
