@@ -111,7 +111,22 @@ ExitCode write_help(const CLI::App& app, const std::string& word) {
   throw BadInput(no_such_verb(app, word));
 }
 
+/// A word as a shell reads it back.
+std::string shell_word(std::string_view word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string_view::npos) return std::string(word);
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + '\'';
+}
+
 }  // namespace
+
+std::string typed_line(int argc, const char* const* argv) {
+  std::string line = "limber";
+  for (int i = 1; i < argc; ++i) line += ' ' + shell_word(argv[i]);
+  return line;
+}
 
 void describe(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());

@@ -14,6 +14,9 @@ namespace limber::program {
 /// What the program says about itself. Verbs that are added later take over how help is written.
 void describe(CLI::App& app);
 
+/// The command line as it could be typed into a shell, the program called limber.
+std::string typed_line(int argc, const char* const* argv);
+
 Verb add_help(CLI::App& app);
 Verb add_version(CLI::App& app);
 

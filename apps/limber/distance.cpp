@@ -3,10 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "distance_answer.h"
 #include "distance_pairs.h"
+#include "distance_report.h"
 #include "options.h"
+#include "page_template.h"
 #include "pair_arguments.h"
 #include "text.h"
 #include "verb.h"
@@ -19,6 +22,7 @@ struct DistanceArguments {
   std::string pairs, out = "-";
   DistanceOptions options;
   double min_clearance = 0;  // 0: none is asked for
+  ReportArguments report;
 };
 
 DistanceQuestion question_of(const DistanceArguments& arguments) {
@@ -40,8 +44,11 @@ void write_lines(const DistanceAnswer& answer, const DistanceArguments& argument
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
+  std::optional<ReportFile> report;
+  if (!arguments.report.path.empty()) report.emplace(arguments.report, Names{arguments.pair.a, arguments.pair.b});
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
+  if (report) report->write(report_template, distance_report(arguments.pair, pair, question, answer));
   if (arguments.pair.json) {
     Json json = {{"query", "distance"}};
     append_answer(json, answer);
@@ -77,6 +84,10 @@ left out is 0; a quaternion is given whole, or not at all. Other columns are ign
 misspelt. Blank lines and those that start with # are skipped. Paths are relative to the working directory. Each file is
 loaded once.
 
+--report writes one HTML file that needs no network: both meshes in 3D with the closest points, a section through
+them, the distance of each surface from the other in colours, or the triangles that intersect, and the answer as a
+table.
+
 Example, pairs.csv:
 
   model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz
@@ -99,7 +110,7 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
   for (const char* const name : {"A", "B"}) {
     if (!has_pairs && !is_given(name)) throw CLI::RequiredError(name);
   }
-  for (const char* const name : {"A", "B", "--pose-a", "--pose-b"}) {
+  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--report"}) {
     if (has_pairs && is_given(name)) throw CLI::ValidationError("--pairs", std::string("leaves no room for ") + name);
   }
   if (!has_pairs && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs");
@@ -113,8 +124,9 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
 
 }  // namespace
 
-Verb add_distance(CLI::App& app) {
+Verb add_distance(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<DistanceArguments>();
+  arguments->report.command_line = command_line;
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
   add_pair_arguments(command, arguments->pair,
                      "a pair is at most --max-distance apart; where --min-clearance is given, that decides");
@@ -133,6 +145,8 @@ Verb add_distance(CLI::App& app) {
   command.add_option("--out", arguments->out, "with --pairs: where the answer is written, - for standard output")
       ->type_name("FILE")
       ->capture_default_str();
+  add_report(command, arguments->report,
+             "also write a page that shows the answer: both meshes, a section, their distance in colours");
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
   const std::string columns = fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", "));
   command.footer(help_text + columns);

@@ -41,9 +41,10 @@ class RigidModel {
   /// Pre: the engine is the fast one.
   const Model& fast() const { return std::get<Model>(model_); }
   std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
-  double build_us() const { return build_us_; }  ///< time for the tree
-  const Box& box() const { return box_; }        ///< of the triangles, in the model's frame
-  bool is_closed() const;                        ///< counted when it is first asked for
+  std::size_t face_count() const { return face_count_; }  ///< of the file
+  double build_us() const { return build_us_; }           ///< time for the tree
+  const Box& box() const { return box_; }                 ///< of the triangles, in the model's frame
+  bool is_closed() const;                                 ///< counted when it is first asked for
 
  private:
   template <typename Query>
@@ -53,6 +54,7 @@ class RigidModel {
   double build_us_ = 0;
   std::variant<Model, classic::Model, Mesh> model_;
   std::vector<std::uint32_t> face_of_triangle_;
+  std::size_t face_count_ = 0;
   mutable std::optional<bool> is_closed_;
 };
 

@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "answers.h"
 #include "bad_input.h"
 #include "deforming_model.h"
 #include "options.h"
@@ -21,6 +21,8 @@
 #include "text.h"
 #include "track_contacts.h"
 #include "track_inputs.h"
+#include "track_report.h"
+#include "track_row.h"
 #include "verb.h"
 
 namespace limber::program {
@@ -40,18 +42,7 @@ struct TrackArguments {
   TrackContactArguments contacts;
   std::uint64_t loops = 1;
   bool json = false;
-};
-
-/// Work done on trees between two frames.
-struct Update {
-  double elapsed_us = 0;
-  DeformingWork done;
-
-  Update& operator+=(const Update& other) {
-    elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
-    done += other.done;
-    return *this;
-  }
+  TrackReportArguments report;
 };
 
 /// One of the two models, which is moved from frame to frame.
@@ -67,10 +58,11 @@ class TrackedModel {
   std::size_t pose_count() const { return poses_.size(); }
   const DeformingModel& model() const { return model_; }
   const Transform& pose() const { return poses_[pose_]; }
+  ReplayedState state() const { return {model_.mesh().positions(), pose()}; }
   std::uint32_t face_of(TriangleId triangle) const { return frames_.first().face_of_triangle[triangle]; }
 
   /// Moves to a frame of the lists. Only vertices whose position differs are moved; reading is not timed.
-  Update go_to(std::size_t frame) {
+  TreeUpdate go_to(std::size_t frame) {
     if (poses_.size() > 1) pose_ = frame;
     if (frames_.count() == 1) return {};
     const DeformingWork before = model_.work();
@@ -109,16 +101,6 @@ class TrackedModel {
   std::vector<std::optional<std::vector<Vec3>>> cached_;  // by frame; empty when no frame comes twice
 };
 
-/// One line of the answer.
-struct Row {
-  std::size_t frame = 0;
-  Update update;
-  double query_us = 0;
-  DistanceResult result;
-  std::optional<FoundWitness> witness;
-  std::vector<FrameContacts> contacts;
-};
-
 /// Which pairs of triangles are counted in each frame: those of two models, or of one with itself.
 struct AskedContacts {
   std::string name;
@@ -148,37 +130,8 @@ FrameContacts find_contacts(const AskedContacts& asked, double margin) {
   return answer;
 }
 
-std::string csv_header(const std::vector<AskedContacts>& asked) {
-  std::string header =
-      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests",
-                  distance_columns, witness_columns);
-  for (const AskedContacts& contacts : asked) header += ',' + frame_contact_columns(contacts.name);
-  return header + '\n';
-}
-
-std::string csv_line(const Row& row) {
-  std::string line =
-      fmt::format("{},{},{},{},{},{},{},{},{}", row.frame, to_text(row.update.elapsed_us), to_text(row.query_us),
-                  csv_cells(row.result, row.witness), row.update.done.moved_vertices, row.update.done.refits,
-                  row.update.done.absorbed, row.result.stats.node_tests, row.result.stats.triangle_tests);
-  for (const FrameContacts& contacts : row.contacts) line += ',' + csv_cells(contacts);
-  return line + '\n';
-}
-
-std::string json_line(const Row& row) {
-  Json json = {{"frame", row.frame}, {"update_us", row.update.elapsed_us}, {"query_us", row.query_us}};
-  append_distance(json, row.result, row.witness);
-  json["moved_vertices"] = row.update.done.moved_vertices;
-  json["refits"] = row.update.done.refits;
-  json["absorbed"] = row.update.done.absorbed;
-  json["node_tests"] = row.result.stats.node_tests;
-  json["triangle_tests"] = row.result.stats.triangle_tests;
-  for (const FrameContacts& contacts : row.contacts) append_contacts(json, contacts);
-  return to_line(json);
-}
-
-Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const DistanceOptions& options) {
-  Row row;
+TrackRow track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const DistanceOptions& options) {
+  TrackRow row;
   row.update += a.go_to(frame);
   row.update += b.go_to(frame);
   const Stopwatch asking;
@@ -186,6 +139,19 @@ Row track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const Dista
   row.query_us = asking.microseconds();
   row.witness = with_faces(row.result.witness, a, b);
   return row;
+}
+
+ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& model) {
+  return {arguments.frames.front(), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
+}
+
+/// All files that are read.
+Names inputs_of(const TrackArguments& arguments) {
+  Names inputs = {arguments.a.poses, arguments.b.poses};
+  for (const ModelArguments* const model : {&arguments.a, &arguments.b}) {
+    inputs.insert(inputs.end(), model->frames.begin(), model->frames.end());
+  }
+  return inputs;
 }
 
 ExitCode run(const TrackArguments& arguments) {
@@ -196,26 +162,38 @@ ExitCode run(const TrackArguments& arguments) {
       {{"--a", a.mesh_count()}, {"--b", b.mesh_count()}, {"--poses-a", a.pose_count()}, {"--poses-b", b.pose_count()}});
   const std::size_t row_count = frame_count * arguments.loops;
   const std::vector<AskedContacts> asked = asked_contacts(arguments.contacts, a, b);
+  std::vector<std::string> contact_names;
+  for (const AskedContacts& contacts : asked) contact_names.push_back(contacts.name);
+  std::optional<TrackReport> report;
+  if (!arguments.report.path.empty()) {
+    report.emplace(
+        arguments.report, inputs_of(arguments),
+        TrackReport::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query},
+        std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
+  }
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) write(csv_header(asked));
+  if (!arguments.json) write(track_csv_header(contact_names));
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
-    Row row = track_frame(a, b, r % frame_count, arguments.query);
+    TrackRow row = track_frame(a, b, r % frame_count, arguments.query);
     row.frame = r;
     for (const AskedContacts& contacts : asked) {
       row.contacts.push_back(find_contacts(contacts, arguments.contacts.margin.value_or(0)));
     }
+    if (report) report->add(row, {a.state(), b.state()});
     if (isatty(STDOUT_FILENO) != 0) bar.clear();
     write(arguments.json ? json_line(row) : csv_line(row));
     flush();
   }
+  if (report) report->write();
   return ExitCode::answered;
 }
 
 }  // namespace
 
-Verb add_track(CLI::App& app) {
+Verb add_track(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<TrackArguments>();
+  arguments->report.command_line = command_line;
   CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
   command
       .add_option("--a", arguments->a.frames,
@@ -236,6 +214,7 @@ Verb add_track(CLI::App& app) {
   add_track_contacts(command, arguments->contacts);
   add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
+  add_track_report(command, arguments->report);
   command.footer(R"(
 All frames of one model have the same faces. Lists of one entry hold for every frame; others agree in length.
 
@@ -247,6 +226,10 @@ The answer is CSV with a header, or with --json an object for each frame. lower 
 models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files.
 Whether one model lies inside the other is not looked at.
+
+--report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
+of the distance, of times, and of contacts where they are counted. A vertex of a deforming mesh is shown within 2^-16 of
+the diagonal of its first frame in each coordinate.
 
 --contacts adds columns that start with contact_, and --self those that start with self_a_ and self_b_ for each model
 that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 namespace CLI {
 class App;
@@ -27,13 +28,14 @@ struct Verb {
 };
 
 Verb add_info(CLI::App& app);
-Verb add_distance(CLI::App& app);
+/// `command_line` is what reports say about their making.
+Verb add_distance(CLI::App& app, const std::string& command_line);
 Verb add_collide(CLI::App& app);
 Verb add_within(CLI::App& app);
 Verb add_contacts(CLI::App& app);
 Verb add_self(CLI::App& app);
 Verb add_points(CLI::App& app);
-Verb add_track(CLI::App& app);
+Verb add_track(CLI::App& app, const std::string& command_line);
 Verb add_demo(CLI::App& app);
 Verb add_haptics(CLI::App& app);
 

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "page_template.h"
+
+#include <stdexcept>
+
+namespace limber::program {
+
+std::string filled_page(std::string_view page, const Json& data) {
+  constexpr std::string_view placeholder = "\"data of the page\"";
+  const std::size_t at = page.find(placeholder);
+  if (at == std::string_view::npos) throw std::logic_error("a page has no place for its data");
+  std::string filled(page.substr(0, at));
+  for (const char c : to_line(data)) {
+    if (c == '<') {
+      filled += "\\u003c";  // no name of a file ends the script that the data stands in
+    } else {
+      filled += c;
+    }
+  }
+  return filled.append(page.substr(at + placeholder.size()));
+}
+
+}  // namespace limber::program

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report_file.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+
+#include "bad_input.h"
+#include "models.h"
+#include "page_template.h"
+
+namespace limber::program {
+namespace {
+
+constexpr const char* option_name = "--report";
+
+/// The path, if a report may be written there.
+const std::string& checked(const std::string& path, const Names& inputs) {
+  if (path == "-") throw BadInput(fmt::format("{}: must name a file", option_name));
+  const auto is_path = [&](const std::string& input) { return !is_scene(input) && is_same_file(input, path); };
+  if (std::any_of(inputs.begin(), inputs.end(), is_path)) {
+    throw BadInput(fmt::format("{}: {} is one of the inputs", option_name, path));
+  }
+  return path;
+}
+
+}  // namespace
+
+CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description) {
+  return command.add_option(option_name, arguments.path, description)->type_name("FILE");
+}
+
+ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
+    : command_line_(arguments.command_line), file_(option_name, checked(arguments.path, inputs)) {}
+
+void ReportFile::write(std::string_view page, Json data) {
+  data["version"] = LIMBER_VERSION;
+  data["command"] = command_line_;
+  file_.write(filled_page(page, data));
+}
+
+std::string shown_name(const std::string& argument) {
+  return is_scene(argument) ? argument : std::filesystem::path(argument).filename().string();
+}
+
+}  // namespace limber::program

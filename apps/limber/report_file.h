@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+/// `--report`: an answer as one page to hand on.
+namespace limber::program {
+
+using Names = std::vector<std::string>;
+
+/// Where to, and what the page says about its making.
+struct ReportArguments {
+  std::string path;  ///< empty: no report is asked for
+  std::string command_line;
+};
+
+CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description);
+
+/// The file of a report. It is opened before the models are asked, so that a path that cannot be written is told at
+/// once.
+class ReportFile {
+ public:
+  /// Errors   BadInput where the path is "-", is that of one of the inputs, which are models as the user has named them, or cannot be written.
+  ReportFile(const ReportArguments& arguments, const Names& inputs);
+
+  /// Fills the page and writes it. What every page has, the program's version and the command line, is added.
+  ///
+  /// Errors   OutputFailed.
+  void write(std::string_view page, Json data);
+
+ private:
+  std::string command_line_;
+  OutputFile file_;
+};
+
+/// A name of a model as a page shows it: without its folders.
+std::string shown_name(const std::string& argument);
+
+}  // namespace limber::program

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Builds the pages that the program is compiled with: one file each in apps/limber/pages, with everything inside. With
+// --check it writes nothing, and fails where a committed page is not what the sources give.
+import { createHash } from 'node:crypto';
+import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { build, transform } from 'esbuild';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const pages = join(here, '../../apps/limber/pages');
+const all = {
+  report: { title: 'limber distance', sheets: ['shared/page.css'] },
+  replay: { title: 'limber track', sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'] },
+};
+const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts the data there
+
+/** The digest of all that pages are made of; tests/program/check_pages.cmake computes it too, without npm. */
+function digestOfSources() {
+  const names = readdirSync(here, { recursive: true, withFileTypes: true })
+    .filter((entry) => entry.isFile())
+    .map((entry) => join(entry.parentPath, entry.name).slice(here.length + 1).replaceAll('\\', '/'))
+    .filter((name) => /^(report|replay|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name));
+  const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
+  return sha256(lines.join(''));
+}
+
+const sha256 = (content) => createHash('sha256').update(content).digest('hex');
+
+async function page(name, digest) {
+  const { title, sheets } = all[name];
+  const read = (path) => readFileSync(join(here, path), 'utf8');
+  const bundle = await build({
+    entryPoints: [join(here, name, 'main.ts')],
+    bundle: true,
+    minify: true,
+    format: 'iife',
+    target: 'es2022',
+    charset: 'ascii',
+    legalComments: 'eof',
+    write: false,
+    logLevel: 'warning',
+  });
+  const style = await transform(sheets.map(read).join('\n'), { loader: 'css', minify: true, charset: 'ascii', legalComments: 'none' });
+  return `<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<meta name="limber-sources" content="${digest}">
+<title>${title}</title>
+<link rel="icon" href="data:,">
+<style>${style.code.trim()}</style>
+</head>
+${read(`${name}/page.html`).trim()}
+<script type="application/json" id="data">${placeholder}</script>
+<script>${bundle.outputFiles[0].text.trim()}</script>
+</body>
+</html>
+`;
+}
+
+const isCheck = process.argv.includes('--check');
+const digest = digestOfSources();
+let failed = false;
+for (const name of Object.keys(all)) {
+  const path = join(pages, `${name}.html`);
+  const built = await page(name, digest);
+  if (!isCheck) {
+    writeFileSync(path, built);
+    console.log(`${path}: ${built.length} bytes`);
+  } else if (readFileSync(path, 'utf8') !== built) {
+    console.error(`${path} is not what web/pages gives; run ./dev web`);
+    failed = true;
+  }
+}
+process.exitCode = failed ? 1 : 0;

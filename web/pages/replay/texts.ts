@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** The answers in words, tiles and tables. */
+
+import { byId, element, fillTable } from '../shared/dom.ts';
+import { grouped, shown, shownTime } from '../shared/numbers.ts';
+import type { ReplayData } from './data.ts';
+import type { ReplayModel } from './model.ts';
+
+const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
+
+/** The distance in a row: one number, or an interval. */
+export function shownDistance({ rows }: ReplayData, row: number): string {
+  const [lower, upper] = [rows.lower[row], rows.upper[row]];
+  if (rows.status[row] === 'collision') return 'in contact';
+  if (upper === null) return lower === null ? 'far apart' : `more than ${shown(lower)}`;
+  return lower === null || lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
+}
+
+export function showTitle({ models: [a, b], rows, stride, max_megabytes }: ReplayData): void {
+  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
+  const count = rows.status.length;
+  byId('kind').textContent = `limber track, ${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
+  if (stride === 1) return;
+  byId('view-caption').textContent =
+    `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
+}
+
+const median = (values: readonly number[]): number => [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
+
+export function showTiles({ rows }: ReplayData): void {
+  const tile = (number: string, name: string, kind = ''): HTMLElement =>
+    element('div', '', element('b', kind, number), element('span', 'soft', name));
+  const contactCount = rows.status.filter((status) => status === 'collision').length;
+  const uppers = rows.upper.map((upper) => upper ?? Infinity);
+  const least = uppers.reduce((a, b) => Math.min(a, b), Infinity);
+  const tiles = [];
+  if (contactCount > 0) {
+    const first = rows.status.indexOf('collision');
+    tiles.push(tile(`${grouped(contactCount)} in contact`, `frames; the first is ${grouped(first)}`, 'bad'));
+  } else if (Number.isFinite(least)) {
+    const row = uppers.indexOf(least);
+    const name = rows.lower[row] === least ? 'smallest distance' : 'smallest upper bound';
+    tiles.push(tile(shown(least), `${name}, in frame ${grouped(row)}`));
+  } else {
+    tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
+  }
+  const updates = rows.update_us.filter((us) => us > 0);
+  tiles.push(tile(shownTime(median(rows.query_us)), 'median time of a distance query'));
+  if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median time of an update of the trees'));
+  byId('tiles').append(...tiles);
+}
+
+/** The row that is shown. */
+export function showNow(data: ReplayData, row: number): void {
+  const { rows, contacts } = data;
+  const distance = shownDistance(data, row);
+  byId('frame-text').textContent = `${row} of ${rows.status.length - 1}`;
+  byId('frame').setAttribute('aria-valuetext', `frame ${row}, ${distance}`);
+  byId('now-distance').textContent = distance;
+  const lines = [
+    ['Status', rows.status[row].replace('_', ' ')],
+    ['Lower bound', rows.lower[row] === null ? 'none' : String(rows.lower[row])],
+    ['Upper bound', rows.upper[row] === null ? 'none' : String(rows.upper[row])],
+    ['Time', `update ${shownTime(rows.update_us[row])}, query ${shownTime(rows.query_us[row])}`],
+    ['Moved vertices', grouped(rows.moved_vertices[row])],
+  ];
+  const witness = rows.witness[row];
+  if (witness !== null) lines.push(['Triangles', `${witness[6]} of A, ${witness[7]} of B`]);
+  for (const { name, count, intersecting } of contacts) {
+    lines.push([contactName(name), `${grouped(count[row])} pairs, ${grouped(intersecting[row])} of them intersect`]);
+  }
+  fillTable(byId('now'), lines);
+}
+
+export const contactName = (name: string): string =>
+  ({ contact: 'Contacts', self_a: 'A with itself', self_b: 'B with itself' })[name] ?? name;
+
+export function showModels(data: ReplayData, models: readonly ReplayModel[]): void {
+  const of = (name: string, text: (model: ReplayModel) => string): string[] => [name, ...models.map(text)];
+  fillTable(byId('models'), [
+    ['', letter('A'), letter('B')],
+    of('Name', ({ data: model }) => model.name),
+    of('Triangles', ({ data: model }) => grouped(model.triangles)),
+    of('Vertices', ({ data: model }) => grouped(model.vertices)),
+    of('Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')),
+    of('Shown within', ({ data: { frames, positions } }) =>
+      `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
+    ),
+  ]);
+  const settings = [`Engine: ${data.engine}.`];
+  if (data.relative_error > 0) settings.push(`Allowed relative error: ${data.relative_error}.`);
+  if (data.absolute_error > 0) settings.push(`Allowed absolute error: ${data.absolute_error}.`);
+  if (data.max_distance !== null) settings.push(`Largest distance asked for: ${data.max_distance}.`);
+  byId('settings').textContent = settings.join(' ');
+}

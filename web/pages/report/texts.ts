@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** The answer in words, tiles and tables. */
+
+import { byId, element, fillTable } from '../shared/dom.ts';
+import { grouped, shown, shownPoint, shownTime } from '../shared/numbers.ts';
+import { subtract } from '../shared/vectors.ts';
+import type { ReportData } from './data.ts';
+import type { ReportModel } from './model.ts';
+
+const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
+
+/** The distance as it stands next to the closest points: one number, or an interval. */
+export function shownDistance(data: ReportData): string {
+  if (data.upper === null) return `more than ${shown(data.lower)}`;
+  if (data.lower === data.upper) return shown(data.upper);
+  return `${shown(data.lower)} to ${shown(data.upper)}`;
+}
+
+export function showTitle({ models: [a, b] }: ReportData): void {
+  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
+}
+
+export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
+  const tile = (number: string, name: string, kind = ''): HTMLElement =>
+    element('div', '', element('b', kind, number), element('span', 'soft', name));
+  const tiles = [];
+  if (data.status === 'collision') {
+    tiles.push(tile('They collide', `${grouped(data.intersections)} pairs of triangles intersect`, 'bad'));
+  } else {
+    tiles.push(tile(capital(shownDistance(data)), 'clearance, in the meshes\u2019 unit'));
+  }
+  if (data.min_clearance !== null) {
+    const required = shown(data.min_clearance);
+    if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
+    else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
+  }
+  for (const [i, { data: model }] of models.entries()) {
+    const size = subtract(model.high, model.low).map((c) => shown(c, 4));
+    tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${size.join(' \u00d7 ')}`));
+  }
+  byId('tiles').append(...tiles);
+}
+
+function missing({ min_clearance: required, upper, status }: ReportData): string {
+  if (required === null || upper === null || status !== 'exact') return '';
+  return `; ${shown(required - upper)} are missing`;
+}
+
+const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
+
+const statusWords = {
+  exact: 'exact: lower and upper are equal',
+  within_error: 'within the allowed error',
+  collision: 'collision: the models meet',
+  beyond_limit: 'beyond limit: farther apart than the largest distance asked for',
+};
+
+export function showAnswer(data: ReportData): void {
+  const rows: (readonly (string | Node)[])[] = [
+    ['Status', statusWords[data.status]],
+    ['Distance, lower bound', String(data.lower)],
+  ];
+  if (data.upper !== null) rows.push(['Distance, upper bound', String(data.upper)]);
+  if (data.min_clearance !== null) {
+    const verdict = data.too_close === true ? element('span', 'bad', 'below') : element('span', 'good', 'at least');
+    rows.push([`Required clearance`, String(data.min_clearance)], ['Clearance is', verdict]);
+  }
+  if (data.max_distance !== null) rows.push(['Largest distance asked for', String(data.max_distance)]);
+  if (data.relative_error > 0) rows.push(['Allowed relative error', String(data.relative_error)]);
+  if (data.absolute_error > 0) rows.push(['Allowed absolute error', String(data.absolute_error)]);
+  if (data.status === 'collision') rows.push(['Pairs of triangles that intersect', grouped(data.intersections)]);
+  if (data.witness !== null) {
+    const { point_a, point_b, triangle_a, triangle_b, face_a, face_b } = data.witness;
+    const kind = data.status === 'collision' ? 'Shared point' : 'Closest point';
+    rows.push([`${kind} of A`, shownPoint(point_a)], ['on', `triangle ${triangle_a}, face ${face_a} of A`]);
+    rows.push([`${kind} of B`, shownPoint(point_b)], ['on', `triangle ${triangle_b}, face ${face_b} of B`]);
+  }
+  if (data.inside !== null) {
+    const where = data.inside === 'a_in_b' ? 'A lies inside B' : 'B lies inside A';
+    rows.push(['Nesting', `${where} without touching it; models are surfaces, not solids`]);
+  }
+  const tests = `${grouped(data.node_tests)} of nodes, ${grouped(data.triangle_tests)} of triangles`;
+  rows.push(['Time', `trees ${shownTime(data.build_us)}, query ${shownTime(data.query_us)}`], ['Tests', tests]);
+  fillTable(byId('answer'), rows);
+}
+
+export function showModels(data: ReportData, models: readonly ReportModel[]): void {
+  const of = (name: string, text: (model: ReportModel) => string): string[] => [name, ...models.map(text)];
+  fillTable(byId('models'), [
+    ['', letter('A'), letter('B')],
+    of('Name', ({ data }) => data.name),
+    of('Triangles', ({ data }) => grouped(data.triangles)),
+    of('Vertices', ({ data }) => grouped(data.vertices)),
+    of('Faces in the file', ({ data }) => grouped(data.faces)),
+    of('Surface', ({ data }) => (data.closed ? 'closed' : 'not closed')),
+    of('Box, low', ({ data }) => shownPoint(data.low)),
+    of('Box, high', ({ data }) => shownPoint(data.high)),
+    of('Box, size', ({ data }) => subtract(data.high, data.low).map((c) => shown(c, 8)).join(' \u00d7 ')),
+    of('Diagonal', ({ diagonal }) => shown(diagonal, 8)),
+    of('Distance of its surface from the other', ({ nearest, farthest }) =>
+      `${shown(Math.min(nearest, data.upper ?? Infinity))} to ${shown(farthest)}`,
+    ),
+  ]);
+  const off = models.map((model) => shown(Math.max(...model.data.positions.step) / 2, 2));
+  byId('precision').textContent =
+    `Its pictures hold coordinates of A within ${off[0]} and of B within ${off[1]}; numbers in tables are the program\u2019s own.`;
+}

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** Numbers as people read them. */
+
+/** A number in few digits: 0.4213, 1250, 3.2e-7. */
+export function shown(number: number, digits = 5): string {
+  if (number === 0) return '0';
+  const size = Math.abs(number);
+  if (size >= 1e-4 && size < 1e7) return String(Number(number.toPrecision(Math.max(digits, integerDigits(size)))));
+  return String(Number(number.toPrecision(digits)).toExponential()).replace('e+', 'e');
+}
+
+function integerDigits(size: number): number {
+  return size < 1 ? 0 : Math.floor(Math.log10(size)) + 1;
+}
+
+/** A count in groups of three digits, by narrow spaces that do not break. */
+export function grouped(count: number): string {
+  return String(count).replace(/\B(?=(\d{3})+$)/g, '\u202f');
+}
+
+/** 1, 2 or 5 times a power of ten, the largest that is at most `most`. */
+export function roundStep(most: number): number {
+  const power = 10 ** Math.floor(Math.log10(most));
+  for (const factor of [5, 2]) {
+    if (factor * power <= most) return factor * power;
+  }
+  return power;
+}
+
+/** Multiples of a round step from low to high, at most about `count` of them. */
+export function ticks(low: number, high: number, count: number): { step: number; values: number[] } {
+  if (!(high > low)) return { step: 0, values: [low] };
+  let step = roundStep((high - low) / count);
+  while ((high - low) / step > count) step = roundStep(step * 2.5);
+  const values = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high * (1 + 1e-12); ++k) values.push(k * step);
+  return { step, values };
+}
+
+/** A time in microseconds. */
+export function shownTime(microseconds: number): string {
+  if (microseconds < 10) return `${microseconds.toFixed(2)}\u00a0\u00b5s`;
+  return `${grouped(Math.round(microseconds))}\u00a0\u00b5s`;
+}
+
+/** A point in full digits. */
+export const shownPoint = (point: readonly number[]): string => point.map(String).join(', ');

@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/** A mesh in 3D: flat triangles in one colour, or in the colours of a map. */
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DoubleSide,
+  GLSL3,
+  LinearFilter,
+  Mesh as ThreeMesh,
+  Object3D,
+  ShaderMaterial,
+  Sphere,
+  Vector3,
+  Vector4,
+} from 'three';
+import { mapTable } from './palette.ts';
+import type { Matrix4 } from 'three';
+import type { Mesh, Plane } from './section.ts';
+import type { Vec3 } from './vectors.ts';
+
+const vertexShader = `
+in float mapped;
+out float value;
+out vec3 seen;
+out vec3 placed;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  vec4 view = viewMatrix * world;
+  value = mapped;
+  placed = world.xyz;
+  seen = view.xyz;
+  gl_Position = projectionMatrix * view;
+}`;
+
+// Flat shading: the normal is that of the triangle, whichever side is seen.
+const fragmentShader = `
+precision highp float;
+uniform vec3 color;
+uniform vec3 lineColor;
+uniform sampler2D table;
+uniform bool isMapped;
+uniform vec2 range;
+uniform float lineStep;
+uniform float limit;
+uniform bool isCut;
+uniform vec4 plane;
+in float value;
+in vec3 seen;
+in vec3 placed;
+out vec4 result;
+float line(float number, float width) {
+  float distance = abs(fract(number - 0.5) - 0.5) / max(fwidth(number), 1e-12);
+  return 1.0 - smoothstep(width - 0.5, width + 0.5, distance);
+}
+void main() {
+  if (isCut && dot(placed, plane.xyz) > plane.w) discard;
+  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+  float light = abs(dot(normal, normalize(vec3(0.28, 0.36, 0.89))));
+  vec3 shown = color * (0.55 + 0.5 * light);
+  if (isMapped) {
+    shown = texture(table, vec2(clamp((value - range.x) / (range.y - range.x), 0.0, 1.0), 0.5)).rgb;
+    shown *= 0.74 + 0.26 * light;
+    if (lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
+    if (limit > 0.0) {
+      float off = abs(value - limit) / max(fwidth(value), 1e-12);
+      shown = mix(lineColor, shown, smoothstep(1.0, 2.0, off));
+    }
+  }
+  result = vec4(shown, 1.0);
+}`;
+
+/** What all surfaces of a page share: how they are coloured and cut. */
+export class SurfaceLook {
+  readonly isMapped = { value: false };
+  /** In the unit of the mapped numbers. */
+  readonly range = { value: [0, 1] };
+  readonly lineStep = { value: 0 };
+  readonly limit = { value: 0 };
+  readonly lineColor = { value: new Color() };
+  readonly isCut = { value: false };
+  readonly plane = { value: new Vector4() };
+  readonly table: { value: DataTexture };
+
+  constructor() {
+    const count = 256;
+    const texture = new DataTexture(mapTable(count), count, 1);
+    texture.minFilter = LinearFilter;
+    texture.magFilter = LinearFilter;
+    texture.needsUpdate = true;
+    this.table = { value: texture };
+  }
+
+  cutAt(plane: Plane): void {
+    this.plane.value.set(...plane.normal, plane.offset);
+  }
+}
+
+export class Surface {
+  readonly object: Object3D;
+  readonly mesh: Mesh;
+  private readonly geometry: BufferGeometry;
+  private readonly color = { value: new Color() };
+  private readonly look: SurfaceLook;
+
+  /** `mapped`: a number for each vertex. */
+  constructor(mesh: Mesh, look: SurfaceLook, mapped?: Float32Array) {
+    this.mesh = mesh;
+    this.look = look;
+    this.geometry = new BufferGeometry();
+    this.geometry.setAttribute('position', new BufferAttribute(mesh.points, 3));
+    this.geometry.setAttribute('mapped', new BufferAttribute(mapped ?? new Float32Array(mesh.points.length / 3), 1));
+    this.geometry.setIndex(new BufferAttribute(mesh.corners, 1));
+    this.geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
+    this.object = new ThreeMesh(this.geometry, this.material({ ...this.uniforms(), color: this.color }));
+  }
+
+  setColor(rgb: readonly [number, number, number]): void {
+    this.color.value.setRGB(...rgb);
+  }
+
+  /** Tells that `mesh.points` has changed. */
+  pointsHaveMoved(): void {
+    this.geometry.getAttribute('position').needsUpdate = true;
+  }
+
+  /** Places the mesh by the rows of a matrix. */
+  place(rows: readonly number[]): void {
+    this.object.matrix.set(...(rows as Parameters<Matrix4['set']>));
+  }
+
+  /** The vertex that lies farthest in a direction, as placed. */
+  farthestAlong(along: Vec3): Vec3 {
+    const { points } = this.mesh;
+    const e = this.object.matrix.elements;
+    const turned = [0, 4, 8].map((i) => along[0] * e[i] + along[1] * e[i + 1] + along[2] * e[i + 2]);
+    let best = 0;
+    let most = -Infinity;
+    for (let i = 0; i < points.length; i += 3) {
+      const reached = turned[0] * points[i] + turned[1] * points[i + 1] + turned[2] * points[i + 2];
+      if (reached > most) [best, most] = [i, reached];
+    }
+    const p = new Vector3(points[best], points[best + 1], points[best + 2]).applyMatrix4(this.object.matrix);
+    return [p.x, p.y, p.z];
+  }
+
+  /** Draws some of the triangles once more, in a colour of their own. */
+  addMarked(triangles: readonly number[], color: { value: Color }): void {
+    const corners = new Uint32Array(3 * triangles.length);
+    triangles.forEach((t, i) => corners.set(this.mesh.corners.subarray(3 * t, 3 * t + 3), 3 * i));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', this.geometry.getAttribute('position'));
+    geometry.setAttribute('mapped', this.geometry.getAttribute('mapped'));
+    geometry.setIndex(new BufferAttribute(corners, 1));
+    geometry.boundingSphere = this.geometry.boundingSphere;
+    const inFront = this.material({ ...this.uniforms(), isMapped: { value: false }, color });
+    inFront.polygonOffset = true;
+    inFront.polygonOffsetFactor = -1;
+    inFront.polygonOffsetUnits = -1;
+    this.object.add(new ThreeMesh(geometry, inFront));
+  }
+
+  private uniforms(): Record<string, { value: unknown }> {
+    const { isMapped, range, lineStep, limit, lineColor, isCut, plane, table } = this.look;
+    return { isMapped, range, lineStep, limit, lineColor, isCut, plane, table };
+  }
+
+  private material(uniforms: Record<string, { value: unknown }>): ShaderMaterial {
+    return new ShaderMaterial({ vertexShader, fragmentShader, uniforms, side: DoubleSide, glslVersion: GLSL3 });
+  }
+}

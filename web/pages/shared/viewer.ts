@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/**
+ * A view in 3D that is turned, moved and zoomed by mouse, touch and keyboard. The projection is orthographic: lengths
+ * across the view are true to scale. A picture is drawn only where something has changed.
+ */
+
+import { OrthographicCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import type { Object3D } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { element } from './dom.ts';
+import { add, direction, length, middle, scale, subtract } from './vectors.ts';
+import type { Vec3 } from './vectors.ts';
+
+/** The world as views draw it: moved by -center and divided by size, so that float32 resolves it well. */
+export interface Frame {
+  center: Vec3;
+  size: number;
+}
+
+/** The frame of a box of the world: its longest diagonal becomes 1. */
+export function frameOf(low: Vec3, high: Vec3): Frame {
+  const size = length(subtract(high, low));
+  return { center: middle(low, high), size: size > 0 ? size : 1 };
+}
+
+export const framed = (frame: Frame, p: Vec3): Vec3 => scale(subtract(p, frame.center), 1 / frame.size);
+
+/** Most files of these kinds have y up; the others come from engineering, where z is up. */
+export function upOf(names: readonly string[]): Vec3 {
+  return names.every((name) => /\.(obj|gltf|glb)$/i.test(name)) ? [0, 1, 0] : [0, 0, 1];
+}
+
+const halfHeight = 0.5;
+const margin = 1.12; // around what is looked at
+const turnStep = Math.PI / 24;
+const moveStep = 0.06; // of the view's height
+const zoomStep = 1.2;
+
+export class Viewer {
+  readonly up: Vec3;
+  private readonly host: HTMLElement;
+  private readonly renderer: WebGLRenderer | undefined;
+  private readonly scene = new Scene();
+  private readonly camera = new OrthographicCamera();
+  private readonly controls: OrbitControls;
+  private readonly callbacks: (() => void)[] = [];
+  private isRequested = false;
+  private width = 1;
+  private height = 1;
+
+  /** `host` holds the view and gets the keys; what it has inside stays above the picture. */
+  constructor(host: HTMLElement, up: Vec3) {
+    this.host = host;
+    this.up = up;
+    this.camera.up.set(...up);
+    const canvas = element('canvas');
+    host.prepend(canvas);
+    this.renderer = Viewer.rendererFor(canvas);
+    if (this.renderer === undefined) host.append(element('p', 'no-view', 'This browser shows no WebGL, so no 3D view.'));
+    this.controls = new OrbitControls(this.camera, host);
+    this.controls.zoomToCursor = true;
+    this.controls.minZoom = 0.2;
+    this.controls.maxZoom = 1e6;
+    this.controls.addEventListener('change', () => this.request());
+    host.addEventListener('keydown', (event) => this.press(event));
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+  }
+
+  /** Adds objects, whose coordinates are those of the frame. */
+  add(...objects: Object3D[]): void {
+    this.scene.add(...objects);
+    this.request();
+  }
+
+  /** Calls back after each picture, to place what lies above it. */
+  onDrawn(callback: () => void): void {
+    this.callbacks.push(callback);
+  }
+
+  /** Asks for a new picture, drawn with the next frame of the screen. */
+  request(): void {
+    if (this.isRequested) return;
+    this.isRequested = true;
+    requestAnimationFrame(() => {
+      this.isRequested = false;
+      this.draw();
+    });
+  }
+
+  /** Looks at a sphere, from a direction if one is given, else from where the view is now. */
+  lookAt(center: Vec3, radius: number, from?: Vec3): void {
+    const now = this.camera.position.clone().sub(this.controls.target);
+    const away = from === undefined ? direction([now.x, now.y, now.z], this.side()) : direction(from, this.side());
+    this.controls.target.set(...center);
+    this.camera.position.set(...add(center, scale(away, 2)));
+    this.camera.zoom = (halfHeight * Math.min(1, this.width / this.height)) / Math.max(radius, 1e-7);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.controls.saveState();
+    this.request();
+  }
+
+  /** Looks at boxes from a direction, so that they fill the view. */
+  lookAtBoxes(boxes: readonly (readonly [Vec3, Vec3])[], from: Vec3): void {
+    this.lookAt([0, 0, 0], halfHeight, from);
+    this.camera.updateMatrixWorld();
+    const low = [Infinity, Infinity];
+    const high = [-Infinity, -Infinity];
+    for (const box of boxes) {
+      for (let corner = 0; corner < 8; ++corner) {
+        const p = new Vector3(box[corner & 1][0], box[(corner >> 1) & 1][1], box[corner >> 2][2]);
+        p.applyMatrix4(this.camera.matrixWorldInverse);
+        [p.x, p.y].forEach((c, i) => {
+          low[i] = Math.min(low[i], c);
+          high[i] = Math.max(high[i], c);
+        });
+      }
+    }
+    const shift = new Vector3((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0).applyQuaternion(this.camera.quaternion);
+    const aspect = this.width / this.height;
+    const radius = Math.max((high[0] - low[0]) / 2 / Math.max(1, aspect), (high[1] - low[1]) / 2 / Math.max(1, 1 / aspect));
+    this.lookAt([shift.x, shift.y, shift.z], radius * margin, from);
+  }
+
+  /** A direction to look from that shows three sides. */
+  slanted(): Vec3 {
+    return this.up[2] === 1 ? [0.55, -0.75, 0.45] : [0.55, 0.45, 0.75];
+  }
+
+  /** Where a point of the frame is on the view, in pixels from its upper left corner. */
+  project(p: Vec3): [number, number] {
+    const clip = new Vector3(...p).project(this.camera);
+    return [((clip.x + 1) / 2) * this.width, ((1 - clip.y) / 2) * this.height];
+  }
+
+  get size(): [number, number] {
+    return [this.width, this.height];
+  }
+
+  private static rendererFor(canvas: HTMLCanvasElement): WebGLRenderer | undefined {
+    const context = canvas.getContext('webgl2', { alpha: true, antialias: true, preserveDrawingBuffer: true });
+    if (context === null) return undefined;
+    const renderer = new WebGLRenderer({ canvas, context, alpha: true });
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    return renderer;
+  }
+
+  private side(): Vec3 {
+    return this.up[2] === 1 ? [0, -1, 0] : [0, 0, 1];
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.host;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    const before = Math.min(1, this.width / this.height);
+    [this.width, this.height] = [clientWidth, clientHeight];
+    const aspect = this.width / this.height;
+    Object.assign(this.camera, { left: -halfHeight * aspect, right: halfHeight * aspect });
+    Object.assign(this.camera, { top: halfHeight, bottom: -halfHeight });
+    this.camera.zoom *= Math.min(1, aspect) / before;
+    this.camera.updateProjectionMatrix();
+    this.renderer?.setSize(this.width, this.height, false);
+    this.request();
+  }
+
+  private draw(): void {
+    // The frame's objects lie within 1 of its center: the planes that bound the view are as tight as that allows.
+    this.camera.updateMatrixWorld();
+    const ahead = this.camera.getWorldDirection(new Vector3()).dot(this.camera.position);
+    this.camera.near = -ahead - 1;
+    this.camera.far = -ahead + 1;
+    this.camera.updateProjectionMatrix();
+    this.renderer?.render(this.scene, this.camera);
+    for (const callback of this.callbacks) callback();
+  }
+
+  private press(event: KeyboardEvent): void {
+    if (event.target !== this.host || event.ctrlKey || event.metaKey || event.altKey) return;
+    const arrows: Record<string, [number, number]> = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, 1],
+      ArrowDown: [0, -1],
+    };
+    const arrow = arrows[event.key];
+    if (arrow !== undefined && event.shiftKey) this.move(...arrow);
+    else if (arrow !== undefined) this.turn(...arrow);
+    else if (event.key === '+' || event.key === '=') this.zoom(zoomStep);
+    else if (event.key === '-') this.zoom(1 / zoomStep);
+    else if (event.key === '0') this.controls.reset();
+    else return;
+    event.preventDefault();
+  }
+
+  private turn(right: number, up: number): void {
+    const away = this.camera.position.clone().sub(this.controls.target);
+    const axis = new Vector3(...this.up);
+    away.applyAxisAngle(axis, -right * turnStep);
+    const sideways = new Vector3().crossVectors(axis, away).normalize();
+    const raised = away.clone().applyAxisAngle(sideways, -up * turnStep);
+    if (Math.abs(raised.clone().normalize().dot(axis)) < 0.999) away.copy(raised);
+    this.camera.position.copy(this.controls.target).add(away);
+    this.controls.update();
+    this.request();
+  }
+
+  private move(right: number, up: number): void {
+    const step = (2 * halfHeight * moveStep) / this.camera.zoom;
+    const shift = new Vector3(right * step, up * step, 0).applyQuaternion(this.camera.quaternion);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.controls.update();
+    this.request();
+  }
+
+  private zoom(factor: number): void {
+    this.camera.zoom *= factor;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.request();
+  }
+}
