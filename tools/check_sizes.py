@@ -19,8 +19,9 @@ UMBRELLA_LINES = 4000  # ours, pulled in by limber.h
 CHECKS_WANTED = 10.0  # LIMBER_ASSERT, LIMBER_REQUIRE and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
 CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
 
-SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "tools")
-LICENSED_SUFFIXES = CPP_SUFFIXES + (".py", ".sh", ".cmake", ".cff", ".js")
+SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "tools", "web")
+WEB_SUFFIXES = (".ts", ".mjs", ".js")
+LICENSED_SUFFIXES = CPP_SUFFIXES + WEB_SUFFIXES + (".py", ".sh", ".cmake", ".cff")
 LICENSED_NAMES = ("CMakeLists.txt", "dev", ".ci/run", ".clang-format", ".clang-tidy", ".editorconfig", ".gitignore")
 LICENCE = re.compile(
     r"\A(?:#![^\n]*\n)?(?P<mark>//|#) SPDX-FileCopyrightText: The limber authors\n"
@@ -41,7 +42,7 @@ def _length(path: Path) -> int:
 
 
 def check_lengths(root: Path) -> list[Finding]:
-    lengths = {path: _length(path) for path in files(root, *SOURCES, suffixes=CPP_SUFFIXES + (".py",))}
+    lengths = {path: _length(path) for path in files(root, *SOURCES, suffixes=CPP_SUFFIXES + WEB_SUFFIXES + (".py",))}
     long = {path: length for path, length in lengths.items() if length > USUAL_LINES}
     findings = [
         Finding(shown(root, path), length, f"{length} lines, the most allowed are {MOST_LINES}")
@@ -107,7 +108,7 @@ def check_text(root: Path) -> list[Finding]:
             findings.append(Finding(name, 1, "does not start with the two SPDX lines"))
         if not name.startswith("tools/"):  # which have to name what they look for
             note(path, text, UNFINISHED, "finish it, or name its issue as in TODO(#1)")
-        if path.suffix in CPP_SUFFIXES:
+        if path.suffix in CPP_SUFFIXES + WEB_SUFFIXES:
             findings += [
                 Finding(name, i, f"{len(line)} columns, the most allowed are {MOST_COLUMNS}")
                 for i, line in enumerate(text.splitlines(), 1)

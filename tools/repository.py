@@ -25,7 +25,7 @@ class Finding:
 
 
 def _is_ours(folder: str) -> bool:
-    return folder == ".ci" or not (folder.startswith((".", "build")) or folder == "__pycache__")
+    return folder == ".ci" or not (folder.startswith((".", "build")) or folder in ("__pycache__", "node_modules"))
 
 
 def files(root: Path, *folders: str, suffixes: tuple[str, ...] = ()) -> Iterator[Path]:

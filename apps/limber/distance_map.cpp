@@ -6,6 +6,8 @@
 #include <span>
 #include <unordered_map>
 
+#include "bad_input.h"
+
 namespace limber::program {
 namespace {
 
@@ -68,7 +70,11 @@ class Refinement {
  public:
   Refinement(MeshView mesh, const Transform& pose, const Placed& other) : other_(other) {
     map_.positions.reserve(mesh.positions.size());
-    for (const Vec3& p : mesh.positions) map_.positions.push_back(pose(p));
+    for (const Vec3& p : mesh.positions) {
+      map_.positions.push_back(pose(p));
+      if (max_abs(map_.positions.back()) <= max_coordinate) continue;
+      throw BadInput("--report: a pose moves a vertex beyond the largest coordinate of points, 2^200");
+    }
     map_.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
     map_.parts_of.assign(mesh.triangles.size(), 1);
     measure();

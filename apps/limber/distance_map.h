@@ -21,10 +21,10 @@ struct DistanceMap {
 };
 
 /// The map of a model. Edges are divided until they are short next to their distance from the other model, or shorter
-/// than `shortest_edge`, or until there is no room left below about `most_triangles`, which the longest edges get first.
+/// than `shortest_edge`, or until there is no room left below about `most_triangles`. The longest get the room first.
 ///
+/// Errors   BadInput where a vertex as placed is above `max_coordinate`.
 /// Pre      most_triangles is at least the number of the mesh's triangles.
-///
 /// Cost     One closest point for each vertex, on the threads of the calling oneTBB arena.
 DistanceMap distance_map(MeshView mesh, const Transform& pose, const Placed& other, double shortest_edge,
                          std::size_t most_triangles);

@@ -34,7 +34,7 @@ class PositionFrames {
   /// `low`, `step`, `run` (how many frames from one that stands for itself to the next) and `data`, a text for each
   /// frame. Written are counts, for the coordinates one after the other: where k coordinates are as expected, 0 and k;
   /// else 2 d for a difference d > 0 from what is expected, and -2 d - 1 for d < 0. Expected is the coordinate in the
-  /// frame before, and in a frame that stands for itself that of the vertex before.
+  /// frame before; in a frame that stands for itself, that of the vertex before.
   Json to_json() const;
 
  private:
@@ -51,8 +51,8 @@ class PositionFrames {
   Steps last_;  // the frame that was added last
 };
 
-/// Poses of one model in many frames: twelve float64 each, the rows of the rotation and then the translation, the lowest
-/// byte first.
+/// Poses of one model in many frames: twelve float64 each, the rows of the rotation and then the translation. The
+/// lowest byte of each comes first.
 class PoseFrames {
  public:
   void add(const Transform& pose);

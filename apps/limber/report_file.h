@@ -30,7 +30,9 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
 /// once.
 class ReportFile {
  public:
-  /// Errors   BadInput where the path is "-", is that of one of the inputs, which are models as the user has named them, or cannot be written.
+  /// `inputs` are models and files as the user has named them.
+  ///
+  /// Errors   BadInput where the path is "-" or one of the inputs, or cannot be written.
   ReportFile(const ReportArguments& arguments, const Names& inputs);
 
   /// Fills the page and writes it. What every page has, the program's version and the command line, is added.

@@ -4,30 +4,55 @@
 // Builds the pages that the program is compiled with: one file each in apps/limber/pages, with everything inside. With
 // --check it writes nothing, and fails where a committed page is not what the sources give.
 import { createHash } from 'node:crypto';
-import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import { existsSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 import { build, transform } from 'esbuild';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const pages = join(here, '../../apps/limber/pages');
 const all = {
   report: { title: 'limber distance', sheets: ['shared/page.css'] },
-  replay: { title: 'limber track', sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'] },
+  replay: {
+    title: 'limber track',
+    sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'replay/page.css'],
+  },
+  live: { title: 'limber live', sheets: ['shared/page.css', 'live/page.css'] },
 };
 const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts the data there
+const engineElement = /<script type="text\/plain" id="engine-module">([^<]*)<\/script>/;
+const module_ = join(here, '../../build/web/limber3d/limber.wasm');
 
 /** The digest of all that pages are made of; tests/program/check_pages.cmake computes it too, without npm. */
 function digestOfSources() {
   const names = readdirSync(here, { recursive: true, withFileTypes: true })
     .filter((entry) => entry.isFile())
-    .map((entry) => join(entry.parentPath, entry.name).slice(here.length + 1).replaceAll('\\', '/'))
-    .filter((name) => /^(report|replay|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name));
+    .map((entry) =>
+      join(entry.parentPath, entry.name)
+        .slice(here.length + 1)
+        .replaceAll('\\', '/'),
+    )
+    .filter((name) => /^(report|replay|live|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name));
+  const parts = readdirSync(join(here, '../limber3d')).filter((name) => name.endsWith('.js'));
+  names.push(...parts.map((name) => `../limber3d/${name}`));
   const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
   return sha256(lines.join(''));
 }
 
 const sha256 = (content) => createHash('sha256').update(content).digest('hex');
+
+/** What a page has inside beside its program: the data of a report, or the engine, packed, for the live page. */
+function contentOf(name) {
+  if (name !== 'live') return `<script type="application/json" id="data">${placeholder}</script>`;
+  return `<script type="text/plain" id="engine-module">${packedEngine()}</script>`;
+}
+
+/** The engine that has been compiled here; without Emscripten, that of the committed page. */
+function packedEngine() {
+  if (existsSync(module_)) return gzipSync(readFileSync(module_), { level: 9 }).toString('base64');
+  return engineElement.exec(readFileSync(join(pages, 'live.html'), 'utf8'))[1];
+}
 
 async function page(name, digest) {
   const { title, sheets } = all[name];
@@ -42,8 +67,15 @@ async function page(name, digest) {
     legalComments: 'eof',
     write: false,
     logLevel: 'warning',
+    external: ['node:*'], // limber3d reads its module by itself in Node.js alone
+    logOverride: { 'empty-import-meta': 'silent' },
   });
-  const style = await transform(sheets.map(read).join('\n'), { loader: 'css', minify: true, charset: 'ascii', legalComments: 'none' });
+  const style = await transform(sheets.map(read).join('\n'), {
+    loader: 'css',
+    minify: true,
+    charset: 'ascii',
+    legalComments: 'none',
+  });
   return `<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -56,12 +88,15 @@ async function page(name, digest) {
 <style>${style.code.trim()}</style>
 </head>
 ${read(`${name}/page.html`).trim()}
-<script type="application/json" id="data">${placeholder}</script>
+${contentOf(name)}
 <script>${bundle.outputFiles[0].text.trim()}</script>
 </body>
 </html>
 `;
 }
+
+/** A page whose engine is older than the sources of C++ is not wrong: ./dev web renews it. */
+const withoutEngine = (html) => html.replace(engineElement, '');
 
 const isCheck = process.argv.includes('--check');
 const digest = digestOfSources();
@@ -72,7 +107,7 @@ for (const name of Object.keys(all)) {
   if (!isCheck) {
     writeFileSync(path, built);
     console.log(`${path}: ${built.length} bytes`);
-  } else if (readFileSync(path, 'utf8') !== built) {
+  } else if (withoutEngine(readFileSync(path, 'utf8')) !== withoutEngine(built)) {
     console.error(`${path} is not what web/pages gives; run ./dev web`);
     failed = true;
   }

@@ -29,13 +29,26 @@ for (let frame = 0; frame < keptFrames; ++frame) {
     bounds = bounds === undefined ? box : [lowest(bounds[0], box[0]), highest(bounds[1], box[1])];
   }
 }
-const frame = frameOf(...(bounds ?? [[0, 0, 0], [1, 1, 1]]));
+const frame = frameOf(
+  ...(bounds ?? [
+    [0, 0, 0],
+    [1, 1, 1],
+  ]),
+);
 
 showTitle(data);
 showTiles(data);
 showModels(data, models);
 showMaking(data.version, data.command);
-const view = showView(data, models, frame, bounds ?? [[0, 0, 0], [1, 1, 1]]);
+const view = showView(
+  data,
+  models,
+  frame,
+  bounds ?? [
+    [0, 0, 0],
+    [1, 1, 1],
+  ],
+);
 const player = new Player(keptRows);
 const charts = showCharts(data, (row) => player.jumpTo(row));
 player.onRow((row) => {

@@ -18,16 +18,19 @@ export function shownDistance({ rows }: ReplayData, row: number): string {
   return lower === null || lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
 }
 
+const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
+
 export function showTitle({ models: [a, b], rows, stride, max_megabytes }: ReplayData): void {
-  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
-  const count = rows.status.length;
-  byId('kind').textContent = `limber track, ${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
+  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
+  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
+  byId('kind').textContent = `limber track, ${frames(rows.status.length)}`;
   if (stride === 1) return;
   byId('view-caption').textContent =
     `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
 }
 
-const median = (values: readonly number[]): number => [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
+const median = (values: readonly number[]): number =>
+  [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
 
 export function showTiles({ rows }: ReplayData): void {
   const tile = (number: string, name: string, kind = ''): HTMLElement =>
@@ -38,7 +41,7 @@ export function showTiles({ rows }: ReplayData): void {
   const tiles = [];
   if (contactCount > 0) {
     const first = rows.status.indexOf('collision');
-    tiles.push(tile(`${grouped(contactCount)} in contact`, `frames; the first is ${grouped(first)}`, 'bad'));
+    tiles.push(tile(frames(contactCount), `in contact; the first is frame ${grouped(first)}`, 'bad'));
   } else if (Number.isFinite(least)) {
     const row = uppers.indexOf(least);
     const name = rows.lower[row] === least ? 'smallest distance' : 'smallest upper bound';
@@ -85,8 +88,10 @@ export function showModels(data: ReplayData, models: readonly ReplayModel[]): vo
     of('Triangles', ({ data: model }) => grouped(model.triangles)),
     of('Vertices', ({ data: model }) => grouped(model.vertices)),
     of('Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')),
-    of('Shown within', ({ data: { frames, positions } }) =>
-      `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
+    of(
+      'Shown within',
+      ({ data: { frames, positions } }) =>
+        `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
     ),
   ]);
   const settings = [`Engine: ${data.engine}.`];

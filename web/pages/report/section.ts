@@ -60,8 +60,8 @@ function reach({ points }: Mesh, along: Vec3): [number, number] {
 }
 
 /**
- * Where the plane may go, and where it starts: at its anchor, but a hair toward where both models are. A plane in which a
- * whole face lies would show the face or nothing, as rounding decides.
+ * Where the plane may go, and where it starts: at its anchor, but a hair toward where both models are. A plane in which
+ * a whole face lies would show the face or nothing, as rounding decides.
  */
 function rangeOf(models: readonly ReportModel[], plane: Plane): { least: number; start: number; most: number } {
   const reaches = models.map(({ mesh }) => reach(mesh, plane.normal));
@@ -72,7 +72,12 @@ function rangeOf(models: readonly ReportModel[], plane: Plane): { least: number;
   return { least: Math.min(least, start), start, most: Math.max(most, start) };
 }
 
-export function showSection(data: ReportData, models: readonly ReportModel[], frame: Frame, { viewer, look }: View): void {
+export function showSection(
+  data: ReportData,
+  models: readonly ReportModel[],
+  frame: Frame,
+  { viewer, look }: View,
+): void {
   const anchor = anchorOf(data, frame);
   const drawing = new SectionView(byId('section'), frame.size);
   const shift = byId<HTMLInputElement>('shift');
@@ -132,7 +137,7 @@ function captionOf(anchor: Anchor, plane: Plane, moved: number, degrees: number)
   const turned = degrees === 0 ? '' : `, turned by ${degrees}\u00b0 around it`;
   const place = moved === 0 ? `goes through ${anchor.place}` : `lies ${shown(Math.abs(moved), 4)} off ${anchor.place}`;
   return (
-    `The plane ${place}. Its normal (${normal}) is the direction closest to the ${axis} axis that is perpendicular to ` +
-    `${anchor.alongName}${turned}.`
+    `The plane ${place}. Its normal (${normal}) is the direction closest to the ${axis} axis ` +
+    `that is perpendicular to ${anchor.alongName}${turned}.`
   );
 }

@@ -19,7 +19,8 @@ export function shownDistance(data: ReportData): string {
 }
 
 export function showTitle({ models: [a, b] }: ReportData): void {
-  byId('title').append(letter('A'), a.name, element('span', 'joint', ' and '), letter('B'), b.name);
+  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
+  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
 }
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
@@ -97,13 +98,19 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
     of('Surface', ({ data }) => (data.closed ? 'closed' : 'not closed')),
     of('Box, low', ({ data }) => shownPoint(data.low)),
     of('Box, high', ({ data }) => shownPoint(data.high)),
-    of('Box, size', ({ data }) => subtract(data.high, data.low).map((c) => shown(c, 8)).join(' \u00d7 ')),
+    of('Box, size', ({ data }) =>
+      subtract(data.high, data.low)
+        .map((c) => shown(c, 8))
+        .join(' \u00d7 '),
+    ),
     of('Diagonal', ({ diagonal }) => shown(diagonal, 8)),
-    of('Distance of its surface from the other', ({ nearest, farthest }) =>
-      `${shown(Math.min(nearest, data.upper ?? Infinity))} to ${shown(farthest)}`,
+    of(
+      'Distance of its surface from the other',
+      ({ nearest, farthest }) => `${shown(Math.min(nearest, data.upper ?? Infinity))} to ${shown(farthest)}`,
     ),
   ]);
   const off = models.map((model) => shown(Math.max(...model.data.positions.step) / 2, 2));
   byId('precision').textContent =
-    `Its pictures hold coordinates of A within ${off[0]} and of B within ${off[1]}; numbers in tables are the program\u2019s own.`;
+    `Its pictures hold coordinates of A within ${off[0]} and of B within ${off[1]}; ` +
+    'numbers in tables are the program\u2019s own.';
 }

@@ -54,16 +54,12 @@ export function showView(data: ReportData, models: readonly ReportModel[], frame
 function captionOf(data: ReportData): string {
   const divided = data.models.some((model) => model.parts !== undefined);
   if (data.status === 'collision') return 'The triangles that intersect are yellow.';
-  const points = data.witness === null ? '' : 'The red segment joins the closest points; their triangles are outlined. ';
+  const points =
+    data.witness === null ? '' : 'The red segment joins the closest points; their triangles are outlined. ';
   return `${points}Distances are measured at the vertices${divided ? ' and at points that divide long edges' : ''}.`;
 }
 
-function showMarks(
-  data: ReportData,
-  frame: Frame,
-  viewer: Viewer,
-  surfaces: readonly Surface[],
-): void {
+function showMarks(data: ReportData, frame: Frame, viewer: Viewer, surfaces: readonly Surface[]): void {
   const marks = new Marks(byId('view'), viewer);
   surfaces.forEach((surface, i) => {
     marks.addName('AB'[i], 'ab'[i], surface.farthestAlong(viewer.up), () => surface.object.visible);
@@ -128,7 +124,7 @@ function showLegend(data: ReportData, models: readonly ReportModel[], viewer: Vi
   const limit = data.min_clearance ?? 0;
   const near = limit > 0 ? Math.max(4 * limit, 2 * low) : low + Math.min(...models.map((model) => model.diagonal)) / 8;
   const slider = byId<HTMLInputElement>('map-end');
-  const range = Math.max(most - low, Number.MIN_VALUE);
+  const range = most - low;
   byId('legend-bar').style.background = mapGradient();
   byId('legend-title').textContent =
     'Distance to the other model; dark lines as on the scale' + (limit > 0 ? `, the red line at ${shown(limit)}` : '');
@@ -140,17 +136,18 @@ function showLegend(data: ReportData, models: readonly ReportModel[], viewer: Vi
     look.lineStep.value = step;
     byId('map-end-text').textContent = shown(high, 4);
     slider.setAttribute('aria-valuetext', shown(high, 4));
-    showTicks(low, high, high < most, values);
+    showTicks(low, high, values);
+    byId('legend-beyond').hidden = high >= most;
     viewer.request();
   };
-  slider.value = String(Math.round(1000 * Math.sqrt(Math.min(1, (near - low) / range))));
+  slider.value = String(range > 0 ? Math.round(1000 * Math.sqrt(Math.min(1, (near - low) / range))) : 1000);
   slider.min = '20';
   slider.addEventListener('input', apply);
   apply();
 }
 
-function showTicks(low: number, high: number, isMore: boolean, values: readonly number[]): void {
-  const at = (value: number): number => (value - low) / (high - low);
+function showTicks(low: number, high: number, values: readonly number[]): void {
+  const at = (value: number): number => (high > low ? (value - low) / (high - low) : 0);
   const inside = values.filter((value) => at(value) > 0.14 && at(value) < 0.86);
   const span = (text: string, place: number, className = ''): HTMLElement => {
     const made = element('span', className, text);
@@ -160,6 +157,6 @@ function showTicks(low: number, high: number, isMore: boolean, values: readonly 
   byId('legend-ticks').replaceChildren(
     span(shown(low, 4), 0),
     ...inside.map((value) => span(shown(value, 4), at(value))),
-    span(`${shown(high, 4)}${isMore ? ' and more' : ''}`, 1, 'last'),
+    span(shown(high, 4), 1, 'last'),
   );
 }

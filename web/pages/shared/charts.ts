@@ -25,7 +25,7 @@ export interface ChartOptions {
   isBand?: boolean;
 }
 
-const height = 190;
+const height = 170;
 
 export class Chart {
   private readonly plot: uPlot;
@@ -82,7 +82,7 @@ export class Chart {
       cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: options.isLogarithmic === true ? { distr: 3 } : { range: fromZero } },
       axes: [
-        { ...axis, ticks: { show: false }, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4] },
+        { ...axis, ticks: { show: false }, size: 30, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4] },
         { ...axis, ticks: { show: false }, size: 64, values: number },
       ],
       series: [

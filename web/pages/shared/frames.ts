@@ -14,8 +14,10 @@ export interface FramesData {
   data: string[];
 }
 
-/** The positions of a deforming mesh, frame by frame. Going forward is cheap; other ways it starts at a frame that
- * stands for itself. */
+/**
+ * The positions of a deforming mesh, frame by frame. Going forward is cheap; other ways it starts at a frame that
+ * stands for itself.
+ */
 export class PositionFrames {
   readonly count: number;
   private readonly data: FramesData;

@@ -54,7 +54,14 @@ export class Marks {
       if (isShown()) placed.push(...this.nameAt(name, kind, at, taken));
     }
     for (const outline of this.outlines) {
-      const points = outline.map((p) => this.viewer.project(p).map((c) => c.toFixed(1)).join(',')).join(' ');
+      const points = outline
+        .map((p) =>
+          this.viewer
+            .project(p)
+            .map((c) => c.toFixed(1))
+            .join(','),
+        )
+        .join(' ');
       placed.push(svgElement('polygon', { class: 'halo', points }), svgElement('polygon', { class: 'mark', points }));
     }
     if (this.segment !== undefined) placed.push(...this.segmentMarks(this.segment));

@@ -29,14 +29,14 @@ export function roundStep(most: number): number {
   return power;
 }
 
-/** Multiples of a round step from low to high, at most about `count` of them. */
+/** Multiples of a round step from low to high, at most about `count` of them; no step where there is no range. */
 export function ticks(low: number, high: number, count: number): { step: number; values: number[] } {
-  if (!(high > low)) return { step: 0, values: [low] };
-  let step = roundStep((high - low) / count);
+  let step = high > low ? roundStep((high - low) / count) : 0;
+  if (!(step > 0)) return { step: 0, values: [] };
   while ((high - low) / step > count) step = roundStep(step * 2.5);
-  const values = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high * (1 + 1e-12); ++k) values.push(k * step);
-  return { step, values };
+  const first = Math.ceil(low / step - 1e-9);
+  const values = Array.from({ length: count + 1 }, (_, i) => (first + i) * step);
+  return { step, values: values.filter((value) => value <= high * (1 + 1e-12)) };
 }
 
 /** A time in microseconds. */

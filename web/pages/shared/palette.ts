@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * The colours of a map, computed: from dark blue to bright yellow, through grey. Lightness increases in equal steps, and
- * blue turns into yellow, so that readers who do not tell red from green, or see no colours at all, read the same order.
+ * The colours of a map, computed: from dark blue to bright yellow, through grey. Lightness increases in equal steps,
+ * and blue turns into yellow, so that readers who do not tell red from green, or see no colours at all, read the same
+ * order.
  * The idea is that of cividis [Nunez2018]; the colours are computed in Oklab [Ottosson2020].
  */
 
 export type Rgb = readonly [number, number, number];
 
 const darkest = 0.33;
-const brightest = 0.93;
+const brightest = 0.895;
 const bluest = -0.115;
 const yellowest = 0.165;
 

@@ -49,8 +49,8 @@ export function planeThrough(point: Vec3, along: Vec3, turn: number, worldUp: Ve
 }
 
 /**
- * The outlines of a cut. A vertex in the plane counts as above it, so every triangle that is cut has two edges that are,
- * and outlines of closed meshes are closed.
+ * The outlines of a cut. A vertex in the plane counts as above it, so every triangle that is cut has two edges that
+ * are, and outlines of closed meshes are closed.
  */
 export function outlinesOf(mesh: Mesh, plane: Plane): Outline[] {
   const { points, corners } = mesh;

@@ -72,10 +72,7 @@ export class SectionView {
 
   private pixel([u, v]: Point): [number, number] {
     const { clientWidth, clientHeight } = this.host;
-    return [
-      clientWidth / 2 + (u - this.center[0]) * this.scale,
-      clientHeight / 2 - (v - this.center[1]) * this.scale,
-    ];
+    return [clientWidth / 2 + (u - this.center[0]) * this.scale, clientHeight / 2 - (v - this.center[1]) * this.scale];
   }
 
   private draw(): void {
@@ -182,10 +179,7 @@ export class SectionView {
     const before = this.scale;
     this.scale = Math.min(largestScale, before * factor);
     const shift = 1 / before - 1 / this.scale;
-    this.center = [
-      this.center[0] + (x - clientWidth / 2) * shift,
-      this.center[1] - (y - clientHeight / 2) * shift,
-    ];
+    this.center = [this.center[0] + (x - clientWidth / 2) * shift, this.center[1] - (y - clientHeight / 2) * shift];
     this.request();
   }
 
@@ -205,7 +199,8 @@ export class SectionView {
     const now: Point = [event.offsetX, event.offsetY];
     const other = [...this.fingers].find(([id]) => id !== event.pointerId)?.[1];
     if (other !== undefined) {
-      const factor = Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.hypot(before[0] - other[0], before[1] - other[1]);
+      const factor =
+        Math.hypot(now[0] - other[0], now[1] - other[1]) / Math.hypot(before[0] - other[0], before[1] - other[1]);
       if (Number.isFinite(factor) && factor > 0) this.zoomAt(other[0], other[1], factor);
     } else {
       this.moveBy(now[0] - before[0], now[1] - before[1]);

@@ -63,9 +63,10 @@ void main() {
   float light = abs(dot(normal, normalize(vec3(0.28, 0.36, 0.89))));
   vec3 shown = color * (0.55 + 0.5 * light);
   if (isMapped) {
-    shown = texture(table, vec2(clamp((value - range.x) / (range.y - range.x), 0.0, 1.0), 0.5)).rgb;
-    shown *= 0.74 + 0.26 * light;
-    if (lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
+    shown = texture(table, vec2(clamp((value - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0), 0.5)).rgb;
+    shown = (value > range.y ? mix(color, vec3(0.8), 0.62) : shown) * (0.74 + 0.26 * light);
+    bool hasLines = lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep;
+    if (hasLines) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
     if (limit > 0.0) {
       float off = abs(value - limit) / max(fwidth(value), 1e-12);
       shown = mix(lineColor, shown, smoothstep(1.0, 2.0, off));

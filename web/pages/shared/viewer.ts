@@ -58,7 +58,7 @@ export class Viewer {
     const canvas = element('canvas');
     host.prepend(canvas);
     this.renderer = Viewer.rendererFor(canvas);
-    if (this.renderer === undefined) host.append(element('p', 'no-view', 'This browser shows no WebGL, so no 3D view.'));
+    if (this.renderer === undefined) host.append(element('p', 'no-view', 'This browser has no WebGL, so no 3D view.'));
     this.controls = new OrbitControls(this.camera, host);
     this.controls.zoomToCursor = true;
     this.controls.minZoom = 0.2;
@@ -124,9 +124,14 @@ export class Viewer {
         });
       }
     }
-    const shift = new Vector3((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0).applyQuaternion(this.camera.quaternion);
+    const shift = new Vector3((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0).applyQuaternion(
+      this.camera.quaternion,
+    );
     const aspect = this.width / this.height;
-    const radius = Math.max((high[0] - low[0]) / 2 / Math.max(1, aspect), (high[1] - low[1]) / 2 / Math.max(1, 1 / aspect));
+    const radius = Math.max(
+      (high[0] - low[0]) / 2 / Math.max(1, aspect),
+      (high[1] - low[1]) / 2 / Math.max(1, 1 / aspect),
+    );
     this.lookAt([shift.x, shift.y, shift.z], radius * margin, from);
   }
 
