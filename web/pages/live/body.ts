@@ -50,5 +50,10 @@ function placed(name: string, mesh: TriangleMesh, quaternion: BodyPose['quaterni
   if (!(scale > 0 && scale < Infinity)) throw new Error(`${name}: has no size that can be shown`);
   const vertices = mesh.vertices.map((c, i) => (c - (low[i % 3] + high[i % 3]) / 2) * scale);
   const below = (scale * (quaternion === zUp ? extent[2] : extent[1])) / 2;
-  return { name, mesh: { vertices, faces: mesh.faces }, scale, start: { translation: [0, height + below, 0], quaternion } };
+  return {
+    name,
+    mesh: { vertices, faces: mesh.faces },
+    scale,
+    start: { translation: [0, height + below, 0], quaternion },
+  };
 }

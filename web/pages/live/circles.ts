@@ -3,7 +3,15 @@
 
 /** The outlines of spheres, as an orthographic view shows them: circles that face the reader. */
 
-import { BufferAttribute, Color, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry, LineSegments, ShaderMaterial } from 'three';
+import {
+  BufferAttribute,
+  Color,
+  GLSL3,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+  LineSegments,
+  ShaderMaterial,
+} from 'three';
 
 const vertexShader = `
 in vec4 sphere;

@@ -32,7 +32,8 @@ export class Controls {
     for (const id of ['pause', 'step', 'reset', 'pluck', 'hare', 'keep'] as const) {
       byId(id).addEventListener('click', () => actions[id]());
     }
-    for (const side of ['slanted', 'front', 'top'] as const) byId(side).addEventListener('click', () => actions.look(side));
+    for (const side of ['slanted', 'front', 'top'] as const)
+      byId(side).addEventListener('click', () => actions.look(side));
     for (const id of ['error', 'margin', 'contacts', 'self', 'tree', 'level']) {
       byId(id).addEventListener('input', () => {
         this.writeSettings();

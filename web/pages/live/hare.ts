@@ -96,7 +96,9 @@ export function hareMesh(): TriangleMesh {
         for (const corner of corners) insideCount += values[cell + corner] < 0 ? 1 : 0;
         if (insideCount === 0 || insideCount === 8) continue;
         vertexOf[cell] = vertices.length / 3;
-        vertices.push(...onSurface([h, j, k].map((i, axis) => low[axis] + (i + 0.5) * spacing) as [number, number, number]));
+        vertices.push(
+          ...onSurface([h, j, k].map((i, axis) => low[axis] + (i + 0.5) * spacing) as [number, number, number]),
+        );
       }
     }
   }

@@ -52,7 +52,7 @@ export class Live {
     new Hands(this.view, this.scenery, () => this.controls.isTurning);
     this.answers = this.ask();
     if (!isCalm) this.scenery.pluck();
-    this.frame(performance.now());
+    this.frame();
     performance.mark('limber-first-frame');
   }
 
@@ -60,21 +60,20 @@ export class Live {
   private wake(): void {
     if (this.isAwake) return;
     this.isAwake = true;
-    requestAnimationFrame((now) => this.frame(now));
+    requestAnimationFrame(() => this.frame());
   }
 
-  private frame(now: number): void {
+  private frame(): void {
     this.isAwake = false;
+    const now = performance.now(); // late frames may be called with the time of the one before
     const interval = this.lastFrame === undefined ? undefined : now - this.lastFrame;
-    const started = performance.now();
-    const wasResting = this.scenery.isResting;
-    if (!this.isPaused && !wasResting) this.scenery.advance((interval ?? stepSeconds * 1000) / 1000);
+    if (!this.isPaused) this.scenery.advance((interval ?? stepSeconds * 1000) / 1000);
     const moved = performance.now();
     this.answers = this.ask();
     const drawn = this.draw();
     const { times } = this.answers;
     const engine = times.update + times.distance + (times.contacts ?? 0) + (times.selfContacts ?? 0);
-    this.panel.addTimes({ ...times, engine, sheet: moved - started, drawing: drawn }, now);
+    this.panel.addTimes({ ...times, engine, sheet: moved - now, drawing: drawn }, now);
     if (interval !== undefined) this.panel.addTimes({ frame: interval }, now);
     const goesOn = !this.isPaused && !this.scenery.isResting;
     this.lastFrame = goesOn ? now : undefined;

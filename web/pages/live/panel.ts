@@ -23,7 +23,10 @@ const names = {
 type Name = keyof typeof names;
 
 export class Panel {
-  private readonly times = Object.fromEntries(Object.keys(names).map((name) => [name, new Times()])) as Record<Name, Times>;
+  private readonly times = Object.fromEntries(Object.keys(names).map((name) => [name, new Times()])) as Record<
+    Name,
+    Times
+  >;
 
   /** Takes in the times of a frame. */
   addTimes(values: Partial<Record<Name, number | undefined>>, now: number): void {
@@ -63,7 +66,11 @@ export class Panel {
     byId('engine').textContent = engine === undefined ? '\u2013' : `${engine.median.toFixed(1)} ms`;
     byId('engine-note').textContent = engine === undefined ? '' : `99 % within ${engine.p99.toFixed(1)} ms`;
     byId('rate').textContent = isMoving && frame !== undefined ? String(Math.round(1000 / frame.median)) : '\u2013';
-    byId('rate-note').textContent = !isMoving ? 'nothing moves' : frame === undefined ? '' : `99 % within ${frame.p99.toFixed(0)} ms`;
+    byId('rate-note').textContent = !isMoving
+      ? 'nothing moves'
+      : frame === undefined
+        ? ''
+        : `99 % within ${frame.p99.toFixed(0)} ms`;
   }
 }
 
@@ -73,7 +80,8 @@ function showDistance({ lower, upper, status, witness, stats }: DistanceResult):
   byId('distance').className = meets ? 'bad' : '';
   byId('distance-note').textContent = meets ? 'they meet' : lower === upper ? 'exact, up to rounding' : 'upper bound';
   byId('interval').textContent = lower === upper ? shown(upper, 4) : `${shown(lower, 3)} to ${shown(upper, 3)}`;
-  const width = upper > lower ? `upper is ${shown((100 * (upper - lower)) / lower, 2)} % above lower` : 'both ends are equal';
+  const width =
+    upper > lower ? `upper is ${shown((100 * (upper - lower)) / lower, 2)} % above lower` : 'both ends are equal';
   byId('interval-note').textContent = width;
   fillTable(byId('answer'), [
     ['Lower bound', String(lower)],
@@ -83,7 +91,10 @@ function showDistance({ lower, upper, status, witness, stats }: DistanceResult):
     ['Triangles of A and B', witness === null ? '\u2013' : `${witness.triangleA}, ${witness.triangleB}`],
     ['Pairs compared', `${grouped(stats.nodeTests)} of bounds, ${grouped(stats.triangleTests)} of triangles`],
   ]);
-  for (const [id, row] of [['lower', 0], ['upper', 1]] as const) {
+  for (const [id, row] of [
+    ['lower', 0],
+    ['upper', 1],
+  ] as const) {
     (byId('answer') as HTMLTableElement).rows[row].cells[1].id = id;
   }
 }

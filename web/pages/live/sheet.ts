@@ -29,7 +29,7 @@ export class Sheet {
   static readonly squareWidth = width / squares;
   readonly faces: Uint32Array;
   /** In the world: x and z along the sheet, y up. */
-  positions = new Float64Array(3 * side * side);
+  positions: Float64Array = new Float64Array(3 * side * side);
   isResting = true;
   private previous: Float64Array;
   private next: Float64Array;

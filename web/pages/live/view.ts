@@ -144,7 +144,8 @@ export class View {
     const side = Math.sqrt(vertexCount);
     const lines: number[] = [];
     for (let line = 0; line < side; line += 10) {
-      for (let i = 0; i + 1 < side; ++i) lines.push(line * side + i, line * side + i + 1, i * side + line, (i + 1) * side + line);
+      for (let i = 0; i + 1 < side; ++i)
+        lines.push(line * side + i, line * side + i + 1, i * side + line, (i + 1) * side + line);
     }
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', this.sheet.positions);
@@ -174,7 +175,7 @@ function rowsOf(pose: BodyPose): number[] {
   return [0, 1, 2].flatMap((row) => [...columns.map((column) => column[row]), at[row]]).concat([0, 0, 0, 1]);
 }
 
-function framedPoints(positions: Float64Array, to = new Float32Array(positions.length)): Float32Array {
+function framedPoints(positions: Float64Array, to: Float32Array = new Float32Array(positions.length)): Float32Array {
   const [x, y, z] = frame.center;
   const factor = 1 / frame.size;
   for (let i = 0; i < positions.length; i += 3) {
