@@ -113,7 +113,7 @@ export class Controls {
   }
 
   private get margin(): number {
-    return (Number(input('margin').value) / 100) ** 2 * 0.25;
+    return (Number(input('margin').value) / 100) ** 2 / 10;
   }
 
   private writeSettings(): void {

@@ -20,7 +20,7 @@ out vec4 result;
 void main() {
   float off = length(gl_PointCoord - 0.5);
   if (off > 0.5) discard;
-  result = vec4(mix(color, rim, step(0.36, off)), 1.0);
+  result = vec4(mix(color, rim, 0.7 * smoothstep(0.3, 0.45, off)), 1.0);
 }`;
 
 export class Dots {
@@ -28,7 +28,7 @@ export class Dots {
   private readonly uniforms = {
     color: { value: new Color() },
     rim: { value: new Color() },
-    pixels: { value: 7 * Math.min(devicePixelRatio, 2) },
+    pixels: { value: 6 * Math.min(devicePixelRatio, 2) },
   };
   private readonly geometry = new BufferGeometry();
 
