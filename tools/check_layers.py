@@ -61,11 +61,12 @@ THIRD_PARTY = {
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
     "nanobind": ("python/",),
     "oneapi": ("src/core/", "apps/", "python/", "tests/", "bench/"),
+    "wasm_simd128.h": ("src/simd/",),
     "xmmintrin.h": ("src/core/", "tests/", "fuzz/"),
 }
 
 # Folders above the library, and which of its private headers they may see.
-EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python")
+EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python", "web")
 MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/", "bench/develop/")
 # Parts of the repository that edge code may name in full.
 EDGE_MAY_INCLUDE = {
@@ -76,6 +77,7 @@ EDGE_MAY_INCLUDE = {
     "examples": ("examples/", "scenes/"),
     "fuzz": ("fuzz/", "scenes/"),
     "python": ("python/", "scenes/"),
+    "web": ("web/", "scenes/"),
 }
 
 STANDARD = frozenset(

@@ -119,7 +119,7 @@ BoundingBox bounding_box_of(MeshView mesh);
 /// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.
 PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
 
-/// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last one repeat it.
+/// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last repeat it.
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);
 
 /// The primitives of leaf `i`, where each leaf takes the next `width` of them.

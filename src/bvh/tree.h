@@ -16,7 +16,8 @@
 ///   I1  Wide node 0 is the root's: it has one child, the root of the hierarchy. Every other wide node is the child of
 ///       exactly one slot, one level up.
 ///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. Slots
-///       of the last leaf beyond the triangles repeat its last one. A leaf names the vertices of its triangles.
+///       of the last leaf beyond the triangles repeat its last one. The triangles of a leaf are in ascending order. A
+///       leaf names their vertices.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
 ///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `drift`:
 ///       they contain the fitted positions of its vertices.

@@ -57,6 +57,8 @@ Result<void> check_leaves(const Tree& tree, MeshView mesh) {
     if (padding ? t != tree.leaves.back().triangle[(triangles - 1) % width] : is_in_leaf[t]) {
       return broken(2, "a triangle is in two leaves, one of them", i / width);
     }
+    if (i % width != 0 && t < tree.leaves[i / width].triangle[i % width - 1])
+      return broken(2, "order of leaf", i / width);
     if (tree.leaves[i / width].vertices[i % width] != mesh.triangles[t])
       return broken(2, "vertices of leaf", i / width);
     is_in_leaf[t] = true;

@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <locale>
+#include <span>
+#include <string>
 
 #include "files.h"
 
@@ -30,6 +34,42 @@ TEST_F(Formats, every_format_gives_the_same_tetrahedron) {
       }
     }
   }
+}
+
+TEST_F(Formats, a_file_in_memory_is_read_as_from_disk) {
+  for (const auto& [name, bytes] : tetrahedron_files()) {
+    const Result<MeshFile> expected = read(name, bytes);
+    const Result<MeshFile> file = read_mesh_bytes(std::as_bytes(std::span(bytes)), name);
+    ASSERT_TRUE(file) << file.error().text;
+    EXPECT_EQ(file->mesh.positions(), expected->mesh.positions()) << name;
+    EXPECT_EQ(file->mesh.triangles(), expected->mesh.triangles()) << name;
+    EXPECT_EQ(file->face_of_triangle, expected->face_of_triangle) << name;
+    EXPECT_EQ(file->face_count, expected->face_count) << name;
+    const std::string half = bytes.substr(0, bytes.size() / 2);
+    const Result<MeshFile> damaged = read_mesh_bytes(std::as_bytes(std::span(half)), path(name));
+    const Result<MeshFile> damaged_on_disk = read(name, half);
+    ASSERT_EQ(static_cast<bool>(damaged), static_cast<bool>(damaged_on_disk)) << name;
+    if (damaged) continue;
+    EXPECT_EQ(damaged.error().text, damaged_on_disk.error().text);
+    EXPECT_EQ(damaged.error().code, damaged_on_disk.error().code);
+  }
+  EXPECT_EQ(read_mesh_bytes({}, "empty.obj").error().text, "empty.obj: is empty");
+  EXPECT_EQ(read_mesh_bytes({}, "no_extension").error().code, ErrorCode::unsupported_format);
+}
+
+TEST_F(Formats, buffer_files_are_not_looked_for_beside_a_file_in_memory) {
+  const auto files = tetrahedron_files();
+  const auto gltf =
+      std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first == "text.gltf"; });
+  ASSERT_NE(gltf, files.end());
+  std::string bytes = gltf->second;
+  const std::size_t uri = bytes.find("data:");
+  ASSERT_NE(uri, bytes.npos);
+  bytes.replace(uri, bytes.find('"', uri) - uri, "beside.bin");
+  write("beside.bin", std::string(1000, '\0'));
+  const Result<MeshFile> file = read_mesh_bytes(std::as_bytes(std::span(bytes)), path("text.gltf"));
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().code, ErrorCode::malformed_file) << file.error().text;
 }
 
 TEST_F(Formats, extension_may_be_in_capitals) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -50,6 +51,46 @@ TEST(ModelBounds, ContainEveryVertexWhateverTheScale) {
         model.commit();
         expect_bounds_hold(model);
       }
+    }
+  }
+}
+
+/// Whether each level of spheres holds all triangles, each triangle in one of them.
+void expect_spheres_hold(const Model& model) {
+  const TreeStats stats = model.tree_stats();
+  std::size_t count = 0;
+  for (std::uint32_t level = 0; level < stats.levels; ++level) {
+    const std::vector<Sphere> spheres = model.node_spheres(level);
+    count += spheres.size();
+    for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
+      const auto holds = [&](const Sphere& sphere) { return contains(sphere, model.mesh().triangle(t)); };
+      ASSERT_TRUE(std::any_of(spheres.begin(), spheres.end(), holds)) << "level " << level << ", triangle " << t;
+    }
+  }
+  EXPECT_EQ(count, stats.nodes);
+  EXPECT_EQ(model.node_spheres(stats.levels - 1).size(), stats.leaves);
+  const Sphere root = model.bounding_sphere();
+  ASSERT_EQ(model.node_spheres(0).size(), 1U);
+  EXPECT_EQ(model.node_spheres(0)[0].center, root.center);
+  EXPECT_EQ(model.node_spheres(0)[0].radius, root.radius);
+  EXPECT_THROW(static_cast<void>(model.node_spheres(stats.levels)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(model.node_spheres(no_id)), std::invalid_argument);
+}
+
+TEST(ModelBounds, SpheresOfEveryLevelHoldEveryTriangle) {
+  Rng rng(711);
+  for (const double offset : {0.0, 1e9}) {
+    for (const std::uint32_t triangles : {1U, 8U, 9U, 600U}) {
+      std::vector<Vec3> positions = scenes::random_soup(rng, triangles, 0.1).positions();
+      const std::vector<Corners> corners = scenes::random_soup(rng, triangles, 0.1).triangles();
+      for (Vec3& p : positions) p += offset * Vec3{1, -1, 1};
+      Model model(Mesh::create(positions, corners).value(), {.motion_margin = triangles > 8 ? 0.05 : 0});
+      expect_spheres_hold(model);
+      for (Vec3& p : positions) p += 0.02 * uniform_point(rng);
+      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+      EXPECT_THROW(static_cast<void>(model.node_spheres(0)), std::invalid_argument);
+      model.commit();
+      expect_spheres_hold(model);
     }
   }
 }

@@ -3,7 +3,7 @@
 
 // Arguments that are arrays. Private to the package.
 
-import { LimberError, require } from "./errors.js";
+import { LimberError, invalid } from "./errors.js";
 
 /**
  * Three numbers for each point, one point after the other: x, y, z, x, y, z, ... Plain arrays are taken as float64.
@@ -32,7 +32,7 @@ import { LimberError, require } from "./errors.js";
  */
 export function coordinatesOf(array, name) {
   const isTyped = array instanceof Float32Array || array instanceof Float64Array;
-  require(isTyped || Array.isArray(array), `limber3d: ${name} is no Float32Array, Float64Array or array of numbers`);
+  if (!isTyped && !Array.isArray(array)) throw invalid(`${name} is no Float32Array, Float64Array or array of numbers`);
   const coordinates = isTyped ? array : Float64Array.from(array);
   if (coordinates.length % 3 !== 0) {
     throw new LimberError("sizeMismatch", `limber3d: ${name} has ${coordinates.length} numbers, not three a point`);
@@ -48,7 +48,7 @@ export function coordinatesOf(array, name) {
 export function idsOf(array, name) {
   if (array instanceof Uint32Array || array instanceof Uint16Array) return array;
   const isIds = array instanceof Int32Array || Array.isArray(array);
-  require(isIds, `limber3d: ${name} is no Uint32Array, Uint16Array, Int32Array or array of numbers`);
+  if (!isIds) throw invalid(`${name} is no Uint32Array, Uint16Array, Int32Array or array of numbers`);
   for (let i = 0; i < array.length; ++i) {
     if (Number.isInteger(array[i]) && array[i] >= 0 && array[i] <= 0xffffffff) continue;
     throw new LimberError("indexOutOfRange", `limber3d: ${name}[${i}] is ${array[i]}, which is no id`, i);
@@ -65,6 +65,6 @@ export function pointOf(vector, name) {
   const point = /** @type {Point} */ (
     "x" in vector ? [vector.x, vector.y, vector.z] : vector.length === 3 ? [vector[0], vector[1], vector[2]] : []
   );
-  require(point.length === 3 && point.every((x) => typeof x === "number"), `limber3d: ${name} is not three numbers`);
+  if (point.length !== 3 || !point.every((x) => typeof x === "number")) throw invalid(`${name} is not three numbers`);
   return point;
 }

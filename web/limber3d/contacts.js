@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { require } from "./errors.js";
+import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { writePose } from "./poses.js";
 import { cacheAddress, collideResult, distanceResult, stats } from "./queries.js";
@@ -105,7 +105,7 @@ export class Contacts {
    * @returns {Contact}
    */
   at(i) {
-    require(Number.isInteger(i) && i >= 0 && i < this.count, `limber3d: there is no contact ${i} of ${this.count}`);
+    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no contact ${i} of ${this.count}`);
     /** @param {Float64Array} from @returns {Point} */
     const point = (from) => [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
     /** @param {number} from @returns {Feature} */
@@ -146,11 +146,16 @@ export class NeighborRings extends Owner {
   }
 }
 
-/** @param {TrianglePairFilter | NeighborRings | undefined} filter @returns {[TrianglePairFilter | undefined, number]} */
-function filterAndRings(filter) {
+/** @param {PairOptions} options */
+function filterOf({ filter }) {
+  if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function");
+  return filter;
+}
+
+/** @param {SelfPairOptions} options @returns {[TrianglePairFilter | undefined, number]} */
+function filterAndRings({ filter }) {
   if (filter instanceof NeighborRings) return [undefined, Owner.addressOf(filter, "filter")];
-  require(filter === undefined || typeof filter === "function", "limber3d: filter is no function");
-  return [filter, 0];
+  return [filterOf({ filter }), 0];
 }
 
 /** @returns {TrianglePairs} */
@@ -173,7 +178,7 @@ const trianglePairs = () => ({
  */
 export function intersections(a, b, options = {}) {
   const { maxCount = Infinity } = options;
-  const [filter] = filterAndRings(options.filter);
+  const filter = filterOf(options);
   const first = addressOf(a, "a"), second = addressOf(b, "b");
   const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
   const { intersections } = engine();
@@ -194,7 +199,7 @@ export function intersections(a, b, options = {}) {
  */
 export function contacts(a, b, margin, options = {}) {
   const { maxCount = Infinity } = options;
-  const [filter] = filterAndRings(options.filter);
+  const filter = filterOf(options);
   const first = addressOf(a, "a"), second = addressOf(b, "b");
   const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
   const { contacts } = engine();
@@ -214,8 +219,8 @@ export function contacts(a, b, margin, options = {}) {
  * @returns {Contacts}
  */
 export function closestPairs(a, b, count, options = {}) {
-  require(count >= 0, "limber3d: count is not a number of pairs");
-  const [filter] = filterAndRings(options.filter);
+  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  const filter = filterOf(options);
   const first = addressOf(a, "a"), second = addressOf(b, "b");
   const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
   const { closestPairs } = engine();
@@ -239,7 +244,7 @@ export function closestPairs(a, b, count, options = {}) {
  * @returns {CollideResult}
  */
 export function selfCollide(model, options = {}) {
-  const [filter, rings] = filterAndRings(options.filter);
+  const [filter, rings] = filterAndRings(options);
   const address = addressOf(model), cache = cacheAddress(options.cache);
   const { selfCollide } = engine();
   checkWithFilter(filter, () => selfCollide(address, filter ? 1 : 0, rings, cache));
@@ -255,7 +260,7 @@ export function selfCollide(model, options = {}) {
  */
 export function selfDistance(model, options = {}) {
   const { relativeError = 0, absoluteError = 0, maxDistance = Infinity } = options;
-  const [filter, rings] = filterAndRings(options.filter);
+  const [filter, rings] = filterAndRings(options);
   const address = addressOf(model), cache = cacheAddress(options.cache);
   const { selfDistance } = engine();
   checkWithFilter(filter, () =>
@@ -273,7 +278,7 @@ export function selfDistance(model, options = {}) {
  */
 export function selfIntersections(model, options = {}) {
   const { maxCount = Infinity } = options;
-  const [filter, rings] = filterAndRings(options.filter);
+  const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfIntersections } = engine();
   checkWithFilter(filter, () => selfIntersections(address, maxCount, filter ? 1 : 0, rings));
@@ -292,7 +297,7 @@ export function selfIntersections(model, options = {}) {
  */
 export function selfContacts(model, margin, options = {}) {
   const { maxCount = Infinity } = options;
-  const [filter, rings] = filterAndRings(options.filter);
+  const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfContacts } = engine();
   checkWithFilter(filter, () => selfContacts(address, margin, maxCount, filter ? 1 : 0, rings));
@@ -308,8 +313,8 @@ export function selfContacts(model, margin, options = {}) {
  * @returns {Contacts}
  */
 export function selfClosestPairs(model, count, options = {}) {
-  require(count >= 0, "limber3d: count is not a number of pairs");
-  const [filter, rings] = filterAndRings(options.filter);
+  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfClosestPairs } = engine();
   checkWithFilter(filter, () => selfClosestPairs(address, count, filter ? 1 : 0, rings));

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * What was wrong. The codes of C++ that can occur, and those for mistakes of the caller.
+ * What was wrong: the codes of C++, and those for mistakes of the caller.
  *
- * @typedef {"emptyMesh" | "nonFinite" | "tooLarge" | "indexOutOfRange" | "sizeMismatch" | "notRigid" | "unreadableFile" |
- *   "malformedFile" | "unsupportedFormat" | "changedConnectivity" | "brokenInvariant" | "notClosed" | "invalidArgument" |
- *   "outOfMemory" | "disposed" | "busy" | "notInitialized" | "other"} ErrorCode
+ * @typedef {typeof codesOfResults[number] | typeof otherCodes[number] | "disposed" | "busy" | "notInitialized"}
+ *   ErrorCode
  */
 
 /** In the order of limber::ErrorCode. */
@@ -60,10 +59,10 @@ export function codeOf(number) {
 export const filterHasThrown = firstOtherCode + 2;
 
 /**
- * @param {boolean} condition
+ * The error for an argument that is not what its comment says. Private to the package.
+ *
  * @param {string} message
- * @returns {asserts condition}
  */
-export function require(condition, message) {
-  if (!condition) throw new LimberError("invalidArgument", message);
+export function invalid(message) {
+  return new LimberError("invalidArgument", `limber3d: ${message}`);
 }

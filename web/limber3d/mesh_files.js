@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { require } from "./errors.js";
+import { invalid } from "./errors.js";
 import { check, copyOf, engine, word, writeBytes } from "./wasm.js";
 
 /**
@@ -26,7 +26,7 @@ import { check, copyOf, engine, word, writeBytes } from "./wasm.js";
  */
 export function readMeshBytes(bytes, name) {
   const isBytes = bytes instanceof Uint8Array || bytes instanceof ArrayBuffer;
-  require(isBytes, "limber3d: bytes is no Uint8Array or ArrayBuffer");
+  if (!isBytes) throw invalid("bytes is no Uint8Array or ArrayBuffer");
   const nameBytes = new TextEncoder().encode(name);
   writeBytes(bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes), nameBytes);
   check(engine().readMeshBytes(bytes.byteLength, nameBytes.length));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 import { coordinatesOf, idsOf } from "./arrays.js";
-import { LimberError, require } from "./errors.js";
+import { LimberError, invalid } from "./errors.js";
 import { Owner, check, copyOf, engine, number, point, word, writeInput } from "./wasm.js";
 
 /**
@@ -56,7 +56,7 @@ import { Owner, check, copyOf, engine, number, point, word, writeInput } from ".
 function automaticOr(value, usual, name) {
   const wanted = value ?? usual;
   if (wanted === "automatic") return -1;
-  require(wanted >= 0 && wanted < Infinity, `limber3d: ${name} is neither finite and >= 0 nor "automatic"`);
+  if (!(wanted >= 0 && wanted < Infinity)) throw invalid(`${name} is neither finite and >= 0 nor "automatic"`);
   return wanted;
 }
 
@@ -83,7 +83,7 @@ export class Model extends Owner {
       throw new LimberError("sizeMismatch", `limber3d: faces has ${ids.length} ids, not three a triangle`);
     }
     const policy = options.rebuildPolicy ?? "inCommit";
-    require(policy === "off" || policy === "inCommit", `limber3d: there is no rebuildPolicy "${policy}"`);
+    if (policy !== "off" && policy !== "inCommit") throw invalid(`there is no rebuildPolicy "${policy}"`);
     const margin = automaticOr(options.motionMargin, 0, "motionMargin");
     const budget = automaticOr(options.rebuildBudgetUs, "automatic", "rebuildBudgetUs");
     writeInput(coordinates, ids);
@@ -255,6 +255,6 @@ export class Model extends Owner {
  * @param {string} [name] of the argument
  */
 export function addressOf(model, name = "model") {
-  require(model instanceof Model, `limber3d: ${name} is no Model`);
+  if (!(model instanceof Model)) throw invalid(`${name} is no Model`);
   return Owner.addressOf(model, name);
 }

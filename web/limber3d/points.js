@@ -3,7 +3,7 @@
 
 import { coordinatesOf, pointOf } from "./arrays.js";
 import { featureKinds } from "./contacts.js";
-import { require } from "./errors.js";
+import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { writePose } from "./poses.js";
 import { Owner, check, copyOf, engine, word, writeInput } from "./wasm.js";
@@ -72,7 +72,7 @@ export class SurfacePoints {
    * @returns {SurfacePoint | null}
    */
   at(i) {
-    require(Number.isInteger(i) && i >= 0 && i < this.count, `limber3d: there is no point ${i} of ${this.count}`);
+    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no point ${i} of ${this.count}`);
     if (this.triangles[i] === 0xffffffff) return null;
     /** @param {Float64Array} from @returns {Point} */
     const three = (from) => [from[3 * i], from[3 * i + 1], from[3 * i + 2]];

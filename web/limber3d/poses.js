@@ -4,8 +4,8 @@
 // Where a model stands. Private to the package.
 
 import { pointOf } from "./arrays.js";
-import { require } from "./errors.js";
-import { check, engine, number, setPoseNumber } from "./wasm.js";
+import { invalid } from "./errors.js";
+import { check, engine, number, writePoseNumbers } from "./wasm.js";
 
 /**
  * Numbers of a matrix, column by column: an array of them, or an object with such an array, as three.js's Matrix3 and
@@ -40,21 +40,8 @@ const identity = 0, matrix = 1, quaternion = 2, rotation = 3;
 /** @param {Matrix} from @param {number} count @param {string} name */
 function elementsOf(from, count, name) {
   const elements = "elements" in from ? from.elements : from;
-  require(elements?.length === count, `limber3d: ${name} does not have ${count} numbers`);
+  if (elements?.length !== count) throw invalid(`${name} does not have ${count} numbers`);
   return elements;
-}
-
-/**
- * @param {number} which
- * @param {number} first
- * @param {ArrayLike<number>} values
- * @param {string} name
- */
-function write(which, first, values, name) {
-  for (let i = 0; i < values.length; ++i) {
-    require(typeof values[i] === "number", `limber3d: ${name} has something that is not a number`);
-    setPoseNumber(which, first + i, values[i]);
-  }
 }
 
 /**
@@ -66,24 +53,24 @@ function write(which, first, values, name) {
  */
 export function writePose(pose, which, name) {
   if (pose === undefined || pose === null) return identity;
-  require(typeof pose === "object", `limber3d: ${name} is no pose`);
+  if (typeof pose !== "object") throw invalid(`${name} is no pose`);
   if ("elements" in pose || "length" in pose) {
-    write(which, 0, elementsOf(pose, 16, name), name);
+    writePoseNumbers(which, 0, elementsOf(pose, 16, name), name);
     return matrix;
   }
   const turn = /** @type {{ quaternion?: Quaternion, rotation?: Matrix, translation?: Vector }} */ (pose);
   const translation = turn.translation === undefined ? [0, 0, 0] : pointOf(turn.translation, `${name}.translation`);
   if (turn.rotation !== undefined) {
-    write(which, 0, elementsOf(turn.rotation, 9, `${name}.rotation`), name);
-    write(which, 9, translation, name);
+    writePoseNumbers(which, 0, elementsOf(turn.rotation, 9, `${name}.rotation`), name);
+    writePoseNumbers(which, 9, translation, name);
     return rotation;
   }
-  require(turn.quaternion !== undefined || turn.translation !== undefined, `limber3d: ${name} is no pose`);
+  if (turn.quaternion === undefined && turn.translation === undefined) throw invalid(`${name} is no pose`);
   const q = turn.quaternion ?? [0, 0, 0, 1];
   const numbers = "x" in q ? [q.x, q.y, q.z, q.w] : q;
-  require(numbers.length === 4, `limber3d: ${name}.quaternion does not have 4 numbers`);
-  write(which, 0, numbers, `${name}.quaternion`);
-  write(which, 4, translation, name);
+  if (numbers.length !== 4) throw invalid(`${name}.quaternion does not have 4 numbers`);
+  writePoseNumbers(which, 0, numbers, `${name}.quaternion`);
+  writePoseNumbers(which, 4, translation, name);
   return quaternion;
 }
 
@@ -96,7 +83,7 @@ export function writePose(pose, which, name) {
  * @returns {number[]}
  */
 export function orthonormalized(rotation) {
-  write(0, 0, elementsOf(rotation, 9, "rotation"), "rotation");
+  writePoseNumbers(0, 0, elementsOf(rotation, 9, "rotation"), "rotation");
   check(engine().orthonormalized());
   return Array.from({ length: 9 }, (_, i) => number(i));
 }

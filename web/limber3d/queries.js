@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { require } from "./errors.js";
+import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { writePose } from "./poses.js";
 import { Owner, check, engine, number, point, word } from "./wasm.js";
@@ -146,7 +146,7 @@ export class QueryCache extends Owner {
 /** Private to the package. @param {QueryCache | undefined} cache */
 export function cacheAddress(cache) {
   if (cache === undefined) return 0;
-  require(cache instanceof QueryCache, "limber3d: cache is no QueryCache");
+  if (!(cache instanceof QueryCache)) throw invalid("cache is no QueryCache");
   return Owner.addressOf(cache, "cache");
 }
 
@@ -204,8 +204,9 @@ export function distance(a, b, options = none) {
   const { deadline = Infinity, maxSteps = Infinity } = /** @type {QueryBudget} */ (budget);
   const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
   const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const { distance } = engine();
   check(
-    engine().distance(first, formA, second, formB, relativeError, absoluteError, maxDistance, deadline, maxSteps, cache),
+    distance(first, formA, second, formB, relativeError, absoluteError, maxDistance, deadline, maxSteps, cache),
   );
   return distanceResult();
 }

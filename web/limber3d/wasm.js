@@ -3,7 +3,7 @@
 
 // The WebAssembly module: how it is loaded, called and read. Private to the package, but for init().
 
-import { LimberError, codeOf, filterHasThrown } from "./errors.js";
+import { LimberError, codeOf, filterHasThrown, invalid } from "./errors.js";
 
 /**
  * What the module exports; see web/src.
@@ -19,6 +19,8 @@ let loading;
 /** Byte addresses in the module's memory. */
 let exchange = 0;
 let inputAt = 0;
+/** The module's memory has 32-bit addresses. */
+const mostInputBytes = 2 ** 32 - 2 ** 16;
 let inputBytes = 0;
 
 /** Views of the whole memory, until it grows. */
@@ -78,12 +80,13 @@ async function instantiate(source = new URL("./limber.wasm", import.meta.url)) {
     return (await WebAssembly.instantiate(source, imports)).instance;
   }
   if (source instanceof URL && source.protocol === "file:") {
-    // Node.js does not fetch files.
-    const { readFile } = await import("node:fs/promises");
-    return (await WebAssembly.instantiate(await readFile(source), imports)).instance;
+    // Node.js does not fetch files. Bundlers are to leave this alone.
+    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
+    return (await WebAssembly.instantiate(new Uint8Array(await readFile(source)), imports)).instance;
   }
   const response = source instanceof Response ? source : await fetch(source);
-  if (!response.ok) throw new LimberError("unreadableFile", `${response.url}: ${response.status} ${response.statusText}`);
+  const { ok, status, statusText, url } = response;
+  if (!ok) throw new LimberError("unreadableFile", `${url}: ${status} ${statusText}`);
   if (response.headers.get("Content-Type")?.startsWith("application/wasm")) {
     return (await WebAssembly.instantiateStreaming(response, imports)).instance;
   }
@@ -179,14 +182,20 @@ export function point(i) {
 }
 
 /**
- * The numbers of a pose: of the first or second one.
+ * Writes numbers of the first or second pose.
  *
  * @param {number} which
- * @param {number} i
- * @param {number} value
+ * @param {number} first
+ * @param {ArrayLike<number>} values
+ * @param {string} name of the argument
  */
-export function setPoseNumber(which, i, value) {
-  float64[(exchange >>> 3) + 16 * which + i] = value;
+export function writePoseNumbers(which, first, values, name) {
+  const at = (exchange >>> 3) + 16 * which + first;
+  for (let i = 0; i < values.length; ++i) {
+    const value = values[i];
+    if (typeof value !== "number") throw invalid(`${name} has something that is not a number`);
+    float64[at + i] = value;
+  }
 }
 
 /** A copy of bytes of the module's memory. @param {number} begin @param {number} bytes */
@@ -198,6 +207,7 @@ export const copyOf = (begin, bytes) => uint8.slice(begin, begin + bytes).buffer
  * @param {number} bytes
  */
 function reserveInput(bytes) {
+  if (bytes > mostInputBytes) throw new LimberError("outOfMemory", `limber3d: there is no room for ${bytes} bytes`);
   if (bytes > inputBytes) {
     inputAt = engine().reserveInput(bytes) >>> 0;
     if (inputAt === 0) {
@@ -281,7 +291,7 @@ export class Owner {
    */
   static addressOf(owner, name) {
     if (typeof owner !== "object" || owner === null || !(#address in owner)) {
-      throw new LimberError("invalidArgument", `limber3d: ${name} is not an object of this package`);
+      throw invalid(`${name} is not an object of this package`);
     }
     if (owner.#address === 0) throw new LimberError("disposed", `limber3d: ${name} has been disposed of`);
     return owner.#address;

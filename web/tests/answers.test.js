@@ -6,7 +6,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { before, test } from "node:test";
-import * as limber from "./package.js";
+import * as limber from "limber3d";
 
 class Reader {
   #bytes;

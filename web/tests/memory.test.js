@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Nothing leaks in the module: whatever is called again and again, its memory stays as large as it was.
+import assert from "node:assert/strict";
+import { before, test } from "node:test";
+import { setFlagsFromString } from "node:v8";
+import { runInNewContext } from "node:vm";
+import { engine } from "../limber3d/wasm.js";
+import * as limber from "limber3d";
+
+before(() => limber.init());
+
+const bytesOfModule = () => engine().memory.buffer.byteLength;
+
+/** Repeats `body` often; the memory may grow in the first tenth only. */
+function staysFlat(times, body) {
+  let before = 0;
+  for (let i = 0; i < times; ++i) {
+    if (i === Math.ceil(times / 10)) before = bytesOfModule();
+    body(i);
+  }
+  assert.ok(before > 0);
+  assert.equal(bytesOfModule(), before);
+}
+
+function grid(n) {
+  const vertices = new Float32Array(3 * (n + 1) ** 2), faces = [];
+  for (let v = 0; v < (n + 1) ** 2; ++v) vertices.set([v % (n + 1), Math.floor(v / (n + 1)), Math.sin(v)], 3 * v);
+  for (let j = 0; j < n; ++j) {
+    for (let i = 0; i < n; ++i) {
+      const a = j * (n + 1) + i;
+      faces.push(a, a + 1, a + n + 2, a, a + n + 2, a + n + 1);
+    }
+  }
+  return [vertices, new Uint32Array(faces)];
+}
+
+test("100 000 calls of each kind take no memory", () => {
+  const [vertices, faces] = grid(6);
+  const model = new limber.Model(vertices, faces), other = new limber.Model(vertices, faces);
+  const cache = new limber.QueryCache(), options = { poseB: { translation: [0, 0, 3] }, cache };
+  staysFlat(100_000, () => limber.distance(model, other, options));
+  staysFlat(100_000, () => limber.collide(model, other, options));
+  staysFlat(100_000, () => limber.closestPoint(model, [1, 2, 9]));
+  staysFlat(100_000, () => model.nodeSpheres(1));
+  staysFlat(100_000, (i) => {
+    vertices[2] = Math.sin(i);
+    model.moveVertices([0], vertices.subarray(0, 3));
+    model.commit();
+  });
+  staysFlat(10_000, () => limber.contacts(model, other, 0.1, { poseB: { translation: [0.1, 0.1, 0.1] } }));
+  staysFlat(10_000, () => limber.selfContacts(model, 0.3));
+});
+
+test("errors take no memory", () => {
+  const [vertices, faces] = grid(20);
+  const model = new limber.Model(vertices, faces), bad = vertices.slice();
+  bad[500] = NaN;
+  const throws = (body) => assert.throws(body, limber.LimberError);
+  staysFlat(2000, () => throws(() => new limber.Model(bad, faces)));
+  staysFlat(20_000, () => throws(() => model.moveAll(bad)));
+  staysFlat(2000, () => throws(() => new limber.ClosedSurface(model)));
+  staysFlat(5000, () => throws(() => limber.distance(model, model, { relativeError: -1 })));
+  const error = new Error("of the filter");
+  const filter = () => {
+    throw error;
+  };
+  staysFlat(5000, () => assert.throws(() => limber.contacts(model, model, 1, { filter }), error));
+  const file = new TextEncoder().encode("v 0 0 0\nf 1 2 999\n".repeat(100));
+  staysFlat(2000, () => throws(() => limber.readMeshBytes(file, "bad.obj")));
+});
+
+test("disposed objects leave nothing behind", () => {
+  const [vertices, faces] = grid(30);
+  staysFlat(3000, () => {
+    const model = new limber.Model(vertices, faces, { preallocate: true });
+    const cache = new limber.QueryCache(), rings = new limber.NeighborRings(model, 1);
+    model.moveAll(vertices);
+    model.commit();
+    limber.collide(model, model, { cache });
+    for (const owner of [rings, cache, model]) owner.dispose();
+  });
+});
+
+test("what is no longer reachable is freed", async () => {
+  setFlagsFromString("--expose-gc");
+  const collectGarbage = runInNewContext("gc");
+  const [vertices, faces] = grid(40);
+  const bytes = [];
+  for (let round = 0; round < 8; ++round) {
+    for (let i = 0; i < 20; ++i) new limber.Model(vertices, faces);
+    collectGarbage();
+    await new Promise((resolve) => setTimeout(resolve, 5));  // finalizers run between tasks
+    bytes.push(bytesOfModule());
+  }
+  assert.equal(bytes[7], bytes[2], `${bytes}`);
+});
+
+test("too much memory is an error, and the engine goes on", () => {
+  const [vertices, faces] = grid(10);
+  const model = new limber.Model(vertices, faces);
+  for (const length of [3e9, 2 ** 32 - 8, 2 ** 32, 2 ** 33 + 5]) {
+    const file = new Uint8Array(0);
+    Object.defineProperty(file, "length", { value: length });  // no such array is needed to ask for its room
+    assert.throws(() => limber.readMeshBytes(file, "large.obj"), { name: "LimberError", code: "outOfMemory" });
+  }
+  assert.ok(limber.collide(model, model).collision);
+});

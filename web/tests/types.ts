@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The declarations of the package: compiled by tsc --strict, never run. What is expected to fail, must.
+import * as limber from "limber3d";
+import type { BudgetedAnswer, CollideResult, Contact, DistanceResult, ErrorCode, Point, Pose } from "limber3d";
+
+const vertices = new Float32Array(9), faces = new Uint32Array(3);
+const a = new limber.Model(vertices, faces, { motionMargin: "automatic", rebuildPolicy: "off", rebuildBudgetUs: 50 });
+const b: limber.Model = new limber.Model([0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2]);
+
+// What three.js has, without its types.
+const matrix4 = { elements: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] };
+const vector3 = { x: 0, y: 0, z: 1 }, quaternion = { x: 0, y: 0, z: 0, w: 1 };
+const poses: Pose[] = [matrix4, matrix4.elements, new Float64Array(16), { translation: vector3 },
+  { quaternion, translation: [0, 0, 1] }, { rotation: new Float64Array(9) }, { quaternion: [0, 0, 0, 1] }];
+
+const cache = new limber.QueryCache();
+const near: DistanceResult = limber.distance(a, b, { poseA: poses[0], poseB: null, relativeError: 0.1, cache });
+const point: Point | undefined = near.witness?.pointA;
+const meets: CollideResult = limber.collide(a, b, { cache });
+const soon: BudgetedAnswer = limber.collide(a, b, { budget: { deadline: performance.now() + 1, maxSteps: 100 } });
+const isWithin: boolean = limber.within(a, b, 1).within;
+const maybe: "no" | "yes" | "unknown" = limber.within(a, b, 1, { budget: {} }).answer;
+const rings = new limber.NeighborRings(a, 1);
+const found: Contact[] = [...limber.selfContacts(a, 0.1, { filter: rings, maxCount: 5 })];
+const ids: Uint32Array = limber.intersections(a, b, { filter: (s: number, t: number) => s < t }).triangles;
+const depth: number | undefined = limber.closestPoint(a, vector3, { pose: poses[3] })?.distance;
+const inside: boolean = new limber.ClosedSurface(a).contains([0, 0, 0]);
+const file: limber.MeshFile = limber.readMeshBytes(new Uint8Array(0), "mesh.obj");
+const started: Promise<void> = limber.init(new URL("https://example.org/limber.wasm"));
+const code: ErrorCode = new limber.LimberError("notRigid", "no", 1).code;
+a.moveVertices([0], vertices);
+a.commit();
+const spheres: Float64Array = a.nodeSpheres(0);
+rings.dispose();
+
+// @ts-expect-error vertices are numbers
+new limber.Model("vertices", faces);
+// @ts-expect-error there is no worker
+new limber.Model(vertices, faces, { rebuildPolicy: "onWorker" });
+// @ts-expect-error the option is called relativeError
+limber.distance(a, b, { relative_error: 0.1 });
+// @ts-expect-error a pose is no number
+limber.distance(a, b, { poseA: 1 });
+// @ts-expect-error without a budget there is no unknown
+limber.collide(a, b).answer;
+// @ts-expect-error with a budget the answer may be unknown
+limber.collide(a, b, { budget: {} }).collision;
+// @ts-expect-error models are no caches
+limber.distance(a, b, { cache: a });
+// @ts-expect-error rings are of one model
+limber.contacts(a, b, 1, { filter: rings });
+// @ts-expect-error the witness may be missing
+near.witness.pointA;
+// @ts-expect-error there is no such code
+const wrong: ErrorCode = "not_rigid";
+
+export { code, depth, file, found, ids, inside, isWithin, maybe, meets, point, soon, spheres, started, wrong };
