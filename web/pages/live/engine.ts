@@ -31,7 +31,7 @@ export interface Answers {
   times: EngineTimes;
 }
 
-const mostContacts = 5000;
+const mostContacts = 10000;
 const selfMargin = 0.4 * Sheet.squareWidth;
 const ringEdges = 2; // triangles that near along the sheet are no self-contacts
 
@@ -40,6 +40,7 @@ export class Engine {
   body: Model;
   private readonly rings: NeighborRings;
   private cache = new QueryCache();
+  private lastError = 0;
 
   constructor(sheet: Sheet, body: TriangleMesh) {
     this.sheet = new Model(sheet.positions, sheet.faces, { preallocate: true });
@@ -59,6 +60,9 @@ export class Engine {
   /** Moves the sheet, unless its positions are those of the last call, and asks. */
   ask(positions: Float64Array | undefined, pose: BodyPose, questions: Questions): Answers {
     const { relativeError, contactMargin } = questions;
+    // The cache knows better bounds than a larger error asks for; the answer is to show what was asked for.
+    if (relativeError !== this.lastError) this.cache.clear();
+    this.lastError = relativeError;
     const started = performance.now();
     if (positions !== undefined) {
       this.sheet.moveAll(positions);

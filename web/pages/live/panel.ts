@@ -107,8 +107,7 @@ function showContacts(contacts: Contacts | undefined, selfContacts: Contacts | u
 
 function counted(contacts: Contacts): string {
   if (contacts.count === 0) return 'none';
-  let crossing = 0;
-  for (const distance of contacts.distances) crossing += distance === 0 ? 1 : 0;
-  const more = contacts.isComplete ? '' : ' and more';
-  return `${grouped(contacts.count)}${more}, ${grouped(crossing)} intersect`;
+  if (!contacts.isComplete) return `more than ${grouped(contacts.count)}`;
+  const crossing = contacts.distances.reduce((count, distance) => count + (distance === 0 ? 1 : 0), 0);
+  return `${grouped(contacts.count)}, ${grouped(crossing)} intersect`;
 }

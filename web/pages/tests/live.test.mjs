@@ -174,6 +174,8 @@ test('the numbers are those of the native engine, to the bit', async () => {
 
 test('the interval at an error holds the exact distance, and is as narrow as asked', async () => {
   const page = await live(still);
+  await page.focus('#view');
+  for (let i = 0; i < 12; ++i) await page.keyboard.press('ArrowUp');
   const widths = [];
   for (const percent of [0, 5, 20, 50]) {
     await page.fill('#error', String(percent));
@@ -182,7 +184,7 @@ test('the interval at an error holds the exact distance, and is as narrow as ask
     const { asked, exact } = await native(page);
     assert.ok(low <= exact.upper && exact.upper <= high, `${low} <= ${exact.upper} <= ${high}`);
     assert.ok(high <= exact.upper * (1 + percent / 100), `${high} at ${percent} %`);
-    assert.equal(asked.status, exact.lower < asked.upper || percent === 0 ? asked.status : 'exact');
+    assert.ok(asked.lower <= exact.upper && exact.upper <= asked.upper);
     widths.push(high - low);
   }
   assert.equal(widths[0], 0);
@@ -321,8 +323,8 @@ test('contacts are counted and drawn where sheet and body are close', async () =
   await settled(page);
   assert.equal(await page.textContent('#distance-note'), 'they meet');
   assert.equal(await upper(page), 0);
-  const [, all, crossing] = /^Sheet and body(\S+).*?, (\S+) intersect$/.exec(await contacts());
-  const number = (text) => Number(text.replace(/\s/g, ''));
+  const [, all, crossing] = /^Sheet and body(.+), (.+) intersect$/.exec(await contacts());
+  const number = (text) => Number(text.replace(/\D/g, ''));
   assert.ok(number(crossing) > 0 && number(all) > number(crossing), `${all}, ${crossing}`);
   const drawn = (await picture(page, '#view')).text;
   await page.fill('#margin', '0');
@@ -343,9 +345,7 @@ test('folds of the sheet are self-contacts', async () => {
   await page.click('#top');
   const box = await page.locator('#view').boundingBox();
   await drag(page, [box.x + box.width * 0.4, box.y + box.height * 0.72], [box.width * 0.3, 0], { hold: true });
-  await page.waitForFunction(() =>
-    /itself\S+ .*intersect$/.test(document.getElementById('contact-counts').textContent),
-  );
+  await page.waitForFunction(() => /itself(more than )?\d/.test(document.getElementById('contact-counts').textContent));
   await page.mouse.up();
   await page.close();
 });
