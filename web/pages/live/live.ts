@@ -30,6 +30,8 @@ export class Live {
   private lastFrame: number | undefined;
   private lastText = -Infinity;
   private answers: Answers;
+  private label = '';
+  private isSheetNew = false;
 
   constructor(body: Body) {
     const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -70,14 +72,17 @@ export class Live {
     if (!this.isPaused) this.scenery.advance((interval ?? stepSeconds * 1000) / 1000);
     const moved = performance.now();
     this.answers = this.ask();
+    const goesOn = !this.isPaused && !this.scenery.isResting;
+    // Numbers are written now and then while things move, and always when they have come to rest.
+    const isTime = !goesOn || now - this.lastText >= textInterval;
+    if (isTime) this.writeAnswers(now);
     const drawn = this.draw();
     const { times } = this.answers;
     const engine = times.update + times.distance + (times.contacts ?? 0) + (times.selfContacts ?? 0);
     this.panel.addTimes({ ...times, engine, sheet: moved - now, drawing: drawn }, now);
     if (interval !== undefined) this.panel.addTimes({ frame: interval }, now);
-    const goesOn = !this.isPaused && !this.scenery.isResting;
+    if (isTime) this.panel.showTimes(goesOn);
     this.lastFrame = goesOn ? now : undefined;
-    this.write(goesOn, now);
     if (goesOn) this.wake();
   }
 
@@ -85,17 +90,17 @@ export class Live {
     const { scenery } = this;
     const moved = scenery.sheetHasMoved ? scenery.sheet.positions : undefined;
     scenery.sheetHasMoved = false;
-    if (moved !== undefined) this.view.moveSheet(moved);
+    this.isSheetNew ||= moved !== undefined;
     return this.engine.ask(moved, scenery.pose, this.controls.questions);
   }
 
   /** Returns the milliseconds that the page has spent on it. */
   private draw(): number {
     const started = performance.now();
-    const { distance } = this.answers;
+    if (this.isSheetNew) this.view.moveSheet(this.scenery.sheet.positions);
+    this.isSheetNew = false;
     this.view.moveBody(this.scenery.pose);
-    const isExact = distance.lower === distance.upper;
-    this.view.show(this.answers, isExact ? shown(distance.upper, 3) : `\u2264 ${shown(distance.upper, 3)}`);
+    this.view.show(this.answers, this.label);
     this.showTree();
     this.view.draw();
     return performance.now() - started;
@@ -111,11 +116,11 @@ export class Live {
     this.view.showSpheres(spheres, tree === 'sheet' ? undefined : this.scenery.pose);
   }
 
-  /** Writes the numbers: now and then while things move, and always when they have come to rest. */
-  private write(isMoving: boolean, now: number): void {
-    if (isMoving && now - this.lastText < textInterval) return;
+  private writeAnswers(now: number): void {
+    const { lower, upper } = this.answers.distance;
     this.lastText = now;
-    this.panel.show(this.answers, isMoving);
+    this.label = lower === upper ? shown(upper, 3) : `\u2264 ${shown(upper, 3)}`;
+    this.panel.showAnswers(this.answers);
   }
 
   private pause(isPaused: boolean): void {

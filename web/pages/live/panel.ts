@@ -37,13 +37,12 @@ export class Panel {
     }
   }
 
-  show({ distance, contacts, selfContacts }: Answers, isMoving: boolean): void {
+  showAnswers({ distance, contacts, selfContacts }: Answers): void {
     showDistance(distance);
     showContacts(contacts, selfContacts);
-    this.showTimes(isMoving);
   }
 
-  private showTimes(isMoving: boolean): void {
+  showTimes(isMoving: boolean): void {
     const spreads = Object.fromEntries(
       Object.entries(this.times).map(([name, times]) => [name, times.spread]),
     ) as Record<Name, Spread | undefined>;
