@@ -60,7 +60,7 @@ THIRD_PARTY = {
     "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
     "nanobind": ("python/",),
-    "oneapi": ("src/core/", "apps/", "python/", "tests/", "bench/"),
+    "oneapi": ("src/core/", "apps/", "python/", "tests/", "bench/", "web/bench/"),
     "wasm_simd128.h": ("src/simd/",),
     "xmmintrin.h": ("src/core/", "tests/", "fuzz/"),
 }

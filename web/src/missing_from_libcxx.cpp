@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -53,6 +54,37 @@ std::size_t nan_size(std::string_view text) {
   return end < text.size() && text[end] == ')' ? end + 1 : 3;
 }
 
+/// The value of a decimal of few digits: both its digits and the power of ten are numbers of float64, so that their
+/// product or quotient is rounded once. Based on [Clinger1990].
+std::optional<double> short_decimal(std::string_view text) {
+  static constexpr double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  constexpr int most_digits = 15, most_exponent = 22;
+  const std::size_t exponent_at = std::min(text.find_first_of("eE"), text.size());
+  double digits = 0;
+  int count = 0, exponent = 0;
+  bool is_fraction = false;
+  for (const char c : text.substr(0, exponent_at)) {
+    if (c == '.') {
+      is_fraction = true;
+      continue;
+    }
+    digits = 10 * digits + (c - '0');
+    if (digits != 0) ++count;
+    if (is_fraction) --exponent;
+  }
+  if (exponent_at < text.size()) {
+    std::string_view word = text.substr(exponent_at + 1);
+    word.remove_prefix(word.starts_with('+') ? 1 : 0);
+    int written = 0;
+    if (std::from_chars(word.data(), word.data() + word.size(), written).ec != std::errc()) return {};
+    if (written > 400 || written < -400) return {};
+    exponent += written;
+  }
+  if (count > most_digits || exponent > most_exponent || exponent < -most_exponent) return {};
+  return exponent < 0 ? digits / powers[-exponent] : digits * powers[exponent];
+}
+
 }  // namespace
 
 std::from_chars_result std::from_chars(const char* first, const char* last, double& value) {
@@ -70,6 +102,10 @@ std::from_chars_result std::from_chars(const char* first, const char* last, doub
   }
   const std::size_t size = decimal_size(text);
   if (size == 0) return {first, std::errc::invalid_argument};
+  if (const std::optional<double> size_of_value = short_decimal(text.substr(0, size))) {
+    value = is_negative ? -*size_of_value : *size_of_value;
+    return {after(size), std::errc()};
+  }
   // The C library reads decimals of any length, rounded correctly; it wants them ended by a zero.
   const double size_of_value = std::strtod(std::string(text.substr(0, size)).c_str(), nullptr);
   const std::string_view mantissa = text.substr(0, std::min(text.find_first_of("eE"), size));
