@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a frame of the live page costs in headless Chromium while the mouse pulls the sheet. The page comes from a server
-// of this machine which isolates it, as only then its clock ticks every 5 us. Prints a table in Markdown.
+// What a frame of the live page costs in headless Chromium while the mouse pulls the sheet. The page comes from a
+// server of this machine that isolates it: only then its clock ticks every 5 us. Prints a table in Markdown.
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { join } from 'node:path';

@@ -32,8 +32,8 @@ export interface Answers {
 }
 
 const mostContacts = 10000;
-const selfMargin = 0.4 * Sheet.squareWidth;
-const ringEdges = 2; // triangles that near along the sheet are no self-contacts
+const selfMargin = 0.8 * Sheet.squareWidth;
+const ringEdges = 2; // triangles that near along the sheet are no self-contacts, though within the margin
 
 export class Engine {
   readonly sheet: Model;

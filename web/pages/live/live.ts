@@ -146,7 +146,7 @@ export class Live {
       this.replaceBody(await bodyOf(file));
     } catch (error) {
       const text = error instanceof Error ? error.message : String(error);
-      this.controls.showFailure(`${text.replace(/\s+/g, ' ')}. The scene is as it was.`);
+      this.controls.showFailure(`${text}. The scene is as it was.`);
     }
   }
 

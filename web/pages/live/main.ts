@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The page of `limber live`: a sheet that swings, a body over it, and what the engine says of them in each frame. */
+/** The live page: a sheet that swings, a body over it, and what the engine says of them in each frame. */
 
 import { init } from '../../limber3d/index.js';
 import { bytesOf } from '../shared/decode.ts';

@@ -155,7 +155,12 @@ export class View {
         gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         gl_Position.z -= 0.0015;
       }`,
-      fragmentShader: `precision highp float; uniform vec3 color; out vec4 result; void main() { result = vec4(color, 0.55); }`,
+      fragmentShader: `precision highp float;
+      uniform vec3 color;
+      out vec4 result;
+      void main() {
+        result = vec4(color, 0.55);
+      }`,
       uniforms: { color: this.gridColor },
       glslVersion: GLSL3,
       transparent: true,
