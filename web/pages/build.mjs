@@ -4,7 +4,7 @@
 // Builds the pages that the program is compiled with: one file each in apps/limber/pages, with everything inside. With
 // --check it writes nothing, and fails where a committed page is not what the sources give.
 import { createHash } from 'node:crypto';
-import { existsSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
@@ -22,7 +22,6 @@ const all = {
 };
 const placeholder = '"data of the page"'; // apps/limber/page_template.cpp puts the data there
 const engineElement = /<script type="text\/plain" id="engine-module">([^<]*)<\/script>/;
-const module_ = join(here, '../../build/web/limber3d/limber.wasm');
 
 /** The digest of all that pages are made of; tests/program/check_pages.cmake computes it too, without npm. */
 function digestOfSources() {
@@ -48,9 +47,10 @@ function contentOf(name) {
   return `<script type="text/plain" id="engine-module">${packedEngine()}</script>`;
 }
 
-/** The engine that has been compiled here; without Emscripten, that of the committed page. */
+/** The engine that --engine names; otherwise that of the committed page. */
 function packedEngine() {
-  if (existsSync(module_)) return gzipSync(readFileSync(module_), { level: 9 }).toString('base64');
+  const option = process.argv.indexOf('--engine');
+  if (option !== -1) return gzipSync(readFileSync(process.argv[option + 1]), { level: 9 }).toString('base64');
   return engineElement.exec(readFileSync(join(pages, 'live.html'), 'utf8'))[1];
 }
 
@@ -95,7 +95,7 @@ ${contentOf(name)}
 `;
 }
 
-/** A page whose engine is older than the sources of C++ is not wrong: ./dev web renews it. */
+/** A page whose engine is older than the sources of C++ is not wrong: ./dev pages live renews it. */
 const withoutEngine = (html) => html.replace(engineElement, '');
 
 const isCheck = process.argv.includes('--check');
@@ -108,7 +108,7 @@ for (const name of Object.keys(all)) {
     writeFileSync(path, built);
     console.log(`${path}: ${built.length} bytes`);
   } else if (withoutEngine(readFileSync(path, 'utf8')) !== withoutEngine(built)) {
-    console.error(`${path} is not what web/pages gives; run ./dev web`);
+    console.error(`${path} is not what web/pages gives; run ./dev pages`);
     failed = true;
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Makes the pictures of docs/guide/live_page.md. Run it by ./dev web pictures.
+// Makes the pictures of docs/guide/live_page.md. Run it by ./dev pages pictures.
 import { join } from 'node:path';
 import { launch, open, pages, settled } from './tests/support.mjs';
 

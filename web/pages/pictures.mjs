@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Makes the pictures of docs/guide/reports.md: a gear in a housing, and a ball over a waving sheet. Run it by
-// ./dev web pictures.
+// ./dev pages pictures.
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { Folder, launch, limber, open, settled, sheetObj } from './tests/support.mjs';

@@ -196,10 +196,11 @@ test('the section can be shifted, turned and moved', async () => {
   const page = await open(browser, path('apart'));
   const caption = () => page.textContent('#section-caption');
   assert.match(await caption(), /goes through both closest points/);
-  const start = (await picture(page, '#section')).text;
+  const { text: start, drawn } = await picture(page, '#section');
   await page.focus('#shift');
-  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('End'); // where there is only the plate
   await settled(page);
+  assert.ok((await picture(page, '#section')).drawn < 0.8 * drawn);
   assert.match(await caption(), /lies \S+ off both closest points/);
   assert.notEqual(await page.textContent('#shift-text'), '0');
   await page.focus('#turn');

@@ -84,6 +84,7 @@ test('planes hold their direction, and their drawing is upright and not mirrored
 test('the normal is chosen from the axes', () => {
   assert.equal(mostPerpendicularAxis([1, 0, 0]), 1);
   assert.equal(mostPerpendicularAxis([0, 1, 0]), 0);
+  assert.equal(mostPerpendicularAxis([0, 0, 1]), 1);
   assert.equal(mostPerpendicularAxis([0.6, 0.8, 0.01]), 2);
 });
 
