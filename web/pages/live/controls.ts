@@ -83,7 +83,7 @@ export class Controls {
 
   showBody(body: Body): void {
     const isHare = body.name === 'Hare';
-    byId('body-name').textContent = isHare ? 'hare' : body.name;
+    byId('body-name').textContent = isHare ? 'the hare' : body.name;
     byId('hare').hidden = isHare;
     byId('failure').hidden = true;
     byId('spoken').textContent = `${body.name}, ${grouped(body.mesh.faces.length / 3)} triangles, is the body`;
@@ -118,8 +118,8 @@ export class Controls {
 
   private writeSettings(): void {
     byId('error-text').textContent = `${input('error').value} %`;
-    byId('margin-text').textContent = shown(this.margin, 3);
-    input('margin').setAttribute('aria-valuetext', shown(this.margin, 3));
+    byId('margin-text').textContent = shown(this.margin, 2);
+    input('margin').setAttribute('aria-valuetext', shown(this.margin, 2));
     input('margin').disabled = !input('contacts').checked;
     input('level').disabled = this.tree === '';
     if (this.tree === '') for (const id of ['tree-text', 'level-text']) byId(id).textContent = '';

@@ -216,7 +216,7 @@ test('a bad file is refused in one line, and the scene stays', async () => {
     assert.ok(await page.isVisible('#failure'));
     assert.ok(!line.includes('\n') && line.length < 200, line);
     assert.equal(await page.textContent('#answer'), answer, name);
-    assert.equal(await page.textContent('#body-name'), 'hare');
+    assert.equal(await page.textContent('#body-name'), 'the hare');
   }
   await page.keyboard.press('ArrowUp');
   await page.focus('#view');
@@ -280,7 +280,7 @@ test('a dropped file takes the place of the body', async () => {
     await expectNativeBits(page);
   }
   await page.click('#hare');
-  assert.equal(await page.textContent('#body-name'), 'hare');
+  assert.equal(await page.textContent('#body-name'), 'the hare');
   await page.close();
 });
 
