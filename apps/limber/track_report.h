@@ -26,7 +26,7 @@ void add_track_report(CLI::App& command, TrackReportArguments& arguments);
 /// A model as it enters a report.
 struct ReplayedModel {
   std::string name;
-  MeshView first;  ///< in the first frame; the report keeps what it needs
+  MeshView first;  ///< in the first frame; its arrays must outlive the report
   bool deforms = false;
   bool moves = false;
 };

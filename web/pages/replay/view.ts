@@ -4,11 +4,12 @@
 /** The frames in 3D. */
 
 import { byId } from '../shared/dom.ts';
+import { connectDirections } from '../shared/directions.ts';
 import { Marks } from '../shared/marks.ts';
 import { Surface, SurfaceLook } from '../shared/surface.ts';
 import { onThemeChange, tokenRgb } from '../shared/theme.ts';
 import type { Vec3 } from '../shared/vectors.ts';
-import { Viewer, framed, upOf } from '../shared/viewer.ts';
+import { Viewer, framed, usualUp } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 import type { ReplayData } from './data.ts';
 import type { Box, ReplayModel } from './model.ts';
@@ -20,7 +21,7 @@ export interface ReplayView {
 
 export function showView(data: ReplayData, models: readonly ReplayModel[], frame: Frame, bounds: Box): ReplayView {
   const host = byId('view');
-  const viewer = new Viewer(host, upOf(data.models.map((model) => model.name)));
+  const viewer = new Viewer(host, usualUp(data.models.map((model) => model.name)));
   const look = new SurfaceLook();
   const surfaces = models.map((model) => new Surface(model.mesh, look));
   const recolor = (): void => {
@@ -40,13 +41,14 @@ export function showView(data: ReplayData, models: readonly ReplayModel[], frame
       viewer.request();
     });
   });
-  connectDirections(viewer, [framed(frame, bounds[0]), framed(frame, bounds[1])]);
+  let now = { row: 0, shownFrame: 0 };
 
   models.forEach((model, i) => {
     model.moveTo(0, frame);
     surfaces[i].pointsHaveMoved();
   });
   const show = (row: number, shownFrame: number): void => {
+    now = { row, shownFrame };
     models.forEach((model, i) => {
       if (model.deforms) {
         model.moveTo(shownFrame, frame);
@@ -60,15 +62,7 @@ export function showView(data: ReplayData, models: readonly ReplayModel[], frame
     marks.setSegment(witness === null ? undefined : { a: point(0), b: point(3), label: shownDistance(data, row) });
     viewer.request();
   };
+  const boxes = [[framed(frame, bounds[0]), framed(frame, bounds[1])] as const];
+  connectDirections(viewer, boxes, () => show(now.row, now.shownFrame));
   return { show };
-}
-
-function connectDirections(viewer: Viewer, box: Box): void {
-  const isZUp = viewer.up[2] === 1;
-  const whole = (from: Vec3): void => viewer.lookAtBoxes([box], from);
-  byId('whole').addEventListener('click', () => whole(viewer.slanted()));
-  byId('top').addEventListener('click', () => whole(isZUp ? [0, -1e-4, 1] : [0, 1, 1e-4]));
-  byId('front').addEventListener('click', () => whole(isZUp ? [0, -1, 0] : [0, 0, 1]));
-  byId('side').addEventListener('click', () => whole([1, 0, 0]));
-  whole(viewer.slanted());
 }

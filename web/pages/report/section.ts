@@ -76,7 +76,7 @@ export function showSection(
   data: ReportData,
   models: readonly ReportModel[],
   frame: Frame,
-  { viewer, look }: View,
+  { viewer, look, onUp }: View,
 ): void {
   const anchor = anchorOf(data, frame);
   const drawing = new SectionView(byId('section'), frame.size);
@@ -112,23 +112,23 @@ export function showSection(
 
   const close = closeUp(data, frame);
   const lookClose = (): void => drawing.lookAt(inPlane(close.center), close.radius);
+  const restart = (): void => {
+    apply();
+    lookClose();
+  };
   byId('section-closest').addEventListener('click', lookClose);
   byId('section-whole').addEventListener('click', () => drawing.lookAt(inPlane([0, 0, 0]), 0.53));
   byId('section-reset').addEventListener('click', () => {
     shift.value = '0';
     turn.value = '0';
-    apply();
-    lookClose();
+    restart();
   });
   if (data.status === 'collision') byId('section-closest').textContent = 'Shared point';
   if (data.witness === null) byId('section-closest').hidden = true;
   shift.addEventListener('input', apply);
-  turn.addEventListener('input', () => {
-    apply();
-    lookClose();
-  });
-  apply();
-  lookClose();
+  turn.addEventListener('input', restart);
+  onUp(restart);
+  restart();
 }
 
 function captionOf(anchor: Anchor, plane: Plane, moved: number, degrees: number): string {

@@ -4,6 +4,7 @@
 /** Both models in 3D. */
 
 import { byId, element } from '../shared/dom.ts';
+import { connectDirections } from '../shared/directions.ts';
 import { Marks } from '../shared/marks.ts';
 import { shown, ticks } from '../shared/numbers.ts';
 import { mapGradient } from '../shared/palette.ts';
@@ -11,7 +12,7 @@ import { Surface, SurfaceLook } from '../shared/surface.ts';
 import { onThemeChange, tokenRgb } from '../shared/theme.ts';
 import { length, middle, subtract } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
-import { Viewer, framed, upOf } from '../shared/viewer.ts';
+import { Viewer, framed, usualUp } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 import { Color } from 'three';
 import type { ReportData } from './data.ts';
@@ -22,13 +23,15 @@ import { shownDistance } from './texts.ts';
 export interface View {
   viewer: Viewer;
   look: SurfaceLook;
+  /** Calls back when the reader has chosen what is up. */
+  onUp(callback: () => void): void;
 }
 
 const smallestRadius = 2e-4;
 
 export function showView(data: ReportData, models: readonly ReportModel[], frame: Frame): View {
   const host = byId('view');
-  const viewer = new Viewer(host, upOf(data.models.map((model) => model.name)));
+  const viewer = new Viewer(host, usualUp(data.models.map((model) => model.name)));
   const look = new SurfaceLook();
   const surfaces = models.map((model) => new Surface(model.mesh, look, model.distances));
   const markColor = { value: new Color() };
@@ -45,10 +48,13 @@ export function showView(data: ReportData, models: readonly ReportModel[], frame
 
   showMarks(data, frame, viewer, surfaces);
   connectToggles(data, viewer, look, surfaces);
-  connectDirections(data, frame, viewer);
+  const boxes = data.models.map(({ low, high }) => [framed(frame, low), framed(frame, high)] as const);
+  const onUp: (() => void)[] = [];
+  connectDirections(viewer, boxes, () => onUp.forEach((callback) => callback()));
+  connectCloseUp(data, frame, viewer);
   showLegend(data, models, viewer, look);
   byId('view-caption').textContent = captionOf(data);
-  return { viewer, look };
+  return { viewer, look, onUp: (callback) => onUp.push(callback) };
 }
 
 function captionOf(data: ReportData): string {
@@ -99,22 +105,12 @@ export function closeUp(data: ReportData, frame: Frame): { center: Vec3; radius:
   return { center: middle(a, b), radius };
 }
 
-function connectDirections(data: ReportData, frame: Frame, viewer: Viewer): void {
-  const whole = (from: Vec3): void => viewer.lookAtBoxes(boxes, from);
-  const isZUp = viewer.up[2] === 1;
-  const boxes = data.models.map(({ low, high }) => [framed(frame, low), framed(frame, high)] as const);
+function connectCloseUp(data: ReportData, frame: Frame, viewer: Viewer): void {
   const close = closeUp(data, frame);
-  const views: [string, () => void][] = [
-    ['whole', () => whole(viewer.slanted())],
-    ['top', () => whole(isZUp ? [0, -1e-4, 1] : [0, 1, 1e-4])],
-    ['front', () => whole(isZUp ? [0, -1, 0] : [0, 0, 1])],
-    ['side', () => whole([1, 0, 0])],
-    ['closest', () => viewer.lookAt(close.center, close.radius)],
-  ];
-  for (const [id, look] of views) byId(id).addEventListener('click', look);
-  if (data.witness === null) byId('closest').hidden = true;
-  if (data.status === 'collision') byId('closest').textContent = 'Shared point';
-  whole(viewer.slanted());
+  const button = byId('closest');
+  button.addEventListener('click', () => viewer.lookAt(close.center, close.radius));
+  button.hidden = data.witness === null;
+  if (data.status === 'collision') button.textContent = 'Shared point';
 }
 
 /** Colours from the smallest distance to one that the reader chooses; at first one that shows what is near. */

@@ -34,16 +34,19 @@ export function mostPerpendicularAxis(along: Vec3): number {
 
 /**
  * A plane through a point that holds a direction. Its normal is the axis most perpendicular to the direction, as far as
- * the direction allows, and turned by an angle around the direction. World's up is up in the drawing where it can be;
- * otherwise y or z is.
+ * the direction allows, and turned by an angle around the direction. It points to the front, the right or the top, from
+ * where views look at first, so the drawing is not mirrored next to them. World's up is up in the drawing where it can
+ * be; seen from the top, the back is.
  */
 export function planeThrough(point: Vec3, along: Vec3, turn: number, worldUp: Vec3): Plane {
-  const axis = axes[mostPerpendicularAxis(along)];
+  const isZUp = worldUp[2] === 1;
+  const chosen = mostPerpendicularAxis(along);
+  const axis = scale(axes[chosen], isZUp && chosen === 1 ? -1 : 1);
   const first = direction(subtract(axis, scale(along, dot(axis, along))), axis);
   const second = cross(along, first);
   const normal = [0, 1, 2].map((i) => first[i] * Math.cos(turn) + second[i] * Math.sin(turn)) as unknown as Vec3;
   const flat = (axis: Vec3): Vec3 => subtract(axis, scale(normal, dot(axis, normal)));
-  const upright = [worldUp, axes[1], axes[2]].map(flat).find((axis) => length(axis) > 0.4);
+  const upright = [worldUp, isZUp ? axes[1] : scale(axes[2], -1)].map(flat).find((axis) => length(axis) > 0.4);
   const up = direction(upright ?? along, along);
   return { normal, offset: dot(normal, point), right: cross(up, normal), up };
 }

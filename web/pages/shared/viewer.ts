@@ -27,10 +27,17 @@ export function frameOf(low: Vec3, high: Vec3): Frame {
 
 export const framed = (frame: Frame, p: Vec3): Vec3 => scale(subtract(p, frame.center), 1 / frame.size);
 
-/** Most files of these kinds have y up; the others come from engineering, where z is up. */
-export function upOf(names: readonly string[]): Vec3 {
-  return names.every((name) => /\.(obj|gltf|glb)$/i.test(name)) ? [0, 1, 0] : [0, 0, 1];
+/** What is up where nobody has said so: most files of these kinds have y up; in engineering, and in scenes, z is up. */
+export function usualUp(names: readonly string[]): Up {
+  return names.every((name) => /\.(obj|gltf|glb)$/i.test(name)) ? 'y' : 'z';
 }
+
+export type Up = 'y' | 'z';
+const directionOf = { y: [0, 1, 0], z: [0, 0, 1] } as const;
+
+/** Where the buttons of a page look from. */
+export const sides = ['whole', 'top', 'front', 'side'] as const;
+export type Side = (typeof sides)[number];
 
 const halfHeight = 0.5;
 const margin = 1.12; // around what is looked at
@@ -39,34 +46,40 @@ const moveStep = 0.06; // of the view's height
 const zoomStep = 1.2;
 
 export class Viewer {
-  readonly up: Vec3;
   private readonly host: HTMLElement;
   private readonly renderer: WebGLRenderer | undefined;
   private readonly scene = new Scene();
   private readonly camera = new OrthographicCamera();
-  private readonly controls: OrbitControls;
+  private controls: OrbitControls;
+  private upAxis: Up;
   private readonly callbacks: (() => void)[] = [];
   private isRequested = false;
   private width = 1;
   private height = 1;
 
   /** `host` holds the view and gets the keys; what it has inside stays above the picture. */
-  constructor(host: HTMLElement, up: Vec3) {
+  constructor(host: HTMLElement, up: Up) {
     this.host = host;
-    this.up = up;
-    this.camera.up.set(...up);
+    this.upAxis = up;
     const canvas = element('canvas');
     host.prepend(canvas);
     this.renderer = Viewer.rendererFor(canvas);
     if (this.renderer === undefined) host.append(element('p', 'no-view', 'This browser has no WebGL, so no 3D view.'));
-    this.controls = new OrbitControls(this.camera, host);
-    this.controls.zoomToCursor = true;
-    this.controls.minZoom = 0.2;
-    this.controls.maxZoom = 1e6;
-    this.controls.addEventListener('change', () => this.request());
+    this.controls = this.madeControls();
     host.addEventListener('keydown', (event) => this.press(event));
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
+  }
+
+  get up(): Vec3 {
+    return directionOf[this.upAxis];
+  }
+
+  /** The view is as it was until it is told where to look. */
+  setUp(up: Up): void {
+    this.upAxis = up;
+    this.controls.dispose();
+    this.controls = this.madeControls();
   }
 
   /** Adds objects, whose coordinates are those of the frame. */
@@ -98,7 +111,8 @@ export class Viewer {
   /** Looks at a sphere, from a direction if one is given, else from where the view is now. */
   lookAt(center: Vec3, radius: number, from?: Vec3): void {
     const now = this.camera.position.clone().sub(this.controls.target);
-    const away = from === undefined ? direction([now.x, now.y, now.z], this.side()) : direction(from, this.side());
+    const away =
+      from === undefined ? direction([now.x, now.y, now.z], this.from('front')) : direction(from, this.from('front'));
     this.controls.target.set(...center);
     this.camera.position.set(...add(center, scale(away, 2)));
     this.camera.zoom = (halfHeight * Math.min(1, this.width / this.height)) / Math.max(radius, 1e-7);
@@ -135,9 +149,13 @@ export class Viewer {
     this.lookAt([shift.x, shift.y, shift.z], radius * margin, from);
   }
 
-  /** A direction to look from that shows three sides. */
-  slanted(): Vec3 {
-    return this.up[2] === 1 ? [0.55, -0.75, 0.45] : [0.55, 0.45, 0.75];
+  /** A direction to look from, by its name; "whole" shows three sides. */
+  from(side: Side): Vec3 {
+    const directions: Record<Up, Record<Side, Vec3>> = {
+      y: { whole: [0.55, 0.45, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] },
+      z: { whole: [0.55, -0.75, 0.45], top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0] },
+    };
+    return directions[this.upAxis][side];
   }
 
   /** Where a point of the frame is on the view, in pixels from its upper left corner. */
@@ -158,16 +176,22 @@ export class Viewer {
     return [this.width, this.height];
   }
 
+  private madeControls(): OrbitControls {
+    this.camera.up.set(...this.up);
+    const controls = new OrbitControls(this.camera, this.host);
+    controls.zoomToCursor = true;
+    controls.minZoom = 0.2;
+    controls.maxZoom = 1e6;
+    controls.addEventListener('change', () => this.request());
+    return controls;
+  }
+
   private static rendererFor(canvas: HTMLCanvasElement): WebGLRenderer | undefined {
     const context = canvas.getContext('webgl2', { alpha: true, antialias: true, preserveDrawingBuffer: true });
     if (context === null) return undefined;
     const renderer = new WebGLRenderer({ canvas, context, alpha: true });
     renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     return renderer;
-  }
-
-  private side(): Vec3 {
-    return this.up[2] === 1 ? [0, -1, 0] : [0, 0, 1];
   }
 
   private resize(): void {

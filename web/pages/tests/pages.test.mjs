@@ -159,6 +159,22 @@ test('keys, wheel and mouse turn, move and zoom the view', async () => {
   await page.close();
 });
 
+test('what is up can be chosen', async () => {
+  for (const name of ['apart', 'replay']) {
+    const page = await open(browser, path(name));
+    const before = (await picture(page, '#view')).text;
+    const up = await page.inputValue('#up');
+    assert.equal(up, name === 'apart' ? 'y' : 'z'); // two files .obj; a scene
+    await page.selectOption('#up', up === 'y' ? 'z' : 'y');
+    await settled(page);
+    assert.notEqual((await picture(page, '#view')).text, before);
+    await page.selectOption('#up', up);
+    await settled(page);
+    assert.equal((await picture(page, '#view')).text, before);
+    await page.close();
+  }
+});
+
 test('models and colours can be switched off', async () => {
   const page = await open(browser, path('apart'));
   const before = await picture(page, '#view');

@@ -81,6 +81,23 @@ test('planes hold their direction, and their drawing is upright and not mirrored
   }
 });
 
+test('drawings look from the front, the right or the top', () => {
+  const drawn = (along, up) => planeThrough([0, 0, 0], along, 0, up);
+  const [y, z] = [
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  const near = (a, b) => a.forEach((c, i) => assert.ok(Math.abs(c - b[i]) < 1e-12, `${a} is not ${b}`));
+  near(drawn([1, 0, 0], z).right, [1, 0, 0]); // the front: z is up, and x goes right
+  near(drawn([1, 0, 0], z).normal, [0, -1, 0]);
+  near(drawn([0, 1, 0], z).right, [0, 1, 0]); // the right
+  near(drawn([0.6, 0.8, 0], z).up, [0, 1, 0]); // the top
+  near(drawn([0.6, 0.8, 0], z).right, [1, 0, 0]);
+  near(drawn([0.6, 0.8, 0], y).right, [1, 0, 0]); // the front: y is up
+  near(drawn([0.6, 0, 0.8], y).right, [1, 0, 0]); // the top: the back is up
+  near(drawn([0.6, 0, 0.8], y).up, [0, 0, -1]);
+});
+
 test('the normal is chosen from the axes', () => {
   assert.equal(mostPerpendicularAxis([1, 0, 0]), 1);
   assert.equal(mostPerpendicularAxis([0, 1, 0]), 0);
