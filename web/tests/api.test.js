@@ -307,7 +307,10 @@ test("filters decide which pairs count", () => {
   refuses(() => limber.contacts(a, b, 1, { filter: () => a.dispose() }), "busy", "filter");
   for (const filter of [3, new limber.NeighborRings(a, 0)]) {
     refuses(() => limber.contacts(a, b, 1, { filter }), "invalidArgument", "filter");
+    refuses(() => limber.intersections(a, b, { filter }), "invalidArgument", "filter");
+    refuses(() => limber.closestPairs(a, b, 1, { filter }), "invalidArgument", "filter");
   }
+  refuses(() => limber.selfContacts(a, 1, { filter: 3 }), "invalidArgument", "filter");
   assert.equal(limber.intersections(a, b, { poseB }).count, all, "queries must work again after a filter has thrown");
 });
 

@@ -4,6 +4,7 @@
 // How the module is loaded. The tests depend on their order.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { test } from "node:test";
 import * as limber from "limber3d";
 
@@ -22,4 +23,29 @@ test("init() fails as its source does, and may be repeated", async () => {
   const model = triangle();
   await limber.init();
   assert.equal(model.triangleCount, 1, "a second init() must leave the first one alone");
+});
+
+test("the module is fetched, whatever its type", async () => {
+  const bytes = readFileSync(new URL("../limber3d/limber.wasm", import.meta.url));
+  const server = createServer((request, response) => {
+    const type = request.url === "/typed.wasm" ? "application/wasm" : "application/octet-stream";
+    response.writeHead(request.url === "/missing.wasm" ? 404 : 200, { "Content-Type": type, Connection: "close" });
+    response.end(bytes);
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const address = `http://127.0.0.1:${server.address().port}`;
+  try {
+    for (const name of ["typed", "plain"]) {
+      const { engine, init } = await import(`../limber3d/wasm.js?${name}`);  // an instance of its own
+      await assert.rejects(init(`${address}/missing.wasm`), { code: "unreadableFile", message: /missing.wasm: 404/ });
+      assert.throws(engine, isNotInitialized);
+      await init(new URL(`${address}/${name}.wasm`));
+      assert.ok(engine().exchange() > 0);
+    }
+    const { engine, init } = await import("../limber3d/wasm.js?response");
+    await init(await fetch(`${address}/typed.wasm`));
+    assert.ok(engine().exchange() > 0);
+  } finally {
+    server.close();
+  }
 });

@@ -6,6 +6,7 @@
 import { readMeshBytes } from '../../limber3d/index.js';
 import { length } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
+import { usualUp } from '../shared/viewer.ts';
 import { hareMesh } from './hare.ts';
 import type { TriangleMesh } from './hare.ts';
 import type { BodyPose } from './pose.ts';
@@ -31,8 +32,7 @@ export const hareBody = (): Body => placed('Hare', hareMesh(), upright);
 export async function bodyOf(file: File): Promise<Body> {
   if (file.size > mostBytes) throw new Error(`${file.name}: is larger than ${mostBytes / 1e6} MB`);
   const { vertices, faces } = readMeshBytes(await file.arrayBuffer(), file.name);
-  const isYUp = /\.(obj|gltf|glb)$/i.test(file.name);
-  return placed(file.name, { vertices, faces }, isYUp ? [0, 0, 0, 1] : zUp);
+  return placed(file.name, { vertices, faces }, usualUp([file.name]) === 'y' ? [0, 0, 0, 1] : zUp);
 }
 
 /** Of the usual size, its middle at the origin of its frame. */

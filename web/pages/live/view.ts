@@ -49,7 +49,7 @@ export class View {
 
   constructor(host: HTMLElement, sheet: TriangleMesh) {
     this.host = host;
-    this.viewer = new Viewer(host, [0, 1, 0]);
+    this.viewer = new Viewer(host, 'y');
     this.sheet = new Surface({ points: framedPoints(sheet.vertices), corners: sheet.faces }, this.look);
     this.grid = this.gridOf(sheet.vertices.length / 3);
     this.viewer.add(this.sheet.object, this.grid, this.circles.object, this.contactDots.object, this.selfDots.object);
