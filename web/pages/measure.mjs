@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // What a frame of the live page costs in headless Chromium while the mouse pulls the sheet, beside the body and through
-// it. The page comes from a server of this machine that isolates it: only then its clock ticks every 5 us. Prints tables
-// in Markdown.
+// it. The page comes from a server of this machine that isolates it: only then its clock ticks every 5 us. Prints
+// tables in Markdown.
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
