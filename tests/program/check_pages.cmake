@@ -6,9 +6,11 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(folder ${SOURCE_DIR}/web/pages)
-file(GLOB_RECURSE sources RELATIVE ${folder} ${folder}/report/* ${folder}/replay/* ${folder}/shared/*)
+file(GLOB_RECURSE sources RELATIVE ${folder} ${folder}/report/* ${folder}/replay/* ${folder}/live/*
+     ${folder}/shared/*)
 list(FILTER sources INCLUDE REGEX "\\.(ts|css|html)$")
-list(APPEND sources build.mjs package-lock.json)
+file(GLOB parts RELATIVE ${folder} ${folder}/../limber3d/*.js)
+list(APPEND sources ${parts} build.mjs package-lock.json)
 list(SORT sources)
 set(lines "")
 foreach(source ${sources})
@@ -17,7 +19,7 @@ foreach(source ${sources})
 endforeach()
 string(SHA256 expected "${lines}")
 
-foreach(page report replay)
+foreach(page report replay live)
   file(STRINGS ${SOURCE_DIR}/apps/limber/pages/${page}.html found REGEX "<meta name=\"limber-sources\"")
   if(NOT found MATCHES "content=\"${expected}\"")
     message(SEND_ERROR "apps/limber/pages/${page}.html is not built from web/pages as they are: run ./dev pages")

@@ -124,6 +124,16 @@ export class Surface {
     this.color.value.setRGB(...rgb);
   }
 
+  /** Frees what the graphics card holds. */
+  dispose(): void {
+    this.geometry.dispose();
+  }
+
+  /** On the graphics card, to draw more with them. */
+  get positions(): BufferAttribute {
+    return this.geometry.getAttribute('position') as BufferAttribute;
+  }
+
   /** Tells that `mesh.points` has changed. */
   pointsHaveMoved(): void {
     this.geometry.getAttribute('position').needsUpdate = true;

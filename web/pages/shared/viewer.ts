@@ -88,6 +88,11 @@ export class Viewer {
     this.request();
   }
 
+  remove(...objects: Object3D[]): void {
+    this.scene.remove(...objects);
+    this.request();
+  }
+
   /** Calls back after each picture, to place what lies above it. */
   onDrawn(callback: () => void): void {
     this.callbacks.push(callback);
@@ -159,6 +164,14 @@ export class Viewer {
     return [((clip.x + 1) / 2) * this.width, ((1 - clip.y) / 2) * this.height];
   }
 
+  /** The line that is seen as a pixel, counted from the upper left corner: a point of the frame that lies before all
+   * others on it, and its direction, of length 1. */
+  ray(x: number, y: number): { from: Vec3; along: Vec3 } {
+    const from = new Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, -1).unproject(this.camera);
+    const along = this.camera.getWorldDirection(new Vector3());
+    return { from: [from.x, from.y, from.z], along: [along.x, along.y, along.z] };
+  }
+
   get size(): [number, number] {
     return [this.width, this.height];
   }
@@ -195,7 +208,8 @@ export class Viewer {
     this.request();
   }
 
-  private draw(): void {
+  /** Draws now. */
+  draw(): void {
     // The frame's objects lie within 1 of its center: the planes that bound the view are as tight as that allows.
     this.camera.updateMatrixWorld();
     const ahead = this.camera.getWorldDirection(new Vector3()).dot(this.camera.position);

@@ -82,8 +82,8 @@ export const launch = () =>
   });
 
 /** Opens a page, which must not say a word on the console, and must not ask for anything but itself. */
-export async function open(browser, path, { width = 1280, height = 900, scheme = 'light', script } = {}) {
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+export async function open(browser, path, { width = 1280, height = 900, scheme = 'light', script, ...options } = {}) {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme, ...options });
   page.complaints = [];
   page.on('console', (message) => page.complaints.push(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => page.complaints.push(error.message));
