@@ -31,8 +31,11 @@ async function live(options) {
 
 const upper = async (page) => Number(await page.textContent('#upper'));
 const lower = async (page) => Number(await page.textContent('#lower'));
+// Where software draws, seconds of the sheet take many of the clock.
 const atRest = (page) =>
-  page.waitForFunction(() => document.getElementById('rate-note').textContent === 'nothing moves');
+  page.waitForFunction(() => document.getElementById('rate-note').textContent === 'nothing moves', undefined, {
+    timeout: 120000,
+  });
 
 /** A drag by pixels, from a point that the page marks. */
 async function drag(page, [x, y], [dx, dy], { hold = false } = {}) {
