@@ -19,8 +19,8 @@ from urllib.parse import unquote, urlsplit
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = ROOT / "docs/site"
-FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools")
-SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".svg", ".png", ".ipynb")
+FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools", "apps/limber/pages")
+SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".svg", ".png", ".ipynb", ".html")
 DOXYFILE = """
 PROJECT_NAME = limber
 INPUT = {headers}

@@ -27,7 +27,7 @@ default_role = "code"
 suppress_warnings = ["duplicate_declaration.cpp", "myst.header"]
 
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "html_image"]
 
 breathe_default_project = "limber"
 breathe_domain_by_extension = {"h": "cpp"}

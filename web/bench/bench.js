@@ -173,6 +173,7 @@ for (let turn = 0; turn < Number(turns); ++turn) {
 }
 
 const kB = (bytes) => `${(bytes / 1000).toFixed(0)} kB`;
+console.log("# The engine in WebAssembly, next to the native one\n");
 console.log(`limber.wasm: ${kB(module_.length)}, ${kB(gzipSync(module_, { level: 9 }).length)} by gzip, ` +
   `${kB(brotliCompressSync(module_).length)} by brotli; compiled and started in ` +
   `${starts.sort((a, b) => a - b)[4].toFixed(1)} ms (Node.js ${process.version}).\n`);
