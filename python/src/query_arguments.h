@@ -60,16 +60,19 @@ class PlacedPair {
 template <typename Object>
 class Used {
  public:
-  explicit Used(Object* object) {
+  explicit Used(Object* object) : object_(object) {
     if (object == nullptr) return;
-    using_.emplace(object->users, "the cache is in use by another thread, or by a query that has not returned");
-    cache_ = &object->cache;
+    object->users.begin_changing("the cache is in use by another thread, or by a query that has not returned");
   }
-  auto* get() const { return cache_; }
+  Used(const Used&) = delete;
+  Used& operator=(const Used&) = delete;
+  ~Used() {
+    if (object_ != nullptr) object_->users.end_changing();
+  }
+  auto* get() const { return object_ != nullptr ? &object_->cache : nullptr; }
 
  private:
-  std::optional<Changing> using_;
-  decltype(Object::cache)* cache_ = nullptr;
+  Object* object_;
 };
 
 /// Calls ask(), or ask(cache) if there is a cache, without the GIL unless a filter needs it.
