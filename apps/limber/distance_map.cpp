@@ -15,20 +15,21 @@ namespace {
 /// distance then differs from the interpolated one by at most half of that.
 constexpr double short_part = 0.25;
 
+/// One number for an edge, whichever end comes first.
+std::uint64_t edge_key(VertexId v, VertexId w) { return std::uint64_t{std::min(v, w)} << 32U | std::max(v, w); }
+
 /// The middle of each edge that is to be divided, by the ids of its ends.
 class Middles {
  public:
-  void add(VertexId v, VertexId w, VertexId middle) { middles_.emplace(key_of(v, w), middle); }
+  void add(VertexId v, VertexId w, VertexId middle) { middles_.emplace(edge_key(v, w), middle); }
 
   /// The middle, or `no_id` where the edge is not divided.
   VertexId find(VertexId v, VertexId w) const {
-    const auto found = middles_.find(key_of(v, w));
+    const auto found = middles_.find(edge_key(v, w));
     return found == middles_.end() ? no_id : found->second;
   }
 
  private:
-  static std::uint64_t key_of(VertexId v, VertexId w) { return std::uint64_t{std::min(v, w)} << 32U | std::max(v, w); }
-
   std::unordered_map<std::uint64_t, VertexId> middles_;
 };
 
@@ -55,9 +56,9 @@ void append_parts(std::vector<Corners>& parts, const Corners& triangle, const Mi
 /// An edge that is to be divided; those that need it most come first.
 struct LongEdge {
   double excess = 0;
-  VertexId v = 0, w = 0;  ///< v < w
+  VertexId v = 0, w = 0;
 
-  std::uint64_t key() const { return std::uint64_t{v} << 32U | w; }
+  std::uint64_t key() const { return edge_key(v, w); }
   bool operator<(const LongEdge& other) const {
     return excess != other.excess ? excess > other.excess : key() < other.key();
   }
@@ -132,8 +133,7 @@ class Refinement {
     std::vector<LongEdge> edges;
     for (const Corners& triangle : map_.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const VertexId v = std::min(triangle[i], triangle[(i + 1) % 3]),
-                       w = std::max(triangle[i], triangle[(i + 1) % 3]);
+        const VertexId v = triangle[i], w = triangle[(i + 1) % 3];
         const double by = excess(v, w, shortest_edge);
         if (by > 1) edges.push_back({by, v, w});
       }
