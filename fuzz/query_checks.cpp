@@ -10,6 +10,7 @@
 
 #include "fuzz/environment.h"
 #include "fuzz/property.h"
+#include "fuzz/sliver_tolerance.h"
 #include "limber/reference.h"
 
 namespace limber::fuzz {
@@ -53,20 +54,27 @@ void check_witness(const Placed& a, const Placed& b, const Witness& witness, dou
           "the witness's second point lies on its triangle");
 }
 
+/// Whether the triangles that a witness names meet.
+bool do_meet(const Placed& a, const Placed& b, const Witness& witness) {
+  return intersects(placed_triangle(a, witness.triangle_a), placed_triangle(b, witness.triangle_b));
+}
+
 /// One point, on two triangles that meet.
-void check_contact(const Placed& a, const Placed& b, const Witness& witness, double tolerance) {
-  check_witness(a, b, witness, 0x1p12 * tolerance);  // slivers have no better point in float64
+void check_contact(const Placed& a, const Placed& b, const Witness& witness, const Truth& truth) {
+  const double slack =
+      sliver_tolerance(placed_triangle(a, witness.triangle_a), placed_triangle(b, witness.triangle_b), truth.size);
+  check_witness(a, b, witness, truth.tolerance + slack);
   require(witness.point_a == witness.point_b, "the witness of a collision is one point");
-  require(intersects(placed_triangle(a, witness.triangle_a), placed_triangle(b, witness.triangle_b)),
-          "the witness of a collision names triangles that meet");
+  require(do_meet(a, b, witness), "the witness of a collision names triangles that meet");
 }
 
 }  // namespace
 
 Truth truth_about(const Placed& a, const Placed& b) {
   const reference::Placed plain_a{a.model().mesh(), a.pose}, plain_b{b.model().mesh(), b.pose};
-  const Truth truth{reference::distance(plain_a, plain_b).upper,
-                    std::max(relative_tolerance * (size_of(a) + size_of(b)), least_tolerance)};
+  const double size = size_of(a) + size_of(b);
+  const Truth truth{reference::distance(plain_a, plain_b).upper, size,
+                    std::max(relative_tolerance * size, least_tolerance)};
   require(reference::collide(plain_a, plain_b).collision == (truth.distance == 0),
           "by brute force, models collide exactly when their distance is 0");
   return truth;
@@ -79,7 +87,7 @@ void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::ui
           cache != nullptr ? "collide() with a cache is exact" : "collide() is exact",
           numbers(truth.distance, 0, 0, truth.tolerance));
   require(found.witness.has_value() == found.collision, "collide() has a witness exactly when models collide");
-  if (found.witness) check_contact(a, b, *found.witness, truth.tolerance);
+  if (found.witness) check_contact(a, b, *found.witness, truth);
 }
 
 void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
@@ -110,7 +118,7 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
                                                        : Status::within_error;
   require(found.status == expected, "the status says what the bounds say", detail);
   require(found.witness.has_value(), "a witness within the limit");
-  if (found.upper == 0) return check_contact(a, b, *found.witness, tolerance);
+  if (found.upper == 0) return check_contact(a, b, *found.witness, truth);
   check_witness(a, b, *found.witness, tolerance);
   const double between = distance_between(found.witness->point_a, found.witness->point_b);
   require(std::abs(between - found.upper) <= tolerance, "upper is the distance of the witness's points", detail);
@@ -129,6 +137,7 @@ void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uin
   }
   require(found.witness.has_value() == found.within, "within() has a witness exactly when models are close");
   if (!found.witness) return;
+  if (do_meet(a, b, *found.witness)) return check_contact(a, b, *found.witness, truth);
   const double between = distance_between(found.witness->point_a, found.witness->point_b);
   require(between <= max_distance + truth.tolerance, "the witness of within() is close", detail);
   check_witness(a, b, *found.witness, truth.tolerance);

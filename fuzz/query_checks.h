@@ -16,6 +16,7 @@ inline constexpr double relative_tolerance = 0x1p-42, least_tolerance = 0x1p-102
 /// The true answers about two placed models.
 struct Truth {
   double distance = 0;   ///< 0 exactly when the models meet
+  double size = 0;       ///< at least the largest placed coordinate of both models
   double tolerance = 0;  ///< for distances and points of these models
 };
 

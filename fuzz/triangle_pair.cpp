@@ -12,6 +12,7 @@
 #include "fuzz/environment.h"
 #include "fuzz/exact_intersection.h"
 #include "fuzz/property.h"
+#include "fuzz/sliver_tolerance.h"
 #include "fuzz/target.h"
 #include "limber/geometry.h"
 
@@ -42,20 +43,6 @@ Vec3 point_beside(ByteReader& bytes, const Triangle& t) {
     p[axis] = made_valid(nudged(p[axis], static_cast<int>(bytes.below(5)) - 2));
   }
   return p;
-}
-
-/// The smallest height of a triangle as a part of `size`. Edges are divided first, so no product vanishes or overflows.
-double relative_height(const Triangle& t, double size) {
-  const Vec3 p = scaled(t.v1 - t.v0, 1 / size), q = scaled(t.v2 - t.v0, 1 / size);
-  const double longest = std::max({length(p), length(q), length(q - p)});
-  return longest == 0 ? 0 : length(cross(p, q)) / longest;
-}
-
-/// How far off the shared point of triangles that meet may be if one is a sliver (docs/algorithms/numerics.md).
-double sliver_tolerance(const Triangle& a, const Triangle& b, double size) {
-  if (!(size > 0x1p-1000)) return 0;
-  const double height = std::min(relative_height(a, size), relative_height(b, size));
-  return size * std::min(0x1p-50 / std::max(height, 0x1p-100), 0x1p-26);
 }
 
 Scene scene(ByteReader bytes) {
