@@ -15,6 +15,9 @@
 namespace limber::query {
 namespace {
 
+// Vertices that are outside of the bounds by at most this part of the magnitude cannot make it much too large.
+constexpr double small_drift = 1. / 16;
+
 double sum_of_coordinates(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 /// Radius of a sphere around the model, about the center of its root.
@@ -55,7 +58,9 @@ PlacedModels::PlacedModels(const Placed& a, const Placed& b)
   const Model::Impl &model_a = a.model().impl(), &model_b = b.model().impl();
   sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
-  error_ = core::placement_error * (magnitude(model_a.tree, a.pose) + magnitude(model_b.tree, b.pose));
+  const double size = magnitude(model_a.tree, a.pose) + magnitude(model_b.tree, b.pose);
+  error_ = core::placement_error * size;
+  is_error_tight_ = !is_placed_exactly_ && drift() <= small_drift * size;
 }
 
 Triangle PlacedModels::placed(Side s, const Triangle& local) const {

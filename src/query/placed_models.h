@@ -52,6 +52,9 @@ class PlacedModels {
   double error() const { return error_; }
   /// Whether both poses are the identity, so that placing does not round.
   bool is_placed_exactly() const { return is_placed_exactly_; }
+  /// Whether placing may round by about as much as error() says. Not where it does not round, and not where a motion
+  /// margin has let vertices go so far that the models may be much smaller than error() assumes.
+  bool is_error_tight() const { return is_error_tight_; }
 
   /// How far vertices of both models together may be outside of the bounds.
   double drift() const { return tree(Side::a).drift + tree(Side::b).drift; }
@@ -73,7 +76,7 @@ class PlacedModels {
 
   PlacedTree sides_[2];
   double error_;
-  bool is_placed_exactly_;
+  bool is_placed_exactly_, is_error_tight_;
 };
 
 }  // namespace limber::query

@@ -65,7 +65,7 @@ class Pruning {
     if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
     // As far apart as the best, or as the limit allows.
-    const double tolerated = std::max(placed_.is_placed_exactly() ? 0 : rounding, core::tie_error * distance());
+    const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, core::tie_error * distance());
     if (skips_ties_ && rounding <= tolerated && gap >= distance() - core::usual_part * rounding) return gap > rounding;
     return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
   }

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
+#include "core/error_bounds.h"
 #include "limber/model.h"
 #include "query/placed_leaf.h"
 #include "query/placed_models.h"
@@ -65,6 +67,25 @@ TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
   Pruning pruning(scene.placed, 1000, query::Ties::compared);
   pruning.improve({1, 1, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0));
+}
+
+TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
+  // A vertex of b has come home from 2^50 within the motion margin, so the bounds, and the rounding that they allow for,
+  // are as large.
+  const double far = 0x1p50, height = 999.75, distance = 1000;
+  const Model a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}));
+  Model b(soup({{{0, 0, height}, {1, 0, height}, {0, far, height}}}), {.motion_margin = 2 * far});
+  ASSERT_TRUE(b.move_all(std::vector<Vec3>{{0, 0, height}, {1, 0, height}, {0, 1, height}}));
+  b.commit();
+  ASSERT_GE(tree_of(b).drift, far / 2);
+  const PlacedModels placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
+  ASSERT_LT(distance - height, core::usual_part * core::local_gap_error * placed.error());
+  PlacedLeaf leaf_a(placed, Side::a, tree_of(a).leaves[0]), leaf_b(placed, Side::b, tree_of(b).leaves[0]);
+  Pruning pruning(placed, 2 * distance);
+  pruning.improve({distance, distance, {0, 0, 1}});
+  EXPECT_FALSE(pruning.prunes(leaf_a, 0, leaf_b, 0));
+  pruning.improve({height, height, {0, 0, 1}});
+  EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));
 }
 
 TEST(Pruning, ComparesWhatMayBeWithinTheLimit) {
