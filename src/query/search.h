@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/check.h"
+#include "geometry/local_frame.h"
 #include "limber/model.h"
 #include "query/budget_meter.h"
 #include "query/placed_models.h"
@@ -42,6 +43,20 @@ Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& prun
   return left;
 }
 
+/// Offers a goal two vertices if they are close enough. Where the bounds of the roots nearly decide, any two are, at a
+/// small part of the cost of a descent.
+template <TakesPoints Goal>
+void try_vertices(const PlacedModels& placed, double root_bound, Goal& goal, Pruning& pruning) {
+  const double good_enough = goal.good_enough(root_bound);
+  if (good_enough <= root_bound) return;
+  const TriangleId a = placed.first_triangle(Side::a), b = placed.first_triangle(Side::b);
+  const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
+  const double distance = geometry::safe_length(q - p);
+  if (distance > root_bound && distance <= good_enough) {
+    if (const auto improvement = goal.take(distance, {p, q, a, b})) pruning.improve(*improvement);
+  }
+}
+
 /// Looks for what a goal wants, first where the last query ended if there is a cache.
 template <typename Goal>
 Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, BudgetMeter& meter, QueryStats& stats) {
@@ -51,6 +66,9 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return {root_bound};
+  if constexpr (TakesPoints<Goal>) {
+    if (cache == nullptr && !meter.is_limited()) try_vertices(placed, root_bound, goal, pruning);
+  }
   const auto compare = [&](TriangleId a, TriangleId b) {
     ++stats.triangle_tests;
     const auto improvement = goal.compare({a, placed.triangle(Side::a, a)}, {b, placed.triangle(Side::b, b)});

@@ -4,6 +4,7 @@
 // Promises of every engine about its queries.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -139,6 +140,45 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
       EXPECT_LE(length(near.witness->point_b - near.witness->point_a), separation + error + 1e-13);
     }
   }
+}
+
+TEST(RootsDecide, WhereAnyTwoPointsAreGoodEnough) {
+  const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
+  const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
+  for (const DistanceOptions& options : {DistanceOptions{.relative_error = 0.1}, DistanceOptions{.absolute_error = 8},
+                                         DistanceOptions{.relative_error = 0.1, .max_distance = 100}}) {
+    const DistanceResult r = distance({square}, {ball, pose}, options);
+    EXPECT_EQ(r.stats.node_tests, 1);
+    EXPECT_EQ(r.stats.triangle_tests, 0);
+    EXPECT_EQ(r.status, Status::within_error);
+    EXPECT_LE(r.lower, 64);
+    EXPECT_LE(64, r.upper);
+    EXPECT_LE(r.upper, std::max(r.lower * 1.1, r.lower + options.absolute_error));
+    const Witness& w = r.witness.value();
+    EXPECT_EQ(length(w.point_b - w.point_a), r.upper);
+    const Triangle t = ball.mesh().triangle(w.triangle_b);
+    EXPECT_EQ(closest_points(w.point_a, square.mesh().triangle(w.triangle_a)).distance, 0);
+    EXPECT_EQ(closest_points(w.point_b, {pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 0);
+  }
+  const WithinResult near = within({square}, {ball, pose}, 100);
+  EXPECT_TRUE(near.within);
+  EXPECT_EQ(near.stats.node_tests, 1);
+}
+
+TEST(RootsDecide, NotWherePointsAreNotGoodEnough) {
+  const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
+  const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
+  // Any two points are within the error, but not within the limit, or the error is too small.
+  for (const DistanceOptions& options : {DistanceOptions{.relative_error = 0.1, .max_distance = 64.0001},
+                                         DistanceOptions{.relative_error = 1e-4}, DistanceOptions{}}) {
+    const DistanceResult r = distance({square}, {ball, pose}, options);
+    EXPECT_LE(r.upper, std::min(64 * (1 + options.relative_error) + 1e-12, options.max_distance));
+  }
+  EXPECT_TRUE(within({square}, {ball, pose}, 64.0001).within);
+  EXPECT_FALSE(within({square}, {ball, pose}, 63.9999).within);
+  // Where they may meet, an error hides no contact.
+  const Transform touching = scenes::ball_over_square(ball.mesh(), -0.01, 0);
+  EXPECT_EQ(distance({square}, {ball, touching}, {.absolute_error = 100}).upper, 0);
 }
 
 TYPED_TEST(Query, EqualsBruteForceOnLatticeAndUniformSoups) {

@@ -28,13 +28,27 @@ class ClosestPair {
   double initial_prune_distance() const { return std::nextafter(options_.max_distance, infinity); }
   bool is_done() const { return upper <= close_enough_; }
 
+  /// Up to which distance any two points are an answer that ends the query, if all triangles are at least `lower`
+  /// apart.
+  double good_enough(double lower) const {
+    if (lower == 0) return close_enough_;
+    const double relative = lower * (1 + options_.relative_error) * down_factor();
+    const double within_errors = std::max(relative, lower + options_.absolute_error);
+    return std::max(close_enough_, std::min(within_errors, options_.max_distance));
+  }
+
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     const ClosestPoints closest = geometry::closest_points(a.corners, b.corners);
     LIMBER_ASSERT(closest.distance >= 0);
-    if (closest.distance >= upper) return std::nullopt;
-    upper = closest.distance;
-    witness = Witness{closest.point_a, closest.point_b, a.id, b.id};
-    Improvement improvement{upper, infinity, closest.point_b - closest.point_a};
+    return take(closest.distance, {closest.point_a, closest.point_b, a.id, b.id});
+  }
+
+  /// Two points that are so far apart.
+  std::optional<Improvement> take(double distance, const Witness& points) {
+    if (distance >= upper) return std::nullopt;
+    upper = distance;
+    witness = points;
+    Improvement improvement{upper, infinity, points.point_b - points.point_a};
     // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
     if (upper <= options_.max_distance) {
       const double relative = upper / (1 + options_.relative_error) * down_factor();

@@ -52,4 +52,15 @@ concept ComparesLeaves = requires {
   requires Goal::compares_leaves && Goal::needs_all;
 };
 
+/// A goal that takes points of which it is only known how far apart they are.
+///
+/// Needs    double good_enough(double lower) const;
+///          std::optional<Improvement> take(double distance, const Witness& points);
+///
+/// good_enough(): up to which distance points end the query, if everything is at least `lower` apart.
+template <typename Goal>
+concept TakesPoints = requires(Goal& goal) {
+  goal.take(0.0, Witness{});
+};
+
 }  // namespace limber::query
