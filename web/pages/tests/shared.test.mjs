@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { module } from './support.mjs';
 
 const { outlinesOf, planeThrough, mostPerpendicularAxis } = await module('shared/section.ts');
-const { shown, grouped, ticks, roundStep } = await module('shared/numbers.ts');
+const { shown, grouped, ticks, roundBelow } = await module('shared/numbers.ts');
 const { labelPlace } = await module('shared/labels.ts');
 
 /** A cube over [0, 1]^3. */
@@ -114,7 +114,7 @@ test('numbers are shown in few digits', () => {
 });
 
 test('ticks are round and few', () => {
-  assert.equal(roundStep(0.7), 0.5);
+  assert.equal(roundBelow(0.7), 0.5);
   const { step, values } = ticks(0.13, 1.02, 6);
   assert.equal(step, 0.2);
   assert.deepEqual(
