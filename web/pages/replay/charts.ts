@@ -24,7 +24,7 @@ export function showCharts(data: ReplayData, jump: (row: number) => void): Chart
   const updates: Times[] = [{ name: 'update', color: 'model-a', values: rows.update_us }];
   const charts: ChartOptions[] = [
     distanceChart(data),
-    ...(rows.update_us.some((us) => us > 0) ? [timeChart('Time of an update of the trees', updates)] : []),
+    ...(rows.update_us.some((us) => us > 0) ? [timeChart('Time of an update', updates)] : []),
     timeChart('Time of a distance query', queries),
     ...contacts.map(({ name, count, intersecting }) => ({
       title: contactName(name),
@@ -74,15 +74,16 @@ interface Times {
 function timeChart(title: string, times: readonly Times[]): ChartOptions {
   const named = times.map(({ name, color, values }) => {
     const sorted = values.filter((us) => us > 0).sort((a, b) => a - b);
-    if (sorted.length === 0) return { name, color, values };
+    if (sorted.length === 0) return { name, numbers: 'none', color, values };
     const [median, most] = [percentile(sorted, 0.5)!, sorted[sorted.length - 1]];
-    return { name: `${name}: median ${shownTime(median)}, max ${shownTime(most)}`, color, values };
+    return { name, numbers: `median ${shownTime(median)}, max ${shownTime(most)}`, color, values };
   });
   const chart = { title, unit: '\u00b5s, logarithmic', isLogarithmic: true };
   const length = windowLength(times[0].values.length);
   if (length === 1) return { ...chart, curves: named };
-  const summed = named.map(({ name, color, values }) => ({
+  const summed = named.map(({ name, numbers, color, values }) => ({
     name,
+    numbers,
     color,
     most: values.reduce((a, b) => Math.max(a, b)),
     ...windowsOf(
@@ -93,7 +94,7 @@ function timeChart(title: string, times: readonly Times[]): ChartOptions {
   return {
     ...chart,
     areas: summed.map(({ color, low, high }) => ({ color, low, high })),
-    curves: summed.map(({ name, color, median }) => ({ name, color, values: median })),
+    curves: summed.map(({ name, numbers, color, median }) => ({ name, numbers, color, values: median })),
     dots: summed.flatMap(({ color, largest, most }) => [
       { color, values: largest, size: 4 },
       { color, values: largest.map((us) => (us === most ? us : null)), size: 9 },

@@ -39,8 +39,8 @@ export function showTitle({ models: [a, b], rows, stride, max_megabytes, demo }:
   byId('introduction').hidden = demo === undefined;
   byId('introduction').textContent = demo === undefined ? '' : inPage(demo.introduction);
   if (stride === 1) return;
-  byId('view-caption').textContent =
-    `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
+  byId('view-caption').textContent +=
+    ` Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
 }
 
 const median = (values: readonly number[]): number =>
@@ -68,11 +68,11 @@ export function showTiles(data: ReplayData): void {
     tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
   }
   const updates = rows.update_us.filter((us) => us > 0);
-  if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median time of an update of the trees'));
-  tiles.push(tile(shownTime(median(rows.query_us)), `median time of a distance query, ${queryName(data)}`));
+  if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median update of the trees'));
+  tiles.push(tile(shownTime(median(rows.query_us)), `median distance query, ${queryName(data)}`));
   if (demo !== undefined) {
     const { query_us, relative_error } = demo.rough;
-    tiles.push(tile(shownTime(median(query_us)), `median time of a distance query, within ${percent(relative_error)}`));
+    tiles.push(tile(shownTime(median(query_us)), `median distance query, within ${percent(relative_error)}`));
   }
   byId('tiles').append(...tiles);
 }

@@ -29,6 +29,7 @@ export function connectTraveller(
   for (const id of ['follow-label', 'path-label']) byId(id).hidden = !model.moves;
   if (!model.moves) return () => {};
   byId('follow-text').textContent = `Follow ${'AB'[which]}`;
+  byId('view-caption').textContent += ` The line is the path of ${'AB'[which]}, with dots where the models touch.`;
   const stay = (): void => void (follow.checked = false);
   for (const side of sides) byId(side).addEventListener('click', stay);
   byId('up').addEventListener('change', stay);

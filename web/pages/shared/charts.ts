@@ -13,6 +13,8 @@ type Values = readonly (number | null)[];
 interface Drawn {
   /** What is without a name has no key. */
   name?: string;
+  /** In the key, after the name. */
+  numbers?: string;
   /** A token of page.css. */
   color: string;
 }
@@ -43,7 +45,7 @@ export interface ChartOptions {
 }
 
 const height = 180;
-const transparent = '40'; // of areas, so that grid and curves show through
+const opacity = '59'; // of areas: grid and curves show through
 
 export class Chart {
   private readonly plot: uPlot;
@@ -132,7 +134,7 @@ export class Chart {
       ],
       bands: areas.map(({ color }, i) => ({
         series: [2 * i + 1, 2 * i + 2],
-        fill: () => `${token(color)}${transparent}`,
+        fill: () => `${token(color)}${opacity}`,
       })),
       hooks: { draw: [(plot) => this.drawRow(plot)] },
     };
@@ -154,11 +156,12 @@ export class Chart {
   }
 }
 
-function key({ name, color }: Drawn, symbol: string): HTMLElement[] {
+function key({ name, numbers, color }: Drawn, symbol: string): HTMLElement[] {
   if (name === undefined) return [];
+  const after = numbers === undefined ? [] : [element('span', 'numbers', `: ${numbers}`)];
   const drawn = element('i', symbol);
   drawn.style.color = `var(--${color})`;
-  return [element('span', 'key', drawn, name)];
+  return [element('span', 'key', drawn, name, ...after)];
 }
 
 /** Axes start at zero, unless the curve would be a line far above it. */

@@ -65,8 +65,8 @@ void main() {
   float light = abs(dot(normal, normalize(vec3(0.28, 0.36, 0.89))));
   vec3 own = color;
   if (relief.xyz != vec3(0.0)) {
-    float height = clamp(dot(placed, relief.xyz) - relief.w, 0.0, 1.0);
-    own = height < 0.5 ? color * (0.35 + 1.3 * height) : mix(color, vec3(1.0), 1.5 * height - 0.75);
+    float height = clamp(1.5 * (dot(placed, relief.xyz) - relief.w) - 0.25, 0.0, 1.0);
+    own = height < 0.5 ? color * (0.44 + 1.12 * height) : mix(color, vec3(1.0), 1.1 * height - 0.55);
   }
   vec3 shown = own * (0.55 + 0.5 * light);
   if (isMapped) {
