@@ -96,7 +96,7 @@ const demoStyle = `
   body { padding: 0 6px 6px; }
   main { position: relative; }
   header, .player, .tools, section h2, section > p, main > section { display: none; }
-  .chart:first-child, #charts .unit, .numbers, .marks .name, .badge { display: none; }
+  .chart:first-child, .numbers, .marks .name, .badge { display: none; }
   .pair { display: block; }
   .pair > section { border: 0; padding: 0; margin: 0; }
   .stage { height: 326px; border: 0; margin: 0; }
@@ -109,6 +109,7 @@ const demoStyle = `
   .tiles .soft { line-height: 1.25; display: block; }
   #charts { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 0 14px; }
   #charts h3 { margin: 8px 0 0; }
+  .unit { flex-basis: 100%; }
 `;
 
 const browser = await launch();
@@ -144,7 +145,7 @@ const page = await open(browser, folder.file(demo), { width: demoWidth, height: 
 await page.addStyleTag({ content: demoStyle });
 await settled(page);
 await page.$eval('#whole', (button) => button.click());
-await show(page, 0.62);
+await show(page, 0.7);
 const box = await page.locator('main').boundingBox();
 await photograph(page, 'demo.png', {
   clip: { x: 0, y: 0, width: demoWidth, height: Math.ceil(box.y + box.height + 6) },
