@@ -40,7 +40,7 @@ class Replay {
     std::vector<std::string> contact_names;
     std::string engine;  ///< in words
     DistanceOptions query;
-    std::uint64_t max_megabytes = 60;  ///< that the page may have
+    std::uint64_t max_megabytes = 0;  ///< that the page may have
   };
 
   /// Pre      At most `most_rows` rows.

@@ -168,7 +168,8 @@ ExitCode run(const TrackArguments& arguments) {
   std::optional<TrackReport> report;
   if (!arguments.report.path.empty()) {
     report.emplace(arguments.report, inputs_of(arguments),
-                   Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query},
+                   Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
+                                    arguments.report.max_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
   ProgressBar bar(row_count, "frames");

@@ -15,12 +15,11 @@ namespace limber::program {
 namespace {
 
 /// The sequence, if a page has room for it.
-Replay::Sequence checked(Replay::Sequence sequence, const TrackReportArguments& arguments) {
+Replay::Sequence checked(Replay::Sequence sequence) {
   if (sequence.row_count > Replay::most_rows) {
     throw BadInput(fmt::format("--report: a page has room for {} frames, and there are {}", Replay::most_rows,
                                sequence.row_count));
   }
-  sequence.max_megabytes = arguments.max_megabytes;
   return sequence;
 }
 
@@ -36,7 +35,7 @@ void add_track_report(CLI::App& command, TrackReportArguments& arguments) {
 
 TrackReport::TrackReport(const TrackReportArguments& arguments, const Names& inputs, Replay::Sequence sequence,
                          const std::array<ReplayedModel, 2>& models)
-    : arguments_(arguments), file_(arguments, inputs), replay_(checked(std::move(sequence), arguments), models) {}
+    : arguments_(arguments), file_(arguments, inputs), replay_(checked(std::move(sequence)), models) {}
 
 void TrackReport::write() {
   if (replay_.stride() > 1) {

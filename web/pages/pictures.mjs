@@ -96,7 +96,7 @@ const demoStyle = `
   body { padding: 0 6px 6px; }
   main { position: relative; }
   header, .player, .tools, section h2, section > p, main > section { display: none; }
-  .chart:first-child, .numbers, .marks .name, .badge { display: none; }
+  .chart:first-child, .numbers, .badge.a, .badge.a + .name { display: none; }
   .pair { display: block; }
   .pair > section { border: 0; padding: 0; margin: 0; }
   .stage { height: 326px; border: 0; margin: 0; }
