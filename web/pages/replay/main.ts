@@ -31,9 +31,9 @@ showTiles(data);
 showModels(data, models);
 showSummary(data);
 showMaking(data.version, data.command);
+const charts = showCharts(data, (row) => player.jumpTo(row)); // first, as the view is as high as they are
 const view = showView(data, models, frame, bounds);
 const player = new Player(keptRows);
-const charts = showCharts(data, (row) => player.jumpTo(row));
 player.onRow((row) => {
   view.show(row, frameOfRow(row));
   showNow(data, row);

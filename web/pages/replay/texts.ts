@@ -15,8 +15,11 @@ export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
 
 /** What was asked for: "exact", or how large an error was allowed. */
 export function queryName({ relative_error, absolute_error }: ReplayData): string {
-  if (absolute_error > 0) return 'query';
-  return relative_error === 0 ? 'exact' : `within ${percent(relative_error)}`;
+  const allowed = [
+    ...(relative_error > 0 ? [percent(relative_error)] : []),
+    ...(absolute_error > 0 ? [shown(absolute_error)] : []),
+  ];
+  return allowed.length === 0 ? 'exact' : `within ${allowed.join(' or ')}`;
 }
 
 /** The distance in a row: one number, or an interval. */

@@ -45,6 +45,7 @@ export interface ChartOptions {
 }
 
 const height = 180;
+const frameSteps = [0, 1, 2, 3, 4].flatMap((power) => [1, 2, 5].map((factor) => factor * 10 ** power));
 const opacity = '59'; // of areas: grid and curves show through
 
 export class Chart {
@@ -108,7 +109,7 @@ export class Chart {
       cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: isLogarithmic ? { distr: 3, range: roundRange } : { range: fromZero } },
       axes: [
-        { ...axis, ticks: { show: false }, size: 30, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4] },
+        { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
         {
           ...axis,
           ticks: { show: false },
