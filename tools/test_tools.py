@@ -16,7 +16,6 @@ import build_docs
 import check_layers
 import check_refs
 import check_sizes
-import demo_picture
 import doxygen_filter
 import mutants
 from repository import Finding, cpp_code, files
@@ -308,25 +307,6 @@ int after();
             (site / "c.png").unlink()
             (site / "a.html").write_text('<a href="sub/b.html#nowhere">b</a>', encoding="utf-8")
             self.assertEqual(build_docs.broken_links(site), ["a.html: sub/b.html#nowhere", "sub/b.html: ../c.png"])
-
-
-class DemoPicture(unittest.TestCase):
-    HEAD = "<html><style>\n@media (prefers-color-scheme: dark) {\n  :root { --page: black; }\n}\np {}\n</style>"
-    TILES = '<div class="tiles">\n<div><b>20 us</b></div>\n</div>\n'
-
-    def page(self, *names: str) -> str:
-        return self.HEAD + self.TILES + "".join(f'<section id="{name}">{name}s</section>' for name in names)
-
-    def test_takes_its_parts_from_the_page(self) -> None:
-        picture = demo_picture.picture_page(self.page("sheet", "ball", "update", "query"))
-        for text in ("sheets", "updates", "querys", "20 us", "p {}", demo_picture.STYLE):
-            self.assertIn(text, picture)
-        for text in ("balls", "black"):
-            self.assertNotIn(text, picture)
-
-    def test_refuses_a_page_without_them(self) -> None:
-        with self.assertRaises(SystemExit):
-            demo_picture.picture_page(self.page("sheet", "update"))
 
 
 if __name__ == "__main__":

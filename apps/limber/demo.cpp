@@ -20,17 +20,19 @@
 #include "demo_table.h"
 #include "options.h"
 #include "output.h"
+#include "replay.h"
 #include "verb.h"
 
 namespace limber::program {
 namespace {
 
-constexpr std::uint64_t max_frames = 100'000;
+constexpr std::uint64_t max_frames = Replay::most_rows;
 constexpr std::uint64_t max_dents_per_frame = 1'000;
 
 struct DemoArguments {
   DemoOptions demo;
   std::string page = "limber-demo.html";
+  std::string command_line;
   bool is_unchecked = false;
   bool json = false;
 };
@@ -116,7 +118,7 @@ void run(const DemoArguments& arguments) {
     if (!arguments.json) table.show(frames);
   });
   if (!arguments.is_unchecked) check(run, arguments.json);
-  store(demo_page(run), page);
+  store(demo_page(run, arguments.command_line), page);
   if (arguments.json) {
     write(to_line(as_json(run, page)));
   } else {
@@ -127,8 +129,9 @@ void run(const DemoArguments& arguments) {
 
 }  // namespace
 
-Verb add_demo(CLI::App& app) {
+Verb add_demo(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<DemoArguments>();
+  arguments->command_line = command_line;
   CLI::App& command = *app.add_subcommand("demo", "A ball flies over a deforming sheet; writes a page about it");
   DemoOptions& demo = arguments->demo;
   add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");

@@ -8,7 +8,7 @@
 
 namespace limber::program {
 
-/// A self-contained page: pictures, curves and the summary of a run.
-std::string demo_page(const DemoRun& run);
+/// A page that plays the run, with charts and its summary. The command line is what the page says about its making.
+std::string demo_page(const DemoRun& run, const std::string& command_line);
 
 }  // namespace limber::program

@@ -31,11 +31,15 @@ Transform ball_pose_at(double time, double rough) {
   return transform_from_quaternion(center, scenes::cosine(half_angle), 0.6 * s, 0.8 * s, 0).value();
 }
 
+scenes::VertexMoves next_moves(scenes::Rng& rng, std::span<const Vec3> positions) {
+  return scenes::dent_moves(scenes::random_dent(rng), positions);
+}
+
 /// Dents the sheet, timing only what the model does.
 void dent(DeformingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
   const DeformingWork before = sheet.work();
   for (std::uint64_t d = 0; d < dents; ++d) {
-    const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), sheet.mesh().positions());
+    const scenes::VertexMoves moves = next_moves(rng, sheet.mesh().positions());
     const Stopwatch moving;
     value_or_bad_input(sheet.move_vertices(moves.ids, moves.positions));
     frame.update_us += moving.microseconds();
@@ -69,13 +73,13 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
   scenes::Rng rng(options.seed);
   std::vector<DemoFrame> frames;
   frames.reserve(options.frames);
-  Transform pose;
   const Stopwatch playing;
   while (frames.size() < options.frames) {
     const auto done = static_cast<double>(frames.size());
-    pose = ball_pose_at(done / static_cast<double>(options.frames), roughness(frames.size() * options.dents_per_frame));
+    const Transform pose =
+        ball_pose_at(done / static_cast<double>(options.frames), roughness(frames.size() * options.dents_per_frame));
     DemoFrame frame;
-    frame.ball_center = pose.translation;
+    frame.ball_pose = pose;
     dent(sheet, rng, options.dents_per_frame, frame);
     const Stopwatch asking;
     frame.answer = DeformingModel::distance(sheet, {}, ball, pose, options.query);
@@ -87,12 +91,24 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
     watcher(frames);
   }
   const double wall_s = playing.seconds();
-  return {options, std::move(frames), sheet.mesh(), ball.mesh(), pose, wall_s, std::nullopt};
+  return {options, std::move(frames), sheet.mesh(), ball.mesh(), wall_s, std::nullopt};
+}
+
+void replay_sheet(const DemoOptions& options, const SheetWatcher& watcher) {
+  std::vector<Vec3> positions = scenes::thesis_sheet().positions();
+  scenes::Rng rng(options.seed);
+  for (std::size_t f = 0; f < options.frames; ++f) {
+    for (std::uint64_t d = 0; d < options.dents_per_frame; ++d) {
+      const scenes::VertexMoves moves = next_moves(rng, positions);
+      for (std::size_t i = 0; i < moves.ids.size(); ++i) positions[moves.ids[i]] = moves.positions[i];
+    }
+    watcher(f, positions);
+  }
 }
 
 bool is_confirmed_by_brute_force(const DemoRun& run) {
-  const double exact = reference::distance({run.sheet}, {run.ball, run.ball_pose}).upper;
   const DemoFrame& last = run.frames.back();
+  const double exact = reference::distance({run.sheet}, {run.ball, last.ball_pose}).upper;
   return is_confirmed(last.answer, run.options.query.relative_error, exact) &&
          is_confirmed(last.rough, rough_error, exact);
 }

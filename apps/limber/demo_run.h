@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "deforming_model.h"
@@ -25,7 +26,7 @@ struct DemoOptions {
 inline constexpr double rough_error = 0.1;
 
 struct DemoFrame {
-  Vec3 ball_center;
+  Transform ball_pose;
   DeformingWork update;   ///< of this frame alone
   double update_us = 0;   ///< moving the vertices and repairing the tree
   DistanceResult answer;  ///< at the error asked for
@@ -39,7 +40,6 @@ struct DemoRun {
   std::vector<DemoFrame> frames;
   Mesh sheet;  ///< as it is in the last frame
   Mesh ball;
-  Transform ball_pose;           ///< in the last frame
   double wall_s = 0;             ///< of all frames
   std::optional<bool> is_right;  ///< whether brute force confirms the last frame; empty when not checked
 };
@@ -49,6 +49,13 @@ using FrameWatcher = std::function<void(const std::vector<DemoFrame>&)>;
 
 /// Plays all frames and checks nothing. Pre: at least one frame.
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher);
+
+/// Called with the frame's number and the positions of the sheet in it.
+using SheetWatcher = std::function<void(std::size_t, std::span<const Vec3>)>;
+
+/// Plays the dents once more on the vertices alone: the same positions to the bit. Frames are recorded by this and not
+/// in run_demo(), so that no time has a recording in it, and no cache is full of one.
+void replay_sheet(const DemoOptions& options, const SheetWatcher& watcher);
 
 /// Whether brute force gives the distance of the last frame, up to rounding. Takes a while.
 bool is_confirmed_by_brute_force(const DemoRun& run);

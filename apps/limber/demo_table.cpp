@@ -35,6 +35,12 @@ std::string table_row(const char* name, double now, const Spread& spread) {
                      spread.p99 ? duration_text(*spread.p99) : "-", duration_text(spread.max));
 }
 
+/// "median 20 us, p99 85 us, max 212 us", without a percentile where there are too few frames for one.
+std::string spread_text(const Spread& spread) {
+  const std::string p99 = spread.p99 ? fmt::format("p99 {}, ", duration_text(*spread.p99)) : std::string();
+  return fmt::format("median {}, {}max {}", duration_text(spread.median), p99, duration_text(spread.max));
+}
+
 }  // namespace
 
 DemoTable::DemoTable(std::size_t frame_count) : frame_count_(frame_count), on_terminal_(isatty(STDOUT_FILENO) != 0) {}
@@ -98,11 +104,6 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run
   rows.emplace_back("build", "with checks on, so times are much longer than in a release build");
 #endif
   return rows;
-}
-
-std::string spread_text(const Spread& spread) {
-  const std::string p99 = spread.p99 ? fmt::format("p99 {}, ", duration_text(*spread.p99)) : std::string();
-  return fmt::format("median {}, {}max {}", duration_text(spread.median), p99, duration_text(spread.max));
 }
 
 }  // namespace limber::program

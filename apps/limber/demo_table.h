@@ -32,7 +32,4 @@ class DemoTable {
 /// The summary of a run, as pairs of a name and a text with units.
 std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run);
 
-/// "median 20 us, p99 85 us, max 212 us", without a percentile where there are too few frames for one.
-std::string spread_text(const Spread& spread);
-
 }  // namespace limber::program

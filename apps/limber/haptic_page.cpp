@@ -65,14 +65,13 @@ std::string time_line(const HapticRun& run) {
   const std::size_t group = (run.ticks.size() + most_points - 1) / most_points;
   Chart chart;
   chart.unit = "&micro;s";
-  chart.axis = Axis::logarithmic;
-  chart.frame_name = "s";
-  chart.frame_unit = static_cast<double>(group) / run.options.scene.rate_hz;
+  chart.point_name = "s";
+  chart.point_unit = static_cast<double>(group) / run.options.scene.rate_hz;
   chart.curves = {{"whole tick", "first", largest_of_each(group, times_of(run.ticks, whole_tick))},
                   {"query", "second", largest_of_each(group, times_of(run.ticks, query))}};
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
-    const bool is_new = chart.marked_frames.empty() || chart.marked_frames.back() != i / group;
-    if (run.ticks[i].is_missed && is_new) chart.marked_frames.push_back(i / group);
+    const bool is_new = chart.marked_points.empty() || chart.marked_points.back() != i / group;
+    if (run.ticks[i].is_missed && is_new) chart.marked_points.push_back(i / group);
   }
   chart.mark_label = "missed";
   return chart_legend(chart) + chart_svg(chart, chart.curves.front().values.size());

@@ -17,12 +17,12 @@ constexpr const char* before_title = R"(<!DOCTYPE html>
 
 constexpr const char* page_style = R"(:root {
   --page: #f6f5f2; --card: #ffffff; --ink: #23282d; --soft: #68707a; --rule: #dfe1e2; --axis: #9aa1a8;
-  --first: #1f5f9e; --second: #c4622d; --area: #c4622d33; --mark: #c0273f; --halo: #ffffffc0;
+  --first: #1f5f9e; --second: #c4622d; --mark: #c0273f; --halo: #ffffffc0;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --page: #14171a; --card: #1d2125; --ink: #e4e7ea; --soft: #9aa3ac; --rule: #32383e; --axis: #6a727a;
-    --first: #6cb0f0; --second: #ee9a62; --area: #ee9a6233; --mark: #ff6b80; --halo: #000000a0;
+    --first: #6cb0f0; --second: #ee9a62; --mark: #ff6b80; --halo: #000000a0;
   }
 }
 * { box-sizing: border-box; }
@@ -55,7 +55,6 @@ section > .chart { width: calc(100% - 68px); height: 230px; margin: 14px 10px 4p
 .line { fill: none; stroke-width: 1.6; stroke-linejoin: round; }
 .first { stroke: var(--first); }
 .second { stroke: var(--second); }
-.area { fill: var(--area); }
 .mark { stroke: var(--mark); stroke-width: 1.6; fill: none; }
 table { border-collapse: collapse; width: 100%; margin-top: 8px; font-variant-numeric: tabular-nums; font-size: 15px; }
 th, td { text-align: left; padding: 7px 0; border-top: 1px solid var(--rule); vertical-align: top; }

@@ -11,10 +11,9 @@ namespace limber::program {
 
 /// Everything before the content, with classes for the charts of chart_svg.h and histogram_svg.h, and with the page's
 /// own style after them.
-std::string page_head(const std::string& title, const std::string& own_style = {});
+std::string page_head(const std::string& title, const std::string& own_style);
 std::string page_end();
 
-/// The id is for whoever takes a part of the page; see tools/demo_picture.py.
 std::string page_section(const std::string& id, const std::string& title, const std::string& caption,
                          const std::string& content);
 

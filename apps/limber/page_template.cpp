@@ -6,10 +6,12 @@
 
 namespace limber::program {
 
-std::string filled_page(std::string_view page, const Json& data) {
+std::string filled_page(std::string_view page, Json data, const std::string& command_line) {
   constexpr std::string_view placeholder = "\"data of the page\"";
   const std::size_t at = page.find(placeholder);
   if (at == std::string_view::npos) throw std::logic_error("a page has no place for its data");
+  data["version"] = LIMBER_VERSION;
+  data["command"] = command_line;
   std::string filled(page.substr(0, at));
   for (const char c : to_line(data)) {
     if (c == '<') {

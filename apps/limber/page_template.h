@@ -11,11 +11,11 @@
 namespace limber::program {
 
 extern const std::string_view report_template;  ///< of `limber distance`
-extern const std::string_view replay_template;  ///< of `limber track`
+extern const std::string_view replay_template;  ///< of `limber track` and `limber demo`
 
-/// The page with its data in place.
+/// The page with its data in place, to which the program's version and the command line are added.
 ///
 /// Pre      All numbers are finite.
-std::string filled_page(std::string_view page, const Json& data);
+std::string filled_page(std::string_view page, Json data, const std::string& command_line);
 
 }  // namespace limber::program

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "bad_input.h"
 #include "models.h"
@@ -35,9 +36,7 @@ ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
     : command_line_(arguments.command_line), file_(option_name, checked(arguments.path, inputs)) {}
 
 void ReportFile::write(std::string_view page, Json data) {
-  data["version"] = LIMBER_VERSION;
-  data["command"] = command_line_;
-  file_.write(filled_page(page, data));
+  file_.write(filled_page(page, std::move(data), command_line_));
 }
 
 std::string shown_name(const std::string& argument) {

@@ -35,7 +35,7 @@ class ReportFile {
   /// Errors   BadInput where the path is "-" or one of the inputs, or cannot be written.
   ReportFile(const ReportArguments& arguments, const Names& inputs);
 
-  /// Fills the page and writes it. What every page has, the program's version and the command line, is added.
+  /// Fills the page and writes it.
   ///
   /// Errors   OutputFailed.
   void write(std::string_view page, Json data);

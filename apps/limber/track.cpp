@@ -142,7 +142,7 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, std::size_t frame, const 
 }
 
 ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& model) {
-  return {arguments.frames.front(), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
+  return {shown_name(arguments.frames.front()), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
 }
 
 /// All files that are read.
@@ -167,10 +167,10 @@ ExitCode run(const TrackArguments& arguments) {
   for (const AskedContacts& contacts : asked) contact_names.push_back(contacts.name);
   std::optional<TrackReport> report;
   if (!arguments.report.path.empty()) {
-    report.emplace(
-        arguments.report, inputs_of(arguments),
-        TrackReport::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query},
-        std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
+    report.emplace(arguments.report, inputs_of(arguments),
+                   Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
+                                    arguments.report.max_megabytes},
+                   std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
   ProgressBar bar(row_count, "frames");
   if (!arguments.json) write(track_csv_header(contact_names));

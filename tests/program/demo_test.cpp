@@ -2,124 +2,127 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <regex>
 #include <utility>
 
+#include "limber/query.h"
+#include "program/page_decoding.h"
 #include "program/run_program.h"
+#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
 
-/// The last tag without an end tag, or the first end tag that does not match the last start tag.
-std::string unbalanced_tag(const std::string& page) {
-  std::vector<std::string> open;
-  const std::regex tag("<(/?)([a-z0-9]+)[^>]*?(/?)>");
-  for (std::sregex_iterator it(page.begin(), page.end(), tag), end; it != end; ++it) {
-    const std::string name = (*it)[2];
-    if (name == "meta" || (*it)[3] == "/") continue;
-    if ((*it)[1] == "") {
-      open.push_back(name);
-    } else if (open.empty() || open.back() != name) {
-      return "/" + name;
-    } else {
-      open.pop_back();
-    }
+/// A run whose page has been read.
+struct Played {
+  Folder folder;
+  Outcome outcome;
+  std::string page;
+  nlohmann::json data;
+
+  explicit Played(Words options) {
+    options.insert(options.begin(), {"demo", "--out", folder.path("demo.html")});
+    outcome = run(options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    page = text_of(folder.path("demo.html"));
+    data = page_data(page);
   }
-  return open.empty() ? std::string() : open.back();
-}
-
-/// The first group of every match. Not for long matches: std::regex recurses.
-std::vector<std::string> all_matches(const std::string& text, const std::string& pattern) {
-  std::vector<std::string> found;
-  const std::regex expression(pattern);
-  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it) found.push_back((*it)[1]);
-  return found;
-}
-
-/// Every part of the text from a `begin` to the `end` that follows, both left out.
-std::vector<std::string> parts_between(const std::string& begin, const std::string& end, const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
-    at += begin.size();
-    parts.push_back(text.substr(at, text.find(end, at) - at));
-  }
-  return parts;
-}
-
-std::vector<double> numbers_in(const std::string& text, const std::string& pattern) {
-  std::vector<double> numbers;
-  for (const std::string& match : all_matches(text, pattern)) numbers.push_back(std::stod(match));
-  return numbers;
-}
-
-std::string section_of(const std::string& page, const std::string& id) {
-  const std::size_t begin = page.find("<section id=\"" + id + "\">");
-  EXPECT_NE(begin, std::string::npos) << id;
-  if (begin == std::string::npos) return {};
-  return page.substr(begin, page.find("</section>", begin) - begin);
-}
-
-/// What a reader sees of a page: no style sheet, no tags.
-std::string words_of(const std::string& page) {
-  std::string words;
-  for (const std::string& part : parts_between(">", "<", page.substr(page.find("</style>")))) words += part + ' ';
-  return words;
-}
-
-/// A chart as it is drawn.
-struct DrawnChart {
-  std::vector<double> values;  ///< labels of the vertical axis, from its lower to its upper end
-  std::vector<std::string> frames;
-  double height = 0;                         ///< of the plot
-  std::vector<std::vector<double>> heights;  ///< of each curve's points above the lower end, as parts of the plot's
 };
 
-DrawnChart chart_in(const std::string& section) {
-  DrawnChart chart;
-  chart.values = numbers_in(section, "class='value'[^>]*>([^<]*)<");
-  chart.frames = all_matches(section, "class='frame'[^>]*>([^<]*)<");
-  chart.height = numbers_in(section, "viewBox='0 0 [0-9]+ ([0-9]+)' preserveAspectRatio='none'").at(0);
-  for (const std::string& polyline : parts_between("<polyline", "/>", section)) {
-    std::vector<double> heights;
-    for (const double y : numbers_in(polyline, ",([^ ]+) ")) heights.push_back(1 - y / chart.height);
-    chart.heights.push_back(heights);
+/// The sheet in every frame, by the documented draws of the dents.
+std::vector<std::vector<Vec3>> dented_sheets(std::uint64_t seed, std::size_t frames, int dents) {
+  std::vector<std::vector<Vec3>> sheets;
+  Mesh sheet = scenes::thesis_sheet();
+  scenes::Rng rng(seed);
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (int d = 0; d < dents; ++d) {
+      const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), sheet.positions());
+      for (std::size_t i = 0; i < moves.ids.size(); ++i) {
+        sheet.set_position(moves.ids[i], moves.positions[i]).value();
+      }
+    }
+    sheets.push_back(sheet.positions());
   }
-  return chart;
+  return sheets;
 }
 
-double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
-
-/// The value at a height of a chart with a logarithmic axis.
-double value_at(double height, const DrawnChart& chart) {
-  return chart.values.front() * std::pow(chart.values.back() / chart.values.front(), height);
-}
-
-void expect_sound_page(const std::string& page) {
-  EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
-  EXPECT_EQ(unbalanced_tag(page), "");
-  EXPECT_GE(count_of("<svg", page), 5U);
-  const std::string without_namespace =
-      std::regex_replace(page, std::regex("xmlns='http://www\\.w3\\.org/2000/svg'"), "");
-  for (const char* part : {"http://", "https://", "<script", "<link", "@import", "url(", "nan", "inf "}) {
-    EXPECT_EQ(without_namespace.find(part), std::string::npos) << part;
-  }
+/// Lists have an entry for every frame.
+void expect_count(const nlohmann::json& lists, const Words& names, std::size_t count) {
+  for (const std::string& name : names) EXPECT_EQ(lists[name].size(), count) << name;
 }
 
 TEST(ProgramDemo, WritesAPageAndASummary) {
-  const Folder folder;
-  const std::string page = folder.path("demo.html");
-  const Outcome outcome = run({"demo", "--frames", "30", "--out", page});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Played played({"--frames", "30"});
+  const Outcome& outcome = played.outcome;
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.out.find('\033'), std::string::npos);  // no live table outside a terminal
   EXPECT_EQ(count_of("\nframe ", "\n" + outcome.out), 10U) << outcome.out;
   EXPECT_NE(outcome.out.find("checked against brute force: equal"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find(page), std::string::npos);
-  expect_sound_page(text_of(page));
-  EXPECT_NE(text_of(page).find("checked against brute force: equal"), std::string::npos);
+  EXPECT_NE(outcome.out.find(played.folder.path("demo.html")), std::string::npos);
+  EXPECT_EQ(played.page.find("<!DOCTYPE html>"), 0U);
+  // The page says what the terminal says.
+  const nlohmann::json& rows = played.data["demo"]["summary"];
+  EXPECT_GE(rows.size(), 9U);
+  for (const nlohmann::json& row : rows) {
+    std::string line = row[0];
+    line.resize(22, ' ');
+    EXPECT_NE(outcome.out.find('\n' + line + row[1].get<std::string>() + '\n'), std::string::npos) << row;
+  }
+  EXPECT_EQ(played.data["command"], "limber demo --out " + played.folder.path("demo.html") + " --frames 30");
+}
+
+TEST(ProgramDemo, ThePagePlaysTheDentsAndTheBall) {
+  const Played played({"--frames", "40", "--dents-per-frame", "3", "--seed", "5", "--no-check"});
+  const nlohmann::json& sheet = played.data["models"][0];
+  EXPECT_EQ(sheet["triangles"], 20000);
+  EXPECT_EQ(played.data["stride"], 1);
+  const std::vector<VertexId> order = page_order(scenes::thesis_sheet());
+  const auto found = frames_of(sheet["frames"], order.size());
+  const auto expected = dented_sheets(5, 40, 3);
+  ASSERT_EQ(found.size(), expected.size());
+  const double half_step = 0.50001 * sheet["frames"]["step"].get<double>();
+  EXPECT_LT(half_step, 0.003);  // of 100 units a side
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    for (std::size_t v = 0; v < order.size(); ++v) {
+      ASSERT_LE(max_abs(found[f][v] - expected[f][order[v]]), half_step) << f << ' ' << v;
+    }
+  }
+  const std::vector<Transform> poses = poses_of(played.data["models"][1]["poses"]);
+  ASSERT_EQ(poses.size(), 40U);
+  expect_count(played.data["rows"], {"lower", "upper", "status", "update_us", "query_us", "witness"}, 40);
+  expect_count(played.data["demo"]["rough"], {"lower", "upper", "query_us"}, 40);
+  const Model ball(scenes::thesis_ball());
+  for (std::size_t f = 0; f < 40; ++f) {
+    Mesh dented = scenes::thesis_sheet();
+    for (VertexId v = 0; v < expected[f].size(); ++v) dented.set_position(v, expected[f][v]).value();
+    const Model sheet_now(std::move(dented));
+    const double exact = distance({sheet_now, {}}, {ball, poses[f]}).upper;
+    EXPECT_NEAR(played.data["rows"]["upper"][f].get<double>(), exact, 1e-12) << f;
+    EXPECT_EQ(played.data["rows"]["lower"][f], played.data["rows"]["upper"][f]) << f;
+    const nlohmann::json& rough = played.data["demo"]["rough"];
+    EXPECT_LE(rough["lower"][f].get<double>(), exact + 1e-12) << f;
+    EXPECT_GE(rough["upper"][f].get<double>(), exact - 1e-12) << f;
+    EXPECT_LE(rough["upper"][f].get<double>(), 1.1 * exact + 1e-12) << f;
+  }
+}
+
+TEST(ProgramDemo, ThePageOfTheUsualRunIsSmall) {
+  const Played played({"--no-check"});
+  EXPECT_EQ(played.data["stride"], 1);
+  EXPECT_LT(played.page.size(), 4'000'000U);
+}
+
+TEST(ProgramDemo, MoreFramesThanFitAreThinnedOut) {
+  const Played played({"--frames", "300", "--dents-per-frame", "60", "--no-check"});
+  EXPECT_EQ(played.outcome.err, "");
+  const std::size_t stride = played.data["stride"];
+  EXPECT_GE(stride, 2U);
+  EXPECT_LT(played.page.size(), 8'000'000U);
+  EXPECT_EQ(played.data["rows"]["upper"].size(), 300U);
+  for (std::size_t r = 0; r < 300; ++r) {
+    EXPECT_EQ(played.data["rows"]["witness"][r].is_null(), r % stride != 0) << r;  // only what is shown has points
+  }
 }
 
 TEST(ProgramDemo, SummaryAsJson) {
@@ -161,14 +164,12 @@ TEST(ProgramDemo, IsTheSameForEveryModeAndEveryMargin) {
 }
 
 TEST(ProgramDemo, SmallestRunsMakeSoundPages) {
-  const Folder folder;
-  const std::string page = folder.path("small.html");
   for (const std::string frames : {"1", "2"}) {
     for (const std::string dents : {"0", "1"}) {
-      const Outcome outcome = run({"demo", "--frames", frames, "--dents-per-frame", dents, "--no-check", "--out", page,
-                                   "--relative-error", "0.5"});
-      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-      expect_sound_page(text_of(page));
+      const Played played({"--frames", frames, "--dents-per-frame", dents, "--no-check", "--relative-error", "0.5"});
+      EXPECT_EQ(played.data["frame_count"], std::stoi(frames));
+      EXPECT_EQ(played.data["relative_error"], 0.5);
+      EXPECT_EQ(frames_of(played.data["models"][0]["frames"], 10201).size(), std::stoul(frames));
     }
   }
 }
@@ -190,99 +191,25 @@ TEST(ProgramDemo, PrintsWhereThePageIs) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("other.html")));  // of two, the last counts
 }
 
-TEST(ProgramDemo, TextsAreReadableOnNarrowAndWideScreens) {
-  const Folder folder;
-  const std::string path = folder.path("demo.html");
-  for (const std::string frames : {"30", "600"}) {
-    ASSERT_EQ(run({"demo", "--frames", frames, "--no-check", "--out", path}).exit_code, 0);
-    const std::string page = text_of(path);
-    EXPECT_NE(page.find("width=device-width"), std::string::npos);
-    // What a view box scales with the page holds no text; the sizes of all others are pixels.
-    for (const std::string& picture : parts_between("<svg", "</svg>", page)) {
-      if (picture.substr(0, picture.find('>')).find("viewBox") == std::string::npos) continue;
-      EXPECT_EQ(picture.find("<text"), std::string::npos) << picture.substr(0, 200);
-    }
-    const std::string style = parts_between("<style>", "</style>", page).at(0);
-    const std::vector<double> sizes = numbers_in(style, "font(?:-size)?: *([0-9.]+)px");
-    EXPECT_GE(sizes.size(), 6U);
-    for (const double size : sizes) EXPECT_GE(size, 12);
-    EXPECT_EQ(count_of("font-size", style) + count_of("font:", style), sizes.size());  // no other units
-    // At 400 pixels about 280 are left to the plot; a digit is 9 wide at most, and numbers need a gap.
-    for (const char* id : {"distance", "update", "query"}) {
-      const DrawnChart chart = chart_in(section_of(page, id));
-      std::size_t width = 0;
-      for (const std::string& label : chart.frames) width += 9 * (label.size() + 1);
-      EXPECT_GE(chart.frames.size(), 4U) << id;
-      EXPECT_LE(width, 280U) << id;
-      EXPECT_GE(chart.values.size(), 2U) << id;
-      EXPECT_LE(chart.values.size(), 12U) << id;
-    }
-  }
-}
-
-TEST(ProgramDemo, AxesReachTheLargestValue) {
-  const Folder folder;
-  const std::string path = folder.path("demo.html");
-  const nlohmann::json json = json_of(run({"demo", "--frames", "150", "--json", "--no-check", "--out", path}));
-  const std::string page = text_of(path);
-  for (const char* id : {"distance", "update", "query"}) {
-    const DrawnChart chart = chart_in(section_of(page, id));
-    for (const std::vector<double>& heights : chart.heights) {
-      EXPECT_EQ(heights.size(), 150U) << id;
-      EXPECT_LE(largest(heights), 1) << id;
-      EXPECT_GE(*std::min_element(heights.begin(), heights.end()), 0) << id;
-    }
-  }
-  const auto expect_shown = [&](const char* id, std::size_t curve, const char* key) {
-    const DrawnChart chart = chart_in(section_of(page, id));
-    const double expected = json[key]["max"];
-    EXPECT_GE(chart.values.back(), expected) << key;
-    EXPECT_NEAR(value_at(largest(chart.heights.at(curve)), chart), expected, 0.01 * expected) << key;
-  };
-  expect_shown("update", 0, "update_us");
-  expect_shown("query", 0, "query_us");
-  expect_shown("query", 1, "rough_query_us");
-}
-
 TEST(ProgramDemo, TimesHaveOneUnit) {
-  const Folder folder;
-  const std::string path = folder.path("demo.html");
   // Without dents updates take less than a microsecond; with many, in the classic engine, milliseconds.
   for (const auto& [engine, dents] : {std::pair{"fast", "0"}, std::pair{"fast", "2"}, std::pair{"classic", "50"}}) {
-    const Outcome outcome =
-        run({"demo", "--frames", "20", "--no-check", "--engine", engine, "--dents-per-frame", dents, "--out", path});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::string page = text_of(path);
-    const std::regex other_unit("[0-9](?: |&nbsp;)?[mn]s[^a-z]|milli|nano");
-    EXPECT_FALSE(std::regex_search(outcome.out, other_unit)) << outcome.out;
-    EXPECT_FALSE(std::regex_search(words_of(page), other_unit)) << engine;
-    const std::vector<std::string> tiles = all_matches(page, "<div><b>([^<]*)</b>");
-    EXPECT_EQ(tiles.size(), 4U);
-    for (const std::string& tile : tiles) {
-      EXPECT_TRUE(std::regex_match(tile, std::regex("[0-9.]+(?:&nbsp;[0-9]+)*&nbsp;&micro;s"))) << tile;
-    }
-    for (const char* id : {"update", "query"}) {
-      EXPECT_NE(section_of(page, id).find("class='unit'>&micro;s, logarithmic<"), std::string::npos) << id;
-    }
+    const Played played({"--frames", "20", "--no-check", "--engine", engine, "--dents-per-frame", dents});
+    const std::regex other_unit("[0-9] ?[mn]s[^a-z]|milli|nano");
+    EXPECT_FALSE(std::regex_search(played.outcome.out, other_unit)) << played.outcome.out;
+    EXPECT_FALSE(std::regex_search(played.data["demo"].dump(), other_unit)) << engine;
   }
 }
 
 TEST(ProgramDemo, FewFramesHaveNoPercentiles) {
-  const Folder folder;
-  const std::string path = folder.path("demo.html");
-  const auto play = [&](const std::string& frames, bool json) {
-    std::vector<std::string> arguments = {"demo", "--frames", frames, "--no-check", "--out", path};
-    if (json) arguments.emplace_back("--json");
-    return run(arguments);
-  };
   for (const std::string frames : {"3", "99", "100"}) {
     const bool has_percentiles = frames == "100";
-    const Outcome outcome = play(frames, false);
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_EQ(count_of("p99", outcome.out), has_percentiles ? 3U : 0U) << outcome.out;
-    EXPECT_EQ(count_of("p99", text_of(path)), has_percentiles ? 6U : 0U) << frames;  // in the charts and the summary
-    EXPECT_EQ(count_of(", max ", outcome.out), 3U) << outcome.out;
-    const nlohmann::json json = json_of(play(frames, true));
+    const Played played({"--frames", frames, "--no-check"});
+    EXPECT_EQ(count_of("p99", played.outcome.out), has_percentiles ? 3U : 0U) << played.outcome.out;
+    EXPECT_EQ(count_of("p99", played.data["demo"]["summary"].dump()), has_percentiles ? 3U : 0U) << frames;
+    EXPECT_EQ(count_of(", max ", played.outcome.out), 3U) << played.outcome.out;
+    const nlohmann::json json =
+        json_of(run({"demo", "--frames", frames, "--no-check", "--out", played.folder.path("x.html"), "--json"}));
     for (const char* key : {"update_us", "query_us", "rough_query_us"}) {
       EXPECT_EQ(json[key].contains("p99"), has_percentiles) << frames;
     }

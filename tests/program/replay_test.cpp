@@ -162,7 +162,7 @@ TEST(ProgramReplay, IsRefusedWhereItHasNoPlace) {
   expect_refused(track(files, {"scene:ball"}, {"--report", files[1]}), "--report: ");
   expect_refused(track(files, {"scene:ball"}, {"--poses-b", poses, "--report", poses}), "--report: ");
   expect_refused(track(files, {"scene:ball"}, {"--report", folder.path("no/where.html")}), "--report: cannot write");
-  expect_refused(track(files, {"scene:ball"}, {"--loop", "20000", "--report", folder.path("r.html")}), "50000");
+  expect_refused(track(files, {"scene:ball"}, {"--loop", "40000", "--report", folder.path("r.html")}), "100000");
   expect_refused(track(files, {"scene:ball"}, {"--max-report-mb", "5"}), "--report");
   EXPECT_EQ(text_of(files[1]), text);
 }

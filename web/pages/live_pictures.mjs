@@ -3,11 +3,12 @@
 
 // Makes the pictures of docs/guide/live_page.md. Run it by ./dev pages pictures.
 import { join } from 'node:path';
-import { launch, open, pages, settled } from './tests/support.mjs';
+import { photograph } from './picture_file.mjs';
+import { launch, open, pages } from './tests/support.mjs';
 
 const browser = await launch();
 
-async function photograph(name, options, prepare) {
+async function moment(name, options, prepare) {
   const page = await open(browser, join(pages, '../../apps/limber/pages/live.html'), {
     reducedMotion: 'reduce',
     ...options,
@@ -17,9 +18,7 @@ async function photograph(name, options, prepare) {
   await page.waitForTimeout(1500);
   await page.keyboard.press('Space');
   await page.evaluate(() => document.activeElement.blur());
-  await settled(page);
-  await page.screenshot({ path: join(pages, '../../docs/images', name) });
-  await page.close();
+  await photograph(page, name);
 }
 
 /** Holds the sheet at a place of the view, as a part of its width and height, and pulls it. */
@@ -30,8 +29,8 @@ async function pull(page, [x, y], [dx, dy]) {
   await page.mouse.move(box.x + (x + dx) * box.width, box.y + (y + dy) * box.height, { steps: 8 });
 }
 
-await photograph('live.png', { width: 1280, height: 900 }, (page) => pull(page, [0.74, 0.6], [0, -0.2]));
-await photograph('live_tree.png', { width: 400, height: 780, scheme: 'dark' }, async (page) => {
+await moment('live.png', { width: 1280, height: 900 }, (page) => pull(page, [0.74, 0.6], [0, -0.2]));
+await moment('live_tree.png', { width: 400, height: 780, scheme: 'dark' }, async (page) => {
   await page.selectOption('#tree', 'sheet');
   await page.fill('#level', '3');
   await page.fill('#error', '20');

@@ -4,34 +4,28 @@
 /** The charts of a sequence. */
 
 import { Chart } from '../shared/charts.ts';
-import type { ChartOptions, Curve } from '../shared/charts.ts';
+import type { Area, ChartOptions, Curve, Dots } from '../shared/charts.ts';
 import { byId } from '../shared/dom.ts';
+import { shownTime } from '../shared/numbers.ts';
+import { percentile, windowLength, windowsOf } from '../shared/windows.ts';
 import type { ReplayData } from './data.ts';
-import { contactName } from './texts.ts';
+import { contactName, percent, queryName } from './texts.ts';
 
 export function showCharts(data: ReplayData, jump: (row: number) => void): Chart[] {
-  const { rows, contacts } = data;
-  const isInterval = rows.lower.some((lower, row) => lower !== rows.upper[row]);
-  const upper: Curve = { name: isInterval ? 'upper bound' : 'exact', color: 'model-a', values: rows.upper };
-  const lower: Curve = { name: 'lower bound', color: 'model-b', values: rows.lower };
+  const { rows, contacts, demo } = data;
+  const queries: Times[] = [{ name: queryName(data), color: 'model-a', values: rows.query_us }];
+  if (demo !== undefined) {
+    queries.push({
+      name: `within ${percent(demo.rough.relative_error)}`,
+      color: 'model-b',
+      values: demo.rough.query_us,
+    });
+  }
+  const updates: Times[] = [{ name: 'update', color: 'model-a', values: rows.update_us }];
   const charts: ChartOptions[] = [
-    {
-      title: 'Distance',
-      unit: 'in the meshes\u2019 unit',
-      curves: isInterval ? [upper, lower] : [upper],
-      isBand: isInterval,
-    },
-    {
-      title: 'Time',
-      unit: '\u00b5s, logarithmic',
-      isLogarithmic: true,
-      curves: [
-        { name: 'query', color: 'model-a', values: rows.query_us },
-        ...(rows.update_us.some((us) => us > 0)
-          ? [{ name: 'update of the trees', color: 'model-b', values: rows.update_us }]
-          : []),
-      ],
-    },
+    distanceChart(data),
+    ...(rows.update_us.some((us) => us > 0) ? [timeChart('Time of an update', updates)] : []),
+    timeChart('Time of a distance query', queries),
     ...contacts.map(({ name, count, intersecting }) => ({
       title: contactName(name),
       unit: 'pairs of triangles',
@@ -41,5 +35,69 @@ export function showCharts(data: ReplayData, jump: (row: number) => void): Chart
       ],
     })),
   ];
+  const length = windowLength(rows.status.length);
+  if (length > 1) {
+    byId('charts-caption').textContent +=
+      ` Times: lines are medians of ${length} frames, areas reach from the 5th to the 95th percentile, dots are the ` +
+      'largest of each, the large one the largest of all.';
+  }
   return charts.map((options) => new Chart(byId('charts'), options, jump));
+}
+
+function distanceChart({ rows, demo }: ReplayData): ChartOptions {
+  const isInterval = rows.lower.some((lower, row) => lower !== rows.upper[row]);
+  const upper: Curve = { name: isInterval ? 'upper bound' : 'exact', color: 'model-a', values: rows.upper };
+  const lower: Curve = { name: 'lower bound', color: 'model-b', values: rows.lower };
+  const areas: Area[] = isInterval ? [{ color: 'model-a', low: rows.lower, high: rows.upper }] : [];
+  if (demo !== undefined) {
+    const name = `certified interval at ${percent(demo.rough.relative_error)}`;
+    areas.push({ name, color: 'model-b', low: demo.rough.lower, high: demo.rough.upper });
+  }
+  const contact = rows.status.map((status) => (status === 'collision' ? 0 : null));
+  const dots: Dots[] = contact.includes(0) ? [{ name: 'in contact', color: 'mark', values: contact, size: 6 }] : [];
+  return {
+    title: 'Distance',
+    unit: 'in the meshes\u2019 unit',
+    areas,
+    curves: isInterval ? [upper, lower] : [upper],
+    dots,
+  };
+}
+
+interface Times {
+  name: string;
+  color: string;
+  values: readonly number[];
+}
+
+/** Of few frames each time; of more, what windows of frames have in common, and the largest of each. */
+function timeChart(title: string, times: readonly Times[]): ChartOptions {
+  const named = times.map(({ name, color, values }) => {
+    const sorted = values.filter((us) => us > 0).sort((a, b) => a - b);
+    if (sorted.length === 0) return { name, numbers: 'none', color, values };
+    const [median, most] = [percentile(sorted, 0.5)!, sorted[sorted.length - 1]];
+    return { name, numbers: `median ${shownTime(median)}, max ${shownTime(most)}`, color, values };
+  });
+  const chart = { title, unit: '\u00b5s, logarithmic', isLogarithmic: true };
+  const length = windowLength(times[0].values.length);
+  if (length === 1) return { ...chart, curves: named };
+  const summed = named.map(({ name, numbers, color, values }) => ({
+    name,
+    numbers,
+    color,
+    most: values.reduce((a, b) => Math.max(a, b)),
+    ...windowsOf(
+      values.map((us) => (us > 0 ? us : null)),
+      length,
+    ),
+  }));
+  return {
+    ...chart,
+    areas: summed.map(({ color, low, high }) => ({ color, low, high })),
+    curves: summed.map(({ name, numbers, color, median }) => ({ name, numbers, color, values: median })),
+    dots: summed.flatMap(({ color, largest, most }) => [
+      { color, values: largest, size: 4 },
+      { color, values: largest.map((us) => (us === most ? us : null)), size: 9 },
+    ]),
+  };
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** What apps/limber/track_report.cpp writes. */
+/** What apps/limber/replay.cpp writes, and demo_page.cpp for `limber demo`. */
 
 import type { QuantizedPoints } from '../shared/decode.ts';
 import type { FramesData } from '../shared/frames.ts';
@@ -25,7 +25,7 @@ export interface Rows {
   update_us: number[];
   query_us: number[];
   moved_vertices: number[];
-  /** Both points and the triangles that they lie on. */
+  /** Both points and the triangles that they lie on; null also where the frame has been left out. */
   witness: (number[] | null)[];
 }
 
@@ -34,6 +34,15 @@ export interface ContactRows {
   query_us: number[];
   count: number[];
   intersecting: number[];
+}
+
+/** What only `limber demo` has. */
+export interface DemoData {
+  introduction: string;
+  /** Names and texts, as on the terminal. */
+  summary: [string, string][];
+  /** The second query of each frame. */
+  rough: { relative_error: number; lower: number[]; upper: number[]; query_us: number[] };
 }
 
 export interface ReplayData {
@@ -47,6 +56,7 @@ export interface ReplayData {
   rows: Rows;
   contacts: ContactRows[];
   models: [ModelData, ModelData];
+  demo?: DemoData;
   version: string;
   command: string;
 }

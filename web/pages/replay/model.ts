@@ -6,7 +6,7 @@
 import { cornersOf, numbersOf } from '../shared/decode.ts';
 import { PoseFrames, PositionFrames, placed } from '../shared/frames.ts';
 import type { Mesh } from '../shared/section.ts';
-import { highest, lowest } from '../shared/vectors.ts';
+import { highest, length, lowest, middle, subtract } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
 import type { Frame } from '../shared/viewer.ts';
 import type { ModelData } from './data.ts';
@@ -18,14 +18,20 @@ const nothing: Box = [
   [-Infinity, -Infinity, -Infinity],
 ];
 
+export const joined = (a: Box, b: Box): Box => [lowest(a[0], b[0]), highest(a[1], b[1])];
+
 export class ReplayModel {
   readonly data: ModelData;
   readonly mesh: Mesh;
   readonly deforms: boolean;
+  readonly moves: boolean;
+  /** Of the box in the first frame. */
+  readonly diagonal: number;
   private readonly poses: PoseFrames;
   private readonly frames: PositionFrames | undefined;
   private readonly fixed: Float64Array[];
   private readonly origin: Vec3; // of the mesh's own coordinates in the picture
+  private readonly center: Vec3; // of the mesh's own box in the first frame
 
   constructor(data: ModelData) {
     this.data = data;
@@ -34,6 +40,7 @@ export class ReplayModel {
     this.mesh = { points: new Float32Array(3 * vertexCount), corners };
     this.poses = new PoseFrames(data.poses);
     this.deforms = data.frames !== undefined;
+    this.moves = this.poses.count > 1;
     this.frames = data.frames && new PositionFrames(data.frames, vertexCount);
     const { positions } = data;
     this.fixed = positions
@@ -42,6 +49,14 @@ export class ReplayModel {
         )
       : [];
     this.origin = data.frames?.low ?? positions?.low ?? [0, 0, 0];
+    const [low, high] = this.ownBoxAt(0);
+    this.center = middle(low, high);
+    this.diagonal = length(subtract(high, low));
+  }
+
+  /** Where the middle of the model, as it is in the first frame, stands in another, in the world. */
+  centerAt(frame: number): Vec3 {
+    return placed(this.poses.at(frame), this.center);
   }
 
   /** A box around the model in a frame, in the world. */
@@ -51,7 +66,7 @@ export class ReplayModel {
     for (let corner = 0; corner < 8; ++corner) {
       const p = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]) as unknown as Vec3;
       const inWorld = placed(this.poses.at(frame), p);
-      box = [lowest(box[0], inWorld), highest(box[1], inWorld)];
+      box = joined(box, [inWorld, inWorld]);
     }
     return box;
   }

@@ -4,35 +4,56 @@
 /** The answers in words, tiles and tables. */
 
 import { byId, element, fillTable } from '../shared/dom.ts';
-import { grouped, shown, shownTime } from '../shared/numbers.ts';
+import { grouped, inPage, shown, shownTime } from '../shared/numbers.ts';
+import { percentile } from '../shared/windows.ts';
 import type { ReplayData } from './data.ts';
 import type { ReplayModel } from './model.ts';
 
 const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
 
+export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
+
+/** What was asked for: "exact", or how large an error was allowed. */
+export function queryName({ relative_error, absolute_error }: ReplayData): string {
+  const allowed = [
+    ...(relative_error > 0 ? [percent(relative_error)] : []),
+    ...(absolute_error > 0 ? [shown(absolute_error)] : []),
+  ];
+  return allowed.length === 0 ? 'exact' : `within ${allowed.join(' or ')}`;
+}
+
 /** The distance in a row: one number, or an interval. */
 export function shownDistance({ rows }: ReplayData, row: number): string {
-  const [lower, upper] = [rows.lower[row], rows.upper[row]];
   if (rows.status[row] === 'collision') return 'in contact';
+  return shownBounds(rows.lower[row], rows.upper[row]);
+}
+
+function shownBounds(lower: number | null, upper: number | null): string {
   if (upper === null) return lower === null ? 'far apart' : `more than ${shown(lower)}`;
   return lower === null || lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
 }
 
 const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
 
-export function showTitle({ models: [a, b], rows, stride, max_megabytes }: ReplayData): void {
+export function showTitle({ models: [a, b], rows, stride, max_megabytes, demo }: ReplayData): void {
   const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
   byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
-  byId('kind').textContent = `limber track, ${frames(rows.status.length)}`;
+  byId('kind').textContent = `limber ${demo === undefined ? 'track' : 'demo'}, ${frames(rows.status.length)}`;
+  byId('introduction').hidden = demo === undefined;
+  byId('introduction').textContent = demo === undefined ? '' : inPage(demo.introduction);
   if (stride === 1) return;
-  byId('view-caption').textContent =
-    `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
+  byId('view-caption').textContent +=
+    ` Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
 }
 
 const median = (values: readonly number[]): number =>
-  [...values].sort((a, b) => a - b)[Math.floor((values.length - 1) / 2)];
+  percentile(
+    [...values].sort((a, b) => a - b),
+    0.5,
+  )!;
 
-export function showTiles({ rows }: ReplayData): void {
+export function showTiles(data: ReplayData): void {
+  const { rows, demo } = data;
   const tile = (number: string, name: string, kind = ''): HTMLElement =>
     element('div', '', element('b', kind, number), element('span', 'soft', name));
   const contactCount = rows.status.filter((status) => status === 'collision').length;
@@ -50,14 +71,18 @@ export function showTiles({ rows }: ReplayData): void {
     tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
   }
   const updates = rows.update_us.filter((us) => us > 0);
-  tiles.push(tile(shownTime(median(rows.query_us)), 'median time of a distance query'));
-  if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median time of an update of the trees'));
+  if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median update of the trees'));
+  tiles.push(tile(shownTime(median(rows.query_us)), `median distance query, ${queryName(data)}`));
+  if (demo !== undefined) {
+    const { query_us, relative_error } = demo.rough;
+    tiles.push(tile(shownTime(median(query_us)), `median distance query, within ${percent(relative_error)}`));
+  }
   byId('tiles').append(...tiles);
 }
 
 /** The row that is shown. */
 export function showNow(data: ReplayData, row: number): void {
-  const { rows, contacts } = data;
+  const { rows, contacts, demo } = data;
   const distance = shownDistance(data, row);
   byId('frame-text').textContent = `${row} of ${rows.status.length - 1}`;
   byId('frame').setAttribute('aria-valuetext', `frame ${row}, ${distance}`);
@@ -69,6 +94,11 @@ export function showNow(data: ReplayData, row: number): void {
     ['Time', `update ${shownTime(rows.update_us[row])}, query ${shownTime(rows.query_us[row])}`],
     ['Moved vertices', grouped(rows.moved_vertices[row])],
   ];
+  if (demo !== undefined) {
+    const { relative_error, lower, upper, query_us } = demo.rough;
+    const found = `${shownBounds(lower[row], upper[row])}, in ${shownTime(query_us[row])}`;
+    lines.push([`Within ${percent(relative_error)}`, found]);
+  }
   const witness = rows.witness[row];
   if (witness !== null) lines.push(['Triangles', `${witness[6]} of A, ${witness[7]} of B`]);
   for (const { name, count, intersecting } of contacts) {
@@ -79,6 +109,12 @@ export function showNow(data: ReplayData, row: number): void {
 
 export const contactName = (name: string): string =>
   ({ contact: 'Contacts', self_a: 'A with itself', self_b: 'B with itself' })[name] ?? name;
+
+/** What the terminal has shown at the end. */
+export function showSummary({ demo }: ReplayData): void {
+  byId('summary-section').hidden = demo === undefined;
+  fillTable(byId('summary'), demo?.summary.map(([name, text]) => [name, inPage(text)]) ?? []);
+}
 
 export function showModels(data: ReplayData, models: readonly ReplayModel[]): void {
   const of = (name: string, text: (model: ReplayModel) => string): string[] => [name, ...models.map(text)];

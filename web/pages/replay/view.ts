@@ -8,18 +8,26 @@ import { connectDirections } from '../shared/directions.ts';
 import { Marks } from '../shared/marks.ts';
 import { Surface, SurfaceLook } from '../shared/surface.ts';
 import { onThemeChange, tokenRgb } from '../shared/theme.ts';
+import { dot } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
 import { Viewer, framed, usualUp } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 import type { ReplayData } from './data.ts';
 import type { Box, ReplayModel } from './model.ts';
 import { shownDistance } from './texts.ts';
+import { connectTraveller } from './traveller.ts';
 
 export interface ReplayView {
   show(row: number, frame: number): void;
 }
 
-export function showView(data: ReplayData, models: readonly ReplayModel[], frame: Frame, bounds: Box): ReplayView {
+/** `bounds`: of each model, over all frames. */
+export function showView(
+  data: ReplayData,
+  models: readonly ReplayModel[],
+  frame: Frame,
+  bounds: readonly Box[],
+): ReplayView {
   const host = byId('view');
   const viewer = new Viewer(host, usualUp(data.models.map((model) => model.name)));
   const look = new SurfaceLook();
@@ -60,9 +68,20 @@ export function showView(data: ReplayData, models: readonly ReplayModel[], frame
     const witness = data.rows.witness[row];
     const point = (first: number): Vec3 => framed(frame, witness!.slice(first, first + 3) as unknown as Vec3);
     marks.setSegment(witness === null ? undefined : { a: point(0), b: point(3), label: shownDistance(data, row) });
+    onFrame(shownFrame);
     viewer.request();
   };
-  const boxes = [[framed(frame, bounds[0]), framed(frame, bounds[1])] as const];
-  connectDirections(viewer, boxes, () => show(now.row, now.shownFrame));
+  const boxes = bounds.map(([low, high]) => [framed(frame, low), framed(frame, high)] as const);
+  const shade = (): void =>
+    surfaces.forEach((surface, i) => {
+      const [low, high] = boxes[i].map((end) => dot(viewer.up, end));
+      if (models[i].deforms) surface.shadeByHeight(viewer.up, low, high);
+    });
+  shade();
+  const goBack = connectDirections(viewer, boxes, () => {
+    shade();
+    show(now.row, now.shownFrame);
+  });
+  const onFrame = connectTraveller(data, models, { marks, viewer, frame, goBack });
   return { show };
 }

@@ -5,27 +5,48 @@
 
 import uPlot from 'uplot';
 import { element } from './dom.ts';
-import { shown } from './numbers.ts';
+import { roundAbove, roundBelow, shown } from './numbers.ts';
 import { onThemeChange, token } from './theme.ts';
 
-export interface Curve {
-  name: string;
+type Values = readonly (number | null)[];
+
+interface Drawn {
+  /** What is without a name has no key. */
+  name?: string;
+  /** In the key, after the name. */
+  numbers?: string;
   /** A token of page.css. */
   color: string;
-  values: readonly (number | null)[];
+}
+
+export interface Curve extends Drawn {
+  values: Values;
   isDashed?: boolean;
+}
+
+/** What is between two curves. */
+export interface Area extends Drawn {
+  low: Values;
+  high: Values;
+}
+
+export interface Dots extends Drawn {
+  values: Values;
+  size: number;
 }
 
 export interface ChartOptions {
   title: string;
   unit: string;
+  areas?: readonly Area[];
   curves: readonly Curve[];
+  dots?: readonly Dots[];
   isLogarithmic?: boolean;
-  /** Fills what is between the first two curves. */
-  isBand?: boolean;
 }
 
-const height = 170;
+const height = 180;
+const frameSteps = [0, 1, 2, 3, 4].flatMap((power) => [1, 2, 5].map((factor) => factor * 10 ** power));
+const opacity = '59'; // of areas: grid and curves show through
 
 export class Chart {
   private readonly plot: uPlot;
@@ -33,18 +54,22 @@ export class Chart {
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
   constructor(host: HTMLElement, options: ChartOptions, jump: (row: number) => void) {
-    const keys = options.curves.map(({ name, color, isDashed }) => {
-      const line = element('i', isDashed === true ? 'dashed' : '');
-      line.style.color = `var(--${color})`;
-      return element('span', 'key', line, name);
-    });
+    const { areas = [], curves, dots = [] } = options;
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
+    const keys = [
+      ...curves.map((curve) => key(curve, curve.isDashed === true ? 'dashed' : 'line')),
+      ...areas.map((of) => key(of, 'area')),
+      ...dots.map((of) => key(of, 'dot')),
+    ].flat();
     const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
-    host.append(element('h3', '', options.title), caption, area);
-    const rows = options.curves[0].values.map((_, row) => row);
-    const series = options.curves.map((curve) => positiveWhere(options.isLogarithmic === true, curve.values));
+    host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
+    const rows = curves[0].values.map((_, row) => row);
+    const series = [
+      ...areas.flatMap(({ low, high }) => [high, low]),
+      ...[...curves, ...dots].map(({ values }) => values),
+    ].map((values) => (options.isLogarithmic === true ? positive(values) : [...values]));
     this.plot = new uPlot(this.settings(options, area.clientWidth), [rows, ...series], area);
     new ResizeObserver(() => this.plot.setSize({ width: area.clientWidth, height })).observe(area);
     onThemeChange(() => this.plot.redraw());
@@ -72,30 +97,46 @@ export class Chart {
   }
 
   private settings(options: ChartOptions, width: number): uPlot.Options {
-    const font = `13px ${getComputedStyle(document.body).fontFamily}`;
+    const { areas = [], curves, dots = [], isLogarithmic = false } = options;
+    const font = `14px ${getComputedStyle(document.body).fontFamily}`;
     const axis = { font, stroke: () => token('soft'), grid: { stroke: () => token('grid'), width: 1 } };
     const number = (_: uPlot, values: number[]): string[] => values.map((v) => (v === null ? '' : shown(v, 4)));
+    const edge = { width: 0, points: { show: false } };
     return {
       width,
       height,
       legend: { show: false },
       cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
-      scales: { x: { time: false }, y: options.isLogarithmic === true ? { distr: 3 } : { range: fromZero } },
+      scales: { x: { time: false }, y: isLogarithmic ? { distr: 3, range: roundRange } : { range: fromZero } },
       axes: [
-        { ...axis, ticks: { show: false }, size: 30, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4] },
-        { ...axis, ticks: { show: false }, size: 64, values: number },
+        { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
+        {
+          ...axis,
+          ticks: { show: false },
+          size: 64,
+          values: number,
+          ...(isLogarithmic ? { splits: powers, filter: (_: uPlot, splits: number[]) => splits } : {}),
+        },
       ],
       series: [
         {},
-        ...options.curves.map(({ name, color, isDashed }) => ({
-          label: name,
+        ...areas.flatMap(() => [edge, edge]),
+        ...curves.map(({ color, isDashed }) => ({
           stroke: () => token(color),
-          width: 1.6,
+          width: 1.8,
           dash: isDashed === true ? [5, 4] : undefined,
-          points: { show: options.curves[0].values.length === 1 },
+          points: { show: curves[0].values.length === 1 },
+        })),
+        ...dots.map(({ color, size }) => ({
+          stroke: () => token(color),
+          paths: () => null,
+          points: { show: true, size, width: 0, fill: () => token(color) },
         })),
       ],
-      bands: options.isBand === true ? [{ series: [1, 2], fill: () => `${token(options.curves[0].color)}40` }] : [],
+      bands: areas.map(({ color }, i) => ({
+        series: [2 * i + 1, 2 * i + 2],
+        fill: () => `${token(color)}${opacity}`,
+      })),
       hooks: { draw: [(plot) => this.drawRow(plot)] },
     };
   }
@@ -105,7 +146,7 @@ export class Chart {
     const { ctx, bbox } = plot;
     const x = plot.valToPos(this.row, 'x', true);
     ctx.save();
-    ctx.strokeStyle = token('mark');
+    ctx.strokeStyle = token('ink');
     ctx.lineWidth = 2 * devicePixelRatio;
     ctx.setLineDash([]);
     ctx.beginPath();
@@ -116,6 +157,14 @@ export class Chart {
   }
 }
 
+function key({ name, numbers, color }: Drawn, symbol: string): HTMLElement[] {
+  if (name === undefined) return [];
+  const after = numbers === undefined ? [] : [element('span', 'numbers', `: ${numbers}`)];
+  const drawn = element('i', symbol);
+  drawn.style.color = `var(--${color})`;
+  return [element('span', 'key', drawn, name, ...after)];
+}
+
 /** Axes start at zero, unless the curve would be a line far above it. */
 const fromZero = (_: uPlot, low: number | null, high: number | null): [number, number] => {
   const top = high !== null && high > 0 ? high : 1;
@@ -124,17 +173,33 @@ const fromZero = (_: uPlot, low: number | null, high: number | null): [number, n
   return [low - gap, top + gap];
 };
 
-/** Logarithms need positive numbers: others are gaps. */
-const positiveWhere = (isAsked: boolean, values: readonly (number | null)[]): (number | null)[] =>
-  values.map((v) => (isAsked && v !== null && v <= 0 ? null : v));
+/** Logarithmic axes go from a round number to a round number. */
+const roundRange = (_: uPlot, low: number | null, high: number | null): [number, number] => {
+  const [bottom, top] = [roundBelow(low ?? 1), roundAbove(high ?? 10)];
+  return bottom < top ? [bottom, top] : [bottom, 10 * bottom];
+};
 
-function described({ title, unit, curves }: ChartOptions): string {
-  const parts = curves.map(({ name, values }) => {
+/** What a logarithmic axis labels: powers of ten; where they are few, 2 and 5 times them too. */
+const powers = (_: uPlot, __: number, low: number, high: number): number[] => {
+  const factors = high / low < 200 ? [1, 2, 5] : [1];
+  const splits = [];
+  for (let exponent = Math.floor(Math.log10(low)); 10 ** exponent <= high; ++exponent) {
+    splits.push(...factors.map((factor) => Number(`${factor}e${exponent}`)));
+  }
+  return splits.filter((split) => split >= low * 0.999 && split <= high * 1.001);
+};
+
+/** Logarithms need positive numbers: others are gaps. */
+const positive = (values: Values): (number | null)[] => values.map((v) => (v !== null && v <= 0 ? null : v));
+
+function described({ title, unit, curves, dots = [] }: ChartOptions): string {
+  const parts = [...curves, ...dots].flatMap(({ name, values }) => {
+    if (name === undefined) return [];
     const numbers = values.filter((v) => v !== null);
-    if (numbers.length === 0) return `${name}: nothing`;
+    if (numbers.length === 0) return [`${name}: nothing`];
     const low = numbers.reduce((a, b) => Math.min(a, b));
     const high = numbers.reduce((a, b) => Math.max(a, b));
-    return `${name}: ${shown(low)} to ${shown(high)}`;
+    return [`${name}: ${shown(low)} to ${shown(high)}`];
   });
   return `${title}, ${unit}. ${parts.join('; ')}`;
 }

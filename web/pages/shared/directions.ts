@@ -8,8 +8,15 @@ import type { Vec3 } from './vectors.ts';
 import { sides } from './viewer.ts';
 import type { Up, Viewer } from './viewer.ts';
 
-/** Starts by showing all boxes. `onUp` is called when the reader has chosen what is up. */
-export function connectDirections(viewer: Viewer, boxes: readonly (readonly [Vec3, Vec3])[], onUp: () => void): void {
+/**
+ * Starts by showing all boxes, which what is returned does again. `onUp` is called when the reader has chosen what is
+ * up.
+ */
+export function connectDirections(
+  viewer: Viewer,
+  boxes: readonly (readonly [Vec3, Vec3])[],
+  onUp: () => void,
+): () => void {
   const look = (side: (typeof sides)[number]): void => viewer.lookAtBoxes(boxes, viewer.from(side));
   for (const side of sides) byId(side).addEventListener('click', () => look(side));
   const choice = byId<HTMLSelectElement>('up');
@@ -20,4 +27,5 @@ export function connectDirections(viewer: Viewer, boxes: readonly (readonly [Vec
     onUp();
   });
   look('whole');
+  return () => look('whole');
 }

@@ -14,6 +14,7 @@ export class Marks {
   private readonly svg = svgElement('svg', { class: 'marks', 'aria-hidden': 'true' });
   private readonly viewer: Viewer;
   private segment: { a: Vec3; b: Vec3; label: string } | undefined;
+  private path: { points: readonly Vec3[]; dots: readonly Vec3[] } | undefined;
   private readonly outlines: Vec3[][] = [];
   private readonly names: { at: Vec3; name: string; kind: string; isShown: () => boolean }[] = [];
 
@@ -26,6 +27,12 @@ export class Marks {
   /** The closest points and their label; nothing without them. */
   setSegment(segment: { a: Vec3; b: Vec3; label: string } | undefined): void {
     this.segment = segment;
+    this.viewer.request();
+  }
+
+  /** A line, and dots on it; nothing without them. */
+  setPath(path: { points: readonly Vec3[]; dots: readonly Vec3[] } | undefined): void {
+    this.path = path;
     this.viewer.request();
   }
 
@@ -48,24 +55,38 @@ export class Marks {
   private place(): void {
     const [width, height] = this.viewer.size;
     this.svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
-    const placed: SVGElement[] = [];
+    const placed: SVGElement[] = this.path === undefined ? [] : this.pathMarks(this.path);
     const taken: [number, number][] = [];
     for (const { at, name, kind, isShown } of this.names) {
       if (isShown()) placed.push(...this.nameAt(name, kind, at, taken));
     }
     for (const outline of this.outlines) {
-      const points = outline
-        .map((p) =>
-          this.viewer
-            .project(p)
-            .map((c) => c.toFixed(1))
-            .join(','),
-        )
-        .join(' ');
+      const points = this.projected(outline).join(' ');
       placed.push(svgElement('polygon', { class: 'halo', points }), svgElement('polygon', { class: 'mark', points }));
     }
     if (this.segment !== undefined) placed.push(...this.segmentMarks(this.segment));
     this.svg.replaceChildren(...placed);
+  }
+
+  /** Points on the view, as SVG takes them. */
+  private projected(points: readonly Vec3[]): string[] {
+    return points.map((p) => {
+      const [x, y] = this.viewer.project(p);
+      return `${x.toFixed(1)},${y.toFixed(1)}`;
+    });
+  }
+
+  private pathMarks({ points, dots }: { points: readonly Vec3[]; dots: readonly Vec3[] }): SVGElement[] {
+    const line = this.projected(points).join(' ');
+    const d = this.projected(dots)
+      .map((dot) => `M${dot}h0`)
+      .join('');
+    return [
+      svgElement('polyline', { class: 'path halo', points: line }),
+      svgElement('polyline', { class: 'path', points: line }),
+      svgElement('path', { class: 'dots halo', d }),
+      svgElement('path', { class: 'dots', d }),
+    ];
   }
 
   /** A badge above a point, moved aside where one of those `taken` is in the way. */

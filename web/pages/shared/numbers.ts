@@ -21,7 +21,7 @@ export function grouped(count: number): string {
 }
 
 /** 1, 2 or 5 times a power of ten, the largest that is at most `most`. */
-export function roundStep(most: number): number {
+export function roundBelow(most: number): number {
   const power = 10 ** Math.floor(Math.log10(most));
   for (const factor of [5, 2]) {
     if (factor * power <= most) return factor * power;
@@ -29,11 +29,17 @@ export function roundStep(most: number): number {
   return power;
 }
 
+/** The same, the smallest that is at least `least`. */
+export function roundAbove(least: number): number {
+  const below = roundBelow(least);
+  return below < least ? roundBelow(below * 2.5) : below;
+}
+
 /** Multiples of a round step from low to high, at most about `count` of them; no step where there is no range. */
 export function ticks(low: number, high: number, count: number): { step: number; values: number[] } {
-  let step = high > low ? roundStep((high - low) / count) : 0;
+  let step = high > low ? roundBelow((high - low) / count) : 0;
   if (!(step > 0)) return { step: 0, values: [] };
-  while ((high - low) / step > count) step = roundStep(step * 2.5);
+  while ((high - low) / step > count) step = roundBelow(step * 2.5);
   const first = Math.ceil(low / step - 1e-9);
   const values = Array.from({ length: count + 1 }, (_, i) => (first + i) * step);
   return { step, values: values.filter((value) => value <= high * (1 + 1e-12)) };
@@ -47,3 +53,10 @@ export function shownTime(microseconds: number): string {
 
 /** A point in full digits. */
 export const shownPoint = (point: readonly number[]): string => point.map(String).join(', ');
+
+/** A text of the terminal as a page has it: numbers do not break, nor from their units, which are µs and not us. */
+export const inPage = (text: string): string =>
+  text
+    .replace(/\b(\d{1,3}) (?=\d{3}\b)/g, '$1\u202f')
+    .replace(/(\d) us\b/g, '$1\u00a0\u00b5s')
+    .replace(/(\d) %/g, '$1\u00a0%');

@@ -5,7 +5,7 @@
 
 import { element } from './dom.ts';
 import { labelPlace } from './labels.ts';
-import { roundStep, shown } from './numbers.ts';
+import { roundBelow, shown } from './numbers.ts';
 import type { Outline } from './section.ts';
 import { onThemeChange, token } from './theme.ts';
 
@@ -149,7 +149,7 @@ export class SectionView {
   }
 
   private drawScale(context: CanvasRenderingContext2D, height: number): void {
-    const units = roundStep((120 / this.scale) * this.unitsPerCoordinate);
+    const units = roundBelow((120 / this.scale) * this.unitsPerCoordinate);
     const pixels = (units / this.unitsPerCoordinate) * this.scale;
     const path = new Path2D(`M 14 ${height - 20} v 6 h ${pixels} v -6`);
     context.font = `13px ${getComputedStyle(this.host).fontFamily}`;

@@ -21,6 +21,7 @@ import {
 import { mapTable } from './palette.ts';
 import type { Matrix4 } from 'three';
 import type { Mesh, Plane } from './section.ts';
+import { scale } from './vectors.ts';
 import type { Vec3 } from './vectors.ts';
 
 const vertexShader = `
@@ -49,6 +50,7 @@ uniform float lineStep;
 uniform float limit;
 uniform bool isCut;
 uniform vec4 plane;
+uniform vec4 relief;
 in float value;
 in vec3 seen;
 in vec3 placed;
@@ -61,7 +63,12 @@ void main() {
   if (isCut && dot(placed, plane.xyz) > plane.w) discard;
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
   float light = abs(dot(normal, normalize(vec3(0.28, 0.36, 0.89))));
-  vec3 shown = color * (0.55 + 0.5 * light);
+  vec3 own = color;
+  if (relief.xyz != vec3(0.0)) {
+    float height = clamp(1.5 * (dot(placed, relief.xyz) - relief.w) - 0.25, 0.0, 1.0);
+    own = height < 0.5 ? color * (0.44 + 1.12 * height) : mix(color, vec3(1.0), 1.1 * height - 0.55);
+  }
+  vec3 shown = own * (0.55 + 0.5 * light);
   if (isMapped) {
     shown = texture(table, vec2(clamp((value - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0), 0.5)).rgb;
     shown = (value > range.y ? mix(color, vec3(0.8), 0.62) : shown) * (0.74 + 0.26 * light);
@@ -106,6 +113,7 @@ export class Surface {
   readonly mesh: Mesh;
   private readonly geometry: BufferGeometry;
   private readonly color = { value: new Color() };
+  private readonly relief = { value: new Vector4() };
   private readonly look: SurfaceLook;
 
   /** `mapped`: a number for each vertex. */
@@ -117,11 +125,18 @@ export class Surface {
     this.geometry.setAttribute('mapped', new BufferAttribute(mapped ?? new Float32Array(mesh.points.length / 3), 1));
     this.geometry.setIndex(new BufferAttribute(mesh.corners, 1));
     this.geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
-    this.object = new ThreeMesh(this.geometry, this.material({ ...this.uniforms(), color: this.color }));
+    const own = { color: this.color, relief: this.relief };
+    this.object = new ThreeMesh(this.geometry, this.material({ ...this.uniforms(), ...own }));
   }
 
   setColor(rgb: readonly [number, number, number]): void {
     this.color.value.setRGB(...rgb);
+  }
+
+  /** Makes what is high lighter than what is low, along a direction of the frame. */
+  shadeByHeight(up: Vec3, low: number, high: number): void {
+    const range = high > low ? high - low : 1;
+    this.relief.value.set(...scale(up, 1 / range), low / range);
   }
 
   /** Frees what the graphics card holds. */
@@ -177,7 +192,8 @@ export class Surface {
 
   private uniforms(): Record<string, { value: unknown }> {
     const { isMapped, range, lineStep, limit, lineColor, isCut, plane, table } = this.look;
-    return { isMapped, range, lineStep, limit, lineColor, isCut, plane, table };
+    const relief = { value: new Vector4() };
+    return { isMapped, range, lineStep, limit, lineColor, isCut, plane, table, relief };
   }
 
   private material(uniforms: Record<string, { value: unknown }>): ShaderMaterial {

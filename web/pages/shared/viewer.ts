@@ -122,6 +122,15 @@ export class Viewer {
     this.request();
   }
 
+  /** Looks at a point, as large and from the same direction as now. */
+  moveTo(center: Vec3): void {
+    const shift = new Vector3(...center).sub(this.controls.target);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.controls.update();
+    this.request();
+  }
+
   /** Looks at boxes from a direction, so that they fill the view. */
   lookAtBoxes(boxes: readonly (readonly [Vec3, Vec3])[], from: Vec3): void {
     this.lookAt([0, 0, 0], halfHeight, from);
@@ -152,8 +161,8 @@ export class Viewer {
   /** A direction to look from, by its name; "whole" shows three sides. */
   from(side: Side): Vec3 {
     const directions: Record<Up, Record<Side, Vec3>> = {
-      y: { whole: [0.55, 0.45, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] },
-      z: { whole: [0.55, -0.75, 0.45], top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0] },
+      y: { whole: [0.55, 0.62, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] },
+      z: { whole: [0.55, -0.75, 0.62], top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0] },
     };
     return directions[this.upAxis][side];
   }
@@ -253,10 +262,8 @@ export class Viewer {
   private move(right: number, up: number): void {
     const step = (2 * halfHeight * moveStep) / this.camera.zoom;
     const shift = new Vector3(right * step, up * step, 0).applyQuaternion(this.camera.quaternion);
-    this.controls.target.add(shift);
-    this.camera.position.add(shift);
-    this.controls.update();
-    this.request();
+    const { x, y, z } = shift.add(this.controls.target);
+    this.moveTo([x, y, z]);
   }
 
   private zoom(factor: number): void {

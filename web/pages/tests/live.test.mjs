@@ -5,7 +5,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { Folder, boxObj, launch, limber, open, pages, picture, settled } from './support.mjs';
+import { Folder, boxObj, launch, limber, open, pages, picture, screenFrames, settled } from './support.mjs';
 
 const path = join(pages, '../../apps/limber/pages/live.html');
 const still = { reducedMotion: 'reduce' }; // the sheet begins at rest, and hardly swings
@@ -31,11 +31,11 @@ async function live(options) {
 
 const upper = async (page) => Number(await page.textContent('#upper'));
 const lower = async (page) => Number(await page.textContent('#lower'));
-// Where software draws, seconds of the sheet take many of the clock.
+/** Waits until the upper bound is another one than before. */
+const otherThan = (page, before) =>
+  page.waitForFunction((before) => Number(document.getElementById('upper').textContent) !== before, before);
 const atRest = (page) =>
-  page.waitForFunction(() => document.getElementById('rate-note').textContent === 'nothing moves', undefined, {
-    timeout: 120000,
-  });
+  page.waitForFunction(() => document.getElementById('rate-note').textContent === 'nothing moves');
 
 /** A drag by pixels, from a point that the page marks. */
 async function drag(page, [x, y], [dx, dy], { hold = false } = {}) {
@@ -105,10 +105,10 @@ for (const [width, scheme] of [
     assert.ok((await page.evaluate(() => document.scrollingElement.scrollWidth)) <= width, 'the page is too wide');
     const before = await upper(page);
     assert.ok(before > 0 && before < 0.5, `${before}`); // the sheet swings, so it depends on when it is read
-    await page.waitForFunction((before) => Number(document.getElementById('upper').textContent) !== before, before);
+    await otherThan(page, before);
     await page.click('#self');
     await page.click('#pluck');
-    await page.waitForTimeout(300);
+    await otherThan(page, await upper(page));
     assert.deepEqual(page.complaints, []);
     await page.close();
   });
@@ -172,8 +172,9 @@ test('the numbers are those of the native engine, to the bit', async () => {
   await drag(page, await onBody(page), [30, -20]);
   await page.check('#drag-turn');
   await drag(page, await onBody(page), [25, 40]);
+  const turned = await upper(page);
   await drag(page, await onSheet(page), [-30, -40], { hold: true });
-  await page.waitForTimeout(400);
+  await otherThan(page, turned);
   await page.keyboard.press('Space');
   await page.mouse.up();
   const exact = await expectNativeBits(page, { arePointsUnique: true });
@@ -305,12 +306,12 @@ test('keys pause, step, pluck, move and turn', async () => {
 
   await page.focus('#view');
   await page.keyboard.press('p');
-  await page.waitForFunction((start) => Number(document.getElementById('upper').textContent) !== start, start);
+  await otherThan(page, start);
   await page.keyboard.press('Space');
   assert.equal(await page.textContent('#pause'), 'Go on');
   await settled(page);
   const paused = await upper(page);
-  await page.waitForTimeout(200);
+  await screenFrames(page, 5);
   for (const percent of ['5', '0']) {
     await page.fill('#error', percent);
     await settled(page);
@@ -387,7 +388,7 @@ test('levels of both trees are drawn', async () => {
 test('nothing moves by itself for readers who want less motion', async () => {
   const page = await live(still);
   const before = await upper(page);
-  await page.waitForTimeout(400);
+  await screenFrames(page, 10);
   assert.equal(await upper(page), before);
   assert.equal(await page.textContent('#rate-note'), 'nothing moves');
   await page.close();

@@ -4,7 +4,19 @@
 // The pages that the program writes, in a browser.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { Folder, boxObj, dataOf, launch, limber, module, open, picture, settled, sheetObj } from './support.mjs';
+import {
+  Folder,
+  boxObj,
+  dataOf,
+  launch,
+  limber,
+  module,
+  open,
+  picture,
+  screenFrames,
+  settled,
+  sheetObj,
+} from './support.mjs';
 
 const { grouped, shown } = await module('shared/numbers.ts');
 const decode = await module('shared/decode.ts');
@@ -284,11 +296,11 @@ test('the slider goes from frame to frame', async () => {
 test('a click in a chart goes to the frame', async () => {
   const page = await open(browser, path('replay'));
   const charts = page.locator('.u-over');
-  assert.equal(await charts.count(), 3);
-  for (let chart = 0; chart < 3; ++chart) {
+  assert.equal(await charts.count(), 4);
+  for (let chart = 0; chart < 4; ++chart) {
     const box = await charts.nth(chart).boundingBox();
-    await charts.nth(chart).click({ position: { x: (box.width * 10 * (chart + 1)) / 39, y: box.height / 2 } });
-    assert.equal(await page.textContent('#frame-text'), `${10 * (chart + 1)} of 39`);
+    await charts.nth(chart).click({ position: { x: (box.width * 9 * (chart + 1)) / 39, y: box.height / 2 } });
+    assert.equal(await page.textContent('#frame-text'), `${9 * (chart + 1)} of 39`);
   }
   await page.close();
 });
@@ -302,7 +314,7 @@ test('playing advances and pauses', async () => {
   await page.click('#play');
   assert.equal(await page.textContent('#play'), 'Play');
   const stopped = await page.textContent('#frame-text');
-  await page.waitForTimeout(200);
+  await screenFrames(page, 10);
   assert.equal(await page.textContent('#frame-text'), stopped);
   await page.close();
 });

@@ -7,7 +7,8 @@ import { test } from 'node:test';
 import { module } from './support.mjs';
 
 const { outlinesOf, planeThrough, mostPerpendicularAxis } = await module('shared/section.ts');
-const { shown, grouped, ticks, roundStep } = await module('shared/numbers.ts');
+const { shown, grouped, inPage, ticks, roundAbove, roundBelow } = await module('shared/numbers.ts');
+const { percentile, windowLength, windowsOf } = await module('shared/windows.ts');
 const { labelPlace } = await module('shared/labels.ts');
 
 /** A cube over [0, 1]^3. */
@@ -113,8 +114,54 @@ test('numbers are shown in few digits', () => {
   assert.equal(grouped(1234567), '1\u202f234\u202f567');
 });
 
+test('texts of the terminal are shown with the units of pages', () => {
+  const words = inPage('1 234 567 moves in 3 of 20 000, 10 %, median 17 us, p99 141 us, max 8 115 us, users');
+  const [n, u] = ['\u202f', '\u00a0'];
+  const times = `median 17${u}\u00b5s, p99 141${u}\u00b5s, max 8${n}115${u}\u00b5s, users`;
+  assert.equal(words, `1${n}234${n}567 moves in 3 of 20${n}000, 10${u}%, ${times}`);
+});
+
+test('round numbers enclose a number', () => {
+  for (const [number, below, above] of [
+    [1, 1, 1],
+    [1.01, 1, 2],
+    [4.9, 2, 5],
+    [5.1, 5, 10],
+    [0.03, 0.02, 0.05],
+    [1700, 1000, 2000],
+  ]) {
+    assert.equal(roundBelow(number), below);
+    assert.ok(Math.abs(roundAbove(number) - above) < 1e-12, `${roundAbove(number)}`);
+  }
+});
+
+test('few frames are shown one by one, many in windows of at least 20', () => {
+  assert.deepEqual([1, 200, 201, 600, 801, 2000, 100000].map(windowLength), [1, 1, 20, 20, 50, 50, 5000]);
+  assert.equal(percentile([], 0.5), undefined);
+  assert.deepEqual(
+    [0, 0.05, 0.051, 0.5, 0.95, 1].map((part) => percentile([...Array(20).keys()], part)),
+    [0, 0, 1, 9, 18, 19],
+  );
+});
+
+test('windows have percentiles and the place of their largest value', () => {
+  const values = Array.from({ length: 50 }, (_, i) => (i === 33 ? null : ((i * 7) % 20) + (i < 20 ? 1 : 101)));
+  const { low, median, high, largest } = windowsOf(values, 20);
+  assert.deepEqual([low[0], median[0], high[0]], [1, 10, 19]); // of 1 to 20
+  const rest = values
+    .slice(20)
+    .filter((value) => value !== null)
+    .sort((a, b) => a - b);
+  assert.equal(rest.length, 29); // what is left over is in the last window
+  assert.deepEqual([low[20], median[33], high[49]], [rest[1], rest[14], rest[27]]);
+  for (const list of [low, median, high, largest]) assert.equal(list.length, 50);
+  const marked = largest.flatMap((value, i) => (value === null ? [] : [i]));
+  assert.deepEqual(marked, [values.indexOf(20), values.indexOf(120)]);
+  assert.deepEqual(windowsOf([null, null], 20).median, [null, null]);
+});
+
 test('ticks are round and few', () => {
-  assert.equal(roundStep(0.7), 0.5);
+  assert.equal(roundBelow(0.7), 0.5);
   const { step, values } = ticks(0.13, 1.02, 6);
   assert.equal(step, 0.2);
   assert.deepEqual(

@@ -75,8 +75,11 @@ export function sheetObj(n, z) {
   return text;
 }
 
+const patience = 120_000; // milliseconds; where software draws on a busy machine, a frame may take a second
+
 export const launch = () =>
   chromium.launch({
+    timeout: patience,
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
   });
@@ -84,6 +87,7 @@ export const launch = () =>
 /** Opens a page, which must not say a word on the console, and must not ask for anything but itself. */
 export async function open(browser, path, { width = 1280, height = 900, scheme = 'light', script, ...options } = {}) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme, ...options });
+  page.setDefaultTimeout(patience);
   page.complaints = [];
   page.on('console', (message) => page.complaints.push(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => page.complaints.push(error.message));
@@ -99,6 +103,11 @@ export async function open(browser, path, { width = 1280, height = 900, scheme =
 /** Waits for two frames of the screen: what was asked for has been drawn. */
 export const settled = (page) =>
   page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Waits until that many frames of the screen have passed: what moves by itself has moved. */
+export async function screenFrames(page, count) {
+  for (let i = 0; i < count; ++i) await settled(page);
+}
 
 /** The pixels of a canvas: how many are drawn, as a part of all, and a text that differs where pixels do. */
 export const picture = (page, selector) =>
