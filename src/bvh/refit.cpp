@@ -16,6 +16,7 @@
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "core/parallel.h"
+#include "core/prefetch.h"
 #include "core/rounding.h"
 #include "simd/kernels.h"
 
@@ -148,7 +149,8 @@ class Refitter {
   void fit_upper(WideNode& node, bool children_are_lowest) const {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       WideNode& child = tree_.nodes[node.first_child + k];
-      const Volume volume = children_are_lowest ? fit_lowest(child) : merge(child);
+      core::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
+      const Volume volume = children_are_lowest ? fit_lowest(child, leaves_from(child)) : merge(child);
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
       mark_coincident(node, k, is_coincident(child, children_are_lowest));
@@ -158,7 +160,7 @@ class Refitter {
 
   /// Fits the whole tree, bottom up.
   void fit_all() const {
-    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0]);
+    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);
     for (std::size_t level = lowest_level_; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       core::parallel_for(end - begin, nodes_per_task,
@@ -178,7 +180,7 @@ class Refitter {
         find_radius(node);
       }
     }
-    const Volume volume = node_is_lowest ? fit_lowest(node) : merge(node);
+    const Volume volume = node_is_lowest ? fit_lowest(node, leaves_of(node)) : merge(node);
     if (n == 0) return false;
     WideNode& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
@@ -192,19 +194,16 @@ class Refitter {
     return before != volume_of_slot(parent, slot) || &parent == node_of_root() || was_coincident || is_now;
   }
 
-  /// Prefetches what the nodes after the i-th will need: leaves, then positions.
-  void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
+  /// Prefetches what the nodes after the i-th will need: leaves, then positions. Always inlined, see core::prefetch().
+  [[gnu::always_inline]] void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
     constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < nodes.size()) {
-      for_every_leaf(nodes[i + leaves_ahead], [](const Leaf& leaf) {
-        __builtin_prefetch(leaf.vertices);
-        __builtin_prefetch(leaf.vertices + width - 1);
-      });
+      for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + leaves_ahead]])) core::prefetch(leaf);
     }
     if (i + positions_ahead < nodes.size()) {
-      for_every_leaf(nodes[i + positions_ahead], [&](const Leaf& leaf) {
+      for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + positions_ahead]])) {
         for (std::uint32_t j = 0; j < width; j += 2) __builtin_prefetch(&positions_[leaf.vertices[j][2]]);
-      });
+      }
     }
   }
 
@@ -218,11 +217,13 @@ class Refitter {
   }
 
  private:
-  /// Fits a node of the lowest level and its leaves.
-  Volume fit_lowest(WideNode& node) const {
-    const std::span<Leaf> leaves(tree_.leaves);
-    return from(kernels_.fit_leaves(positions_, tree_.unit, node, leaves.subspan(node.first_child)));
+  /// Fits a node of the lowest level and its leaves; after these, `leaves` has those that will be fitted next.
+  Volume fit_lowest(WideNode& node, std::span<Leaf> leaves) const {
+    return from(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
   }
+  /// The leaves of a node of the lowest level, and of those after it.
+  std::span<Leaf> leaves_from(const WideNode& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
+  std::span<Leaf> leaves_of(const WideNode& node) const { return leaves_from(node).first(node.child_count); }
 
   /// The volume around the children of a node above the lowest level.
   Volume merge(const WideNode& node) const {
@@ -264,12 +265,6 @@ class Refitter {
 
   /// The node that has the children of the root.
   const WideNode* node_of_root() const { return &tree_.nodes[1]; }
-
-  template <typename Visit>
-  void for_every_leaf(std::uint32_t n, const Visit& visit) const {
-    const WideNode& node = tree_.nodes[n];
-    for (std::uint32_t k = 0; k < node.child_count; ++k) visit(tree_.leaves[node.first_child + k]);
-  }
 
   /// Whether the first child has moved so far from the origin that the node took from it that stored centers lose
   /// precision.

@@ -18,6 +18,7 @@
 #include <span>
 
 #include "core/error_bounds.h"
+#include "core/prefetch.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 #include "simd/slab_normal-inl.h"
@@ -52,6 +53,10 @@ struct NodeCorners {
 LIMBER_KERNEL void gather(const Vec3* positions, std::span<const bvh::Leaf> leaves, std::uint32_t count,
                           double per_unit, NodeCorners& gathered) {
   const auto position = [&](VertexId id) { return &positions[id].x; };
+  // Positions are prefetched for the next wide node. Their ids have to be in a cache by then, so leaves are prefetched
+  // for the one after it. At the end, where there are no more leaves, those at hand are prefetched: branches cost more.
+  const auto leaves_ahead = [&](std::size_t nodes) { return (nodes + 1) * count <= leaves.size() ? nodes * count : 0; };
+  const std::size_t one_ahead = leaves_ahead(1), two_ahead = leaves_ahead(2);
   // In the order of load_points(): by corner and triangles, then leaf, then triangle; four numbers each.
   constexpr std::uint32_t at_once = corners_at_once;
   alignas(64) float scaled[4 * 3 * width * width];
@@ -59,10 +64,8 @@ LIMBER_KERNEL void gather(const Vec3* positions, std::span<const bvh::Leaf> leav
     const bvh::Leaf& leaf = leaves[std::min(k, count - 1)];
     const double* const origin = position(leaf.vertices[0][0]);
     for (int axis = 0; axis < 3; ++axis) gathered.origin[axis][k] = origin[axis];
-    const std::uint32_t soon = count + k;
-    for (std::uint32_t j = 0; soon < leaves.size() && j < width; j += 2) {
-      __builtin_prefetch(position(leaves[soon].vertices[j][2]));
-    }
+    core::prefetch((&leaf)[two_ahead]);
+    for (std::uint32_t j = 0; j < width; j += 2) __builtin_prefetch(position((&leaf)[one_ahead].vertices[j][2]));
     const double* origins[at_once];
     for (const double*& from : origins) from = origin;
     const PointScaler scaler(origins, per_unit);
