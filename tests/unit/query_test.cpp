@@ -179,6 +179,11 @@ TEST(RootsDecide, NotWherePointsAreNotGoodEnough) {
   // Where they may meet, an error hides no contact.
   const Transform touching = scenes::ball_over_square(ball.mesh(), -0.01, 0);
   EXPECT_EQ(distance({square}, {ball, touching}, {.absolute_error = 100}).upper, 0);
+  // Nor are two points an answer where one would be.
+  const Model touched(scenes::grid(1, 1, 0, 0, 1, 1)), vertex(soup({{{0.5, 0.5, 0}, {0, 0, 1}, {1, 0, 1}}}));
+  const WithinResult near = within({touched}, {vertex}, 100);
+  ASSERT_TRUE(near.within);
+  EXPECT_EQ(near.witness->point_a, near.witness->point_b);
 }
 
 TYPED_TEST(Query, EqualsBruteForceOnLatticeAndUniformSoups) {

@@ -29,9 +29,9 @@ class ClosestPair {
   bool is_done() const { return upper <= close_enough_; }
 
   /// Up to which distance any two points are an answer that ends the query, if all triangles are at least `lower`
-  /// apart.
+  /// apart. Where they may meet none are: a contact is one point.
   double good_enough(double lower) const {
-    if (lower == 0) return close_enough_;
+    if (lower == 0) return 0;
     const double relative = lower * (1 + options_.relative_error) * down_factor();
     const double within_errors = std::max(relative, lower + options_.absolute_error);
     return std::max(close_enough_, std::min(within_errors, options_.max_distance));
