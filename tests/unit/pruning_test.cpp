@@ -70,7 +70,7 @@ TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
 }
 
 TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
-  // A vertex of b has come home from 2^50 within the motion margin, so the bounds, and the rounding that they allow for,
+  // A vertex of b has come home from 2^50 within the motion margin. The bounds, and the rounding that they allow for,
   // are as large.
   const double far = 0x1p50, height = 999.75, distance = 1000;
   const Model a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}));
