@@ -6,6 +6,7 @@
 #include <regex>
 #include <utility>
 
+#include "limber/model.h"
 #include "limber/query.h"
 #include "program/page_decoding.h"
 #include "program/run_program.h"
