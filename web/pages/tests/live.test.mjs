@@ -316,7 +316,8 @@ test('keys pause, step, pluck, move and turn', async () => {
     await page.fill('#error', percent);
     await settled(page);
   }
-  assert.equal(await upper(page), paused, 'paused');
+  // Which of several equally close pairs is named depends on the pair before; the last bits of the distance with it.
+  assert.ok(Math.abs((await upper(page)) - paused) <= 1e-14, 'paused');
   await page.click('#step');
   await settled(page);
   assert.notEqual(await upper(page), paused, 'stepped');
