@@ -45,8 +45,8 @@ struct QueryBudget {
 /// Which limit of its budget has ended a query.
 enum class StoppedBy { nothing, deadline, max_steps, cancel };
 
-/// A pair of points, one on each model, and the triangles they lie on. Where an error or a limit is given, other points
-/// of the same two triangles may be closer.
+/// A pair of points, one on each model, and the triangles they lie on. Of within(), and of a distance with an error,
+/// they need not be the closest points of these triangles.
 ///
 /// Frame    World: the one that both poses map to.
 struct Witness {

@@ -11,7 +11,7 @@ namespace limber::core {
 template <typename T>
 [[gnu::always_inline]] inline void prefetch(const T& object) {
   constexpr std::size_t line = 64;
-  static_assert((sizeof(T) - 1) % line < alignof(T), "the object may end in a line in which no step of the loop lies");
+  static_assert((sizeof(T) - 1) % line < alignof(T), "the last bytes may be in a line that is not prefetched");
   const char* const bytes = reinterpret_cast<const char*>(&object);
   for (std::size_t i = 0; i < sizeof(T); i += line) __builtin_prefetch(bytes + i);
 }

@@ -4,7 +4,7 @@
 // The page of the demonstration, in a browser.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { Folder, dataOf, launch, limber, module, open, picture, screenFrames, settled } from './support.mjs';
+import { Folder, dataOf, focused, launch, limber, module, open, picture, screenFrames, settled } from './support.mjs';
 
 const { inPage, shown, shownTime } = await module('shared/numbers.ts');
 
@@ -206,15 +206,7 @@ test('everything that is operated has a name, and shows when it has the focus', 
   const seen = new Set();
   for (let i = 0; i < 18; ++i) {
     await page.keyboard.press('Tab');
-    const { id, label, outline } = await page.evaluate(() => {
-      const e = document.activeElement;
-      const named = e.getAttribute('aria-label') ?? [...(e.labels ?? [])].map((l) => l.textContent).join(' ');
-      return {
-        id: e.id,
-        label: (named || e.textContent).trim(),
-        outline: parseFloat(getComputedStyle(e).outlineWidth),
-      };
-    });
+    const { id, label, outline } = await focused(page);
     assert.notEqual(label, '', `${id} has no name`);
     assert.ok(outline >= 2, `${id} does not show the focus`);
     seen.add(id);

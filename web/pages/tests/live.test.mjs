@@ -5,7 +5,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { Folder, boxObj, launch, limber, open, pages, picture, screenFrames, settled } from './support.mjs';
+import { Folder, boxObj, focused, launch, limber, open, pages, picture, screenFrames, settled } from './support.mjs';
 
 const path = join(pages, '../../apps/limber/pages/live.html');
 const still = { reducedMotion: 'reduce' }; // the sheet begins at rest, and hardly swings
@@ -402,12 +402,8 @@ test('everything that is operated has a name, and shows when it has the focus', 
   const names = new Map();
   for (let i = 0; i < 60; ++i) {
     await page.keyboard.press('Tab');
-    const { id, label, outline } = await page.evaluate(() => {
-      const e = document.activeElement;
-      const named = e.getAttribute('aria-label') ?? [...(e.labels ?? [])].map((l) => l.textContent).join(' ');
-      const outline = parseFloat(getComputedStyle(e).outlineWidth);
-      return { id: e.id || e.textContent, label: (named || e.textContent).trim(), outline };
-    });
+    const { id: own, text, label, outline } = await focused(page);
+    const id = own || text;
     if (id === '' || names.has(id) || id.length > 50) continue;
     assert.notEqual(label, '', `${id} has no name`);
     assert.ok(outline >= 2, `${id} does not show the focus`);

@@ -8,6 +8,7 @@ import {
   Folder,
   boxObj,
   dataOf,
+  focused,
   launch,
   limber,
   module,
@@ -330,15 +331,7 @@ test('everything that is operated has a name, and shows when it has the focus', 
     const seen = new Set();
     for (let i = 0; i < count; ++i) {
       await page.keyboard.press('Tab');
-      const { id, label, outline } = await page.evaluate(() => {
-        const e = document.activeElement;
-        const named = e.getAttribute('aria-label') ?? [...(e.labels ?? [])].map((l) => l.textContent).join(' ');
-        return {
-          id: e.id,
-          label: (named || e.textContent).trim(),
-          outline: parseFloat(getComputedStyle(e).outlineWidth),
-        };
-      });
+      const { id, label, outline } = await focused(page);
       assert.notEqual(label, '', `${id} has no name`);
       assert.ok(outline >= 2, `${id} does not show the focus`);
       seen.add(id);

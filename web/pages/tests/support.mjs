@@ -121,3 +121,12 @@ export const picture = (page, selector) =>
     for (let i = 3; i < data.length; i += 4) drawn += data[i] > 0 ? 1 : 0;
     return { drawn: drawn / (data.length / 4), text: copy.toDataURL() };
   });
+
+/** What has the focus: its id, its name for those who cannot see it, and the width of its outline. */
+export const focused = (page) =>
+  page.evaluate(() => {
+    const e = document.activeElement;
+    const named = e.getAttribute('aria-label') ?? [...(e.labels ?? [])].map((l) => l.textContent).join(' ');
+    const outline = parseFloat(getComputedStyle(e).outlineWidth);
+    return { id: e.id, text: e.textContent, label: (named || e.textContent).trim(), outline };
+  });
