@@ -36,16 +36,28 @@ const selfMargin = 0.8 * Sheet.squareWidth;
 const ringEdges = 2; // triangles that near along the sheet are no self-contacts, though within the margin
 
 export class Engine {
-  readonly sheet: Model;
+  sheet: Model;
   body: Model;
   private readonly rings: NeighborRings;
   private cache = new QueryCache();
   private lastError = 0;
 
   constructor(sheet: Sheet, body: TriangleMesh) {
-    this.sheet = new Model(sheet.positions, sheet.faces, { preallocate: true });
+    this.sheet = modelOf(sheet);
     this.rings = new NeighborRings(this.sheet, ringEdges);
     this.body = new Model(body.vertices, body.faces);
+  }
+
+  /**
+   * Builds the sheet's model from where it is now, and forgets earlier answers. The next answer then has the bits of
+   * any program that builds both models from these meshes. Trees and caches with a history may find another of several
+   * equally close pairs, whose distance differs in its last bits.
+   */
+  forgetHistory(sheet: Sheet): void {
+    const model = modelOf(sheet);
+    this.sheet.dispose();
+    this.sheet = model;
+    this.cache.clear();
   }
 
   /** Throws what the engine finds wrong with the mesh; the body is then as before. */
@@ -92,4 +104,8 @@ export class Engine {
       },
     };
   }
+}
+
+function modelOf(sheet: Sheet): Model {
+  return new Model(sheet.positions, sheet.faces, { preallocate: true });
 }

@@ -160,6 +160,9 @@ export class Live {
   private keepMoment(): void {
     this.pause(true);
     const { sheet, body, pose } = this.scenery;
+    this.engine.forgetHistory(sheet);
+    this.isSheetNew = true;
+    this.scenery.sheetHasMoved = false;
     const sheetMesh = { vertices: sheet.positions, faces: sheet.faces };
     const command = commandFor(pose, this.controls.questions.relativeError);
     this.controls.showMoment({ 'sheet.ply': plyOf(sheetMesh), 'body.ply': plyOf(body.mesh) }, command);
