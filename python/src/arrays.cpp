@@ -95,19 +95,30 @@ bool Array::has_shape(std::initializer_list<std::ptrdiff_t> shape) const {
 }
 
 double Array::real(const unsigned char* place) const {
+  double number = 0;
+  read_reals(place, 0, {&number, 1});
+  return number;
+}
+
+void Array::read_reals(const unsigned char* place, std::ptrdiff_t stride, std::span<double> numbers) const {
+  const auto read_as = [&]<typename T>(T) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      numbers[i] = static_cast<double>(read<T>(place + static_cast<std::ptrdiff_t>(i) * stride));
+    }
+  };
   switch (scalar_) {
     case Scalar::float32:
-      return static_cast<double>(read<float>(place));
+      return read_as(float{});
     case Scalar::int32:
-      return read<std::int32_t>(place);
+      return read_as(std::int32_t{});
     case Scalar::int64:
-      return static_cast<double>(read<std::int64_t>(place));
+      return read_as(std::int64_t{});
     case Scalar::uint32:
-      return read<std::uint32_t>(place);
+      return read_as(std::uint32_t{});
     case Scalar::uint64:
-      return static_cast<double>(read<std::uint64_t>(place));
+      return read_as(std::uint64_t{});
     default:
-      return read<double>(place);
+      return read_as(double{});
   }
 }
 
@@ -166,9 +177,7 @@ Positions::Positions(nb::handle object, const char* name) : array_(object, name,
   copied_.emplace(3 * array_.size(0));
   if (!has_rows) return;
   for_rows(array_, [&](std::size_t i, const unsigned char* row) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      (*copied_)[3 * i + axis] = array_.real(row + static_cast<std::ptrdiff_t>(axis) * array_.stride(1));
-    }
+    array_.read_reals(row, array_.stride(1), std::span(*copied_).subspan(3 * i, 3));
   });
 }
 

@@ -59,6 +59,8 @@ class Array {
 
   /// The number at a place. Pre: the array holds floats, or integers.
   double real(const unsigned char* place) const;
+  /// The numbers at a place and every `stride` bytes on, as many as `numbers` has. Pre: as real().
+  void read_reals(const unsigned char* place, std::ptrdiff_t stride, std::span<double> numbers) const;
   /// The id at a place in that row. Pre: the array holds integers.
   ///
   /// Throws   IndexError for a number that is no id.

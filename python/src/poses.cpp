@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "arrays.h"
@@ -36,10 +37,8 @@ std::array<double, count> matrix_at(const Array& array, const unsigned char* fir
   constexpr std::size_t side = count == 16 ? 4 : 3;
   std::array<double, count> numbers;
   for (std::size_t row = 0; row < side; ++row) {
-    for (std::size_t column = 0; column < side; ++column) {
-      numbers[side * row + column] = array.real(first + static_cast<std::ptrdiff_t>(row) * array.stride(first_axis) +
-                                                static_cast<std::ptrdiff_t>(column) * array.stride(first_axis + 1));
-    }
+    array.read_reals(first + static_cast<std::ptrdiff_t>(row) * array.stride(first_axis), array.stride(first_axis + 1),
+                     std::span(numbers).subspan(side * row, side));
   }
   return numbers;
 }
@@ -49,8 +48,9 @@ Transform from_matrix(const Array& array, const unsigned char* first, std::size_
 }
 
 Vec3 vector_at(const Array& array, const unsigned char* first, std::size_t axis) {
-  const std::ptrdiff_t stride = array.stride(axis);
-  return {array.real(first), array.real(first + stride), array.real(first + 2 * stride)};
+  std::array<double, 3> numbers;
+  array.read_reals(first, array.stride(axis), numbers);
+  return {numbers[0], numbers[1], numbers[2]};
 }
 
 Transform from_parts(const Array& turn, const unsigned char* turn_at, const Array& shift, const unsigned char* shift_at,
@@ -63,10 +63,9 @@ Transform from_parts(const Array& turn, const unsigned char* turn_at, const Arra
                                         m[6], m[7], m[8], t.z, 0,    0,    0,    1};
     return rigid_or_raise(transform_from_matrix(matrix, MatrixOrder::row_major), name, index);
   }
-  const std::ptrdiff_t stride = turn.stride(axis);
-  return rigid_or_raise(transform_from_quaternion(translation, turn.real(turn_at), turn.real(turn_at + stride),
-                                                  turn.real(turn_at + 2 * stride), turn.real(turn_at + 3 * stride)),
-                        name, index);
+  std::array<double, 4> q;
+  turn.read_reals(turn_at, turn.stride(axis), q);
+  return rigid_or_raise(transform_from_quaternion(translation, q[0], q[1], q[2], q[3]), name, index);
 }
 
 /// The two parts of a pose or of poses, or nothing if the object is not a tuple of two.
