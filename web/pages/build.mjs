@@ -7,7 +7,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { gzipSync } from 'node:zlib';
+import { gunzipSync, gzipSync } from 'node:zlib';
 import { build, transform } from 'esbuild';
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -47,11 +47,17 @@ function contentOf(name) {
   return `<script type="text/plain" id="engine-module">${packedEngine()}</script>`;
 }
 
-/** The engine that --engine names; otherwise that of the committed page. */
+/**
+ * The engine that --engine names, unless the committed page has it; otherwise that of the page. Versions of Node.js
+ * pack differently, and the page is not to change with them.
+ */
 function packedEngine() {
+  const packed = engineElement.exec(readFileSync(join(pages, 'live.html'), 'utf8'))?.[1] ?? '';
   const option = process.argv.indexOf('--engine');
-  if (option !== -1) return gzipSync(readFileSync(process.argv[option + 1]), { level: 9 }).toString('base64');
-  return engineElement.exec(readFileSync(join(pages, 'live.html'), 'utf8'))[1];
+  if (option === -1) return packed;
+  const engine = readFileSync(process.argv[option + 1]);
+  const isSame = packed !== '' && gunzipSync(Buffer.from(packed, 'base64')).equals(engine);
+  return isSame ? packed : gzipSync(engine, { level: 9 }).toString('base64');
 }
 
 async function page(name, digest) {
