@@ -56,6 +56,12 @@ std::vector<std::pair<std::string, PeerFactory>> all_peers() {
   };
 }
 
+std::vector<std::pair<std::string, PeerFactory>> all_peers_and_classic() {
+  auto peers = all_peers();
+  peers.emplace_back("classic", make_classic);
+  return peers;
+}
+
 std::vector<std::pair<std::string, PeerFactory>> deforming_peers() {
   return {
       {"limber", make_limber},

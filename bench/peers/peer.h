@@ -38,6 +38,9 @@ using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
 /// The library itself first, then those that were found.
 std::vector<std::pair<std::string, PeerFactory>> all_peers();
 
+/// The same, and the classic engine, whose exact distances between large meshes take seconds.
+std::vector<std::pair<std::string, PeerFactory>> all_peers_and_classic();
+
 /// Libraries that can update a deforming mesh; some of them in several ways.
 std::vector<std::pair<std::string, PeerFactory>> deforming_peers();
 
@@ -45,6 +48,7 @@ std::vector<std::pair<std::string, PeerFactory>> deforming_peers();
 std::optional<double> reference_build_ns(const Mesh& mesh);
 
 std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_classic(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);

@@ -14,90 +14,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-try:
-    import matplotlib
-except ModuleNotFoundError:
-    sys.exit("plot_thesis.py needs matplotlib (Debian: python3-matplotlib)")
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator  # noqa: E402
-
+from figures import (  # noqa: E402
+    BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, ROOT, SKY, STYLE, FixedLocator, FuncFormatter, NullLocator, caption,
+    contact_note, curve, key, label, log_axis, plain, plt, save, separation_axis,
+)
 from thesis_results import MODE_NAMES, MODES, Results, write_tables  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
-
-# Okabe and Ito's palette: told apart with every kind of color vision.
-BLACK, ORANGE, SKY, GREEN, BLUE, RED, PINK = "#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7"
 MODE_COLORS = {"immediate": RED, "batched": ORANGE, "by_depth": BLUE}
 ERROR_COLORS = {0.01: GREEN, 0.1: SKY, 0.5: ORANGE, 1.0: PINK}
-GREY = "#666666"
-
-STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.6,
-    "lines.markersize": 3.5,
-    "svg.hashsalt": "limber",  # the same results give the same file
-    "svg.fonttype": "path",
-    "figure.facecolor": "white",
-}
-
-
-def plain(value: float, _position: int = 0) -> str:
-    return f"{value:,.0f}".replace(",", " ") if abs(value) >= 10000 else f"{value:g}"
-
-
-def separation_axis(axes) -> None:
-    """From far away at the left to deep in contact at the right, logarithmic on both sides of 0."""
-    axes.set_xscale("symlog", linthresh=0.01, linscale=0.5)
-    axes.set_xlim(100, -1.8)
-    ticks = [64, 8, 1, 0.1, 0.01, 0, -0.1, -1]
-    axes.xaxis.set_major_locator(FixedLocator(ticks))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}".replace("-", "\N{MINUS SIGN}")))
-    axes.axvspan(0, -1.8, color="#f3f0ea", zorder=0)
-    axes.set_xlabel("separation, units; right of 0: penetration")
-
-
-def log_axis(axes, label: str, low: float, high: float) -> None:
-    axes.set_yscale("log")
-    axes.set_ylim(low, high)
-    axes.yaxis.set_major_formatter(FuncFormatter(plain))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.set_ylabel(label)
-
-
-def curve(axes, points: dict[float, float], color: str, **style) -> None:
-    axes.plot(list(points), list(points.values()), color=color, marker="o", **style)
-
-
-def label(axes, x: float, y: float, text: str, color: str, **style) -> None:
-    axes.annotate(text, (x, y), color=color, textcoords="offset points", **{"xytext": (4, 4), "fontsize": 8.5, **style})
-
-
-def key(axes, x: float, y: float, entries: list[tuple[str, str]]) -> None:
-    """Names in their curves' colors, from the upper curve down, where no label fits beside the curves."""
-    for i, (text, color) in enumerate(entries):
-        axes.text(x, y - 0.058 * i, text, color=color, transform=axes.transAxes, fontsize=8.5, fontweight="bold",
-                  va="top")
-
-
-def caption(axes, text: str) -> None:
-    axes.text(0, -0.235, text, transform=axes.transAxes, fontsize=8, color=GREY, va="top")
-
-
-def contact_note(axes) -> None:
-    axes.text(-0.02, 0.97, "in contact", transform=axes.get_xaxis_transform(), fontsize=8, color=GREY, va="top",
-              ha="center")
 
 
 def with_spread(axes, results: Results, query: str, error: float, color: str) -> dict[float, float]:
@@ -227,13 +151,6 @@ def plot_updates(results: Results, target: Path) -> None:
                     "median, band from minimum to maximum", x=0.01, ha="left", fontsize=9.5)
     figure.tight_layout(rect=(0, 0, 1, 0.985), h_pad=2.2, w_pad=2.5)
     save(figure, target)
-
-
-def save(figure, target: Path) -> None:
-    target.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(target, metadata={"Date": None} if target.suffix == ".svg" else None, dpi=110)
-    plt.close(figure)
-    print(target)
 
 
 def main() -> None:
