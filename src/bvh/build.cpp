@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "bvh/partition.h"
 #include "bvh/tree.h"
@@ -22,31 +25,40 @@ void distribute_leaves(std::uint32_t leaves, std::uint32_t children, std::vector
   distribute_leaves(leaves - first, children - children / 2, counts);
 }
 
+/// How many leaves are below each slot of a level, level by level: first below the root's, at last below those that
+/// have a leaf each.
+std::vector<std::vector<std::uint32_t>> leaves_below_slots(std::uint32_t leaves) {
+  std::vector<std::vector<std::uint32_t>> levels{{leaves}};
+  while (levels.back().front() > 1) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t below : levels.back()) distribute_leaves(below, child_count(below), next);
+    levels.push_back(std::move(next));
+  }
+  return levels;
+}
+
 /// Creates all wide nodes, without bounds, level by level.
 void create_nodes(Tree& tree, std::uint32_t leaves) {
-  std::vector<std::uint32_t> level{leaves}, counts;  // leaves below each slot of the level
+  std::vector<std::vector<std::uint32_t>> levels = leaves_below_slots(leaves);
+  levels.pop_back();  // slots with leaves have no nodes
+  std::size_t count = 1;
+  for (const auto& level : levels) count += level.size();
+  tree.nodes.reserve(count);
   tree.nodes.push_back({});
   tree.nodes[0].child_count = 1;
   tree.level_begin = {0, 1};
-  while (level.front() > 1) {
-    std::vector<std::uint32_t> next;
+  for (const std::vector<std::uint32_t>& level : levels) {
     std::uint32_t parent = tree.level_begin[tree.level_begin.size() - 2], slot = 0;
     for (const std::uint32_t below : level) {
       const auto node = static_cast<std::uint32_t>(tree.nodes.size());
       if (slot == 0) tree.nodes[parent].first_child = node;
-      const SlotId parent_slot = parent * width + slot;
-      if (++slot == tree.nodes[parent].child_count) slot = 0, ++parent;
-      counts.clear();
-      distribute_leaves(below, child_count(below), counts);
       tree.nodes.push_back({});
-      tree.nodes.back().child_count = static_cast<std::uint32_t>(counts.size());
-      tree.nodes.back().parent = parent_slot;
-      next.insert(next.end(), counts.begin(), counts.end());
+      tree.nodes.back().child_count = child_count(below);
+      tree.nodes.back().parent = parent * width + slot;
+      if (++slot == tree.nodes[parent].child_count) slot = 0, ++parent;
     }
     tree.level_begin.push_back(static_cast<std::uint32_t>(tree.nodes.size()));
-    level.swap(next);
   }
-  tree.nodes.shrink_to_fit();
   std::uint32_t leaf = 0;
   for (std::uint32_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) {
     tree.nodes[n].first_child = leaf;
@@ -65,12 +77,14 @@ Tree build(MeshView mesh) {
   const Vec3 center = box.center();
   tree.unit = box.unit();
 
-  std::vector<PrimitiveRef> primitives(mesh.triangles.size());
-  core::parallel_for(primitives.size(), primitives_per_task, [&](std::size_t t) {
+  const std::size_t count = mesh.triangles.size();
+  const auto memory = std::make_unique_for_overwrite<PrimitiveRef[]>(count);
+  const std::span<PrimitiveRef> primitives(memory.get(), count);
+  core::parallel_for(count, primitives_per_task, [&](std::size_t t) {
     primitives[t] = primitive_of(mesh, static_cast<TriangleId>(t), center, tree.unit);
   });
-  partition_into_leaves(primitives, build_range(0, primitives.size()));
-  const std::uint32_t leaves = leaf_count(primitives.size());
+  partition_into_leaves(primitives, build_range(0, count));
+  const std::uint32_t leaves = leaf_count(count);
   create_nodes(tree, leaves);
   tree.leaves.resize(leaves);
   core::parallel_for(tree.leaves.size(), leaves_per_task,

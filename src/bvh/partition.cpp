@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "core/check.h"
 #include "core/parallel.h"
+#include "simd/kernels.h"
 
 namespace limber::bvh {
 namespace {
@@ -20,10 +22,59 @@ constexpr std::size_t worth_a_task = 8192;
 // Primitives among which the median is found at once.
 constexpr std::size_t few = 512;
 
-// Primitives in one step of a split, and what each of them costs, in ns (bench/develop/partial_rebuild.cpp): in a pass,
-// when it is moved, and when it is one of few.
+// Primitives of a sample, and how far from the median of it those are between which the median of all is likely to be:
+// two standard deviations.
+constexpr std::size_t sample_size = 128, sample_margin = 12;
+
+// Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in a
+// pass, when it is moved, and when it is one of few.
 constexpr std::size_t primitives_at_once = 1024;
 constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
+
+/// Moves those of the primitives `begin` to `end` for which is_first() holds before the others. Those from `first_end`
+/// on have not been first. Returns where the first ones end then. No branch depends on the primitives: nobody could
+/// predict it.
+template <typename IsFirst>
+std::size_t move_first(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t begin, std::size_t end,
+                       const IsFirst& is_first) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const PrimitiveRef primitive = primitives[i];
+    primitives[i] = primitives[first_end];
+    primitives[first_end] = primitive;
+    first_end += is_first(primitive) ? 1 : 0;
+  }
+  return first_end;
+}
+
+/// The `n`-th least of some numbers, from 0 on; their order changes. By quickselect, again without branches on
+/// single numbers.
+std::uint64_t nth_least(std::span<std::uint64_t> numbers, std::size_t n) {
+  LIMBER_ASSERT(n < numbers.size());
+  while (true) {
+    const std::size_t last = numbers.size() - 1;
+    std::uint64_t &low = numbers[0], &middle = numbers[last / 2], &high = numbers[last];
+    // The median of the three becomes the last.
+    if (low > middle) std::swap(low, middle);
+    if (middle < high) std::swap(middle, high);
+    if (low > high) std::swap(low, high);
+    const std::uint64_t pivot = high;
+    std::size_t less = 0;
+    for (std::size_t i = 0; i < last; ++i) {
+      const std::uint64_t number = numbers[i];
+      numbers[i] = numbers[less];
+      numbers[less] = number;
+      less += number < pivot ? 1 : 0;
+    }
+    if (n == less) return pivot;
+    if (n < less) {
+      numbers = numbers.first(less);
+    } else {
+      // The pivot is at the end; what was not less is between.
+      numbers = numbers.subspan(less, last - less);
+      n -= less + 1;
+    }
+  }
+}
 
 /// A number that is larger for a larger coordinate.
 std::uint32_t ordered(float x) {
@@ -56,62 +107,50 @@ Split::Split(const BuildRange& range)
               std::size_t{first_half_leaves(leaf_count(range.end - range.begin), range.children)} * width),
       begin_(range.begin),
       end_(range.end),
-      done_(range.begin) {
+      done_(range.begin),
+      random_(range.end - range.begin) {
   LIMBER_ASSERT(range.children > 1);
-  low_.fill(std::numeric_limits<float>::infinity());
-  high_.fill(-std::numeric_limits<float>::infinity());
+  std::fill(std::begin(box_.low), std::end(box_.low), std::numeric_limits<float>::infinity());
+  std::fill(std::begin(box_.high), std::end(box_.high), -std::numeric_limits<float>::infinity());
 }
 
 std::uint64_t Split::key(const PrimitiveRef& primitive) const {
   return std::uint64_t{ordered(primitive.center[axis_])} << 32 | primitive.triangle;
 }
 
-void Split::measure_some(std::span<const PrimitiveRef> primitives) {
-  std::array<float, 3> low = low_, high = high_;
-  for (const PrimitiveRef& primitive : primitives) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], primitive.center[k]);
-      high[k] = std::max(high[k], primitive.center[k]);
-    }
-  }
-  low_ = low, high_ = high;
-}
-
 void Split::choose_axis() {
-  const float x = high_[0] - low_[0], y = high_[1] - low_[1], z = high_[2] - low_[2];
+  const float x = box_.high[0] - box_.low[0], y = box_.high[1] - box_.low[1], z = box_.high[2] - box_.low[2];
   axis_ = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
 }
 
-void Split::start_counting(std::uint64_t highest_key) {
-  const auto bits = static_cast<unsigned>(std::bit_width(highest_key - lowest_key_));
-  shift_ = bits > bin_bits ? bits - bin_bits : 0;
-  counts_.fill(0);
-  step_ = Step::counting, done_ = begin_;
+void Split::search(std::size_t begin, std::size_t end) {
+  begin_ = begin, end_ = end;
+  step_ = end_ - begin_ <= few ? Step::finishing : Step::sampling;
 }
 
-void Split::choose_bin() {
-  std::size_t before = begin_;
-  for (bin_ = 0; before + counts_[bin_] <= middle_; ++bin_) before += counts_[bin_];
-  step_ = Step::moving, done_ = below_ = begin_, above_ = end_;
-}
-
-void Split::move_some(std::span<PrimitiveRef> primitives) {
-  for (std::size_t i = 0; i < primitives_at_once && done_ < above_; ++i) {
-    const std::size_t found = bin(primitives[done_]);
-    if (found < bin_) {
-      std::swap(primitives[below_++], primitives[done_++]);
-    } else if (found > bin_) {
-      std::swap(primitives[--above_], primitives[done_]);
-    } else {
-      ++done_;
-    }
+void Split::sample(std::span<const PrimitiveRef> primitives) {
+  const std::size_t count = end_ - begin_;
+  std::array<std::uint64_t, sample_size> keys;
+  // At random: what is taken at equal steps might be one row of a grid. The random numbers are those of Knuth's MMIX.
+  for (std::uint64_t& k : keys) {
+    random_ = random_ * 6364136223846793005 + 1442695040888963407;
+    k = key(primitives[begin_ + static_cast<std::size_t>((random_ >> 32) * count >> 32)]);
   }
+  const std::size_t at = (middle_ - begin_) * sample_size / count;
+  lower_key_ = at < sample_margin ? 0 : nth_least(keys, at - sample_margin);
+  const bool has_upper = at + sample_margin < sample_size;
+  upper_key_ = has_upper ? nth_least(keys, at + sample_margin) : std::numeric_limits<std::uint64_t>::max();
+  step_ = Step::moving_below, done_ = below_ = begin_;
 }
 
 void Split::finish(std::span<PrimitiveRef> primitives) {
-  const auto at = [&](std::size_t i) { return primitives.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(begin_), at(middle_), at(end_),
-                   [&](const PrimitiveRef& s, const PrimitiveRef& t) { return key(s) < key(t); });
+  std::array<std::uint64_t, few> keys;
+  const std::span<std::uint64_t> used = std::span(keys).first(end_ - begin_);
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = key(primitives[begin_ + i]);
+  const std::uint64_t median = nth_least(used, middle_ - begin_);
+  const std::size_t middle = move_first(primitives, begin_, begin_, end_,
+                                        [&](const PrimitiveRef& primitive) { return key(primitive) < median; });
+  LIMBER_ASSERT(middle == middle_);
   step_ = Step::done;
 }
 
@@ -122,32 +161,38 @@ bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
     switch (step_) {
       case Step::measuring:
         budget.spend(ns_per_primitive * count);
-        measure_some(primitives.subspan(done_, end - done_));
+        simd::kernels().extend_box(primitives[done_].center.data(), end - done_, box_);
         done_ = end;
         if (done_ < end_) break;
         choose_axis();
-        if (end_ - begin_ <= few) {
-          step_ = Step::finishing;
-          break;
-        }
-        lowest_key_ = std::uint64_t{ordered(low_[axis_])} << 32;
-        start_counting(std::uint64_t{ordered(high_[axis_])} << 32 | no_id);
+        search(begin_, end_);
         break;
-      case Step::counting:
-        budget.spend(ns_per_primitive * count);
-        for (; done_ < end; ++done_) ++counts_[bin(primitives[done_])];
-        if (done_ == end_) choose_bin();
+      case Step::sampling:
+        budget.spend(ns_per_one_of_few * sample_size);
+        sample(primitives);
         break;
-      case Step::moving:
+      case Step::moving_below:
         budget.spend(ns_per_move * count);
-        move_some(primitives);
-        if (done_ < above_) break;
-        begin_ = below_, end_ = above_;
-        lowest_key_ += std::uint64_t{bin_} << shift_;
-        if (end_ - begin_ <= few) {
-          step_ = Step::finishing;
+        below_ = move_first(primitives, below_, done_, end,
+                            [&](const PrimitiveRef& primitive) { return key(primitive) < lower_key_; });
+        done_ = end;
+        if (done_ < end_) break;
+        if (below_ > middle_) {
+          search(begin_, below_);
         } else {
-          start_counting(lowest_key_ + (std::uint64_t{1} << shift_) - 1);
+          step_ = Step::moving_between, done_ = between_ = below_;
+        }
+        break;
+      case Step::moving_between:
+        budget.spend(ns_per_move * count);
+        between_ = move_first(primitives, between_, done_, end,
+                              [&](const PrimitiveRef& primitive) { return key(primitive) <= upper_key_; });
+        done_ = end;
+        if (done_ < end_) break;
+        if (between_ > middle_) {
+          search(below_, between_);
+        } else {
+          search(between_, end_);
         }
         break;
       case Step::finishing:

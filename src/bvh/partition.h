@@ -10,6 +10,7 @@
 
 #include "bvh/tree.h"
 #include "core/work_budget.h"
+#include "simd/kernels.h"
 
 /// Partitions triangles into the leaves of a tree.
 ///
@@ -54,35 +55,27 @@ class Split {
   std::array<BuildRange, 2> halves() const;
 
  private:
-  // The median is found by its key: the coordinate, then the triangle, as one number. The keys that it may have are
-  // divided into bins; the primitives of the bins below that of the median are moved before those in its bin, the ones
-  // above behind them. This is repeated inside the bin until few primitives are left.
-  enum class Step { measuring, counting, moving, finishing, done };
-  static constexpr unsigned bin_bits = 11;
+  // The median is found by its key: the coordinate, then the triangle, as one number. A sample tells two keys between
+  // which it is likely to be: the primitives below the lower one are moved before the others, and of these the ones up
+  // to the upper one before the rest. This is repeated where the median is until few primitives are left.
+  enum class Step { measuring, sampling, moving_below, moving_between, finishing, done };
 
   std::uint64_t key(const PrimitiveRef& primitive) const;
-  std::size_t bin(const PrimitiveRef& primitive) const {
-    return static_cast<std::size_t>((key(primitive) - lowest_key_) >> shift_);
-  }
-  void measure_some(std::span<const PrimitiveRef> primitives);
   void choose_axis();
-  void start_counting(std::uint64_t highest_key);
-  void choose_bin();
-  void move_some(std::span<PrimitiveRef> primitives);
+  void search(std::size_t begin, std::size_t end);
+  void sample(std::span<const PrimitiveRef> primitives);
   void finish(std::span<PrimitiveRef> primitives);
 
   BuildRange range_;
   std::size_t middle_;       // where the second half begins
   std::size_t begin_, end_;  // what may still have to be moved across the middle
   Step step_ = Step::measuring;
-  std::size_t done_;                 // the next primitive of the present step
-  std::array<float, 3> low_, high_;  // of the centers
+  std::size_t done_;    // the next primitive of the present step
+  simd::PointBox box_;  // of the centers
   std::size_t axis_ = 0;
-  std::uint64_t lowest_key_ = 0;
-  unsigned shift_ = 0;
-  std::size_t bin_ = 0;                // the median's
-  std::size_t below_ = 0, above_ = 0;  // while moving: primitives before and from here on are in other bins
-  std::array<std::uint32_t, std::size_t{1} << bin_bits> counts_;
+  std::uint64_t random_;  // changes with every number that is drawn
+  std::uint64_t lower_key_ = 0, upper_key_ = 0;
+  std::size_t below_ = 0, between_ = 0;  // while moving: where primitives below the lower key end, and the upper one
 };
 
 /// Splits a range at once.

@@ -25,6 +25,7 @@
 #include "simd/bound_point-inl.h"
 #include "simd/compare_segments-inl.h"
 #include "simd/compare_triangles-inl.h"
+#include "simd/extend_box-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
@@ -50,6 +51,7 @@ const Kernels* kernel_table() {
                            fit_leaves,
                            merge_bounds,
                            max_displacement,
+                           extend_box,
                            overlapping_boxes,
                            overlapping_pairs,
                            compare_triangles,

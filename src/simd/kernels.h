@@ -242,6 +242,13 @@ struct Displacement {
 /// The displacements of points from `from` to `to`, and whether all coordinates of `to` are at most `most` in size.
 using MaxDisplacement = Displacement (*)(const Vec3* from, const Vec3* to, std::size_t count, double most);
 
+/// The least and the greatest coordinates of points.
+struct PointBox {
+  float low[3], high[3];
+};
+/// Extends a box by points of four numbers each, the last of which is not used. Zeros may get either sign.
+using ExtendBox = void (*)(const float* points, std::size_t count, PointBox& box);
+
 /// Which of some boxes have a point in common with the box from `low` to `high`, as a bit mask. Pre: these are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::WideBoxes& boxes, const Vec3& low, const Vec3& high);
 
@@ -270,6 +277,7 @@ struct Kernels {
   FitLeaves fit_leaves;
   MergeBounds merge_bounds;
   MaxDisplacement max_displacement;
+  ExtendBox extend_box;
   OverlappingBoxes overlapping_boxes;
   OverlappingPairs overlapping_pairs;
   CompareTriangles compare_triangles;

@@ -8,6 +8,7 @@
 #include "simd/bound_point-inl.h"
 #include "simd/compare_segments-inl.h"
 #include "simd/compare_triangles-inl.h"
+#include "simd/extend_box-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
@@ -32,6 +33,7 @@ const Kernels scalar_kernels{"scalar",
                              scalar::fit_leaves,
                              scalar::merge_bounds,
                              scalar::max_displacement,
+                             scalar::extend_box,
                              scalar::overlapping_boxes,
                              scalar::overlapping_pairs,
                              scalar::compare_triangles,

@@ -9,6 +9,7 @@
 #include "simd/bound_point-inl.h"
 #include "simd/compare_segments-inl.h"
 #include "simd/compare_triangles-inl.h"
+#include "simd/extend_box-inl.h"
 #include "simd/find_candidates-inl.h"
 #include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
@@ -34,6 +35,7 @@ const Kernels wasm_kernels{"WASM",
                            wasm::fit_leaves,
                            wasm::merge_bounds,
                            wasm::max_displacement,
+                           wasm::extend_box,
                            wasm::overlapping_boxes,
                            wasm::overlapping_pairs,
                            wasm::compare_triangles,

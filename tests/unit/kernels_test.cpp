@@ -249,5 +249,28 @@ TEST(Kernels, MeasureMotionAlikeOnEveryInstructionSet) {
   }
 }
 
+TEST(Kernels, ExtendBoxesAlikeOnEveryInstructionSet) {
+  Rng rng(206);
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<float> points(4 * count);
+    simd::PointBox wanted{{-0.5F, 0.25F, 3}, {-0.25F, 0.5F, 4}};
+    const simd::PointBox before = wanted;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i] = static_cast<float>(rng.uniform(-1, 1));
+      if (i % 4 == 3) {
+        points[i] = std::numeric_limits<float>::quiet_NaN();  // not used
+        continue;
+      }
+      wanted.low[i % 4] = std::min(wanted.low[i % 4], points[i]);
+      wanted.high[i % 4] = std::max(wanted.high[i % 4], points[i]);
+    }
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      simd::PointBox found = before;
+      set.extend_box(points.data(), count, found);
+      EXPECT_EQ(std::memcmp(&found, &wanted, sizeof(found)), 0) << set.name << " " << count;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber::testing

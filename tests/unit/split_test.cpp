@@ -23,7 +23,7 @@ struct Case {
   std::function<float(Rng&, std::size_t)> coordinate;  // of primitive i along the longest side
 };
 
-/// Coordinates that make it hard to find a median by bins.
+/// Coordinates that make it hard to find a median by a sample.
 std::vector<Case> cases() {
   return {
       {"uniform", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1)); }},
@@ -39,6 +39,8 @@ std::vector<Case> cases() {
        [](Rng& rng, std::size_t) {
          return static_cast<float>(std::ldexp(rng.uniform(-1, 1), -static_cast<int>(rng.below(140))));
        }},
+      {"rows of a grid", [](Rng&, std::size_t i) { return static_cast<float>(i % 128); }},
+      {"few below, far off", [](Rng&, std::size_t i) { return i % 512 == 0 ? -1e30F : 1.0F / static_cast<float>(i); }},
       {"sorted", [](Rng&, std::size_t i) { return static_cast<float>(i); }},
       {"backwards", [](Rng&, std::size_t i) { return -static_cast<float>(i); }},
       {"huge", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1) * 3e38); }},
@@ -72,7 +74,8 @@ std::vector<TriangleId> triangles_in(const Primitives& primitives, const bvh::Bu
 
 TEST(Split, FindsTheMedianOfAnyCoordinatesInStepsOfAnySize) {
   for (const Case& c : cases()) {
-    for (const std::size_t count : {std::size_t{17}, std::size_t{600}, std::size_t{20'011}}) {
+    for (const std::size_t count :
+         {std::size_t{9}, std::size_t{17}, std::size_t{512}, std::size_t{513}, std::size_t{20'011}}) {
       for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
         SCOPED_TRACE(c.name + ", " + std::to_string(count));
         const Primitives wanted = sorted(primitives_of(c, axis, count), axis);
