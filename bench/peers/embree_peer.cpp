@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "bench/peers/peer.h"
+#include "bench/support/sampling.h"
 #include "limber/geometry.h"
 
 namespace limber::bench {
@@ -171,7 +172,37 @@ class EmbreeTrianglesPeer : public Peer {
   float* vertices_ = nullptr;
 };
 
+/// What a build of Embree's own triangles takes, without the copy of the mesh and the device.
+double build_ns(const Mesh& mesh, RTCBuildQuality quality) {
+  const EmbreeDevice device;
+  const RTCScene scene = rtcNewScene(device.device);
+  const RTCGeometry geometry = rtcNewGeometry(device.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSceneBuildQuality(scene, quality);
+  // Embree builds by Morton codes only where a scene may change.
+  if (quality == RTC_BUILD_QUALITY_LOW) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
+  rtcSetGeometryBuildQuality(geometry, quality);
+  auto* const corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles().size()));
+  auto* const vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions().size()));
+  for (std::size_t i = 0; i < 3 * mesh.triangles().size(); ++i) corners[i] = mesh.triangles()[i / 3][i % 3];
+  for (std::size_t i = 0; i < 3 * mesh.positions().size(); ++i) {
+    vertices[i] = static_cast<float>(mesh.positions()[i / 3][i % 3]);
+  }
+  const Stopwatch watch;
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcCommitScene(scene);
+  const double us = watch.us();
+  rtcReleaseGeometry(geometry);
+  rtcReleaseScene(scene);
+  return us * 1e3 / static_cast<double>(mesh.triangles().size());
+}
+
 }  // namespace
+
+double embree_morton_build_ns(const Mesh& mesh) { return build_ns(mesh, RTC_BUILD_QUALITY_LOW); }
+double embree_sah_build_ns(const Mesh& mesh) { return build_ns(mesh, RTC_BUILD_QUALITY_MEDIUM); }
 
 std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh&) {
   return std::make_unique<EmbreeTrianglesPeer>(a);

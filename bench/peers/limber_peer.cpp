@@ -83,12 +83,16 @@ std::vector<std::pair<std::string, PeerFactory>> deforming_peers() {
   };
 }
 
-std::optional<double> reference_build_ns([[maybe_unused]] const Mesh& mesh) {
-#ifdef LIMBER_PEER_FCL
-  return fcl_build_ns(mesh);
-#else
-  return std::nullopt;
+std::vector<std::pair<std::string, BuildTime>> builders() {
+  return {
+#ifdef LIMBER_PEER_EMBREE
+      {"Embree Morton", embree_morton_build_ns},
+      {"Embree SAH", embree_sah_build_ns},
 #endif
+#ifdef LIMBER_PEER_FCL
+      {"FCL OBBRSS", fcl_build_ns},
+#endif
+  };
 }
 
 }  // namespace limber::bench

@@ -152,27 +152,36 @@ void growth(Mesh mesh, int rounds, CsvFile& csv, Markdown& table) {
   }
 }
 
-double build_ns(const Mesh& mesh, std::size_t threads, int rounds) {
+double build_ns(const Mesh& mesh, std::size_t threads) {
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-  std::vector<double> samples;
-  for (int round = 0; round < rounds; ++round) {
-    Mesh copy = mesh;
-    const Stopwatch watch;
-    const Model model(std::move(copy));
-    samples.push_back(watch.us() * 1e3 / static_cast<double>(mesh.triangles().size()));
-  }
-  return summarize(samples).median;
+  Mesh copy = mesh;
+  const Stopwatch watch;
+  const Model model(std::move(copy));
+  return watch.us() * 1e3 / static_cast<double>(mesh.triangles().size());
 }
 
 void build(const std::string& name, const Mesh& mesh, int rounds, CsvFile& csv, Markdown& table) {
-  const double one = build_ns(mesh, 1, rounds), two = build_ns(mesh, 2, rounds);
-  const double bytes =
-      static_cast<double>(Model(mesh).tree_stats().bytes) / static_cast<double>(mesh.triangles().size());
-  const std::optional<double> reference = reference_build_ns(mesh);
-  table.line("| {} | {} | {:.4g} | {:.4g} | {:.3g} | {:.4g} | {:.3g} | {:.3g} |", name, mesh.triangles().size(), one,
-             two, one / two, reference.value_or(0), reference.value_or(0) / one, bytes);
-  csv.row("build,{},ns per triangle,{:.4g},{:.4g},{:.4g}", mesh.triangles().size(), one, two, reference.value_or(0));
-  csv.row("memory,{},bytes per triangle,{:.4g},,", mesh.triangles().size(), bytes);
+  const auto others = builders();
+  std::vector<double> one, two;
+  std::vector<std::vector<double>> theirs(others.size());
+  for (int round = 0; round < rounds; ++round) {
+    one.push_back(build_ns(mesh, 1));
+    two.push_back(build_ns(mesh, 2));
+    for (std::size_t i = 0; i < others.size(); ++i) theirs[i].push_back(others[i].second(mesh));
+  }
+  const double triangles = static_cast<double>(mesh.triangles().size());
+  const double bytes = static_cast<double>(Model(mesh).tree_stats().bytes) / triangles;
+  const double ours = summarize(one).median, on_two = summarize(two).median;
+  table.line("| {} | {} | limber | {:.4g} | 1 |", name, triangles, ours);
+  table.line("| | | limber, two threads | {:.4g} | {:.3g} |", on_two, on_two / ours);
+  csv.row("build,{},ns per triangle,{:.4g},{:.4g},{:.4g}", triangles, ours, on_two, ours / on_two);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const double other = summarize(theirs[i]).median;
+    table.line("| | | {} | {:.4g} | {:.3g} |", others[i].first, other, other / ours);
+    csv.row("build,{} {},ns per triangle,{:.4g},{:.4g},{:.4g}", triangles, others[i].first, ours, other, other / ours);
+  }
+  table.line("| | | bytes a triangle | {:.3g} | |", bytes);
+  csv.row("memory,{},bytes per triangle,{:.4g},,", triangles, bytes);
 }
 
 }  // namespace
@@ -184,11 +193,14 @@ void measure_more(const Options& options, const std::filesystem::path& meshes, C
   const Mesh armadillo = normalised(load_mesh(meshes / "armadillo.obj").value());
   warm(Model(bunny), Model(armadillo), rounds, checker, csv, table);
   growth(bunny, rounds, csv, table);
-  table.line("\n### Build, nanoseconds a triangle, and bytes a triangle\n");
-  table.line("| mesh | triangles | one thread | two | ratio | FCL OBBRSS | FCL / ours | bytes |");
-  table.line("|:--|--:|--:|--:|--:|--:|--:|--:|");
-  build("bunny", bunny, rounds, csv, table);
-  build("wave sheet", scenes::wave_sheet(400, 250, 0), rounds, csv, table);
+  table.line("\n### Build, nanoseconds a triangle, medians; libraries in turn\n");
+  table.line("| mesh | triangles | library | ns | times ours |");
+  table.line("|:--|--:|:--|--:|--:|");
+  const int builds = options.quick ? 1 : 21;
+  build("sheet", scenes::wave_sheet(125, 80, 0), builds, csv, table);
+  build("bunny", bunny, builds, csv, table);
+  build("sheet", scenes::wave_sheet(400, 250, 0), builds, csv, table);
+  build("sheet", scenes::wave_sheet(1250, 800, 0), options.quick ? 1 : 5, csv, table);
 }
 
 }  // namespace limber::bench

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,8 +43,10 @@ std::vector<std::pair<std::string, PeerFactory>> all_peers_and_classic();
 /// Libraries that can update a deforming mesh; some of them in several ways.
 std::vector<std::pair<std::string, PeerFactory>> deforming_peers();
 
-/// Nanoseconds per triangle in which the reference library of the tables builds `mesh`; nothing if it was not found.
-std::optional<double> reference_build_ns(const Mesh& mesh);
+/// Nanoseconds a triangle in which a library builds its tree of a mesh on one thread.
+using BuildTime = double (*)(const Mesh& mesh);
+/// Libraries whose builds are timed.
+std::vector<std::pair<std::string, BuildTime>> builders();
 
 std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_classic(const Mesh& a, const Mesh& b);
@@ -59,5 +60,7 @@ std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
 double fcl_build_ns(const Mesh& mesh);
+double embree_morton_build_ns(const Mesh& mesh);
+double embree_sah_build_ns(const Mesh& mesh);
 
 }  // namespace limber::bench
