@@ -26,8 +26,8 @@ constexpr std::size_t few = 512;
 // two standard deviations.
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
-// Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in a
-// pass, when it is moved, and when it is one of few.
+// Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in
+// a pass, when it is moved, and when it is one of few.
 constexpr std::size_t primitives_at_once = 1024;
 constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
 
