@@ -133,7 +133,7 @@ struct CollisionQuery {
   bool matters(double lower_bound) const { return !witness && lower_bound == 0; }
   void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
     if (!geometry::intersects(a, b)) return;
-    const Vec3 shared = geometry::closest_points(a, b).point_a;
+    const Vec3 shared = geometry::shared_point(a, b);
     witness = Witness{shared, shared, id_a, id_b};
   }
 };

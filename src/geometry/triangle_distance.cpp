@@ -52,14 +52,22 @@ struct Face : simd::FaceVectors {
     for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
 
-  /// Weights of the foot of p when it falls into the triangle; false when it does not or the triangle has no area.
-  bool foot(const Vec3& p, Vec3& weights) const {
+  /// Weights of about the foot of p, and what they were divided by; false when it does not fall into the triangle or the
+  /// triangle has no area.
+  bool rough_foot(const Vec3& p, Vec3& weights, double& sum) const {
     const double w2 = dot(inward[0], p - corner.v0);
     const double w0 = dot(inward[1], p - corner.v1);
     const double w1 = dot(inward[2], p - corner.v2);
-    const double sum = w0 + w1 + w2;
+    sum = w0 + w1 + w2;
     if (!(w0 >= 0 && w1 >= 0 && w2 >= 0 && sum > 0)) return false;
     weights = {w0 / sum, w1 / sum, w2 / sum};
+    return true;
+  }
+
+  /// Weights of the foot of p when it falls into the triangle; false when it does not or the triangle has no area.
+  bool foot(const Vec3& p, Vec3& weights) const {
+    double sum = 0;
+    if (!rough_foot(p, weights, sum)) return false;
     // The normal of a sliver is off by the roundoff over its smallest angle; what that costs the foot is measured and
     // taken back, each time by the same factor.
     Vec3 off = p - point_at(corner, weights);
@@ -173,11 +181,10 @@ class Crossings {
 ///
 /// Candidates are the closest features (contacts of boundaries, coplanar overlap) and the points where an edge passes
 /// through the other's plane. The one nearest to both is taken, so no case distinction can pick a bad one.
-Vec3 contact_point(const Face& a, const Face& b, const Best& best, const Crossings& crossings,
-                   [[maybe_unused]] double extent) {
+Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = distance_to(b, contact);
-  for (const Crossing& c : crossings) {
+  for (const Crossing& c : Crossings(a, b)) {
     if (!(c.misfit < misfit)) continue;
     const double candidate = std::max(c.misfit, distance_to(c.is_edge_of_a ? a : b, c.point));
     if (candidate < misfit) contact = c.point, misfit = candidate;
@@ -186,6 +193,28 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, const Crossin
   // no point of a triangle is further than h / 2 from an edge. The smaller of the two is largest at h = 2^-26 * extent.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
+}
+
+/// A point where an edge of `owner` passes through `target`, if one is found that is on it up to `tolerance`.
+bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3& point) {
+  std::array<double, 3> height;
+  for (std::size_t i = 0; i < 3; ++i) height[i] = dot(owner.corner[i] - target.corner.v0, target.normal);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double height0 = height[i], height1 = height[after[i]];
+    if ((height0 < 0) == (height1 < 0)) continue;
+    point = owner.corner[i] + height0 / (height0 - height1) * owner.edge[i];
+    Vec3 weights;
+    double sum = 0;
+    if (!target.rough_foot(point, weights, sum)) continue;
+    if (length_sq(point - point_at(target.corner, weights)) <= tolerance * tolerance) return true;
+  }
+  return false;
+}
+
+/// A point of both triangles, if one is found without the care of contact_point().
+bool find_shared_point(const Face& a, const Face& b, double extent, Vec3& point) {
+  const double tolerance = 0x1p-49 * extent;
+  return find_crossing(a, b, tolerance, point) || find_crossing(b, a, tolerance, point);
 }
 
 /// Two triangles compared once, for everything that is asked about them.
@@ -201,21 +230,18 @@ class Comparison {
     best_ = best;
   }
 
-  /// Pre      intersect().
-  Crossings crossings() const { return {local_a_, local_b_}; }
-  /// A point that they share, in the frame. Pre: intersect().
-  Vec3 shared_point(const Crossings& crossings) const {
-    return contact_point(local_a_, local_b_, best_, crossings, frame_.extent());
-  }
   ClosestPoints points() const {
-    if (intersect_) return meeting_at(shared_point(crossings()));
+    if (intersect_) {
+      Vec3 shared;
+      if (!find_shared_point(local_a_, local_b_, frame_.extent(), shared)) {
+        shared = contact_point(local_a_, local_b_, best_, frame_.extent());
+      }
+      shared = frame_.from_local(shared);
+      return {0, shared, shared};
+    }
     const double distance = frame_.length_from_local(safe_length(best_.between));
     return {std::max(distance, std::numeric_limits<double>::min()), point_at(a_, best_.weights_a),
             point_at(b_, best_.weights_b)};
-  }
-  ClosestPoints meeting_at(const Vec3& shared_point) const {
-    const Vec3 shared = frame_.from_local(shared_point);
-    return {0, shared, shared};
   }
   const Face& local_a() const { return local_a_; }
   const Face& local_b() const { return local_b_; }
@@ -261,9 +287,10 @@ FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), 
 ///
 /// Those of the best pair do if they are no further apart than rounding. Otherwise the line in which the triangles
 /// cross ends where an edge of one passes through the other; the end next to the contact point counts.
-FeaturePair features_at(const Vec3& contact, const Comparison& c, const Crossings& crossings) {
+FeaturePair features_at(const Vec3& contact, const Comparison& c) {
   const double rounding = 0x1p-46 * c.extent();
   if (max_abs(c.best().between) <= rounding) return features_of(c.best());
+  const Crossings crossings(c.local_a(), c.local_b());
   double least_misfit = std::numeric_limits<double>::infinity();
   for (const Crossing& crossing : crossings) least_misfit = std::min(least_misfit, crossing.misfit);
   const Crossing* nearest = nullptr;
@@ -288,20 +315,23 @@ ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
   return Comparison(frame, a, b).points();
 }
 
+Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
+  const LocalFrame frame = frame_of(a, b);
+  if (frame.extent() == 0) return a.v0;
+  Vec3 point;
+  if (find_shared_point(Face(frame.to_local(a)), Face(frame.to_local(b)), frame.extent(), point)) {
+    return frame.from_local(point);
+  }
+  return Comparison(frame, a, b).points().point_a;
+}
+
 geometry::DirectedFeatures geometry::directed_features(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   const Feature vertex{FeatureKind::vertex, 0};
   if (frame.extent() == 0) return {{0, a.v0, a.v0, vertex, vertex}, {}, false};
   const Comparison c(frame, a, b);
-  ClosestPoints points;
-  FeaturePair features;
-  if (c.intersect()) {
-    const Crossings crossings = c.crossings();
-    points = c.meeting_at(c.shared_point(crossings));
-    features = features_at(frame.to_local(points.point_a), c, crossings);
-  } else {
-    points = c.points(), features = features_of(c.best());
-  }
+  const ClosestPoints points = c.points();
+  const FeaturePair features = c.intersect() ? features_at(frame.to_local(points.point_a), c) : features_of(c.best());
   return {{points.distance, points.point_a, points.point_b, features.a, features.b},
           c.best().between,
           c.are_proven_apart()};

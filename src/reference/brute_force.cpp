@@ -24,7 +24,7 @@ CollideResult collide(const Placed& a, const Placed& b) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
       ++result.stats.triangle_tests;
       if (!geometry::intersects(triangles_a[i], triangles_b[j])) continue;
-      const Vec3 shared = geometry::closest_points(triangles_a[i], triangles_b[j]).point_a;
+      const Vec3 shared = geometry::shared_point(triangles_a[i], triangles_b[j]);
       result.collision = true;
       result.witness = Witness{shared, shared, i, j};
       return result;

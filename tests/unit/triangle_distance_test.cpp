@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "geometry/primitives.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
 
@@ -115,6 +116,26 @@ TEST_P(TriangleDistanceOfKind, IsZeroWithOneSharedPointExactlyWhenTheyIntersect)
       ASSERT_EQ(found.point_a, found.point_b) << "case " << i;
     }
   }
+}
+
+TEST_P(TriangleDistanceOfKind, ASharedPointIsOnBothTrianglesAtAnyScaleAndPlace) {
+  Rng rng(71 + static_cast<std::uint64_t>(GetParam()));
+  int intersecting = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const auto [a, b] = random_pair(rng, GetParam());
+    for (const double scale : {0x1p-180, 1.0, 0x1p180}) {
+      const Triangle a2{a.v0 * scale, a.v1 * scale, a.v2 * scale}, b2{b.v0 * scale, b.v1 * scale, b.v2 * scale};
+      if (!intersects(a2, b2)) continue;
+      ++intersecting;
+      const Vec3 shared = geometry::shared_point(a2, b2) * (1 / scale);
+      // No less exact than the point of closest_points(), whose bound depends on the shape of slivers.
+      const Vec3 other = closest_points(a2, b2).point_a * (1 / scale);
+      const double bound = std::max({4e-15 * std::max(extent_of(a, b), 1e-300), misfit(other, a), misfit(other, b)});
+      ASSERT_LE(misfit(shared, a), bound) << "case " << i << ", scale " << scale;
+      ASSERT_LE(misfit(shared, b), bound) << "case " << i << ", scale " << scale;
+    }
+  }
+  EXPECT_GT(intersecting, 50);
 }
 
 TEST_P(TriangleDistanceOfKind, IsSymmetricAndScalesWithPowersOfTwo) {

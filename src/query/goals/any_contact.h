@@ -23,7 +23,7 @@ class AnyContact {
 
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (geometry::intersects(a.corners, b.corners)) {
-      const Vec3 shared = geometry::closest_points(a.corners, b.corners).point_a;
+      const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       witness = Witness{shared, shared, a.id, b.id};
     }
     return std::nullopt;

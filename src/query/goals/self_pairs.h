@@ -25,7 +25,7 @@ class AnySelfContact {
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (b.id < a.id) return compare(b, a);
     if (pairs_.counts(a, b) && pairs_.meet(a, b)) {
-      const Vec3 shared = geometry::closest_points(a.corners, b.corners).point_a;
+      const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       witness = Witness{shared, shared, a.id, b.id};
     }
     return std::nullopt;
