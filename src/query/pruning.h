@@ -48,6 +48,15 @@ class Pruning {
     if (length > shortest_separation) set_direction(improvement.separation * (1 / length));
   }
 
+  /// Chooses a search direction, from a to b in the world, of any length.
+  void aim(const Vec3& direction) {
+    const double length = limber::length(direction);
+    if (length > shortest_separation) set_direction(direction * (1 / length));
+  }
+
+  /// Goes on without a search direction.
+  void forget_direction() { in_frame_[0].has_direction = in_frame_[1].has_direction = false; }
+
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
   /// pruned.
   ///

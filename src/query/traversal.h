@@ -310,6 +310,9 @@ class Traversal {
     e.kept = kernels_.bound_children(node, other_node, frames_.of(e.side), pruning_.of(e.side),
                                      limit_sq_[index(e.side)], e.order, has_front ? bound_sq : nullptr);
     e.kept.all &= e.children, e.kept.overlapping &= e.children;
+    if constexpr (aims) {
+      if (pruning_.has_direction()) judge_direction(e);
+    }
     const unsigned pruned = e.children & ~e.kept.all;
     if (has_front && pruned != 0) record_pruned(e, pruned, bound_sq);
     if (e.kept.all != 0) keep(e);
@@ -390,6 +393,38 @@ class Traversal {
     return !goal_.is_done();
   }
 
+  /// Chooses the normal of the flatter of two leaves that are apart as the search direction: what is near them is
+  /// likely to be apart along it, too. Not inlined: the loop of a query should not pay for it.
+  [[gnu::noinline]] void aim(const NodePair& pair) {
+    if (pruning_.has_direction() || wasted_aims_ == most_wasted_aims) return;
+    const bvh::SlotId slots[2] = {leaf_slot(Side::a, pair), leaf_slot(Side::b, pair)};
+    double flatness[2];
+    Vec3 normal[2], center[2];
+    for (const Side s : {Side::a, Side::b}) {
+      const bvh::Tree& tree = placed_.tree(s);
+      const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slots[index(s)])].bounds;
+      const std::uint32_t k = bvh::slot_of(slots[index(s)]);
+      flatness[index(s)] = static_cast<double>(n.high[k] - n.low[k]) * tree.unit;
+      normal[index(s)] = placed_.pose(s).rotation * Vec3{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
+      center[index(s)] = placed_.pose(s)(bvh::slot_center(tree, slots[index(s)]));
+    }
+    const Vec3 n = flatness[0] <= flatness[1] ? normal[0] : normal[1];
+    pruning_.aim(dot(n, center[1] - center[0]) < 0 ? -n : n);
+  }
+
+  /// Gives a search direction up that has pruned nothing for a while.
+  void judge_direction(const Expansion& e) {
+    bool has_pruned = false;  // what no other bound has
+    for (unsigned rest = e.children & ~e.kept.all; rest != 0; rest &= rest - 1) {
+      has_pruned |= e.order[std::countr_zero(rest)] < limit_sq_[index(e.side)];
+    }
+    idle_expansions_ = has_pruned ? 0 : idle_expansions_ + 1;
+    if (idle_expansions_ < most_idle_expansions) return;
+    idle_expansions_ = 0;
+    ++wasted_aims_;
+    pruning_.forget_direction();
+  }
+
   /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
   /// lower bound of their distance, which may be above the prune distance.
   bool compare_leaves(const NodePair& pair, double& apart) requires(!ComparesLeaves<Goal>) {
@@ -401,6 +436,7 @@ class Traversal {
     descends_ = false;
     ++work_;
     if (found.count == 0) {
+      if constexpr (aims) aim(pair);
       if (has_front) apart = static_cast<double>(found.apart) / found.scale;
       return true;
     }
@@ -428,6 +464,10 @@ class Traversal {
     return !goal_.is_done();
   }
 
+  // Whether the traversal chooses search directions: where no distance would tell one.
+  static constexpr bool aims = Goal::takes_any && !Goal::needs_all;
+  // A search direction that prunes nothing in so many expansions is given up; after so many, no other is chosen.
+  static constexpr int most_idle_expansions = 3, most_wasted_aims = 2;
   // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
@@ -452,7 +492,8 @@ class Traversal {
   double margin_cost_ = 0;
   std::uint64_t steps_ = 0, work_ = 0;  // the latter with what is compared again
   std::uint32_t next_node_ = 0;         // for one model: after the node whose child slots are compared next
-  bool descends_ = true;                // until triangles have been compared
+  int idle_expansions_ = 0, wasted_aims_ = 0;
+  bool descends_ = true;  // until triangles have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;
 };

@@ -142,6 +142,18 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
   }
 }
 
+// A plane separates all of the ball from the square. Once it is known, few bounds overlap.
+TEST(Collide, OfModelsThatAPlaneSeparatesTakesFewSteps) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  for (std::uint32_t pose = 0; pose < 16; ++pose) {
+    for (const double gap : {0.01, 1e-3}) {
+      const CollideResult r = collide({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)});
+      EXPECT_FALSE(r.collision);
+      EXPECT_LE(r.stats.node_tests, 200U) << pose << " " << gap;  // 350 to 550 without
+    }
+  }
+}
+
 TEST(RootsDecide, WhereAnyTwoPointsAreGoodEnough) {
   const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
   const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
