@@ -7,6 +7,9 @@
 
 #include <bit>
 #include <charconv>
+#include <cstddef>
+#include <memory>
+#include <type_traits>
 
 namespace std {
 
@@ -14,6 +17,13 @@ namespace std {
 template <typename To, typename From>
 constexpr To bit_cast(const From& from) noexcept {
   return __builtin_bit_cast(To, from);
+}
+#endif
+
+#if !defined(__cpp_lib_smart_ptr_for_overwrite)
+template <typename Array>
+unique_ptr<Array> make_unique_for_overwrite(size_t count) {
+  return unique_ptr<Array>(new remove_extent_t<Array>[count]);
 }
 #endif
 
