@@ -310,9 +310,7 @@ class Traversal {
     e.kept = kernels_.bound_children(node, other_node, frames_.of(e.side), pruning_.of(e.side),
                                      limit_sq_[index(e.side)], e.order, has_front ? bound_sq : nullptr);
     e.kept.all &= e.children, e.kept.overlapping &= e.children;
-    if constexpr (aims) {
-      if (pruning_.has_direction()) judge_direction(e);
-    }
+    if (has_aimed_) judge_direction(e);
     const unsigned pruned = e.children & ~e.kept.all;
     if (has_front && pruned != 0) record_pruned(e, pruned, bound_sq);
     if (e.kept.all != 0) keep(e);
@@ -410,6 +408,7 @@ class Traversal {
     }
     const Vec3 n = flatness[0] <= flatness[1] ? normal[0] : normal[1];
     pruning_.aim(dot(n, center[1] - center[0]) < 0 ? -n : n);
+    has_aimed_ = pruning_.has_direction();
   }
 
   /// Gives a search direction up that has pruned nothing for a while.
@@ -422,6 +421,7 @@ class Traversal {
     if (idle_expansions_ < most_idle_expansions) return;
     idle_expansions_ = 0;
     ++wasted_aims_;
+    has_aimed_ = false;
     pruning_.forget_direction();
   }
 
@@ -436,7 +436,7 @@ class Traversal {
     descends_ = false;
     ++work_;
     if (found.count == 0) {
-      if constexpr (aims) aim(pair);
+      if constexpr (!Goal::needs_all) aim(pair);
       if (has_front) apart = static_cast<double>(found.apart) / found.scale;
       return true;
     }
@@ -458,14 +458,15 @@ class Traversal {
       if (Goal::needs_all && (a.is_repeated(slot_a) || b.is_repeated(slot_b))) continue;
       if (pruning_.prunes(a, slot_a, b, slot_b)) continue;
       ++stats_.triangle_tests;
-      if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) pruning_.improve(*improvement);
+      if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) {
+        pruning_.improve(*improvement);
+        has_aimed_ = false;
+      }
       if (meter_.cuts_short(steps_)) return false;
     }
     return !goal_.is_done();
   }
 
-  // Whether the traversal chooses search directions: where no distance would tell one.
-  static constexpr bool aims = Goal::takes_any && !Goal::needs_all;
   // A search direction that prunes nothing in so many expansions is given up; after so many, no other is chosen.
   static constexpr int most_idle_expansions = 3, most_wasted_aims = 2;
   // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
@@ -493,7 +494,8 @@ class Traversal {
   std::uint64_t steps_ = 0, work_ = 0;  // the latter with what is compared again
   std::uint32_t next_node_ = 0;         // for one model: after the node whose child slots are compared next
   int idle_expansions_ = 0, wasted_aims_ = 0;
-  bool descends_ = true;  // until triangles have been compared
+  bool has_aimed_ = false;  // whether the search direction is one that aim() has chosen
+  bool descends_ = true;    // until triangles have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;
 };

@@ -143,13 +143,16 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
 }
 
 // A plane separates all of the ball from the square. Once it is known, few bounds overlap.
-TEST(Collide, OfModelsThatAPlaneSeparatesTakesFewSteps) {
+TEST(Queries, OfModelsThatAPlaneSeparatesTakeFewSteps) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   for (std::uint32_t pose = 0; pose < 16; ++pose) {
     for (const double gap : {0.01, 1e-3}) {
       const CollideResult r = collide({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)});
       EXPECT_FALSE(r.collision);
       EXPECT_LE(r.stats.node_tests, 200U) << pose << " " << gap;  // 350 to 550 without
+      const WithinResult w = within({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)}, gap / 2);
+      EXPECT_FALSE(w.within);
+      EXPECT_LE(w.stats.node_tests, 200U) << pose << " " << gap;
     }
   }
 }
