@@ -52,8 +52,8 @@ struct Face : simd::FaceVectors {
     for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
 
-  /// Weights of about the foot of p, and what they were divided by; false when it does not fall into the triangle or the
-  /// triangle has no area.
+  /// Weights of about the foot of p, and what they were divided by; false when it does not fall into the triangle or
+  /// the triangle has no area.
   bool rough_foot(const Vec3& p, Vec3& weights, double& sum) const {
     const double w2 = dot(inward[0], p - corner.v0);
     const double w0 = dot(inward[1], p - corner.v1);
