@@ -19,8 +19,7 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
 bool intersects(const Triangle& a, const Triangle& b);
 bool intersects(const Segment& segment, const Triangle& triangle);
 
-/// A point that two triangles share. Pre: they intersect. Promise as for the point of closest_points(), at a part of
-/// the cost; it may be another one.
+/// A point that two triangles share, that of closest_points(), at a part of the cost. Pre: they intersect.
 Vec3 shared_point(const Triangle& a, const Triangle& b);
 
 ClosestPoints closest_points(const Segment& a, const Segment& b);

@@ -118,7 +118,7 @@ TEST_P(TriangleDistanceOfKind, IsZeroWithOneSharedPointExactlyWhenTheyIntersect)
   }
 }
 
-TEST_P(TriangleDistanceOfKind, ASharedPointIsOnBothTrianglesAtAnyScaleAndPlace) {
+TEST_P(TriangleDistanceOfKind, ASharedPointIsThatOfClosestPointsAtAnyScale) {
   Rng rng(71 + static_cast<std::uint64_t>(GetParam()));
   int intersecting = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -127,12 +127,11 @@ TEST_P(TriangleDistanceOfKind, ASharedPointIsOnBothTrianglesAtAnyScaleAndPlace) 
       const Triangle a2{a.v0 * scale, a.v1 * scale, a.v2 * scale}, b2{b.v0 * scale, b.v1 * scale, b.v2 * scale};
       if (!intersects(a2, b2)) continue;
       ++intersecting;
-      const Vec3 shared = geometry::shared_point(a2, b2) * (1 / scale);
-      // No less exact than the point of closest_points(), whose bound depends on the shape of slivers.
-      const Vec3 other = closest_points(a2, b2).point_a * (1 / scale);
-      const double bound = std::max({4e-15 * std::max(extent_of(a, b), 1e-300), misfit(other, a), misfit(other, b)});
-      ASSERT_LE(misfit(shared, a), bound) << "case " << i << ", scale " << scale;
-      ASSERT_LE(misfit(shared, b), bound) << "case " << i << ", scale " << scale;
+      const Vec3 shared = geometry::shared_point(a2, b2);
+      ASSERT_EQ(shared, closest_points(a2, b2).point_a) << "case " << i << ", scale " << scale;
+      const double tolerance = 4e-15 * std::max(extent_of(a, b), 1e-300);
+      ASSERT_LE(misfit(shared * (1 / scale), a), tolerance) << "case " << i << ", scale " << scale;
+      ASSERT_LE(misfit(shared * (1 / scale), b), tolerance) << "case " << i << ", scale " << scale;
     }
   }
   EXPECT_GT(intersecting, 50);
