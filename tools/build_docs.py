@@ -10,6 +10,7 @@ has the same shape, and Sphinx reads that. A link that leads nowhere is an error
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -121,6 +122,17 @@ def broken_links(site: Path) -> list[str]:
     return broken
 
 
+def open_pages_in_place(site: Path) -> None:
+    """Lets the browser open pages that the site has as files, such as the live one, instead of saving them."""
+    for file in site.rglob("*.html"):
+        if "_downloads" in file.parts:
+            continue
+        text = file.read_text(encoding="utf-8")
+        opened = re.sub(r' download=""(?= href="[^"]*\.html")', "", text)
+        if opened != text:
+            file.write_text(opened, encoding="utf-8")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="where the site and what it is made of are written")
@@ -136,6 +148,7 @@ def main() -> int:
     )
     if result.returncode != 0:
         return result.returncode
+    open_pages_in_place(site)
     broken = broken_links(site)
     print(*(f"link to nothing: {link}" for link in broken), sep="\n", end="\n" if broken else "", file=sys.stderr)
     shutil.copy(site / "README.html", site / "index.html")
