@@ -44,8 +44,7 @@ class Pruning {
       set_distance(std::min(distance(), improvement.prune_distance));
       skips_ties_ = may_skip_ties_ && distance() == improvement.distance;
     }
-    const double length = limber::length(improvement.separation);
-    if (length > shortest_separation) set_direction(improvement.separation * (1 / length));
+    aim(improvement.separation);
   }
 
   /// Chooses a search direction, from a to b in the world, of any length.
