@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "core/check.h"
 #include "core/parallel.h"
@@ -17,7 +18,10 @@ namespace limber::bvh {
 namespace {
 
 // Primitives below which another task costs more than it saves.
-constexpr std::size_t worth_a_task = 8192;
+constexpr std::size_t worth_a_task = 2048;
+
+// Triangles in one part of a bounding box.
+constexpr std::size_t triangles_per_box = 4096;
 
 // Primitives among which the median is found at once.
 constexpr std::size_t few = 512;
@@ -231,9 +235,16 @@ void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange&
 }
 
 BoundingBox bounding_box_of(MeshView mesh) {
-  BoundingBox box;
-  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) box.add(mesh.triangle(t));
-  return box;
+  const std::size_t count = mesh.triangles.size();
+  std::vector<BoundingBox> boxes((count + triangles_per_box - 1) / triangles_per_box);
+  core::parallel_for_ranges(count, triangles_per_box, [&](std::size_t begin, std::size_t end) {
+    BoundingBox box;  // a local variable stays in registers
+    for (std::size_t t = begin; t < end; ++t) box.add(mesh.triangle(static_cast<TriangleId>(t)));
+    boxes[begin / triangles_per_box] = box;
+  });
+  BoundingBox all;
+  for (const BoundingBox& box : boxes) all.add(box);
+  return all;
 }
 
 PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit) {

@@ -96,6 +96,10 @@ class BoundingBox {
     low_ = min(low_, min(min(t.v0, t.v1), t.v2));
     high_ = max(high_, max(max(t.v0, t.v1), t.v2));
   }
+  void add(const BoundingBox& other) {
+    low_ = min(low_, other.low_);
+    high_ = max(high_, other.high_);
+  }
   Vec3 center() const { return low_ * 0.5 + high_ * 0.5; }
   /// The unit of a tree over these triangles.
   double unit() const {
