@@ -18,6 +18,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr std::uint64_t pose_seed = 0x5EED0001;
 constexpr std::uint64_t dent_seed = 0x5EED0003;
+constexpr std::uint64_t linked_ring_seed = 0x5EED0004;
 constexpr int dents_of_dented = 200;
 
 /// Not FNV's own start, 14695981039346656037, but that number without its last digit, with which the published hashes
@@ -222,6 +223,29 @@ Mesh ball(std::uint32_t slices, std::uint32_t stacks) {
 }
 
 Mesh thesis_square() { return grid(64, 64, -4, -4, 0.125, 0.125); }
+Mesh ring(std::uint32_t around, std::uint32_t across, double tube) {
+  std::vector<Vec3> circle;  // points of the section, in the half plane of x and z
+  for (std::uint32_t j = 0; j < across; ++j) {
+    const double angle = 2 * pi * j / across;
+    circle.push_back({1 + tube * cosine(angle), 0, tube * sine(angle)});
+  }
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  positions.reserve(std::size_t{around} * across);
+  triangles.reserve(std::size_t{2} * around * across);
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const double angle = 2 * pi * i / around, x = cosine(angle), y = sine(angle);
+    for (const Vec3& p : circle) positions.push_back({p.x * x, p.x * y, p.z});
+    const std::uint32_t here = i * across, next = (i + 1) % around * across;
+    for (std::uint32_t j = 0; j < across; ++j) {
+      const std::uint32_t after = (j + 1) % across;
+      triangles.push_back({here + j, next + j, next + after});
+      triangles.push_back({here + j, next + after, here + after});
+    }
+  }
+  return made(std::move(positions), std::move(triangles));
+}
+
 Mesh thesis_ball() { return ball(32, 17); }
 Mesh thesis_sheet() { return grid(100, 100, 0, 0, 1, 1); }
 
@@ -277,6 +301,19 @@ Transform ball_over_square(const Mesh& ball, double separation, std::uint32_t in
   double lowest = std::numeric_limits<double>::infinity();
   for (const Vec3& p : ball.positions()) lowest = std::min(lowest, dot(pose.rotation.row2, p));
   pose.translation.z = separation - lowest;
+  return pose;
+}
+
+Transform linked_ring(std::uint32_t index) {
+  Rng rng(linked_ring_seed + index);
+  const double roll = pi / 2 + rng.uniform(-0.3, 0.3), turn = rng.uniform(-0.3, 0.3);
+  Transform pose;
+  pose.rotation = {{cosine(turn), -sine(turn) * cosine(roll), sine(turn) * sine(roll)},
+                   {sine(turn), cosine(turn) * cosine(roll), -cosine(turn) * sine(roll)},
+                   {0, sine(roll), cosine(roll)}};
+  pose.translation.x = 1 + rng.uniform(-0.25, 0.25);
+  pose.translation.y = rng.uniform(-0.25, 0.25);
+  pose.translation.z = rng.uniform(-0.25, 0.25);
   return pose;
 }
 

@@ -46,6 +46,12 @@ Mesh grid(std::uint32_t nx, std::uint32_t ny, double x0, double y0, double dx, d
 /// Pre      slices >= 3, stacks >= 2.
 Mesh ball(std::uint32_t slices, std::uint32_t stacks);
 
+/// A ring around the z axis: a tube of radius `tube` along the unit circle in the plane z = 0, `around` by `across`
+/// squares of two triangles each.
+///
+/// Pre      around >= 3, across >= 3, 0 < tube < 1.
+Mesh ring(std::uint32_t around, std::uint32_t across, double tube);
+
 Mesh thesis_square();  ///< 8 x 8 units around the origin, 8192 triangles
 Mesh thesis_ball();    ///< diameter 2, 1024 triangles
 Mesh thesis_sheet();   ///< 100 x 100 units, 100 x 100 squares, 20 000 triangles
@@ -82,6 +88,10 @@ Result<Mesh> by_name(const std::string& name);
 /// Pose 0 stands at (0.1 sqrt 2, 0.1 sqrt 3); the others at random places within a unit of the center along x and y.
 /// All are turned by a random rotation of their own.
 Transform ball_over_square(const Mesh& ball, double separation, std::uint32_t index);
+
+/// Pose number `index` of a ring that is linked with another one, which stays at the origin: about a radius beside it
+/// along x, and about upright. Rings with tubes up to 0.1 do not meet.
+Transform linked_ring(std::uint32_t index);
 
 /// A dent: all vertices within `radius` of a vertical line move along z in proportion to their distance from it.
 struct Dent {

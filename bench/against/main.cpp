@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question  Has anything become slower since another revision of the library?
-// Workload  Queries between two scans, a ball and a square, and parallel sheets; updates and builds.
+// Workload  Queries between two scans, a ball and a square, parallel sheets, and linked rings of two million triangles
+//           each; updates and builds.
 // Metric    Time of this revision over that of the other: the two are called in turn, in one process. The median of the
 //           ratios of these turns is printed.
 // Expected  Ratios about 1, and the same answers.
@@ -144,6 +145,10 @@ int main(int argc, char** argv) {
   compare_queries(sheets);
   PeerScene same{"a sheet over itself", sheets.a, sheets.a, sheets.situations};
   compare_queries(same);
+  PeerScene rings{
+      "linked rings", scenes::ring(1000, 1000, 0.1), scenes::ring(1000, 1000, 0.1), {{"2 million", false, {}}}};
+  for (std::uint32_t index = 0; index < 5; ++index) rings.situations[0].poses.push_back(scenes::linked_ring(index));
+  compare_queries(rings);
   if (argc > 1) {
     const std::filesystem::path folder = argv[1];
     compare_queries(two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", 10));

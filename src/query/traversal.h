@@ -336,8 +336,8 @@ class Traversal {
     }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      if (Goal::takes_any || !descends_) return push(e, e.kept.all);
-      return descend(e);
+      if (Goal::takes_any) return push(e, e.kept.all);
+      return push_nearest_last(e);
     }
     push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
@@ -352,15 +352,17 @@ class Traversal {
     }
   }
 
-  /// Straight down, to the nearest child, as long as no triangles have been compared.
-  void descend(const Expansion& e) {
-    auto nearest = static_cast<std::uint32_t>(std::countr_zero(e.kept.all));
+  /// The nearest child last, so that it is the first of those whose bounds are about the same. As long as no triangles
+  /// have been compared, the way goes straight down to it.
+  void push_nearest_last(const Expansion& e) {
+    std::uint32_t least = ~0U;  // the bound, positive, but for its last bits the slot
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
-      if (e.order[child] < e.order[nearest]) nearest = child;
+      least = std::min(least, std::bit_cast<std::uint32_t>(e.order[child]) / bvh::width * bvh::width + child);
     }
+    const std::uint32_t nearest = least % bvh::width;
     push(e, e.kept.all & ~(1U << nearest));
-    queue_.push_first(child_pair(e, nearest));
+    descends_ ? queue_.push_first(child_pair(e, nearest)) : queue_.push(child_pair(e, nearest));
   }
 
   void push(const Expansion& e, unsigned children) {

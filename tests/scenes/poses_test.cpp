@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "limber/reference.h"
 #include "scenes/scenes.h"
@@ -61,6 +62,24 @@ TEST(BallOverSquare, ExactDistanceIsTheSeparation) {
       EXPECT_EQ(reference::distance({plane.view()}, {mesh.view(), pose}).upper, 0);
       EXPECT_TRUE(reference::collide({plane.view()}, {mesh.view(), pose}).collision);
     }
+  }
+}
+
+TEST(LinkedRing, PassesThroughTheOtherOnceAndKeepsAway) {
+  constexpr int points = 1000;
+  for (std::uint32_t index = 0; index < 100; ++index) {
+    const Transform pose = linked_ring(index);
+    ASSERT_TRUE(is_rigid(pose));
+    int through_the_hole = 0;
+    Vec3 last = pose({1, 0, 0});
+    for (int i = 1; i <= points; ++i) {
+      const double angle = 2 * std::numbers::pi * i / points;
+      const Vec3 p = pose({std::cos(angle), std::sin(angle), 0});
+      if ((p.z < 0) != (last.z < 0) && std::hypot(p.x, p.y) < 1) ++through_the_hole;
+      EXPECT_GT(std::hypot(std::hypot(p.x, p.y) - 1, p.z), 0.2) << "tubes of 0.1 meet";
+      last = p;
+    }
+    EXPECT_EQ(through_the_hole, 1) << index;
   }
 }
 

@@ -57,10 +57,7 @@ TEST(Scenes, WaveFramesShareTrianglesAndDifferInPositions) {
   EXPECT_NE(first.positions(), second.positions());
 }
 
-TEST(Scenes, BallIsClosedAndOnTheUnitSphere) {
-  const Mesh mesh = ball(8, 5);
-  EXPECT_EQ(mesh.triangles().size(), 2U * 8 * (5 - 1));
-  for (const Vec3& p : mesh.positions()) EXPECT_NEAR(length(p), 1, 4e-16);
+void expect_closed(const Mesh& mesh) {
   std::multiset<std::pair<VertexId, VertexId>> edges;
   for (const Corners& c : mesh.triangles()) {
     for (std::size_t i = 0; i < 3; ++i) edges.insert({c[i], c[(i + 1) % 3]});
@@ -69,6 +66,23 @@ TEST(Scenes, BallIsClosedAndOnTheUnitSphere) {
     EXPECT_EQ(edges.count({from, to}), 1U);
     EXPECT_EQ(edges.count({to, from}), 1U) << "edge " << from << " " << to << " has no neighbour";
   }
+}
+
+TEST(Scenes, BallIsClosedAndOnTheUnitSphere) {
+  const Mesh mesh = ball(8, 5);
+  EXPECT_EQ(mesh.triangles().size(), 2U * 8 * (5 - 1));
+  for (const Vec3& p : mesh.positions()) EXPECT_NEAR(length(p), 1, 4e-16);
+  expect_closed(mesh);
+}
+
+TEST(Scenes, RingIsClosedAndOnItsTube) {
+  const Mesh mesh = ring(7, 5, 0.25);
+  EXPECT_EQ(mesh.triangles().size(), 2U * 7 * 5);
+  for (const Vec3& p : mesh.positions()) EXPECT_NEAR(std::hypot(std::hypot(p.x, p.y) - 1, p.z), 0.25, 1e-15);
+  expect_closed(mesh);
+  const Corners& first = mesh.triangles()[0];
+  const Vec3 &a = mesh.positions()[first[0]], &b = mesh.positions()[first[1]], &c = mesh.positions()[first[2]];
+  EXPECT_GT(dot(cross(b - a, c - a), a - Vec3{1, 0, 0}), 0) << "faces inward";
 }
 
 TEST(Scenes, SineAndCosineAreAccurate) {

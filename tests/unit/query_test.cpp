@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scenes/scenes.h"
+#include "support/brute_force.h"
 #include "support/engines.h"
 #include "support/random_geometry.h"
 
@@ -211,6 +212,21 @@ TYPED_TEST(Query, EqualsBruteForceOnLatticeAndUniformSoups) {
     ASSERT_NEAR(this->distance(a, b).upper, truth, 1e-15) << "case " << i;
     ASSERT_EQ(this->distance(a, b).upper == 0, truth == 0) << "case " << i;
     ASSERT_EQ(this->collide(a, b).collision, truth == 0) << "case " << i;
+  }
+}
+
+TYPED_TEST(Query, FindsTheClosestOfManyNearlyClosestPairs) {
+  const Mesh ring = scenes::ring(32, 8, 0.1);  // surfaces alongside each other over a long way
+  const typename TestFixture::Model model(ring);
+  for (std::uint32_t index = 0; index < 8; ++index) {
+    const Transform pose = scenes::linked_ring(index);
+    const double truth = brute_force_distance({ring}, {ring, pose});
+    const DistanceResult exact = this->distance(model, model, pose);
+    EXPECT_NEAR(exact.upper, truth, 1e-14);
+    const DistanceResult close = this->distance(model, model, pose, {.relative_error = 0.01});
+    EXPECT_LE(close.lower, truth);
+    EXPECT_GE(close.upper, truth);
+    EXPECT_LE(close.upper, 1.01 * truth);
   }
 }
 
