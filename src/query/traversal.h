@@ -336,8 +336,8 @@ class Traversal {
     }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      if (Goal::takes_any) return push(e, e.kept.all);
-      return push_nearest_last(e);
+      const bool finds_nearest = !Goal::takes_any && (descends_ || steps_ >= worth_ordering);
+      return finds_nearest ? push_nearest_last(e) : push(e, e.kept.all);
     }
     push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
@@ -355,12 +355,12 @@ class Traversal {
   /// The nearest child last, so that it is the first of those whose bounds are about the same. As long as no triangles
   /// have been compared, the way goes straight down to it.
   void push_nearest_last(const Expansion& e) {
-    std::uint32_t least = ~0U;  // the bound, positive, but for its last bits the slot
+    std::uint64_t least = ~std::uint64_t{0};  // the bits of the bound, which is positive, and the slot
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
-      least = std::min(least, std::bit_cast<std::uint32_t>(e.order[child]) / bvh::width * bvh::width + child);
+      least = std::min(least, std::uint64_t{std::bit_cast<std::uint32_t>(e.order[child])} * bvh::width + child);
     }
-    const std::uint32_t nearest = least % bvh::width;
+    const auto nearest = static_cast<std::uint32_t>(least % bvh::width);
     push(e, e.kept.all & ~(1U << nearest));
     descends_ ? queue_.push_first(child_pair(e, nearest)) : queue_.push(child_pair(e, nearest));
   }
@@ -475,6 +475,8 @@ class Traversal {
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
+  // A query orders the children of a node from this step on: in shorter ones that costs more than it saves.
+  static constexpr std::uint64_t worth_ordering = 1024;
   // A front is resumed if less than this part of it has to be compared again.
   static constexpr double worth_resuming = 0.5;
   // Larger squared ratios of units leave the range of float32.
