@@ -222,7 +222,6 @@ Mesh ball(std::uint32_t slices, std::uint32_t stacks) {
   return made(std::move(positions), std::move(triangles));
 }
 
-Mesh thesis_square() { return grid(64, 64, -4, -4, 0.125, 0.125); }
 Mesh ring(std::uint32_t around, std::uint32_t across, double tube) {
   std::vector<Vec3> circle;  // points of the section, in the half plane of x and z
   for (std::uint32_t j = 0; j < across; ++j) {
@@ -246,6 +245,7 @@ Mesh ring(std::uint32_t around, std::uint32_t across, double tube) {
   return made(std::move(positions), std::move(triangles));
 }
 
+Mesh thesis_square() { return grid(64, 64, -4, -4, 0.125, 0.125); }
 Mesh thesis_ball() { return ball(32, 17); }
 Mesh thesis_sheet() { return grid(100, 100, 0, 0, 1, 1); }
 

@@ -49,7 +49,7 @@ Mesh ball(std::uint32_t slices, std::uint32_t stacks);
 /// A ring around the z axis: a tube of radius `tube` along the unit circle in the plane z = 0, `around` by `across`
 /// squares of two triangles each.
 ///
-/// Pre      around >= 3, across >= 3, 0 < tube < 1.
+/// Pre      around >= 3, across >= 3, around * across < 2^32; 0 < tube < 1.
 Mesh ring(std::uint32_t around, std::uint32_t across, double tube);
 
 Mesh thesis_square();  ///< 8 x 8 units around the origin, 8192 triangles

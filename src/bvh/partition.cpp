@@ -3,12 +3,12 @@
 #include "bvh/partition.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <iterator>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "core/check.h"
 #include "core/parallel.h"
@@ -17,11 +17,11 @@
 namespace limber::bvh {
 namespace {
 
-// Primitives below which another task costs more than it saves.
+// Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
 constexpr std::size_t worth_a_task = 2048;
 
-// Triangles in one part of a bounding box.
-constexpr std::size_t triangles_per_box = 4096;
+// Triangles in one part of a bounding box at least, and most parts.
+constexpr std::size_t triangles_per_box = 4096, most_boxes = 64;
 
 // Primitives among which the median is found at once.
 constexpr std::size_t few = 512;
@@ -236,11 +236,12 @@ void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange&
 
 BoundingBox bounding_box_of(MeshView mesh) {
   const std::size_t count = mesh.triangles.size();
-  std::vector<BoundingBox> boxes((count + triangles_per_box - 1) / triangles_per_box);
-  core::parallel_for_ranges(count, triangles_per_box, [&](std::size_t begin, std::size_t end) {
+  const std::size_t size = std::max(triangles_per_box, (count + most_boxes - 1) / most_boxes);
+  std::array<BoundingBox, most_boxes> boxes;  // no vector: commits must not allocate
+  core::parallel_for_ranges(count, size, [&](std::size_t begin, std::size_t end) {
     BoundingBox box;  // a local variable stays in registers
     for (std::size_t t = begin; t < end; ++t) box.add(mesh.triangle(static_cast<TriangleId>(t)));
-    boxes[begin / triangles_per_box] = box;
+    boxes[begin / size] = box;
   });
   BoundingBox all;
   for (const BoundingBox& box : boxes) all.add(box);

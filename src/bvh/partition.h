@@ -111,6 +111,7 @@ class BoundingBox {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec3 low_{infinity, infinity, infinity}, high_{-infinity, -infinity, -infinity};
 };
+/// The same on any number of threads. Allocates nothing.
 BoundingBox bounding_box_of(MeshView mesh);
 
 /// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.

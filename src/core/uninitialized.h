@@ -13,14 +13,18 @@ namespace limber::core {
 /// setting them to zeros. So the threads that write them are the first to touch their memory.
 template <typename T>
 struct UninitializedAllocator : std::allocator<T> {
-  static_assert(std::is_trivially_default_constructible_v<T>);
   template <typename U>
   struct rebind {
     using other = UninitializedAllocator<U>;
   };
 
+  UninitializedAllocator() = default;
+  template <typename U>
+  UninitializedAllocator(const UninitializedAllocator<U>&) noexcept {}
+
   template <typename U>
   void construct(U* place) noexcept {
+    static_assert(std::is_trivially_default_constructible_v<U>);
     ::new (static_cast<void*>(place)) U;
   }
   template <typename U, typename... Args>

@@ -336,7 +336,7 @@ class Traversal {
     }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      const bool finds_nearest = !Goal::takes_any && (descends_ || steps_ >= worth_ordering);
+      const bool finds_nearest = !Goal::takes_any && (descends_ || steps_ >= nearest_last_from_step);
       return finds_nearest ? push_nearest_last(e) : push(e, e.kept.all);
     }
     push(e, e.kept.all & ~overlapping);
@@ -352,9 +352,10 @@ class Traversal {
     }
   }
 
-  /// The nearest child last, so that it is the first of those whose bounds are about the same. As long as no triangles
-  /// have been compared, the way goes straight down to it.
+  /// Pushes the nearest child last, so that it is popped before its siblings of the same bucket. Until triangles have
+  /// been compared it goes to the stack: depth first. Pre: children are kept, none of them overlaps.
   void push_nearest_last(const Expansion& e) {
+    LIMBER_ASSERT(e.kept.all != 0 && e.kept.overlapping == 0);
     std::uint64_t least = ~std::uint64_t{0};  // the bits of the bound, which is positive, and the slot
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
@@ -362,7 +363,11 @@ class Traversal {
     }
     const auto nearest = static_cast<std::uint32_t>(least % bvh::width);
     push(e, e.kept.all & ~(1U << nearest));
-    descends_ ? queue_.push_first(child_pair(e, nearest)) : queue_.push(child_pair(e, nearest));
+    if (descends_) {
+      queue_.push_first(child_pair(e, nearest));
+    } else {
+      queue_.push(child_pair(e, nearest));
+    }
   }
 
   void push(const Expansion& e, unsigned children) {
@@ -475,8 +480,9 @@ class Traversal {
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
-  // A query orders the children of a node from this step on: in shorter ones that costs more than it saves.
-  static constexpr std::uint64_t worth_ordering = 1024;
+  // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
+  // than it saves (docs/design/fast_engine.md).
+  static constexpr std::uint64_t nearest_last_from_step = 1024;
   // A front is resumed if less than this part of it has to be compared again.
   static constexpr double worth_resuming = 0.5;
   // Larger squared ratios of units leave the range of float32.

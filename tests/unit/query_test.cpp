@@ -170,7 +170,7 @@ TEST(Queries, FindTheClosestOfManyNearlyClosestPairs) {
     EXPECT_LE(close.lower, truth);
     EXPECT_GE(close.upper, truth);
     EXPECT_LE(close.upper, 1.01 * truth);
-    // Long queries order the children of nodes.
+    // So long that the order of children changes on the way.
     EXPECT_GT(exact.stats.node_tests, 10'000U) << index;
   }
 }

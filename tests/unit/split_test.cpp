@@ -101,5 +101,26 @@ TEST(Split, FindsTheMedianOfAnyCoordinatesInStepsOfAnySize) {
   }
 }
 
+/// All at the origin but one, which is larger.
+Mesh mesh_with_one_larger(std::size_t count, std::size_t larger) {
+  std::vector<Corners> triangles(count, {0, 0, 0});
+  triangles[larger] = {1, 2, 3};
+  return Mesh::create(std::vector<Vec3>{{}, {3, 0, 0}, {0, 40, 0}, {0, 0, -500}}, std::move(triangles)).value();
+}
+
+TEST(BoundingBox, HasAllTrianglesWhereverTheyAre) {
+  for (const std::size_t count : {1U, 4096U, 4097U, 10'000U, 300'001U}) {
+    for (const std::size_t larger : {std::size_t{0}, count / 2, count - 1}) {
+      const Mesh mesh = mesh_with_one_larger(count, larger);
+      bvh::BoundingBox expected;
+      for (std::size_t t = 0; t < count; ++t) expected.add(mesh.view().triangle(static_cast<TriangleId>(t)));
+      const bvh::BoundingBox box = bvh::bounding_box_of(mesh.view());
+      EXPECT_EQ(box.center(), expected.center()) << count << " " << larger;
+      EXPECT_EQ(box.unit(), expected.unit()) << count << " " << larger;
+      EXPECT_EQ(box.center().z, -250);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber::testing
