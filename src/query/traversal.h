@@ -353,8 +353,9 @@ class Traversal {
   }
 
   /// Pushes the nearest child last, so that it is popped before its siblings of the same bucket. Until triangles have
-  /// been compared it goes to the stack: depth first. Pre: children are kept, none of them overlaps.
-  void push_nearest_last(const Expansion& e) {
+  /// been compared it goes to the stack: depth first. Not inlined: shorter queries should not pay for it. Pre: children
+  /// are kept, none of them overlaps.
+  [[gnu::noinline]] void push_nearest_last(const Expansion& e) {
     LIMBER_ASSERT(e.kept.all != 0 && e.kept.overlapping == 0);
     std::uint64_t least = ~std::uint64_t{0};  // the bits of the bound, which is positive, and the slot
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
