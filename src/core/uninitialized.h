@@ -13,11 +13,6 @@ namespace limber::core {
 /// setting them to zeros. So the threads that write them are the first to touch their memory.
 template <typename T>
 struct UninitializedAllocator : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = UninitializedAllocator<U>;
-  };
-
   UninitializedAllocator() = default;
   template <typename U>
   UninitializedAllocator(const UninitializedAllocator<U>&) noexcept {}
