@@ -18,10 +18,10 @@ namespace limber::bvh {
 namespace {
 
 // Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
-constexpr std::size_t worth_a_task = 2048;
+constexpr std::size_t worth_a_task = 8192;
 
 // Triangles in one part of a bounding box at least, and most parts.
-constexpr std::size_t triangles_per_box = 4096, most_boxes = 64;
+constexpr std::size_t triangles_per_box = 8192, most_boxes = 64;
 
 // Primitives among which the median is found at once.
 constexpr std::size_t few = 512;

@@ -109,7 +109,7 @@ Mesh mesh_with_one_larger(std::size_t count, std::size_t larger) {
 }
 
 TEST(BoundingBox, HasAllTrianglesWhereverTheyAre) {
-  for (const std::size_t count : {1U, 4096U, 4097U, 10'000U, 300'001U}) {
+  for (const std::size_t count : {1U, 8192U, 8193U, 20'000U, 600'001U}) {
     for (const std::size_t larger : {std::size_t{0}, count / 2, count - 1}) {
       const Mesh mesh = mesh_with_one_larger(count, larger);
       bvh::BoundingBox expected;
