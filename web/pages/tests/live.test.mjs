@@ -106,7 +106,8 @@ for (const [width, scheme] of [
     assert.ok(seen.drawn > 0.02 && seen.drawn < 0.98, `${seen.drawn} of the view is drawn`);
     assert.ok((await page.evaluate(() => document.scrollingElement.scrollWidth)) <= width, 'the page is too wide');
     const before = await upper(page);
-    assert.ok(before > 0 && before < 0.5, `${before}`); // the sheet swings, so it depends on when it is read
+    // The sheet swings, so it depends on when it is read; where the sheet has swung into the body it is 0.
+    assert.ok(before >= 0 && before < 0.5, `${before}`);
     await otherThan(page, before);
     await page.click('#self');
     await page.click('#pluck');
