@@ -20,7 +20,7 @@ namespace {
 // Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
 constexpr std::size_t worth_a_task = 8192;
 
-// Triangles in one part of a bounding box at least, and most parts.
+// A bounding box is found in parts: of at least so many triangles each, and at most so many.
 constexpr std::size_t triangles_per_box = 8192, most_boxes = 64;
 
 // Primitives among which the median is found at once.

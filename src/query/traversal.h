@@ -336,8 +336,9 @@ class Traversal {
     }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      const bool finds_nearest = !Goal::takes_any && (descends_ || steps_ >= nearest_last_from_step);
-      return finds_nearest ? push_nearest_last(e) : push(e, e.kept.all);
+      if (!Goal::takes_any && descends_) return descend(e);
+      if (!Goal::takes_any && steps_ >= nearest_last_from_step) return push_nearest_last(e);
+      return push(e, e.kept.all);
     }
     push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
@@ -352,23 +353,28 @@ class Traversal {
     }
   }
 
-  /// Pushes the nearest child last, so that it is popped before its siblings of the same bucket. Until triangles have
-  /// been compared it goes to the stack: depth first. Not inlined: shorter queries should not pay for it. Pre: children
-  /// are kept, none of them overlaps.
-  [[gnu::noinline]] void push_nearest_last(const Expansion& e) {
-    LIMBER_ASSERT(e.kept.all != 0 && e.kept.overlapping == 0);
-    std::uint64_t least = ~std::uint64_t{0};  // the bits of the bound, which is positive, and the slot
+  std::uint32_t nearest_child(const Expansion& e) const {
+    auto nearest = static_cast<std::uint32_t>(std::countr_zero(e.kept.all));
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
-      least = std::min(least, std::uint64_t{std::bit_cast<std::uint32_t>(e.order[child])} * bvh::width + child);
+      if (e.order[child] < e.order[nearest]) nearest = child;
     }
-    const auto nearest = static_cast<std::uint32_t>(least % bvh::width);
+    return nearest;
+  }
+
+  /// Straight down, to the nearest child, as long as no triangles have been compared.
+  void descend(const Expansion& e) {
+    const std::uint32_t nearest = nearest_child(e);
     push(e, e.kept.all & ~(1U << nearest));
-    if (descends_) {
-      queue_.push_first(child_pair(e, nearest));
-    } else {
-      queue_.push(child_pair(e, nearest));
-    }
+    queue_.push_first(child_pair(e, nearest));
+  }
+
+  /// Pushes the nearest child last, so that it is popped before its siblings of the same bucket. Not inlined: shorter
+  /// queries should not pay for it.
+  [[gnu::noinline]] void push_nearest_last(const Expansion& e) {
+    const std::uint32_t nearest = nearest_child(e);
+    push(e, e.kept.all & ~(1U << nearest));
+    queue_.push(child_pair(e, nearest));
   }
 
   void push(const Expansion& e, unsigned children) {
