@@ -15,6 +15,7 @@
 #include "query/frames.h"
 #include "query/front.h"
 #include "query/goals/improvement.h"
+#include "query/likely_pair.h"
 #include "query/placed_leaf.h"
 #include "query/placed_models.h"
 #include "query/pruning.h"
@@ -49,6 +50,7 @@ class Traversal {
   /// Begins with the two roots, or where the front ended if that saves work. `front` is null unless one is recorded.
   void start(double root_bound, Front* front) {
     queue_.clear();
+    if constexpr (can_guess) prepare_guess();
     if constexpr (Goal::is_self) {
       static_assert(!has_front && Goal::needs_all);
       next_node_ = static_cast<std::uint32_t>(placed_.tree(Side::a).nodes.size());
@@ -79,6 +81,9 @@ class Traversal {
     update_limits();
     Expansion e;
     e.pair = queue_.pop();
+    if constexpr (can_guess) {
+      if (guess_ == Guess::due && e.pair.bound_sq < limit_sq_[0]) guess(), update_limits();
+    }
     if (has_front && e.pair.child == NodePair::whole_record ? expand_record(e) : expand(e)) compare_children(e);
     return true;
   }
@@ -109,6 +114,9 @@ class Traversal {
   double margin_cost() const { return margin_cost_; }
 
  private:
+  static constexpr bool can_guess = TakesPoints<Goal>;
+  enum class Guess : std::uint8_t { none, due, made };
+
   /// The expansion of one node of a pair: its children are compared with the other node.
   struct Expansion {
     Side side;  // of the slot of `pair` that is expanded
@@ -439,6 +447,30 @@ class Traversal {
     pruning_.forget_direction();
   }
 
+  /// Whether to guess. A pair from the last query is as good. Where all pairs beyond a limit are pruned, a close pair
+  /// saves nothing until one within the limit is found.
+  void prepare_guess() {
+    if (std::isinf(pruning_.distance())) guess_ = Guess::due;
+    if (pruning_.distance() < goal_.initial_prune_distance() || meter_.is_limited()) guess_ = Guess::made;
+  }
+
+  /// Compares two triangles that are likely to be the closest, where one model is flat.
+  [[gnu::noinline]] void guess() {
+    const bool is_first = guess_near_[0] == bvh::root && guess_near_[1] == bvh::root;
+    const std::optional<FlatPart> part = flat_part(placed_, guess_near_[0], guess_near_[1]);
+    // Before any triangles have been compared it is worth it only if the models may well be apart.
+    const bool is_worth_it = part && (!is_first || part->room >= least_room * part->radius);
+    guess_ = is_first && !is_worth_it ? Guess::none : Guess::made;
+    if (!is_worth_it) return;
+    const std::optional<TrianglePair> likely = likely_pair(placed_, *part, stats_);
+    if (!likely) return;
+    descends_ = false;
+    ++stats_.triangle_tests;
+    const PlacedTriangle a{likely->a, placed_.triangle(Side::a, likely->a)};
+    const PlacedTriangle b{likely->b, placed_.triangle(Side::b, likely->b)};
+    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement);
+  }
+
   /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
   /// lower bound of their distance, which may be above the prune distance.
   bool compare_leaves(const NodePair& pair, double& apart) requires(!ComparesLeaves<Goal>) {
@@ -478,6 +510,13 @@ class Traversal {
       }
       if (meter_.cuts_short(steps_)) return false;
     }
+    if constexpr (can_guess) {
+      const bool has_found_any = pruning_.has_direction() && pruning_.distance() < goal_.initial_prune_distance();
+      if (guess_ == Guess::none && has_found_any) {
+        guess_near_[0] = leaf_slot(Side::a, pair), guess_near_[1] = leaf_slot(Side::b, pair);
+        guess_ = Guess::due;
+      }
+    }
     return !goal_.is_done();
   }
 
@@ -490,6 +529,8 @@ class Traversal {
   // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
   // than it saves (docs/design/fast_engine.md).
   static constexpr std::uint64_t nearest_last_from_step = 1024;
+  // Room between a flat part and the other model, in radii of the latter, from which on triangles are guessed at once.
+  static constexpr double least_room = -3. / 8;
   // A front is resumed if less than this part of it has to be compared again.
   static constexpr double worth_resuming = 0.5;
   // Larger squared ratios of units leave the range of float32.
@@ -512,7 +553,9 @@ class Traversal {
   std::uint32_t next_node_ = 0;         // for one model: after the node whose child slots are compared next
   int idle_expansions_ = 0, wasted_aims_ = 0;
   bool has_aimed_ = false;  // whether the search direction is one that aim() has chosen
-  bool descends_ = true;    // until triangles have been compared
+  Guess guess_ = Guess::none;
+  bvh::SlotId guess_near_[2] = {bvh::root, bvh::root};  // where to look for a likely pair
+  bool descends_ = true;                                // until triangles have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;
 };

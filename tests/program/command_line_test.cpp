@@ -123,7 +123,7 @@ TEST(ProgramClearance, IsDecidedExactlyWhateverTheErrors) {
   }
   // Far from the clearance the errors save work: the answer stays an interval.
   EXPECT_EQ(ask("0.1", {"--relative-error", "1"})["status"], "within_error");
-  EXPECT_EQ(ask(above, {"--relative-error", "1"})["status"], "exact");
+  EXPECT_EQ(ask(below, {"--relative-error", "1"})["status"], "exact");
   const Words text = {"distance", "scene:ball", "scene:square", "--pose-a", "0,0,3,1,0,0,0", "--min-clearance"};
   const auto line_of = [&](const std::string& clearance) {
     Words words = text;

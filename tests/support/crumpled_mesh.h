@@ -21,8 +21,10 @@ inline double some_margin(Rng& rng, double size) {
 inline Mesh crumpled(Rng& rng) {
   const std::uint64_t kind = rng.below(6);
   if (kind == 5) return arbitrary_scene(rng).mesh_a;
-  const Mesh mesh = kind < 2 ? scenes::ball(some(rng, 3, 6), some(rng, 2, 5))
-                             : scenes::grid(some(rng, 1, 8), some(rng, 1, 8), -2, -2, 0.5, 0.5);
+  // One after the other, so that all compilers make the same meshes.
+  const std::uint32_t n = kind < 2 ? some(rng, 2, 5) : some(rng, 1, 8);
+  const std::uint32_t m = kind < 2 ? some(rng, 3, 6) : some(rng, 1, 8);
+  const Mesh mesh = kind < 2 ? scenes::ball(m, n) : scenes::grid(m, n, -2, -2, 0.5, 0.5);
   std::vector<Vec3> positions = mesh.positions();
   const double step = std::pow(10.0, rng.uniform(-3, 0.5));
   for (Vec3& p : positions) {
@@ -37,9 +39,9 @@ inline Mesh crumpled(Rng& rng) {
     if (rng.below(40) == 0) c[rng.below(3)] = static_cast<VertexId>(rng.below(positions.size()));
   }
   if (rng.below(3) == 0) triangles.push_back(triangles[rng.below(triangles.size())]);
-  return moved(Mesh::create(std::move(positions), std::move(triangles)).value(),
-               rng.below(4) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{},
-               rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1);
+  const double scale = rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1;
+  const Vec3 offset = rng.below(4) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{};
+  return moved(Mesh::create(std::move(positions), std::move(triangles)).value(), offset, scale);
 }
 
 inline double extent_of(const Mesh& mesh) {

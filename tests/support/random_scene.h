@@ -42,7 +42,8 @@ inline std::uint32_t some(Rng& rng, std::uint32_t least, std::uint32_t more) {
 
 /// A small sheet with bumps.
 inline Mesh dented_sheet(Rng& rng) {
-  const Mesh flat = scenes::grid(some(rng, 1, 8), some(rng, 1, 8), -2, -2, 0.5, 0.5);
+  const std::uint32_t ny = some(rng, 1, 8), nx = some(rng, 1, 8);  // one after the other: the same on all compilers
+  const Mesh flat = scenes::grid(nx, ny, -2, -2, 0.5, 0.5);
   std::vector<Vec3> positions = flat.positions();
   for (Vec3& p : positions) p.z = 0.3 * rng.uniform(-1, 1);
   return Mesh::create(std::move(positions), flat.triangles()).value();
@@ -51,8 +52,11 @@ inline Mesh dented_sheet(Rng& rng) {
 /// A mesh of one kind, moved far from its origin or scaled by a power of two now and then.
 inline Mesh arbitrary_mesh(Rng& rng, std::size_t most, const Vec3& offset, double scale) {
   const std::uint64_t kind = rng.below(8);
-  if (kind >= 6)
-    return moved(kind == 6 ? scenes::ball(some(rng, 3, 8), some(rng, 2, 5)) : dented_sheet(rng), offset, scale);
+  if (kind == 6) {
+    const std::uint32_t rings = some(rng, 2, 5), segments = some(rng, 3, 8);
+    return moved(scenes::ball(segments, rings), offset, scale);
+  }
+  if (kind > 6) return moved(dented_sheet(rng), offset, scale);
   std::vector<Triangle> triangles;
   for (std::size_t i = 0, count = 1 + rng.below(most); i < count; ++i) {
     triangles.push_back(arbitrary_triangle(rng, kind));
