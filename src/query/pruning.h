@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/check.h"
 #include "core/error_bounds.h"
@@ -68,14 +69,14 @@ class Pruning {
     // local_gap_error times the error of placing.
     const double gap =
         offset_ - a.support(slot_a, out_of_a_, direction_number_) - b.support(slot_b, out_of_b_, direction_number_);
-    const double rounding = core::local_gap_error * placed_.error();
-    // Where ties are compared, what is pruned must not even be computed to be nearer.
-    if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
-    if (gap < distance() - rounding) return false;
-    // As far apart as the best, or as the limit allows.
-    const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, core::tie_error * distance());
-    if (skips_ties_ && rounding <= tolerated && gap >= distance() - core::usual_part * rounding) return gap > rounding;
+    if (const std::optional<bool> is_pruned = prunes_gap(gap)) return *is_pruned;
     return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
+  }
+  /// Whether the same goes for all pairs of triangles of two leaves. May miss it.
+  bool prunes(PlacedLeaf& a, PlacedLeaf& b) const {
+    if (!has_direction()) return false;
+    const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
+    return prunes_gap(gap).value_or(false);
   }
 
  private:
@@ -103,6 +104,18 @@ class Pruning {
       b.normal[k] = a.other_normal[k] = static_cast<float>(out_of_b_[k]);
     }
     offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
+  }
+
+  /// Whether a gap along the search direction prunes; nullopt if rounding could change that.
+  std::optional<bool> prunes_gap(double gap) const {
+    const double rounding = core::local_gap_error * placed_.error();
+    // Where ties are compared, what is pruned must not even be computed to be nearer.
+    if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
+    if (gap < distance() - rounding) return false;
+    // As far apart as the best, or as the limit allows.
+    const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, core::tie_error * distance());
+    if (skips_ties_ && rounding <= tolerated && gap >= distance() - core::usual_part * rounding) return gap > rounding;
+    return std::nullopt;
   }
 
   /// The same as prunes() for placed triangles, relative to a corner of one of them: an offset that they share costs no

@@ -38,6 +38,7 @@ class Traversal {
   Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, BudgetMeter& meter, QueryStats& stats)
       : frames_(placed),
         placed_(placed),
+        placed_leaf_{{placed, Side::a}, {placed, Side::b}},
         pruning_(pruning),
         goal_(goal),
         meter_(meter),
@@ -468,7 +469,7 @@ class Traversal {
     ++stats_.triangle_tests;
     const PlacedTriangle a{likely->a, placed_.triangle(Side::a, likely->a)};
     const PlacedTriangle b{likely->b, placed_.triangle(Side::b, likely->b)};
-    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement);
+    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement), has_guessed_well_ = true;
   }
 
   /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
@@ -477,6 +478,11 @@ class Traversal {
     simd::Candidates found;
     const simd::OtherNode leaf_a = as_leaf(Side::a, pair), leaf_b = as_leaf(Side::b, pair);
     const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};
+    PlacedLeaf &a = placed_leaf_[0], &b = placed_leaf_[1];
+    a.take(self.a), b.take(self.b);
+    if constexpr (can_guess) {
+      if (has_guessed_well_ && pruning_.prunes(a, b)) return true;
+    }
     kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), pruning_.of(Side::a), Goal::is_self ? &self : nullptr,
                              has_front, found);
     descends_ = false;
@@ -492,7 +498,6 @@ class Traversal {
       if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
     }
     std::swap(found.pairs[0], found.pairs[nearest]);
-    PlacedLeaf a(placed_, Side::a, self.a), b(placed_, Side::b, self.b);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       if (goal_.is_done()) return false;
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
@@ -538,6 +543,7 @@ class Traversal {
 
   Frames frames_;
   const PlacedModels& placed_;
+  PlacedLeaf placed_leaf_[2];  // of the pair that was compared last
   Pruning& pruning_;
   Goal& goal_;
   BudgetMeter& meter_;
@@ -554,6 +560,7 @@ class Traversal {
   int idle_expansions_ = 0, wasted_aims_ = 0;
   bool has_aimed_ = false;  // whether the search direction is one that aim() has chosen
   Guess guess_ = Guess::none;
+  bool has_guessed_well_ = false;
   bvh::SlotId guess_near_[2] = {bvh::root, bvh::root};  // where to look for a likely pair
   bool descends_ = true;                                // until triangles have been compared
   Front* front_ = nullptr;

@@ -33,8 +33,10 @@ struct Scene {
       : a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})),
         b(soup({{{0, 0, height}, {1, 0, height}, {0, 1, height}}})),
         placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}}),
-        leaf_a(placed, Side::a, tree_of(a).leaves[0]),
-        leaf_b(placed, Side::b, tree_of(b).leaves[0]) {}
+        leaf_a(placed, Side::a),
+        leaf_b(placed, Side::b) {
+    leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
+  }
 
   bool is_pruned_after(const Improvement& improvement) {
     Pruning pruning(placed, 1000);
@@ -80,12 +82,68 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   ASSERT_GE(tree_of(b).drift, far / 2);
   const PlacedModels placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
   ASSERT_LT(distance - height, core::usual_part * core::local_gap_error * placed.error());
-  PlacedLeaf leaf_a(placed, Side::a, tree_of(a).leaves[0]), leaf_b(placed, Side::b, tree_of(b).leaves[0]);
+  PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
+  leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   Pruning pruning(placed, 2 * distance);
   pruning.improve({distance, distance, {0, 0, 1}});
   EXPECT_FALSE(pruning.prunes(leaf_a, 0, leaf_b, 0));
   pruning.improve({height, height, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));
+}
+
+TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
+  const Triangle flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, hill{{0, 0, 0}, {1, 0, 0.25}, {0, 1, 0}};
+  const auto at = [](Triangle t, double height) {
+    for (Vec3* v : {&t.v0, &t.v1, &t.v2}) v->z += height;
+    return t;
+  };
+  const Model a(soup({flat, hill})), b(soup({at(flat, 1), at(flat, 2), at(flat, 3)}));
+  const PlacedModels placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
+  PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
+  leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
+  Pruning pruning(placed, 1000);
+  EXPECT_FALSE(pruning.prunes(leaf_a, leaf_b));  // no direction yet
+  pruning.improve({1, 1, {0, 0, 1}});
+  EXPECT_FALSE(pruning.prunes(leaf_a, leaf_b));
+  EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));  // a tie
+  pruning.improve({0.75 + 0x1p-30, 0.75 + 0x1p-30, {0, 0, 1}});
+  EXPECT_FALSE(pruning.prunes(leaf_a, leaf_b));
+  pruning.improve({0.75, 0.75, {0, 0, 1}});
+  EXPECT_TRUE(pruning.prunes(leaf_a, leaf_b));  // a tie
+  pruning.aim({0, 1, 0});
+  EXPECT_FALSE(pruning.prunes(leaf_a, leaf_b));
+  pruning.aim({0, 0, 1});
+  EXPECT_TRUE(pruning.prunes(leaf_a, leaf_b));
+}
+
+TEST(Pruning, PrunesNoLeavesThatMayBeAsNearAsTheErrorAllows) {
+  Scene scene(1);
+  Pruning pruning(scene.placed, 1000);
+  pruning.improve({2, 1, {0, 0, 1}});
+  EXPECT_FALSE(pruning.prunes(scene.leaf_a, scene.leaf_b));
+}
+
+TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
+  std::vector<Triangle> triangles;
+  for (int k = 0; k < 64; ++k)
+    triangles.push_back({{3.0 * k, 0, 0.1 * k}, {3.0 * k + 1, 0, 0.1 * k}, {3.0 * k, 1, 0.1 * k}});
+  const Model stairs(soup(triangles)), roof(soup({{{0, 0, 10}, {200, 0, 10}, {0, 1, 10}}}));
+  const PlacedModels placed({stairs, {{}, {1, 2, 3}}}, {roof, {{}, {1, 2, 3}}});
+  PlacedLeaf leaf(placed, Side::a), leaf_b(placed, Side::b);
+  leaf_b.take(tree_of(roof).leaves[0]);
+  Pruning pruning(placed, 1000);
+  pruning.improve({6, 6, {0, 0, 1}});
+  int pruned = 0;
+  for (const bvh::Leaf& l : tree_of(stairs).leaves) {
+    double most = 0;
+    for (const TriangleId t : l.triangle) most = std::max(most, triangles[t].v0.z);
+    leaf.take(l);
+    ASSERT_EQ(pruning.prunes(leaf, leaf_b), 10 - most > 6) << most;
+    ASSERT_EQ(leaf.at(7).corners.v0, triangles[l.triangle[7]].v0 + (Vec3{1, 2, 3}));
+    pruned += 10 - most > 6 ? 1 : 0;
+  }
+  EXPECT_GT(pruned, 2);
+  EXPECT_LT(pruned, 7);
 }
 
 TEST(Pruning, ComparesWhatMayBeWithinTheLimit) {
