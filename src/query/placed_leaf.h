@@ -68,7 +68,8 @@ class PlacedLeaf {
   unsigned placed_slots_ = 0, supported_slots_ = 0;  // bit masks
   std::uint32_t direction_number_ = 0;
   bool has_support_ = false;
-  double support_, supports_[bvh::width];
+  double support_ = 0;
+  double supports_[bvh::width];
   union {
     PlacedTriangle triangles[bvh::width];  // uninitialized until they are placed
   };

@@ -125,6 +125,7 @@ TEST(Pruning, PrunesNoLeavesThatMayBeAsNearAsTheErrorAllows) {
 
 TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   std::vector<Triangle> triangles;
+  triangles.reserve(64);
   for (int k = 0; k < 64; ++k)
     triangles.push_back({{3.0 * k, 0, 0.1 * k}, {3.0 * k + 1, 0, 0.1 * k}, {3.0 * k, 1, 0.1 * k}});
   const Model stairs(soup(triangles)), roof(soup({{{0, 0, 10}, {200, 0, 10}, {0, 1, 10}}}));
