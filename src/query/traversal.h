@@ -38,12 +38,12 @@ class Traversal {
   Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, BudgetMeter& meter, QueryStats& stats)
       : frames_(placed),
         placed_(placed),
-        placed_leaf_{{placed, Side::a}, {placed, Side::b}},
         pruning_(pruning),
         goal_(goal),
         meter_(meter),
         stats_(stats),
-        kernels_(simd::kernels()) {
+        kernels_(simd::kernels()),
+        placed_leaf_{{placed, Side::a}, {placed, Side::b}} {
     const double ratio = placed.tree(Side::b).unit / placed.tree(Side::a).unit;
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
@@ -543,7 +543,6 @@ class Traversal {
 
   Frames frames_;
   const PlacedModels& placed_;
-  PlacedLeaf placed_leaf_[2];  // of the pair that was compared last
   Pruning& pruning_;
   Goal& goal_;
   BudgetMeter& meter_;
@@ -565,6 +564,7 @@ class Traversal {
   bool descends_ = true;                                // until triangles have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;
+  PlacedLeaf placed_leaf_[2];  // of the pair that was compared last
 };
 
 }  // namespace limber::query
