@@ -6,7 +6,7 @@ add_library(limber_options INTERFACE)
 target_compile_features(limber_options INTERFACE cxx_std_20)
 # Exactness claims need the operations as written: no contraction into fused multiply-adds.
 target_compile_options(limber_options INTERFACE
-  -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor
+  -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor
   $<$<BOOL:${LIMBER_WARNINGS_AS_ERRORS}>:-Werror>)
 # Clang's -Wconversion for C++ includes changes of sign; GCC's does not.
 target_compile_options(limber_options INTERFACE -Wno-sign-conversion)

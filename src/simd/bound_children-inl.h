@@ -10,6 +10,8 @@
 #define LIMBER_SIMD_BOUND_CHILDREN_INL_H
 #endif
 
+#include <limits>
+
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
@@ -22,6 +24,8 @@ namespace {
 
 // Against divisions by 0. A divisor that is too large only lowers a bound.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
+// The least limit that a query has: of one that looks for contacts only.
+inline constexpr float smallest_limit_sq = std::numeric_limits<float>::min();
 
 /// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
 /// `bound_sq` to the squared bound along it, for all children.
@@ -42,58 +46,102 @@ LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& dire
   return (deficit > zero()) & (needed >= across * across * Packet::set(core::squares_down));
 }
 
-/// Squared gap of the spheres, or of the boxes along the axes of the children.
-LIMBER_KERNEL Packet sphere_and_box_sq(const NodePairs& p, const Packet3& other_half) {
-  const Packet x = max(abs(p.d.x) - p.half.x - other_half.x, zero());
-  const Packet y = max(abs(p.d.y) - p.half.y - other_half.y, zero());
-  const Packet z = max(abs(p.d.z) - p.half.z - other_half.z, zero());
-  return max(gap_sq(p.sphere_gap, zero()), x * x + y * y + z * z);
+/// Gaps along three axes, negative where the boxes overlap.
+LIMBER_KERNEL Packet3 box_gaps(const NodePairs& p, const ProjectedNode& other) {
+  const Packet3 half_o = broadcast(other.half);
+  return {abs(p.d.x) - p.half.x - half_o.x, abs(p.d.y) - p.half.y - half_o.y, abs(p.d.z) - p.half.z - half_o.z};
+}
+/// The same along the axes of the other node's own frame.
+LIMBER_KERNEL Packet3 own_box_gaps(const NodePairs& p, const ProjectedNode& other, const FrameTransform& transform) {
+  const auto gap = [&](int k) {
+    const Packet half = dot(p.half, broadcast(transform.rotation_abs[k]));
+    return abs(dot(p.d, broadcast(transform.rotation[k]))) - half - Packet::set(other.own_half[k]);
+  };
+  return {gap(0), gap(1), gap(2)};
 }
 
-/// Squared gap along the normal of either slab, or along the line of centers. Names that end in _o are of the other,
-/// projected node.
-LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
-  const Packet radius_o = Packet::set(other.radius);
+/// Squared length of a vector with these components, negative ones counting as none.
+LIMBER_KERNEL Packet gap_sq(const Packet3& gaps) {
+  const Packet3 g{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
+  return dot(g, g);
+}
+
+/// Children and a projected node along the normal of either slab. Names that end in _o are of the other, projected
+/// node, or along its normal.
+struct Slabs {
+  Packet height_o, height, height_o_abs, height_abs;  // of the other center over that of the child
+  Cap near_o, near;                                   // the sides that face each other
+  Packet gap_o, gap;                                  // negative where they overlap
+};
+
+LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other) {
   const Packet3 normal_o = broadcast(other.normal);
   const Cap upper_o{Packet::set(other.high), Packet::set(other.rim_high)};
   const Cap lower_o{Packet::set(-other.low), Packet::set(other.rim_low)};
-  // Along either normal, together with the gap of the spheres across it.
   const Packet cosine = dot(p.normal, normal_o);
   const Packet3 crossed = cross(p.normal, normal_o);
   const Packet cosine_abs = abs(cosine), sine = sqrt(dot(crossed, crossed));
-  const Packet height_o = dot(p.d, normal_o), height = dot(p.d, p.normal);
-  const Packet height_o_abs = abs(height_o), height_abs = abs(height);
-  const Packet rounding = p.d_sq * Packet::set(core::across_error);
-  const Packet across_o = sqrt(max(p.d_sq - height_o * height_o - rounding, zero()));
-  const Packet across = sqrt(max(p.d_sq - height * height - rounding, zero()));
+  Slabs s;
+  s.height_o = dot(p.d, normal_o), s.height = dot(p.d, p.normal);
+  s.height_o_abs = abs(s.height_o), s.height_abs = abs(s.height);
   // Which side of a slab counts follows from the same comparisons as which side the other node is on: heights of 0,
   // and products that underflow, must not have it both ways.
-  const Mask is_above_o = height_o > zero(), is_above = height > zero(), is_acute = cosine > zero();
-  const Cap near_o = select(is_above_o, lower_o, upper_o), near = select(is_above, p.upper, p.lower);
-  const Packet support_along_o = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
-  const Packet support_o_along = support(radius_o, select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
-  const Packet best = max(gap_sq(height_o_abs - support_along_o - near_o.height, across_o - p.radius_sum),
-                          gap_sq(height_abs - near.height - support_o_along, across - p.radius_sum));
+  const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
+  s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
+  const Packet support_o = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
+  const Packet support_along =
+      support(Packet::set(other.radius), select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
+  s.gap_o = s.height_o_abs - support_o - s.near_o.height;
+  s.gap = s.height_abs - s.near.height - support_along;
+  return s;
+}
+
+/// Squared gap along the normal of either slab, or along the line of centers.
+LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
+  const Slabs s = compare_slabs(p, other);
+  // Along either normal, together with the gap of the spheres across it.
+  const Packet rounding = p.d_sq * Packet::set(core::across_error);
+  const Packet across_o = sqrt(max(p.d_sq - s.height_o * s.height_o - rounding, zero()));
+  const Packet across = sqrt(max(p.d_sq - s.height * s.height - rounding, zero()));
+  const Packet best = max(gap_sq(s.gap_o, across_o - p.radius_sum), gap_sq(s.gap, across - p.radius_sum));
   // Along the line of centers; products with `distance` instead of quotients. The sines are rounded down above; here
   // they have to be rounded up.
+  const Packet radius_o = Packet::set(other.radius);
   const Packet sine_rounding = p.distance * Packet::set(core::sine_error);
   const Packet support_times_d =
-      min(box_support(p.half, p.d), select(p.radius * height_abs <= near.height * p.distance, p.radius * p.distance,
-                                           near.height * height_abs + near.rim * (across + sine_rounding)));
-  const Packet support_o_times_d = select(radius_o * height_o_abs <= near_o.height * p.distance, radius_o * p.distance,
-                                          near_o.height * height_o_abs + near_o.rim * (across_o + sine_rounding));
+      min(box_support(p.half, p.d), select(p.radius * s.height_abs <= s.near.height * p.distance, p.radius * p.distance,
+                                           s.near.height * s.height_abs + s.near.rim * (across + sine_rounding)));
+  const Packet support_o_times_d =
+      select(radius_o * s.height_o_abs <= s.near_o.height * p.distance, radius_o * p.distance,
+             s.near_o.height * s.height_o_abs + s.near_o.rim * (across_o + sine_rounding));
   const Packet gap =
       max(p.d_sq - support_times_d - support_o_times_d, zero()) / max(p.distance, Packet::set(smallest_divisor));
   return max(best, gap * gap);
 }
 
-/// The same as bound_children() for the children `i` and following.
+/// Positive where the volumes are apart: the largest gap. What adds to a gap, and what takes long, is left out.
+LIMBER_KERNEL Packet largest_gap(const NodePairs& p, const ProjectedNode& other, const FrameTransform& transform) {
+  const Slabs s = compare_slabs(p, other);
+  const Packet3 boxes = box_gaps(p, other), own_boxes = own_box_gaps(p, other, transform);
+  const Packet of_boxes = max(max(boxes.x, boxes.y), max(boxes.z, max(max(own_boxes.x, own_boxes.y), own_boxes.z)));
+  return max(max(p.sphere_gap, of_boxes), max(s.gap_o, s.gap));
+}
+
+/// The same as bound_children() for the children `i` and following. With `overlap_only` the bounds themselves do not
+/// matter, only whether they are 0.
+template <bool overlap_only>
 LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint32_t i, const ProjectedNode& other,
-                                     const ProjectedDirection* direction, float limit_sq, float* order,
-                                     float* bound_sq) {
+                                     const FrameTransform& transform, const ProjectedDirection* direction,
+                                     float limit_sq, float* order, float* bound_sq) {
   const NodePairs p = pair_up(children, i, other);
   const Packet limit = Packet::set(limit_sq), down = Packet::set(core::squares_down);
-  const Packet best = max(sphere_and_box_sq(p, broadcast(other.half)), slab_sq(p, other)) * down;
+  Packet best;
+  if (overlap_only) {
+    best = largest_gap(p, other, transform);
+  } else {
+    const Packet of_boxes = max(gap_sq(box_gaps(p, other)), gap_sq(own_box_gaps(p, other, transform)));
+    best = max(max(gap_sq(p.sphere_gap, zero()), of_boxes), slab_sq(p, other)) * down;
+  }
   const Packet overlap = p.sphere_gap / max(p.radius_sum, Packet::set(smallest_radius_sum));
   select(best > zero(), best, min(overlap, zero())).store(order + i);
   unsigned kept = bits(best < limit);
@@ -112,10 +160,13 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::WideNode& node, const OtherNod
   ProjectedDirection direction;
   const bool has_direction = pruning.has_direction && pruning.distance * transform.per_unit < core::max_units / 2;
   if (has_direction) direction = project_direction(node, other, transform, pruning, center);
+  const bool overlap_only = limit_sq <= smallest_limit_sq && bound_sq == nullptr;
   KeptSlots kept{0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const ProjectedDirection* const along = has_direction ? &direction : nullptr;
     const KeptSlots these =
-        bound_packet(node.bounds, i, projected, has_direction ? &direction : nullptr, limit_sq, order, bound_sq);
+        overlap_only ? bound_packet<true>(node.bounds, i, projected, transform, along, limit_sq, order, bound_sq)
+                     : bound_packet<false>(node.bounds, i, projected, transform, along, limit_sq, order, bound_sq);
     kept.all |= these.all << i, kept.overlapping |= these.overlapping << i;
   }
   const unsigned used = (1U << node.child_count) - 1;

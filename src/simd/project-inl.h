@@ -32,7 +32,8 @@ namespace {
 /// errors and by how far vertices of both models are from their fitted positions.
 struct ProjectedNode {
   alignas(16) float center[4];
-  alignas(16) float half[4];  // along the axes of that frame
+  alignas(16) float half[4];      // along the axes of that frame
+  alignas(16) float own_half[4];  // along the axes of its own
   alignas(16) float normal[4];
   float radius, low, high, rim_low, rim_high;
 };
@@ -62,11 +63,10 @@ LIMBER_KERNEL void project_center(const bvh::WideNode& node, std::uint32_t slot,
   const double x = node.origin.x + transform.other_unit * static_cast<double>(node.bounds.center_x[slot]);
   const double y = node.origin.y + transform.other_unit * static_cast<double>(node.bounds.center_y[slot]);
   const double z = node.origin.z + transform.other_unit * static_cast<double>(node.bounds.center_z[slot]);
-  const double from[4] = {origin.x, origin.y, origin.z, 0};
   const auto& columns = transform.from_other;
-  for (int j = 0; j < 4; ++j) {
-    projected[j] = columns[0][j] * x + columns[1][j] * y + columns[2][j] * z + columns[3][j] - from[j];
-  }
+  const auto along = [&](int j) { return columns[0][j] * x + columns[1][j] * y + columns[2][j] * z + columns[3][j]; };
+  projected[0] = along(0) - origin.x, projected[1] = along(1) - origin.y, projected[2] = along(2) - origin.z;
+  projected[3] = 0;
 }
 
 /// The matrix with these columns times (x, y, z).
@@ -86,23 +86,35 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::WideNode& node, const OtherN
                                          const FrameTransform& transform, const double* center) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
-  alignas(32) double units[4];
-  for (int j = 0; j < 4; ++j) units[j] = center[j] * transform.per_unit;
+  double units[3];
+  for (int j = 0; j < 3; ++j) units[j] = center[j] * transform.per_unit;
   const float radius = n.radius[k] * transform.ratio;
   // Not less than: true also where radius or error are infinite, or the product of 0 and infinity.
   const double size = static_cast<double>(radius) + static_cast<double>(transform.error_units);
   if (!(std::abs(units[0]) + std::abs(units[1]) + std::abs(units[2]) + size < core::max_units)) {
     constexpr auto everywhere = static_cast<float>(4 * core::max_units);
-    return {
-        {0, 0, 0, 0}, {everywhere, everywhere, everywhere, 0}, {1, 0, 0, 0}, everywhere, -everywhere, everywhere, 0, 0};
+    return {{},
+            {everywhere, everywhere, everywhere},
+            {everywhere, everywhere, everywhere},
+            {1, 0, 0},
+            everywhere,
+            -everywhere,
+            everywhere,
+            0,
+            0};
   }
   ProjectedNode p;
-  for (int j = 0; j < 4; ++j) p.center[j] = static_cast<float>(units[j]);
+  for (int j = 0; j < 3; ++j) p.center[j] = static_cast<float>(units[j]);
+  p.center[3] = 0;
   multiply(transform.rotation, n.normal_x[k], n.normal_y[k], n.normal_z[k], p.normal);
   multiply(transform.rotation_abs, n.half_x[k], n.half_y[k], n.half_z[k], p.half);
   const float magnitude = std::abs(p.center[0]) + std::abs(p.center[1]) + std::abs(p.center[2]);
   const float error = (magnitude + node.radius + radius) * core::projection_error + transform.error_units;
-  for (float& half : p.half) half = std::min(half * transform.ratio, radius) + error;
+  const float own_half[4] = {n.half_x[k], n.half_y[k], n.half_z[k], 0};
+  for (int j = 0; j < 4; ++j) {
+    p.half[j] = std::min(p.half[j] * transform.ratio, radius) + error;
+    p.own_half[j] = std::min(own_half[j] * transform.ratio, radius) + error;
+  }
   p.radius = radius + error;
   p.low = n.low[k] * transform.ratio - error;
   p.high = n.high[k] * transform.ratio + error;

@@ -97,6 +97,83 @@ TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
   }
 }
 
+TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
+  // The corner of a brick is on a face of another one, nearly. Both bricks stand along the axes of their models, whose
+  // poses are turned at random: boxes are the tightest volumes there.
+  Rng rng(218);
+  const auto brick = [](const Vec3& low, const Vec3& high) {
+    std::vector<Triangle> corners;
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vec3 p{(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z};
+      corners.push_back({p, p, p});
+    }
+    return corners;
+  };
+  int apart_count = 0;
+  for (int i = 0; i < 2000; ++i) {
+    // The second leaf of each model keeps the node's origin away from the brick.
+    const auto model = [&](const Vec3& half) {
+      std::vector<Triangle> triangles = brick(-half, half);
+      const Vec3 far = half + uniform_point(rng, 1, 4);
+      triangles.insert(triangles.end(), bvh::width, {far, far, far});
+      return Model(soup(triangles));
+    };
+    const Vec3 half_a = uniform_point(rng, 0.1, 2), half_b = uniform_point(rng, 0.1, 2);
+    const Model a = model(half_a), b = model(half_b);
+    const Transform pose_a = random_pose(rng, rng.below(3) == 0 ? 100 : 1);
+    Transform pose_b = random_pose(rng, 0);
+    // Of either brick a corner is nearest; the other one has a point on a face there.
+    const auto axis = static_cast<std::size_t>(rng.below(3));
+    const bool corner_of_b = rng.below(2) == 0;
+    const Placed face_side = corner_of_b ? Placed{a, pose_a} : Placed{b, pose_b};
+    const Vec3& half = corner_of_b ? half_a : half_b;
+    Vec3 on_face = half * 0.5, normal;
+    on_face[axis] = half[axis], normal[axis] = 1;
+    const Vec3 n = face_side.pose.rotation * normal;
+    const Vec3& other_half = corner_of_b ? half_b : half_a;
+    const Mat3& other_rotation = corner_of_b ? pose_b.rotation : pose_a.rotation;
+    Vec3 corner;  // of the other brick, the lowest over the face
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double height = dot(n, other_rotation * Vec3{k == 0 ? 1. : 0., k == 1 ? 1. : 0., k == 2 ? 1. : 0.});
+      corner[k] = height > 0 ? -other_half[k] : other_half[k];
+    }
+    const double gap = rng.below(2) == 0 ? 0 : std::pow(10.0, rng.uniform(-6, -1));
+    const Vec3 shift = face_side.pose.rotation * on_face + gap * n - other_rotation * corner;
+    pose_b.translation = pose_a.translation + (corner_of_b ? shift : -shift);
+    Comparison c({a, pose_a}, {b, pose_b});
+    const auto leaf_of = [](const Model& m, std::size_t triangle) {
+      for (std::uint32_t slot = 0; slot < lowest_node(m).child_count; ++slot) {
+        for (const TriangleId t : tree_of(m).leaves[slot].triangle)
+          if (t == triangle) return slot;
+      }
+      return bvh::width;
+    };
+    const std::uint32_t slot_a = leaf_of(a, 0), slot_b = leaf_of(b, 0);
+    const double smallest = std::numeric_limits<double>::min();
+    const simd::OtherNode other = at_slot(b, slot_b, false);
+    alignas(32) float order[bvh::width], bound_sq[bvh::width];
+    const Pruning any(c.placed, smallest);
+    simd::kernels().bound_children(lowest_node(a), other, c.frames.of(Side::a), any.of(Side::a), no_limit_sq, order,
+                                   bound_sq);
+    const double bound = std::sqrt(static_cast<double>(bound_sq[slot_a])) * tree_of(a).unit;
+    ASSERT_LE(bound, gap * (1 + 1e-9)) << "case " << i;
+    // The same where nothing but overlap matters.
+    const simd::KeptSlots kept =
+        simd::kernels().bound_children(lowest_node(a), other, c.frames.of(Side::a), any.of(Side::a),
+                                       std::numeric_limits<float>::min(), order, nullptr);
+    ASSERT_EQ(kept.all, kept.overlapping);
+    const bool overlap = (kept.all >> slot_a & 1) != 0;
+    ASSERT_TRUE(overlap || gap > 0) << "case " << i;
+    ASSERT_EQ(overlap, order[slot_a] <= 0);
+    apart_count += overlap ? 0 : 1;
+    if (gap > 1e-3 * (1 + length(pose_b.translation))) {
+      ASSERT_GT(bound, 0.9 * gap) << "case " << i;
+      ASSERT_FALSE(overlap) << "case " << i;
+    }
+  }
+  EXPECT_GT(apart_count, 500);
+}
+
 TEST(Kernels, BoundsOfFlatLeavesThatNearlyTouchNeverExceedDistances) {
   // Two disks face each other, nearly parallel. They nearly touch where both rims tilt towards the other disk. The sine
   // of a tilt is so small that its square is lost in rounding.
@@ -180,6 +257,10 @@ TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
                                                         std::numeric_limits<float>::min(), order, bound_sq);
         ASSERT_EQ(kept.all, 0xffU) << set.name << " 2^" << std::log2(drift);
         ASSERT_EQ(kept.overlapping, 0xffU) << set.name;
+        const simd::KeptSlots overlapping = set.bound_children(node, at_slot(b, 0, false), c.frames.of(Side::a),
+                                                               pruning_along(c.placed, smallest, direction).of(Side::a),
+                                                               std::numeric_limits<float>::min(), order, nullptr);
+        ASSERT_EQ(overlapping.all, 0xffU) << set.name;
       }
     }
   }
