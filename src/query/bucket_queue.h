@@ -33,6 +33,9 @@ class BucketQueue {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
 
+  /// Whether there are pairs, and none that is taken before all others.
+  bool has_only_ordered() const { return stack_size_ == 0 && filled_ != 0; }
+
   /// Adds a pair that is taken before all others.
   void push_first(const NodePair& pair) {
     LIMBER_ASSERT(stack_size_ < stack_capacity);
@@ -132,7 +135,7 @@ class BucketQueue {
   }
 
   // Every pair taken from the stack adds less than `width` more and goes one level down one of two trees, each of at
-  // most 11 levels (2^32 triangles). Twice `width` may have been there before.
+  // most 11 levels (2^32 triangles). Two expansions may have added `width` each before.
   static constexpr std::uint32_t stack_capacity = 208, capacity = 2048, bucket_count = 64;
   static constexpr std::uint32_t width = bvh::width;
   static constexpr std::uint16_t none = 0xffff;
