@@ -76,8 +76,8 @@ struct Slabs {
 
 LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other) {
   const Packet3 normal_o = broadcast(other.normal);
-  const Cap upper_o{Packet::set(other.high), Packet::set(other.rim_high)};
-  const Cap lower_o{Packet::set(-other.low), Packet::set(other.rim_low)};
+  const Packet radius_o = Packet::set(other.radius);
+  const Cap upper_o = cap(radius_o, Packet::set(other.high)), lower_o = cap(radius_o, Packet::set(-other.low));
   const Packet cosine = dot(p.normal, normal_o);
   const Packet3 crossed = cross(p.normal, normal_o);
   const Packet cosine_abs = abs(cosine), sine = sqrt(dot(crossed, crossed));
@@ -89,8 +89,7 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
   const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
   s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
   const Packet support_o = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
-  const Packet support_along =
-      support(Packet::set(other.radius), select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
+  const Packet support_along = support(radius_o, select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
   s.gap_o = s.height_o_abs - support_o - s.near_o.height;
   s.gap = s.height_abs - s.near.height - support_along;
   return s;

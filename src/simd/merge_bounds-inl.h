@@ -87,7 +87,7 @@ LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
   Span slab = empty_span(), sphere = empty_span();
   const Packet errors = Packet::set(errors_added * error), up = Packet::set(core::squares_up);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const ProjectedNode center{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, {}, 0, 0, 0, 0, 0};
+    const ProjectedNode center{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, {}, 0, 0, 0};
     const NodePairs p = pair_up(n, i, center);
     const Packet3 d{zero() - p.d.x, zero() - p.d.y, zero() - p.d.z};
     const Packet cosine = dot(p.normal, normal), height = dot(normal, d);

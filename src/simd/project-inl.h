@@ -32,10 +32,10 @@ namespace {
 /// errors and by how far vertices of both models are from their fitted positions.
 struct ProjectedNode {
   alignas(16) float center[4];
-  alignas(16) float half[4];      // along the axes of that frame
-  alignas(16) float own_half[4];  // along the axes of its own
+  alignas(16) float half[4];  // along the axes of that frame
+  float own_half[3];          // along the axes of its own
   alignas(16) float normal[4];
-  float radius, low, high, rim_low, rim_high;
+  float radius, low, high;
 };
 
 /// The search direction, for the children of one node and a projected node. A child whose support along `normal`,
@@ -93,15 +93,8 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::WideNode& node, const OtherN
   const double size = static_cast<double>(radius) + static_cast<double>(transform.error_units);
   if (!(std::abs(units[0]) + std::abs(units[1]) + std::abs(units[2]) + size < core::max_units)) {
     constexpr auto everywhere = static_cast<float>(4 * core::max_units);
-    return {{},
-            {everywhere, everywhere, everywhere},
-            {everywhere, everywhere, everywhere},
-            {1, 0, 0},
-            everywhere,
-            -everywhere,
-            everywhere,
-            0,
-            0};
+    const float all = everywhere;
+    return {{}, {all, all, all}, {all, all, all}, {1, 0, 0}, all, -all, all};
   }
   ProjectedNode p;
   for (int j = 0; j < 3; ++j) p.center[j] = static_cast<float>(units[j]);
@@ -110,15 +103,12 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::WideNode& node, const OtherN
   multiply(transform.rotation_abs, n.half_x[k], n.half_y[k], n.half_z[k], p.half);
   const float magnitude = std::abs(p.center[0]) + std::abs(p.center[1]) + std::abs(p.center[2]);
   const float error = (magnitude + node.radius + radius) * core::projection_error + transform.error_units;
-  const float own_half[4] = {n.half_x[k], n.half_y[k], n.half_z[k], 0};
-  for (int j = 0; j < 4; ++j) {
-    p.half[j] = std::min(p.half[j] * transform.ratio, radius) + error;
-    p.own_half[j] = std::min(own_half[j] * transform.ratio, radius) + error;
-  }
+  for (float& half : p.half) half = std::min(half * transform.ratio, radius) + error;
+  const auto own_half = [&](float half) { return std::min(half * transform.ratio, radius) + error; };
+  p.own_half[0] = own_half(n.half_x[k]), p.own_half[1] = own_half(n.half_y[k]), p.own_half[2] = own_half(n.half_z[k]);
   p.radius = radius + error;
   p.low = n.low[k] * transform.ratio - error;
   p.high = n.high[k] * transform.ratio + error;
-  p.rim_low = rim_radius(p.radius, p.low), p.rim_high = rim_radius(p.radius, p.high);
   return p;
 }
 
