@@ -37,19 +37,16 @@ class PlacedLeaf {
     if (number != direction_number_) direction_number_ = number, supported_slots_ = 0, has_support_ = false;
     if ((supported_slots_ >> slot & 1) == 0) {
       supported_slots_ |= 1U << slot;
-      const Triangle t = placed_.local_triangle(side_, leaf_->vertices[slot]);
-      supports_[slot] = std::max({dot(direction, t.v0), dot(direction, t.v1), dot(direction, t.v2)});
+      supports_[slot] = support_of(slot, direction);
     }
     return supports_[slot];
   }
   /// The same for all triangles.
   double support(const Vec3& direction, std::uint32_t number) {
     if (number == direction_number_ && has_support_) return support_;
-    support_ = support(0, direction, number);
-    for (std::uint32_t slot = 1; slot < bvh::width; ++slot) {
-      support_ = std::max(support_, support(slot, direction, number));
-    }
-    has_support_ = true;
+    direction_number_ = number, supported_slots_ = (1U << bvh::width) - 1, has_support_ = true;
+    for (std::uint32_t slot = 0; slot < bvh::width; ++slot) supports_[slot] = support_of(slot, direction);
+    support_ = *std::max_element(supports_, supports_ + bvh::width);
     return support_;
   }
   const PlacedTriangle& at(std::uint32_t slot) {
@@ -62,6 +59,13 @@ class PlacedLeaf {
   }
 
  private:
+  double support_of(std::uint32_t slot, const Vec3& direction) const {
+    // Vertices where they are: copies would go through memory.
+    const auto height = [&](VertexId v) { return dot(direction, placed_.local_position(side_, v)); };
+    const std::array<VertexId, 3>& v = leaf_->vertices[slot];
+    return std::max(std::max(height(v[0]), height(v[1])), height(v[2]));
+  }
+
   const PlacedModels& placed_;
   Side side_;
   const bvh::Leaf* leaf_ = nullptr;
