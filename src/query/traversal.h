@@ -185,7 +185,7 @@ class Traversal {
   /// Whether to expand the node of a: it can be, and the other cannot or is no looser.
   bool expands_a(const NodePair& pair) const {
     const bool is_looser = looseness(Side::a, pair.slot[0]) >= looseness(Side::b, pair.slot[1]);
-    // Bitwise: nobody could predict the branches.
+    // Bitwise: branches here would be mispredicted.
     const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
     return (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
   }
@@ -609,7 +609,7 @@ class Traversal {
   Guess guess_ = Guess::none;
   bool has_guessed_well_ = false;
   bvh::SlotId guess_near_[2] = {bvh::root, bvh::root};  // where to look for a likely pair
-  bool descends_ = true;                                // until triangles have been compared
+  bool descends_ = true;                                // until leaves have been compared
   Front* front_ = nullptr;
   BucketQueue queue_;
   PlacedLeaf placed_leaf_[2];  // of the pair that was compared last

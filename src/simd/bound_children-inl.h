@@ -24,7 +24,7 @@ namespace {
 
 // Against divisions by 0. A divisor that is too large only lowers a bound.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
-// The least limit that a query has: of one that looks for contacts only.
+// Only queries that look for contacts alone have a limit this small.
 inline constexpr float smallest_limit_sq = std::numeric_limits<float>::min();
 
 /// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
@@ -88,10 +88,10 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
   // and products that underflow, must not have it both ways.
   const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
   s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
-  const Packet support_o = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
-  const Packet support_along = support(radius_o, select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
-  s.gap_o = s.height_o_abs - support_o - s.near_o.height;
-  s.gap = s.height_abs - s.near.height - support_along;
+  const Packet support_of_child = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
+  const Packet support_of_other = support(radius_o, select(is_above ^ is_acute, upper_o, lower_o), cosine_abs, sine);
+  s.gap_o = s.height_o_abs - support_of_child - s.near_o.height;
+  s.gap = s.height_abs - s.near.height - support_of_other;
   return s;
 }
 
@@ -118,7 +118,8 @@ LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   return max(best, gap * gap);
 }
 
-/// Positive where the volumes are apart: the largest gap. What adds to a gap, and what takes long, is left out.
+/// The largest gap: positive where the volumes are apart. Without gaps across a slab's normal and without the line of
+/// centers, which need square roots and a division and hardly tell volumes apart that nothing else does.
 LIMBER_KERNEL Packet largest_gap(const NodePairs& p, const ProjectedNode& other, const FrameTransform& transform) {
   const Slabs s = compare_slabs(p, other);
   const Packet3 boxes = box_gaps(p, other), own_boxes = own_box_gaps(p, other, transform);
