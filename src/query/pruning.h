@@ -81,13 +81,12 @@ class Pruning {
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
-  // Contacts matter at any setting, so the prune distance stays above 0; and so far above the smallest number that
-  // scaling it to a pair of leaves gives no subnormal one, which processors take long to compute with.
-  static constexpr double smallest = 0x1p-960;
   // A shorter one has no direction.
   static constexpr double shortest_separation = 0x1p-500;
 
-  void set_distance(double distance) { in_frame_[0].distance = in_frame_[1].distance = std::max(distance, smallest); }
+  void set_distance(double distance) {
+    in_frame_[0].distance = in_frame_[1].distance = std::max(distance, simd::smallest_prune_distance);
+  }
 
   /// `direction` has length 1, in the world, from a to b.
   void set_direction(const Vec3& direction) {

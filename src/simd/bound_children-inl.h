@@ -10,8 +10,6 @@
 #define LIMBER_SIMD_BOUND_CHILDREN_INL_H
 #endif
 
-#include <limits>
-
 #include "core/error_bounds.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
@@ -24,8 +22,6 @@ namespace {
 
 // Against divisions by 0. A divisor that is too large only lowers a bound.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
-// Only queries that look for contacts alone have a limit this small.
-inline constexpr float smallest_limit_sq = std::numeric_limits<float>::min();
 
 /// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
 /// `bound_sq` to the squared bound along it, for all children.
@@ -160,7 +156,7 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::WideNode& node, const OtherNod
   ProjectedDirection direction;
   const bool has_direction = pruning.has_direction && pruning.distance * transform.per_unit < core::max_units / 2;
   if (has_direction) direction = project_direction(node, other, transform, pruning, center);
-  const bool overlap_only = limit_sq <= smallest_limit_sq && bound_sq == nullptr;
+  const bool overlap_only = pruning.distance <= smallest_prune_distance && bound_sq == nullptr;
   KeptSlots kept{0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const ProjectedDirection* const along = has_direction ? &direction : nullptr;

@@ -33,6 +33,11 @@ struct FrameTransform {
   double error;       ///< most that rounding of placed points and the drift of both models change a length by
 };
 
+/// The least distance from which on pairs are pruned: where only contacts matter. It is above 0, so that contacts are
+/// never pruned; and so far above the smallest number that scaling it to a pair of leaves gives no subnormal one, which
+/// processors take long to compute with.
+inline constexpr double smallest_prune_distance = 0x1p-960;
+
 /// What a query prunes: pairs at least `distance` apart. It measures that along a search direction too, if there is
 /// one: the direction in which the closest pair so far is apart.
 struct PruneLimits {

@@ -167,10 +167,12 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const simd::KeptSlots kept0 = first.bound_children(node, other, in_b, of_b, limit_sq, order0, bound_sq0);
     first.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found0);
     constexpr float contact_sq = std::numeric_limits<float>::min();
+    const Pruning any_contact = pruning_along(placed, 0, rng.below(2) == 0 ? uniform_point(rng) : Vec3{});
+    const simd::PruneLimits& any_of_b = any_contact.of(Side::b);
     alignas(32) float depth0[bvh::width], depth[bvh::width];
-    const simd::KeptSlots met0 = first.bound_children(node, other, in_b, of_b, contact_sq, depth0, nullptr);
+    const simd::KeptSlots met0 = first.bound_children(node, other, in_b, any_of_b, contact_sq, depth0, nullptr);
     for (const simd::Kernels& set : sets) {
-      const simd::KeptSlots met = set.bound_children(node, other, in_b, of_b, contact_sq, depth, nullptr);
+      const simd::KeptSlots met = set.bound_children(node, other, in_b, any_of_b, contact_sq, depth, nullptr);
       ASSERT_EQ(met.all, met0.all) << set.name;
       ASSERT_EQ(met.overlapping, met0.overlapping) << set.name;
       ASSERT_EQ(std::memcmp(depth, depth0, node.child_count * sizeof(float)), 0) << set.name;
