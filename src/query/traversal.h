@@ -503,7 +503,7 @@ class Traversal {
   /// the time of finding the closest, and ends the query. Pre: both leaves are taken.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
-    contact.distance = std::numeric_limits<double>::min();
+    contact.distance = simd::smallest_prune_distance;
     kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), contact, nullptr, false, found);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       const PlacedTriangle &a = placed_leaf_[0].at(found.pairs[i].slot_a),
@@ -511,7 +511,7 @@ class Traversal {
       ++stats_.triangle_tests;
       if (!geometry::intersects(a.corners, b.corners)) continue;
       const Vec3 shared = geometry::shared_point(a.corners, b.corners);
-      goal_.take(0, {shared, shared, a.id, b.id});
+      if (const auto improvement = goal_.take(0, {shared, shared, a.id, b.id})) pruning_.improve(*improvement);
       return true;
     }
     return false;
@@ -529,7 +529,7 @@ class Traversal {
       if (has_guessed_well_ && pruning_.prunes(a, b)) return true;
     }
     if constexpr (can_guess) {
-      if (descends_ && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
+      if (descends_ && pair.bound_sq == 0 && !meter_.is_limited() && find_contact(leaf_a, leaf_b, found)) return false;
     }
     kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), pruning_.of(Side::a), Goal::is_self ? &self : nullptr,
                              has_front, found);

@@ -71,11 +71,12 @@ struct Comparison {
 TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
   // A point of one model is next to nothing from a point of the other, and far from the origins of both nodes.
   Rng rng(206);
+  int contact_count = 0;
   for (int i = 0; i < 300; ++i) {
     const Model a(points(rng, 1 + rng.below(8))), b(points(rng, 1 + rng.below(8)));
     const Transform pose_a = random_pose(rng, rng.below(3) == 0 ? 100 : 1);
     Transform pose_b = random_pose(rng, 0);
-    const double apart = std::pow(10.0, rng.uniform(-12, 0));
+    const double apart = rng.below(2) == 0 ? 0 : std::pow(10.0, rng.uniform(-12, 0));
     pose_b.translation =
         pose_a(a.mesh().positions().back()) - pose_b(b.mesh().positions().back()) + apart * uniform_point(rng);
     Comparison c({a, pose_a}, {b, pose_b});
@@ -91,10 +92,19 @@ TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
             ASSERT_TRUE(c.keeps(slot_a, slot_b, as_leaf, *pruning, bound)) << "case " << i;
             ASSERT_LE(bound, prune_distance) << "case " << i;
           }
+          // Where only contacts matter, points that are apart by no more than rounding overlap.
+          if (truth.distance > 1e-15 * (1 + length(pose_a.translation))) continue;
+          alignas(32) float order[bvh::width];
+          const simd::KeptSlots kept = simd::kernels().bound_children(
+              lowest_node(a), at_slot(b, slot_b, as_leaf), c.frames.of(Side::a), Pruning(c.placed, 0).of(Side::a),
+              std::numeric_limits<float>::min(), order, nullptr);
+          ASSERT_TRUE((kept.overlapping >> slot_a & 1) != 0) << "case " << i;
+          ++contact_count;
         }
       }
     }
   }
+  EXPECT_GT(contact_count, 200);
 }
 
 TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
@@ -111,7 +121,7 @@ TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
   };
   int apart_count = 0;
   for (int i = 0; i < 2000; ++i) {
-    // The second leaf of each model keeps the node's origin away from the brick.
+    // A second leaf makes the node larger than the brick.
     const auto model = [&](const Vec3& half) {
       std::vector<Triangle> triangles = brick(-half, half);
       const Vec3 far = half + uniform_point(rng, 1, 4);
