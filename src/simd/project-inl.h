@@ -64,6 +64,7 @@ LIMBER_KERNEL void project_center(const bvh::WideNode& node, std::uint32_t slot,
   const double y = node.origin.y + transform.other_unit * static_cast<double>(node.bounds.center_y[slot]);
   const double z = node.origin.z + transform.other_unit * static_cast<double>(node.bounds.center_z[slot]);
   const auto& columns = transform.from_other;
+  // Number by number: processors wait when a vector is read where single numbers have just been written.
   const auto along = [&](int j) { return columns[0][j] * x + columns[1][j] * y + columns[2][j] * z + columns[3][j]; };
   projected[0] = along(0) - origin.x, projected[1] = along(1) - origin.y, projected[2] = along(2) - origin.z;
   projected[3] = 0;
