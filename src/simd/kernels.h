@@ -155,8 +155,8 @@ struct QueryRay {
 /// `limit_sq` and that the search direction does not prune. Writes to order[slot] the squared bound where that is above
 /// 0, otherwise how deep the spheres overlap, as a fraction of the sum of their radii, negative. Writes to
 /// bound_sq[slot], unless that is nullptr, the best squared bound, the one along the search direction included. Both
-/// are written for all slots, those without a child included. Where only contacts matter, at the smallest prune distance
-/// and without bound_sq, order[slot] is some positive gap instead of a squared bound.
+/// are written for all slots, those without a child included. Where only contacts matter, at the smallest prune
+/// distance and without bound_sq, order[slot] is some positive gap instead of a squared bound.
 using BoundChildren = KeptSlots (*)(const bvh::WideNode& node, const OtherNode& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
