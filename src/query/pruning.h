@@ -34,6 +34,10 @@ class Pruning {
   }
 
   double distance() const { return in_frame_[0].distance; }
+  /// Of the best pair so far; 0 if there is none.
+  double best_distance() const { return best_distance_; }
+  /// Whether pairs nearer than the best are pruned, because an error is allowed.
+  bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
 
   /// As the kernels need it, in the frame of either model.
@@ -43,6 +47,7 @@ class Pruning {
   void improve(const Improvement& improvement) {
     if (improvement.prune_distance < infinity) {
       set_distance(std::min(distance(), improvement.prune_distance));
+      best_distance_ = improvement.distance;
       skips_ties_ = may_skip_ties_ && distance() == improvement.distance;
     }
     aim(improvement.separation);
@@ -130,6 +135,7 @@ class Pruning {
 
   const PlacedModels& placed_;
   simd::PruneLimits in_frame_[2];
+  double best_distance_ = 0;
   bool may_skip_ties_;
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;

@@ -84,6 +84,7 @@ class Traversal {
     e.pair = queue_.pop();
     if constexpr (can_guess) {
       if (guess_ == Guess::due && e.pair.bound_sq < limit_sq_[0]) guess(), update_limits();
+      if (steps_ >= next_descent_ && queue_.has_only_ordered()) descend_again();
     }
     if (!begin(e)) return true;
     if (takes_two()) {
@@ -188,6 +189,14 @@ class Traversal {
     // Bitwise: branches here would be mispredicted.
     const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
     return (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
+  }
+
+  /// Goes straight down from the nearest pair again: best first comes to leaves late, so that the prune distance would
+  /// be that of the first leaves for long. Not where a pair from the last query or a guess is known. Not inlined: it is
+  /// rare. Pre: no bounds overlap; otherwise the deepest overlap is followed to its leaves anyway.
+  [[gnu::noinline]] void descend_again() {
+    descends_ = !has_front && !has_guessed_well_;
+    next_descent_ = descent_factor * steps_;
   }
 
   /// Whether to expand two pairs in one step. The processor then compares the children of one while it waits for those
@@ -399,7 +408,7 @@ class Traversal {
     return nearest;
   }
 
-  /// Straight down, to the nearest child, as long as no triangles have been compared.
+  /// Straight down, to the nearest child.
   void descend(const Expansion& e) {
     const std::uint32_t nearest = nearest_child(e);
     push(e, e.kept.all & ~(1U << nearest));
@@ -519,6 +528,29 @@ class Traversal {
     return false;
   }
 
+  /// Where a descent has ended: compares the nearest two triangles, although an error allows to prune them. If they are
+  /// nearer than the best so far, more can be pruned from now on.
+  [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
+                                     simd::Candidates& found) {
+    simd::PruneLimits nearer = pruning_.of(Side::a);
+    nearer.distance = pruning_.best_distance();
+    kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), nearer, nullptr, false, found);
+    if (found.count == 0) return;
+    const std::uint32_t i = nearest_of(found);
+    ++stats_.triangle_tests;
+    const auto improvement =
+        goal_.compare(placed_leaf_[0].at(found.pairs[i].slot_a), placed_leaf_[1].at(found.pairs[i].slot_b));
+    if (improvement) pruning_.improve(*improvement);
+  }
+
+  static std::uint32_t nearest_of(const simd::Candidates& found) {
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < found.count; ++i) {
+      if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
+    }
+    return nearest;
+  }
+
   /// False if the goal or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
   /// lower bound of their distance, which may be above the prune distance.
   bool compare_leaves(const NodePair& pair, double& apart) requires(!ComparesLeaves<Goal>) {
@@ -527,15 +559,21 @@ class Traversal {
     const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};
     PlacedLeaf &a = placed_leaf_[0], &b = placed_leaf_[1];
     a.take(self.a), b.take(self.b);
+    const bool is_first = next_descent_ == never;
     if constexpr (can_guess) {
       if (has_guessed_well_ && pruning_.prunes(a, b)) return true;
-    }
-    if constexpr (can_guess) {
-      if (descends_ && pair.bound_sq == 0 && !meter_.is_limited() && find_contact(leaf_a, leaf_b, found)) return false;
+      if (is_first && descends_ && pair.bound_sq == 0 && !meter_.is_limited() && find_contact(leaf_a, leaf_b, found)) {
+        return false;
+      }
+      if (descends_ && pruning_.has_error()) {
+        look_nearer(leaf_a, leaf_b, found);
+        if (goal_.is_done()) return false;
+      }
     }
     kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), pruning_.of(Side::a), Goal::is_self ? &self : nullptr,
                              has_front, found);
     descends_ = false;
+    next_descent_ = std::max(is_first ? 0 : next_descent_, steps_ + steps_to_descent);
     ++work_;
     if (found.count == 0) {
       if constexpr (!Goal::needs_all) aim(pair);
@@ -543,11 +581,7 @@ class Traversal {
       return true;
     }
     // The nearest first: it may prune the others.
-    std::uint32_t nearest = 0;
-    for (std::uint32_t i = 1; i < found.count; ++i) {
-      if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
-    }
-    std::swap(found.pairs[0], found.pairs[nearest]);
+    std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       if (goal_.is_done()) return false;
       const double limit = pruning_.distance() * found.scale + static_cast<double>(found.error);
@@ -584,6 +618,10 @@ class Traversal {
   // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
   // than it saves (docs/design/fast_engine.md).
   static constexpr std::uint64_t nearest_last_from_step = 1024;
+  // After so many steps without leaves, to go straight down again; and not before so many times the steps of the last
+  // time.
+  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t steps_to_descent = 9, descent_factor = 3;
   // Room between a flat part and the other model, in radii of the latter, from which on triangles are guessed at once.
   static constexpr double least_room = -3. / 8;
   // A front is resumed if less than this part of it has to be compared again.
@@ -611,7 +649,8 @@ class Traversal {
   Guess guess_ = Guess::none;
   bool has_guessed_well_ = false;
   bvh::SlotId guess_near_[2] = {bvh::root, bvh::root};  // where to look for a likely pair
-  bool descends_ = true;                                // until leaves have been compared
+  bool descends_ = true;                                // straight down, until leaves have been compared
+  std::uint64_t next_descent_ = never;                  // the step from which on to do so again
   Front* front_ = nullptr;
   BucketQueue queue_;
   PlacedLeaf placed_leaf_[2];  // of the pair that was compared last

@@ -175,6 +175,22 @@ TEST(Queries, FindTheClosestOfManyNearlyClosestPairs) {
   }
 }
 
+// The first pair of triangles is seldom close, and best first comes late to others.
+TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
+  const Model model(scenes::ring(40, 40, 0.1));
+  std::uint64_t node_tests = 0;
+  for (std::uint32_t index = 0; index < 16; ++index) {
+    const Transform pose = scenes::linked_ring(index);
+    const double truth = distance({model}, {model, pose}).upper;
+    const DistanceResult close = distance({model}, {model, pose}, {.relative_error = 0.3});
+    EXPECT_LE(close.lower, truth);
+    EXPECT_GE(close.upper, truth);
+    EXPECT_LE(close.upper, 1.3 * truth);
+    node_tests += close.stats.node_tests;
+  }
+  EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
+}
+
 TEST(RootsDecide, WhereAnyTwoPointsAreGoodEnough) {
   const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
   const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
