@@ -49,6 +49,7 @@ class Traversal {
   }
 
   /// Begins with the two roots, or where the front ended if that saves work. `front` is null unless one is recorded.
+  /// Pre: the goal is not done.
   void start(double root_bound, Front* front) {
     queue_.clear();
     if constexpr (can_guess) prepare_guess();
@@ -72,7 +73,11 @@ class Traversal {
     const double units = root_bound / placed_.tree(Side::a).unit;
     least_sq_ =
         static_cast<float>(std::min(units * units * double{core::squares_down}, double{BucketQueue::largest_bound}));
-    queue_.push_first({least_sq_, {bvh::root, bvh::root}, Front::none, 0});
+    const NodePair roots{least_sq_, {bvh::root, bvh::root}, Front::none, 0};
+    if constexpr (!has_front && !Goal::needs_all) {
+      if (!meter_.is_limited()) return descend_first(roots);
+    }
+    queue_.push_first(roots);
   }
 
   /// Takes one more pair. False when none that matters is left, or the budget is spent.
@@ -399,6 +404,44 @@ class Traversal {
     }
   }
 
+  /// Straight down from the roots to the first two leaves. What is left on the way is queued only if these do not end
+  /// the query, as they often do where models intersect.
+  void descend_first(NodePair pair) {
+    update_limits();
+    if constexpr (can_guess) {
+      if (guess_ == Guess::due && pair.bound_sq < limit_sq_[0]) guess(), update_limits();
+    }
+    if (!descends_) return queue_.push_first(pair);
+    Expansion way[longest_descent];
+    std::uint32_t length = 0;
+    for (;; ++length) {
+      LIMBER_ASSERT(length < longest_descent);
+      Expansion& e = way[length];
+      e.pair = pair;
+      if (!expand(e)) break;
+      compare_children(e);
+      if (e.kept.all == 0) break;
+      const std::uint32_t child = first_child(e);
+      pair = child_pair(e, child);
+      e.kept.all &= ~(1U << child), e.kept.overlapping &= ~(1U << child);
+    }
+    if (goal_.is_done()) return;
+    const bool descends_on = std::exchange(descends_, false);
+    for (std::uint32_t i = 0; i < length; ++i) keep(way[i]);
+    descends_ = descends_on;
+  }
+
+  /// The deepest overlap, or the nearest child if none overlaps.
+  std::uint32_t first_child(const Expansion& e) const {
+    if (e.kept.overlapping == 0) return nearest_child(e);
+    auto deepest = static_cast<std::uint32_t>(std::countr_zero(e.kept.overlapping));
+    for (unsigned rest = e.kept.overlapping & (e.kept.overlapping - 1); rest != 0; rest &= rest - 1) {
+      const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
+      if (e.order[child] < e.order[deepest]) deepest = child;
+    }
+    return deepest;
+  }
+
   std::uint32_t nearest_child(const Expansion& e) const {
     auto nearest = static_cast<std::uint32_t>(std::countr_zero(e.kept.all));
     for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
@@ -622,6 +665,8 @@ class Traversal {
   // time.
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   static constexpr std::uint64_t steps_to_descent = 9, descent_factor = 3;
+  // Expansions of two trees of at most 11 levels each.
+  static constexpr std::uint32_t longest_descent = 23;
   // Room between a flat part and the other model, in radii of the latter, from which on triangles are guessed at once.
   static constexpr double least_room = -3. / 8;
   // A front is resumed if less than this part of it has to be compared again.
