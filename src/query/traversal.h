@@ -406,12 +406,13 @@ class Traversal {
 
   /// Straight down from the roots to the first two leaves. What is left on the way is queued only if these do not end
   /// the query, as they often do where models intersect.
-  void descend_first(NodePair pair) {
+  void descend_first(const NodePair& roots) {
     update_limits();
     if constexpr (can_guess) {
-      if (guess_ == Guess::due && pair.bound_sq < limit_sq_[0]) guess(), update_limits();
+      if (guess_ == Guess::due && roots.bound_sq < limit_sq_[0]) guess(), update_limits();
     }
-    if (!descends_) return queue_.push_first(pair);
+    if (!descends_) return queue_.push_first(roots);
+    NodePair pair = roots;
     Expansion way[longest_descent];
     std::uint32_t length = 0;
     for (;; ++length) {
