@@ -80,8 +80,8 @@ Tree build(MeshView mesh) {
   const std::size_t count = mesh.triangles.size();
   const auto memory = std::make_unique_for_overwrite<PrimitiveRef[]>(count);
   const std::span<PrimitiveRef> primitives(memory.get(), count);
-  core::parallel_for(count, primitives_per_task, [&](std::size_t t) {
-    primitives[t] = primitive_of(mesh, static_cast<TriangleId>(t), center, tree.unit);
+  core::parallel_for(count, primitives_per_task, [&, half_per_unit = 0.5 / tree.unit](std::size_t t) {
+    primitives[t] = primitive_of(mesh, static_cast<TriangleId>(t), center, half_per_unit);
   });
   partition_into_leaves(primitives, build_range(0, count));
   const std::uint32_t leaves = leaf_count(count);

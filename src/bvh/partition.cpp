@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -35,17 +36,18 @@ constexpr std::size_t sample_size = 128, sample_margin = 12;
 constexpr std::size_t primitives_at_once = 1024;
 constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
 
-/// Moves those of the primitives `begin` to `end` for which is_first() holds before the others. Those from `first_end`
-/// on have not been first. Returns where the first ones end then. No branch depends on the primitives: nobody could
-/// predict it.
+/// Moves those of the primitives `begin` to `end` for which is_first() holds, by their index, before the others. Those
+/// from `first_end` on have not been first. Returns where the first ones end then. No branch depends on the primitives:
+/// nobody could predict it.
 template <typename IsFirst>
 std::size_t move_first(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t begin, std::size_t end,
                        const IsFirst& is_first) {
   for (std::size_t i = begin; i < end; ++i) {
+    const bool goes_first = is_first(i);  // of the primitive in memory: a copy would have to be put there again
     const PrimitiveRef primitive = primitives[i];
     primitives[i] = primitives[first_end];
     primitives[first_end] = primitive;
-    first_end += is_first(primitive) ? 1 : 0;
+    first_end += goes_first ? 1 : 0;
   }
   return first_end;
 }
@@ -84,6 +86,26 @@ std::uint64_t nth_least(std::span<std::uint64_t> numbers, std::size_t n) {
 std::uint32_t ordered(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x + 0.0F);  // -0 becomes 0
   return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
+}
+/// The coordinate of such a number.
+float unordered(std::uint32_t number) {
+  return std::bit_cast<float>((number >> 31) != 0 ? number & 0x7fffffffU : ~number);
+}
+
+/// The `n` least of at most simd::few_points primitives along an axis, of equal ones those of the first triangles, as a
+/// bit mask.
+std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
+  if (n == 0) return 0;
+  simd::FewLeast found = simd::kernels().least_of_few(primitives.front().center.data(), axis, primitives.size(), n);
+  for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
+    auto last = std::countr_zero(found.greatest);
+    for (std::uint64_t others = found.greatest; others != 0; others &= others - 1) {
+      const int other = std::countr_zero(others);
+      if (primitives[other].triangle > primitives[last].triangle) last = other;
+    }
+    found.greatest &= ~(std::uint64_t{1} << last), found.least &= ~(std::uint64_t{1} << last);
+  }
+  return found.least;
 }
 
 }  // namespace
@@ -128,11 +150,14 @@ void Split::choose_axis() {
 }
 
 void Split::search(std::size_t begin, std::size_t end) {
+  // Too many are left: many coordinates may be equal, which only keys tell apart.
+  moves_by_key_ |= 4 * (end - begin) > 3 * (end_ - begin_);
   begin_ = begin, end_ = end;
   step_ = end_ - begin_ <= few ? Step::finishing : Step::sampling;
 }
 
 void Split::sample(std::span<const PrimitiveRef> primitives) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
   const std::size_t count = end_ - begin_;
   std::array<std::uint64_t, sample_size> keys;
   // At random: what is taken at equal steps might be one row of a grid. The random numbers are those of Knuth's MMIX.
@@ -141,21 +166,53 @@ void Split::sample(std::span<const PrimitiveRef> primitives) {
     k = key(primitives[begin_ + static_cast<std::size_t>((random_ >> 32) * count >> 32)]);
   }
   const std::size_t at = (middle_ - begin_) * sample_size / count;
-  lower_key_ = at < sample_margin ? 0 : nth_least(keys, at - sample_margin);
-  const bool has_upper = at + sample_margin < sample_size;
-  upper_key_ = has_upper ? nth_least(keys, at + sample_margin) : std::numeric_limits<std::uint64_t>::max();
+  lower_ = {0, -infinity}, upper_ = {std::numeric_limits<std::uint64_t>::max(), infinity};
+  if (at >= sample_margin) {
+    lower_.key = nth_least(keys, at - sample_margin);
+    lower_.coordinate = unordered(static_cast<std::uint32_t>(lower_.key >> 32));
+  }
+  if (at + sample_margin < sample_size) {
+    const std::uint64_t last = nth_least(keys, at + sample_margin);
+    upper_ = {last + 1, std::nextafter(unordered(static_cast<std::uint32_t>(last >> 32)), infinity)};
+  }
   step_ = Step::moving_below, done_ = below_ = begin_;
 }
 
+std::size_t Split::move_below(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t end,
+                              const Limit& limit) const {
+  if (moves_by_key_) {
+    const auto is_below = [&](std::size_t i) { return key(primitives[i]) < limit.key; };
+    return move_first(primitives, first_end, done_, end, is_below);
+  }
+  const auto is_below = [&, axis = axis_, most = limit.coordinate](std::size_t i) {
+    return primitives[i].center[axis] < most;
+  };
+  return move_first(primitives, first_end, done_, end, is_below);
+}
+
 void Split::finish(std::span<PrimitiveRef> primitives) {
-  std::array<std::uint64_t, few> keys;
-  const std::span<std::uint64_t> used = std::span(keys).first(end_ - begin_);
-  for (std::size_t i = 0; i < used.size(); ++i) used[i] = key(primitives[begin_ + i]);
-  const std::uint64_t median = nth_least(used, middle_ - begin_);
-  const std::size_t middle = move_first(primitives, begin_, begin_, end_,
-                                        [&](const PrimitiveRef& primitive) { return key(primitive) < median; });
-  LIMBER_ASSERT(middle == middle_);
+  const std::span<PrimitiveRef> rest = primitives.subspan(begin_, end_ - begin_);
+  const std::size_t first_count = middle_ - begin_;
   step_ = Step::done;
+  if (rest.size() <= simd::few_points) {
+    const std::uint64_t least = least_of_few(rest, axis_, first_count);
+    move_first(rest, 0, 0, rest.size(), [&](std::size_t i) { return (least >> i & 1) != 0; });
+    return;
+  }
+  std::array<std::uint64_t, few> keys;
+  const std::span<std::uint64_t> used = std::span(keys).first(rest.size());
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = key(rest[i]);
+  const std::uint64_t median = nth_least(used, first_count);
+  // The same as comparing keys, but without computing them once more.
+  const float coordinate = unordered(static_cast<std::uint32_t>(median >> 32));
+  const auto triangle = static_cast<TriangleId>(median);
+  const auto is_below = [&, axis = axis_](std::size_t i) {
+    const float x = rest[i].center[axis];
+    return (static_cast<int>(x < coordinate) |
+            (static_cast<int>(x == coordinate) & static_cast<int>(rest[i].triangle < triangle))) != 0;
+  };
+  const std::size_t moved = move_first(rest, 0, 0, rest.size(), is_below);
+  LIMBER_ASSERT(moved == first_count);
 }
 
 bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
@@ -170,6 +227,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
         if (done_ < end_) break;
         choose_axis();
         search(begin_, end_);
+        moves_by_key_ = false;
         break;
       case Step::sampling:
         budget.spend(ns_per_one_of_few * sample_size);
@@ -177,8 +235,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
         break;
       case Step::moving_below:
         budget.spend(ns_per_move * count);
-        below_ = move_first(primitives, below_, done_, end,
-                            [&](const PrimitiveRef& primitive) { return key(primitive) < lower_key_; });
+        below_ = move_below(primitives, below_, end, lower_);
         done_ = end;
         if (done_ < end_) break;
         if (below_ > middle_) {
@@ -189,8 +246,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
         break;
       case Step::moving_between:
         budget.spend(ns_per_move * count);
-        between_ = move_first(primitives, between_, done_, end,
-                              [&](const PrimitiveRef& primitive) { return key(primitive) <= upper_key_; });
+        between_ = move_below(primitives, between_, end, upper_);
         done_ = end;
         if (done_ < end_) break;
         if (between_ > middle_) {
@@ -248,20 +304,19 @@ BoundingBox bounding_box_of(MeshView mesh) {
   return all;
 }
 
-PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit) {
-  const Triangle corners = mesh.triangle(triangle);
-  const Vec3 low = min(min(corners.v0, corners.v1), corners.v2), high = max(max(corners.v0, corners.v1), corners.v2);
-  const Vec3 center = ((low - origin) + (high - origin)) * (0.5 / unit);
-  return {{static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z)}, triangle};
-}
-
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {
   LIMBER_ASSERT(!primitives.empty() && primitives.size() <= width);
-  TriangleId* const end = std::transform(primitives.begin(), primitives.end(), leaf.triangle,
-                                         [](const PrimitiveRef& primitive) { return primitive.triangle; });
-  // Splits leave the order within a leaf to the standard library; queries are to find pairs in the same order anywhere.
-  std::sort(leaf.triangle, end);
-  std::fill(end, leaf.triangle + width, *(end - 1));
+  // Splits leave primitives in any order; queries are to find pairs in the same order anywhere. Sorted by counting,
+  // which takes no branches.
+  const std::size_t count = primitives.size();
+  TriangleId triangles[width];
+  for (std::size_t k = 0; k < width; ++k) triangles[k] = k < count ? primitives[k].triangle : no_id;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < width; ++i) before += triangles[i] < triangles[k] ? 1 : 0;
+    leaf.triangle[before] = triangles[k];
+  }
+  std::fill(leaf.triangle + count, leaf.triangle + width, leaf.triangle[count - 1]);
   for (std::size_t k = 0; k < width; ++k) leaf.vertices[k] = mesh.triangles[leaf.triangle[k]];
 }
 

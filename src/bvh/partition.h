@@ -55,15 +55,24 @@ class Split {
   std::array<BuildRange, 2> halves() const;
 
  private:
-  // The median is found by its key: the coordinate, then the triangle, as one number. A sample tells two keys between
-  // which it is likely to be: the primitives below the lower one are moved before the others, and of these the ones up
-  // to the upper one before the rest. This is repeated where the median is until few primitives are left.
+  // The median is found by its key: the coordinate, then the triangle, as one number. A sample tells two limits between
+  // which it is likely to be: the primitives below the lower one are moved before the others, and of these the ones
+  // below the upper one before the rest. This is repeated where the median is until few primitives are left. Limits are
+  // compared with coordinates, which is faster, or with keys where that has left too many primitives.
   enum class Step { measuring, sampling, moving_below, moving_between, finishing, done };
+
+  struct Limit {
+    std::uint64_t key;
+    float coordinate;
+  };
 
   std::uint64_t key(const PrimitiveRef& primitive) const;
   void choose_axis();
   void search(std::size_t begin, std::size_t end);
   void sample(std::span<const PrimitiveRef> primitives);
+  /// Of the primitives from done_ on, moves those below a limit to where those end that have been moved there.
+  std::size_t move_below(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t end,
+                         const Limit& limit) const;
   void finish(std::span<PrimitiveRef> primitives);
 
   BuildRange range_;
@@ -74,8 +83,9 @@ class Split {
   simd::PointBox box_;  // of the centers
   std::size_t axis_ = 0;
   std::uint64_t random_;  // changes with every number that is drawn
-  std::uint64_t lower_key_ = 0, upper_key_ = 0;
-  std::size_t below_ = 0, between_ = 0;  // while moving: where primitives below the lower key end, and the upper one
+  Limit lower_{}, upper_{};
+  bool moves_by_key_ = false;
+  std::size_t below_ = 0, between_ = 0;  // while moving: where primitives below the lower limit end, and the upper one
 };
 
 /// Splits a range at once.
@@ -114,8 +124,17 @@ class BoundingBox {
 /// The same on any number of threads. Allocates nothing.
 BoundingBox bounding_box_of(MeshView mesh);
 
-/// The primitive of a triangle, its center relative to `origin` as a multiple of `unit`.
-PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double unit);
+/// The primitive of a triangle, its center relative to `origin` times twice `half_per_unit`.
+inline PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double half_per_unit) {
+  const Corners& corners = mesh.triangles[triangle];
+  const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];
+  const auto center = [&](double a, double b, double c, double from) {
+    const double low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
+    return static_cast<float>(((low - from) + (high - from)) * half_per_unit);
+  };
+  return {{center(u.x, v.x, w.x, origin.x), center(u.y, v.y, w.y, origin.y), center(u.z, v.z, w.z, origin.z)},
+          triangle};
+}
 
 /// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last repeat it.
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);

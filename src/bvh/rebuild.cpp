@@ -93,7 +93,7 @@ void Rebuild::gather(const Tree& tree, MeshView mesh, core::WorkBudget& budget) 
     budget.spend(ns_per_center * static_cast<double>(until - done_));
     for (; done_ < until; ++done_) {
       const TriangleId triangle = tree.leaves[done_ / width].triangle[done_ % width];
-      primitives_.push_back(primitive_of(mesh, triangle, origin_, unit_));
+      primitives_.push_back(primitive_of(mesh, triangle, origin_, 0.5 / unit_));
     }
   }
   ranges_.push_back(build_range(0, primitives_.size()));

@@ -30,6 +30,7 @@
 #include "simd/find_close_elements-inl.h"
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
+#include "simd/least_of_few-inl.h"
 #include "simd/max_displacement-inl.h"
 #include "simd/merge_bounds-inl.h"
 #include "simd/overlapping_boxes-inl.h"
@@ -52,6 +53,7 @@ const Kernels* kernel_table() {
                            merge_bounds,
                            max_displacement,
                            extend_box,
+                           least_of_few,
                            overlapping_boxes,
                            overlapping_pairs,
                            compare_triangles,

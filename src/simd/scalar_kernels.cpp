@@ -14,6 +14,7 @@
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
 #include "simd/kernels.h"
+#include "simd/least_of_few-inl.h"
 #include "simd/max_displacement-inl.h"
 #include "simd/merge_bounds-inl.h"
 #include "simd/overlapping_boxes-inl.h"
@@ -34,6 +35,7 @@ const Kernels scalar_kernels{"scalar",
                              scalar::merge_bounds,
                              scalar::max_displacement,
                              scalar::extend_box,
+                             scalar::least_of_few,
                              scalar::overlapping_boxes,
                              scalar::overlapping_pairs,
                              scalar::compare_triangles,

@@ -15,6 +15,7 @@
 #include "simd/find_crossed-inl.h"
 #include "simd/fit_leaves-inl.h"
 #include "simd/kernels.h"
+#include "simd/least_of_few-inl.h"
 #include "simd/max_displacement-inl.h"
 #include "simd/merge_bounds-inl.h"
 #include "simd/overlapping_boxes-inl.h"
@@ -36,6 +37,7 @@ const Kernels wasm_kernels{"WASM",
                            wasm::merge_bounds,
                            wasm::max_displacement,
                            wasm::extend_box,
+                           wasm::least_of_few,
                            wasm::overlapping_boxes,
                            wasm::overlapping_pairs,
                            wasm::compare_triangles,

@@ -281,5 +281,32 @@ TEST(Kernels, ExtendBoxesAlikeOnEveryInstructionSet) {
   }
 }
 
+TEST(Kernels, FindTheLeastOfFewAlikeOnEveryInstructionSet) {
+  Rng rng(207);
+  for (std::size_t count = 1; count <= simd::few_points; ++count) {
+    for (const double distinct : {2., 10., 1e6}) {  // coordinates, so that many, some or none are equal
+      std::vector<float> points(4 * count);
+      for (float& x : points) x = static_cast<float>(std::floor(rng.uniform(-distinct, distinct)));
+      for (const std::size_t n : {std::size_t{1}, (count + 1) / 2, count}) {
+        const std::size_t axis = count % 3;
+        const auto at = [&](std::size_t i) { return points[4 * i + axis]; };
+        std::uint64_t least = 0, greatest = 0;
+        std::vector<float> sorted;
+        for (std::size_t i = 0; i < count; ++i) sorted.push_back(at(i));
+        std::sort(sorted.begin(), sorted.end());
+        for (std::size_t i = 0; i < count; ++i) {
+          least |= std::uint64_t{at(i) <= sorted[n - 1]} << i;
+          greatest |= std::uint64_t{at(i) == sorted[n - 1]} << i;
+        }
+        for (const simd::Kernels& set : simd::all_kernels()) {
+          const simd::FewLeast found = set.least_of_few(points.data(), axis, count, n);
+          EXPECT_EQ(found.least, least) << set.name << " " << count << " " << n;
+          EXPECT_EQ(found.greatest, greatest) << set.name << " " << count << " " << n;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber::testing

@@ -74,8 +74,8 @@ std::vector<TriangleId> triangles_in(const Primitives& primitives, const bvh::Bu
 
 TEST(Split, FindsTheMedianOfAnyCoordinatesInStepsOfAnySize) {
   for (const Case& c : cases()) {
-    for (const std::size_t count :
-         {std::size_t{9}, std::size_t{17}, std::size_t{512}, std::size_t{513}, std::size_t{20'011}}) {
+    for (const std::size_t count : {std::size_t{9}, std::size_t{17}, std::size_t{64}, std::size_t{65}, std::size_t{512},
+                                    std::size_t{513}, std::size_t{20'011}}) {
       for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
         SCOPED_TRACE(c.name + ", " + std::to_string(count));
         const Primitives wanted = sorted(primitives_of(c, axis, count), axis);
