@@ -196,7 +196,9 @@ void Split::finish(std::span<PrimitiveRef> primitives) {
   step_ = Step::done;
   if (rest.size() <= simd::few_points) {
     const std::uint64_t least = least_of_few(rest, axis_, first_count);
-    move_first(rest, 0, 0, rest.size(), [&](std::size_t i) { return (least >> i & 1) != 0; });
+    const auto is_least = [least](std::size_t i) { return (least >> i & 1) != 0; };
+    const std::size_t moved = move_first(rest, 0, 0, rest.size(), is_least);
+    LIMBER_ASSERT(moved == first_count);
     return;
   }
   std::array<std::uint64_t, few> keys;

@@ -124,7 +124,7 @@ class BoundingBox {
 /// The same on any number of threads. Allocates nothing.
 BoundingBox bounding_box_of(MeshView mesh);
 
-/// The primitive of a triangle, its center relative to `origin` times twice `half_per_unit`.
+/// The primitive of a triangle, its center relative to `origin` in units. `half_per_unit` is 0.5 / unit.
 inline PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double half_per_unit) {
   const Corners& corners = mesh.triangles[triangle];
   const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];

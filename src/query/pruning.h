@@ -34,7 +34,7 @@ class Pruning {
   }
 
   double distance() const { return in_frame_[0].distance; }
-  /// Of the best pair so far; 0 if there is none.
+  /// Of the best pair so far that allows to prune others; 0 if there is none.
   double best_distance() const { return best_distance_; }
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }

@@ -197,8 +197,9 @@ class Traversal {
   }
 
   /// Goes straight down from the nearest pair again: best first comes to leaves late, so that the prune distance would
-  /// be that of the first leaves for long. Not where a pair from the last query or a guess is known. Not inlined: it is
-  /// rare. Pre: no bounds overlap; otherwise the deepest overlap is followed to its leaves anyway.
+  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. Not
+  /// inlined: it is rare. Called where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves
+  /// anyway.
   [[gnu::noinline]] void descend_again() {
     descends_ = !has_front && !has_guessed_well_;
     next_descent_ = descent_factor * steps_;
@@ -285,7 +286,7 @@ class Traversal {
     if (pair.bound_sq >= limit_sq_[0]) {
       settle(pair, length_of(Side::a, pair.bound_sq));
       // With a front, each remaining pair has to be settled on its own.
-      if (!has_front && queue_.all_beyond(limit_sq_[0])) queue_.clear();
+      if (!has_front && !queue_.empty() && queue_.all_beyond(limit_sq_[0])) queue_.clear();
       return false;
     }
     ++steps_;
@@ -572,8 +573,8 @@ class Traversal {
     return false;
   }
 
-  /// Where a descent has ended: compares the nearest two triangles, although an error allows to prune them. If they are
-  /// nearer than the best so far, more can be pruned from now on.
+  /// Where a descent has ended: compares the nearest two triangles, although the allowed error would let them be
+  /// pruned. If they are nearer than the best so far, more can be pruned from now on.
   [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
                                      simd::Candidates& found) {
     simd::PruneLimits nearer = pruning_.of(Side::a);
@@ -662,8 +663,8 @@ class Traversal {
   // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
   // than it saves (docs/design/fast_engine.md).
   static constexpr std::uint64_t nearest_last_from_step = 1024;
-  // After so many steps without leaves, to go straight down again; and not before so many times the steps of the last
-  // time.
+  // A descent begins after so many steps without comparing leaves, and not before the number of steps is so many times
+  // what it was at the last descent.
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   static constexpr std::uint64_t steps_to_descent = 9, descent_factor = 3;
   // Expansions of two trees of at most 11 levels each.

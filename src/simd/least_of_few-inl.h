@@ -27,11 +27,11 @@ namespace {
 LIMBER_KERNEL FewLeast least_of_few(const float* points, std::size_t axis, std::size_t count, std::size_t n) {
   LIMBER_ASSERT(0 < n && n <= count && count <= few_points);
   constexpr std::size_t at_once = std::size_t{2} * Packet::lanes;
-  static_assert(few_points % at_once == 0);
+  static_assert(few_points == 64 && few_points % at_once == 0);
   alignas(32) float numbers[few_points];
   for (std::size_t i = 0; i < count; ++i) numbers[i] = points[4 * i + axis];
   const std::size_t end = (count + at_once - 1) / at_once * at_once;
-  // At least as many are less than those, and they are less than none.
+  // They are less than none. Where most numbers are infinite they may be among the least, so they are left out below.
   for (std::size_t i = count; i < end; ++i) numbers[i] = std::numeric_limits<float>::infinity();
   const Packet one = Packet::set(1), wanted = Packet::set(static_cast<float>(n));
   alignas(32) float less[few_points];
@@ -55,6 +55,8 @@ LIMBER_KERNEL FewLeast least_of_few(const float* points, std::size_t axis, std::
   for (std::size_t i = 0; i < end; i += Packet::lanes) {
     found.greatest |= std::uint64_t{bits(Packet::load(less + i) >= of_greatest)} << i;
   }
+  const std::uint64_t used = ~std::uint64_t{0} >> (few_points - count);
+  found.least &= used;
   found.greatest &= found.least;
   return found;
 }

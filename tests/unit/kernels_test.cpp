@@ -284,9 +284,13 @@ TEST(Kernels, ExtendBoxesAlikeOnEveryInstructionSet) {
 TEST(Kernels, FindTheLeastOfFewAlikeOnEveryInstructionSet) {
   Rng rng(207);
   for (std::size_t count = 1; count <= simd::few_points; ++count) {
-    for (const double distinct : {2., 10., 1e6}) {  // coordinates, so that many, some or none are equal
+    // So many coordinates that many, some or none are equal, or most of them infinite.
+    for (const double distinct : {2., 10., 1e6, std::numeric_limits<double>::infinity()}) {
       std::vector<float> points(4 * count);
-      for (float& x : points) x = static_cast<float>(std::floor(rng.uniform(-distinct, distinct)));
+      for (float& x : points) {
+        x = std::isinf(distinct) ? (rng.below(3) == 0 ? 1 : std::numeric_limits<float>::infinity())
+                                 : static_cast<float>(std::floor(rng.uniform(-distinct, distinct)));
+      }
       for (const std::size_t n : {std::size_t{1}, (count + 1) / 2, count}) {
         const std::size_t axis = count % 3;
         const auto at = [&](std::size_t i) { return points[4 * i + axis]; };
