@@ -137,7 +137,7 @@ class Traversal {
 
  private:
   static constexpr bool can_guess = TakesPoints<Goal>;
-  enum class Guess : std::uint8_t { none, due, made };
+  enum class Guess : std::uint8_t { none, later, due, made };
 
   /// The expansion of one node of a pair: its children are compared with the other node.
   struct Expansion {
@@ -202,6 +202,7 @@ class Traversal {
   /// anyway.
   [[gnu::noinline]] void descend_again() {
     descends_ = !has_front && !has_guessed_well_;
+    if (guess_ == Guess::later) guess_ = Guess::due;
     next_descent_ = descent_factor * steps_;
   }
 
@@ -530,11 +531,12 @@ class Traversal {
     pruning_.forget_direction();
   }
 
-  /// Whether to guess. A pair from the last query is as good. Where all pairs beyond a limit are pruned, a close pair
-  /// saves nothing until one within the limit is found.
+  /// Whether to guess. A pair from the last query may be as good: then only when a further descent would be due. Where
+  /// all pairs beyond a limit are pruned, a close pair saves nothing until one within the limit is found.
   void prepare_guess() {
     if (std::isinf(pruning_.distance())) guess_ = Guess::due;
-    if (pruning_.distance() < goal_.initial_prune_distance() || meter_.is_limited()) guess_ = Guess::made;
+    if (pruning_.distance() < goal_.initial_prune_distance()) guess_ = Guess::later;
+    if (meter_.is_limited()) guess_ = Guess::made;
   }
 
   /// Compares two triangles that are likely to be the closest, where one model is flat.

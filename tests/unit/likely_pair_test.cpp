@@ -171,6 +171,20 @@ TEST(LikelyPair, TakesAFixedNumberOfStepsWhateverTies) {
   EXPECT_NEAR(guess({same}, {same, {{}, {0, 0, 2}}}).distance, 2, 1e-12);
 }
 
+// Poses that have nothing to do with each other, so that the pair from the last query is far from the closest.
+TEST(LikelyPair, IsLookedForLaterThanAPairFromTheLastQuery) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  QueryCache cache;
+  std::uint64_t triangle_tests = 0;
+  for (std::uint32_t index = 0; index < 16; ++index) {
+    const Transform pose = scenes::ball_over_square(ball.mesh(), 64, index);
+    const DistanceResult warm = distance({square}, {ball, pose}, {}, cache);
+    EXPECT_NEAR(warm.upper, 64, 1e-12);
+    triangle_tests += warm.stats.triangle_tests;
+  }
+  EXPECT_LE(triangle_tests, 500U);  // 870 without
+}
+
 TEST(LikelyPair, IsOfNoHarmWhereItIsWrong) {
   Rng rng(1702);
   int flat = 0;
