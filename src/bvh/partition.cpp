@@ -21,10 +21,10 @@ namespace {
 // Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
 constexpr std::size_t worth_a_task = 8192;
 
-// A bounding box is found in parts: of at least so many triangles each, and at most so many.
+// A bounding box is found in parts: at least so many triangles in each, and at most so many parts.
 constexpr std::size_t triangles_per_box = 8192, most_boxes = 64;
 
-// Primitives among which the median is found at once.
+// Primitives among which the median is found at once: by quickselect, or by counting up to simd::few_points.
 constexpr std::size_t few = 512;
 
 // Primitives of a sample, and how far from the median of it those are between which the median of all is likely to be:
@@ -32,12 +32,12 @@ constexpr std::size_t few = 512;
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
 // Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in
-// a pass, when it is moved, and when it is one of few.
+// a pass, in a pass that moves some, and when it is one of few.
 constexpr std::size_t primitives_at_once = 1024;
 constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
 
 /// Moves those of the primitives `begin` to `end` for which is_first() holds, by their index, before the others. Those
-/// from `first_end` on have not been first. Returns where the first ones end then. No branch depends on the primitives:
+/// from `first_end` to `begin` are not. Returns where the first ones end then. No branch depends on the primitives:
 /// nobody could predict it.
 template <typename IsFirst>
 std::size_t move_first(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t begin, std::size_t end,
@@ -229,7 +229,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
         if (done_ < end_) break;
         choose_axis();
         search(begin_, end_);
-        moves_by_key_ = false;
+        moves_by_key_ = false;  // at first everything is left
         break;
       case Step::sampling:
         budget.spend(ns_per_one_of_few * sample_size);

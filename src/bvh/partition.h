@@ -15,9 +15,10 @@
 /// Partitions triangles into the leaves of a tree.
 ///
 /// Based on  [Quinlan1994]: a median split across the longest side of the bounding box of the centers.
-/// Differs   Eight children instead of two: halves of halves. The number of triangles alone decides the topology: every
-///           subtree gets whole leaves, as few levels as possible, and children of equal size, so leaves and nodes are
-///           full nearly everywhere and all leaves are on one level.
+/// Differs   Up to eight children instead of two: halves of halves. The number of triangles alone decides the topology:
+///           every subtree gets whole leaves, as few levels as possible, and children of nearly equal size, so
+///           leaves and nodes are full nearly everywhere and all leaves are on one level. An odd number of children is
+///           split into halves that differ by one child; what is called the median is where that is.
 namespace limber::bvh {
 
 /// A triangle to be put into a leaf.

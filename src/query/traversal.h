@@ -26,9 +26,9 @@ namespace limber::query {
 ///
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
-/// Differs   One node of a pair is expanded at a time, the one with the thicker volume; its eight children are compared
-///           with the other node at once. Pairs are taken nearest first. Bounds also use the search direction, in which
-///           the closest pair so far is apart.
+/// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
+///           node at once. Pairs that overlap are taken first, then the nearest. Bounds also use the search direction,
+///           in which the closest pair so far is apart.
 ///
 /// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed. The traversal
 /// owns what is pruned, and nothing else changes while it runs: goals return improvements, placed models are constant.
@@ -80,7 +80,7 @@ class Traversal {
     queue_.push_first(roots);
   }
 
-  /// Takes one more pair. False when none that matters is left, or the budget is spent.
+  /// Takes one more pair, or two. False when none that matters is left, or the budget is spent.
   bool step() {
     if (meter_.is_spent(steps_) || goal_.is_done()) return false;
     if (queue_.empty()) return Goal::is_self && next_node_ > 0 && compare_siblings();
@@ -206,7 +206,7 @@ class Traversal {
     next_descent_ = descent_factor * steps_;
   }
 
-  /// Whether to expand two pairs in one step. The processor then compares the children of one while it waits for those
+  /// Whether to expand two pairs side by side. The processor then compares the children of one while it waits for those
   /// of the other. Only where it matters little which pair comes first, and where nobody counts steps.
   bool takes_two() const { return !descends_ && queue_.has_only_ordered() && !meter_.is_limited(); }
 
@@ -556,8 +556,8 @@ class Traversal {
     if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement), has_guessed_well_ = true;
   }
 
-  /// Looks for triangles that intersect in the first two leaves, which nothing tells apart: that takes a fraction of
-  /// the time of finding the closest, and ends the query. Up to 64 exact tests, so not under a budget. Pre: both leaves
+  /// Looks for triangles that intersect in the first two leaves, whose volumes overlap: that takes a fraction of the
+  /// time of finding the closest, and ends the query. Up to 64 exact tests, so not under a budget. Pre: both leaves
   /// are taken.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
@@ -606,7 +606,7 @@ class Traversal {
     const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};
     PlacedLeaf &a = placed_leaf_[0], &b = placed_leaf_[1];
     a.take(self.a), b.take(self.b);
-    const bool is_first = next_descent_ == never;
+    const bool is_first = next_descent_ == never;  // no leaves have been compared
     if constexpr (can_guess) {
       if (has_guessed_well_ && pruning_.prunes(a, b)) return true;
       if (is_first && descends_ && pair.bound_sq == 0 && !meter_.is_limited() && find_contact(leaf_a, leaf_b, found)) {

@@ -258,11 +258,11 @@ using ExtendBox = void (*)(const float* points, std::size_t count, PointBox& box
 inline constexpr std::size_t few_points = 64;
 /// The n least of a few coordinates, as bit masks.
 struct FewLeast {
-  std::uint64_t least;     ///< those that fewer than n are less than: n of them, or more if the greatest are equal
+  std::uint64_t least;     ///< those with fewer than n less than them: n, or more if the greatest are equal
   std::uint64_t greatest;  ///< the greatest of these, one or several that are equal
 };
-/// Finds the n least of the coordinates of points along an axis. Points are of four numbers each, the last of which is
-/// not used. Pre: 0 < n <= count <= few_points.
+/// Finds the n least of the coordinates of points along an axis, and those equal to the greatest of them. Points are of
+/// four numbers each, the last of which is not used. Pre: 0 < n <= count <= few_points.
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
 /// Which of some boxes have a point in common with the box from `low` to `high`, as a bit mask. Pre: these are finite.

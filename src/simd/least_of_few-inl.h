@@ -31,7 +31,7 @@ LIMBER_KERNEL FewLeast least_of_few(const float* points, std::size_t axis, std::
   alignas(32) float numbers[few_points];
   for (std::size_t i = 0; i < count; ++i) numbers[i] = points[4 * i + axis];
   const std::size_t end = (count + at_once - 1) / at_once * at_once;
-  // They are less than none. Where most numbers are infinite they may be among the least, so they are left out below.
+  // Padding. Where most numbers are infinite it may be among the least, so it is left out below.
   for (std::size_t i = count; i < end; ++i) numbers[i] = std::numeric_limits<float>::infinity();
   const Packet one = Packet::set(1), wanted = Packet::set(static_cast<float>(n));
   alignas(32) float less[few_points];

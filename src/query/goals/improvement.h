@@ -25,7 +25,7 @@ struct Improvement {
 ///          bool is_done() const;
 ///          std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b);
 ///
-/// takes_any: whether any pair will do; if not, the traversal descends to a close pair first. needs_all: whether every
+/// takes_any: whether any pair will do; if not, close pairs are taken first. needs_all: whether every
 /// pair within the prune distance matters, and not just the best; such a goal is offered each pair once, and cannot use
 /// a front. is_self: whether the two models are one; then needs_all too, and pairs of different triangles are offered,
 /// but for neighbors that certainly meet only in what they share; the pair of a QueryCache is offered once more.
