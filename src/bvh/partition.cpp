@@ -315,7 +315,7 @@ void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primiti
   for (std::size_t k = 0; k < width; ++k) triangles[k] = k < count ? primitives[k].triangle : no_id;
   for (std::size_t k = 0; k < count; ++k) {
     std::size_t before = 0;
-    for (std::size_t i = 0; i < width; ++i) before += triangles[i] < triangles[k] ? 1 : 0;
+    for (const TriangleId other : triangles) before += other < triangles[k] ? 1 : 0;
     leaf.triangle[before] = triangles[k];
   }
   std::fill(leaf.triangle + count, leaf.triangle + width, leaf.triangle[count - 1]);

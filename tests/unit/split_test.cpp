@@ -18,6 +18,8 @@ namespace {
 using bvh::PrimitiveRef;
 using Primitives = std::vector<PrimitiveRef>;
 
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
 struct Case {
   std::string name;
   std::function<float(Rng&, std::size_t)> coordinate;  // of primitive i along the longest side
@@ -25,7 +27,6 @@ struct Case {
 
 /// Coordinates that make it hard to find a median by a sample.
 std::vector<Case> cases() {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
   return {
       {"uniform", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1)); }},
       {"all equal but two", [](Rng&, std::size_t i) { return i == 3   ? -1.0F
@@ -45,10 +46,10 @@ std::vector<Case> cases() {
       {"sorted", [](Rng&, std::size_t i) { return static_cast<float>(i); }},
       {"backwards", [](Rng&, std::size_t i) { return -static_cast<float>(i); }},
       {"mostly infinite",
-       [infinity](Rng& rng, std::size_t i) {
+       [](Rng& rng, std::size_t i) {
          return i < 2 ? static_cast<float>(i) : rng.below(4) == 0 ? -infinity : infinity;
        }},
-      {"all infinite but one", [infinity](Rng&, std::size_t i) { return i == 0 ? 0 : infinity; }},
+      {"all infinite but one", [](Rng&, std::size_t i) { return i == 0 ? 0 : infinity; }},
       {"huge", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1) * 3e38); }},
   };
 }
