@@ -43,7 +43,8 @@ template <typename IsFirst>
 std::size_t move_first(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t begin, std::size_t end,
                        const IsFirst& is_first) {
   for (std::size_t i = begin; i < end; ++i) {
-    const bool goes_first = is_first(i);  // of the primitive in memory: a copy would have to be put there again
+    // Before the primitive is copied: to read one coordinate of a copy, GCC writes it to memory first.
+    const bool goes_first = is_first(i);
     const PrimitiveRef primitive = primitives[i];
     primitives[i] = primitives[first_end];
     primitives[first_end] = primitive;

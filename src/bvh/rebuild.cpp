@@ -87,13 +87,14 @@ void Rebuild::work(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
 
 void Rebuild::gather(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
   const std::size_t end = std::min(std::size_t{subtree_.end_leaf} * width, mesh.triangles.size());
+  const double half_per_unit = 0.5 / unit_;
   while (done_ < end) {
     if (budget.is_spent()) return;
     const std::size_t until = std::min(done_ + triangles_at_once, end);
     budget.spend(ns_per_center * static_cast<double>(until - done_));
     for (; done_ < until; ++done_) {
       const TriangleId triangle = tree.leaves[done_ / width].triangle[done_ % width];
-      primitives_.push_back(primitive_of(mesh, triangle, origin_, 0.5 / unit_));
+      primitives_.push_back(primitive_of(mesh, triangle, origin_, half_per_unit));
     }
   }
   ranges_.push_back(build_range(0, primitives_.size()));

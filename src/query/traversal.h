@@ -197,9 +197,9 @@ class Traversal {
   }
 
   /// Goes straight down from the nearest pair again: best first comes to leaves late, so that the prune distance would
-  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. Not
-  /// inlined: it is rare. Called where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves
-  /// anyway.
+  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. A
+  /// guess that has waited, because there was a pair from the last query, is due now. Not inlined: it is rare. Called
+  /// where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves anyway.
   [[gnu::noinline]] void descend_again() {
     descends_ = !has_front && !has_guessed_well_;
     if (guess_ == Guess::later) guess_ = Guess::due;
