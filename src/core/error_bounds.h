@@ -88,6 +88,10 @@ inline constexpr double root_error = 0x1p-20;
 /// a part of the lengths involved.
 inline constexpr double rigidity_error = 4e-8;
 
+/// The computed distance of two triangles exceeds that of any two of their vertices by at most this part of the sum of
+/// that distance and of the largest extent of both.
+inline constexpr double triangle_distance_error = 0x1p-44;
+
 // --- scenes: bounds of placed models ---
 
 /// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum

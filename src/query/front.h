@@ -3,13 +3,17 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "query/placed_models.h"
+#include "query/traversal_state.h"
 
 namespace limber::query {
 
@@ -26,9 +30,11 @@ namespace limber::query {
 /// have records of their own, so all records together account for every pair of triangles. Where there is no room for
 /// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
 ///
-/// States   Empty, recording or complete. start() empties it and starts to record; resume() continues to record on a
-///          complete front; finish() completes it. An exception leaves it recording, and only a complete front can be
-///          resumed.
+/// What an interrupted traversal has left stays in its queue, so that one that asks no more can go on without doing any
+/// step again (docs/design/real_time.md). Where the models have moved, or more is asked, it goes to the records.
+///
+/// States   Complete or not. begin() starts a traversal; finish() or suspend() ends it and completes the front. An
+///          exception leaves it incomplete, and only a complete front is used again.
 class Front {
  public:
   /// Children that are not expanded: pruned or compared, some of them hardly beyond the prune distance; or still open
@@ -44,42 +50,53 @@ class Front {
   };
   static constexpr std::uint16_t none = 0xffff;
 
-  /// Whether the last traversal that it recorded was one of these models, and has ended.
-  bool can_resume(const PlacedModels& placed) const { return is_complete_ && is_of(placed); }
+  /// The state of the traversal that is recorded, or was interrupted.
+  TraversalState& state() { return state_; }
 
-  /// Starts to record a traversal of the models as they are placed.
-  void start(const PlacedModels& placed, const Transform& a_from_b) {
-    clear();
-    for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
-    set_place(placed, a_from_b);
+  /// Whether the last traversal was interrupted, and one that leaves out only what is at least `cutoff` apart can go on
+  /// where it stopped: the models rest, and nothing was left out that is closer.
+  bool can_continue(const PlacedModels& placed, double cutoff) const {
+    return is_suspended_ && is_complete_ && is_of(placed) && is_at_rest(placed) && cutoff <= cutoff_;
   }
-
-  /// Adds the motion from where the models were to where they are. Pre: can_resume(placed).
-  void resume(const PlacedModels& placed, const Transform& a_from_b) {
-    LIMBER_ASSERT(can_resume(placed));
-    is_complete_ = false;
-    if (is_at_rest(placed)) return;
-    const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (core::sum_up - 1);
-    odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
-    odometer_ *= core::sum_up;
+  /// Goes on with an interrupted traversal. Returns the search direction that it had. Pre: can_continue().
+  std::optional<Vec3> go_on() {
+    is_complete_ = is_suspended_ = false;
+    return direction_;
+  }
+  /// Begins a traversal: with the records and the bound of the last one if it was one of these models, less the motion
+  /// since, and with none otherwise.
+  void begin(const PlacedModels& placed, const Transform& a_from_b) {
+    if (!is_complete_ || !is_of(placed)) {
+      clear();
+      for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
+    } else {
+      if (is_suspended_) open_pairs_ = put_back_queue(placed.tree(Side::a).unit);
+      if (!is_at_rest(placed)) add_motion(placed, a_from_b);
+    }
+    without_room_ = 0;
     set_place(placed, a_from_b);
+    is_complete_ = is_suspended_ = false;
+  }
+  /// Interrupts a traversal: what it has left is in the queue of state(), all else is at least `cutoff` apart.
+  void suspend(double cutoff, const std::optional<Vec3>& direction) {
+    is_complete_ = is_suspended_ = true;
+    cutoff_ = cutoff;
+    direction_ = direction;
+  }
+  /// Ends a traversal: all that it has left is put back to the records.
+  void finish(double unit_a) {
+    put_back_queue(unit_a);
+    open_pairs_ = 0;
+    is_complete_ = true;
   }
   double odometer() const { return odometer_; }
 
-  /// Forgets all records, as they are of no use, but not the bound of the distance. Pre: resume() has been called.
-  void start_over() {
-    if (count_ > 0) ++useless_;
-    count_ = 0, open_pairs_ = 0;
-    work_ = work_of_new_ = 0;
-  }
-  /// Notes that the records are of use.
-  void be_useful() { useless_ = 0; }
-  /// Whether to record the next traversal. While fronts are of no use one after the other, recording only costs time;
-  /// then it is tried now and then, two times in a row.
-  bool should_record() {
-    constexpr std::uint32_t tolerated = 2, period = 16;
-    return useless_ < tolerated || ++queries_ % period < 2;
-  }
+  /// Forgets all records, but not the bound of the distance.
+  void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
+  /// Whether more expansions had no room than there are records: these are hardly of use then.
+  bool overflows() const { return without_room_ > capacity; }
+  /// How many pairs were open where the last traversal was interrupted.
+  std::size_t open_count() const { return open_pairs_; }
 
   /// A lower bound of the distance of what a record has not expanded.
   double bound_of(const Record& record) const {
@@ -88,9 +105,9 @@ class Front {
   }
   /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
   double bound() const { return remaining(distance_, distance_odometer_); }
-  /// The same before resume() or start() is called: only if the models are where they were.
+  /// The same before begin() is called: only if the models are where they were.
   double bound_at_rest(const PlacedModels& placed) const {
-    return can_resume(placed) && is_at_rest(placed) ? bound() : 0;
+    return is_complete_ && is_of(placed) && is_at_rest(placed) ? bound() : 0;
   }
   /// Notes a lower bound of the distance of the models as they are placed now.
   void improve_bound(double distance) {
@@ -98,31 +115,17 @@ class Front {
   }
 
   void clear() {
-    count_ = 0;
-    work_ = work_of_new_ = 0;
+    forget_records();
     odometer_ = distance_ = distance_odometer_ = 0;
-    is_complete_ = false;
+    is_complete_ = is_suspended_ = false;
   }
-
-  /// Ends a traversal: every pair has been compared, or is accounted for by a record. `open_pairs` would have been
-  /// expanded or compared if the traversal had gone on; `work` is how many it has expanded or compared. A front that
-  /// saves little next to a new traversal is given up.
-  void finish(std::size_t open_pairs, std::uint64_t work) {
-    open_pairs_ = open_pairs;
-    is_complete_ = true;
-    work_ += work;
-    if (open_pairs > 0) return;
-    if (work_of_new_ == 0) work_of_new_ = work_;
-    const bool is_new = work_ == work_of_new_;
-    work_ = 0;
-    if (!is_new && 5 * work > 3 * work_of_new_) start_over();  // (bench/realtime/deadlines.cpp)
-  }
-  /// How many pairs were open at the end of the last traversal.
-  std::size_t open_count() const { return open_pairs_; }
 
   /// Records an expansion. Returns `none` when there is no room.
   std::uint16_t add(const bvh::SlotId (&slot)[2], Side expanded) {
-    if (count_ == capacity) return none;
+    if (count_ == capacity) {
+      ++without_room_;
+      return none;
+    }
     records_[count_] = {{infinity, infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
     return static_cast<std::uint16_t>(count_++);
   }
@@ -152,6 +155,22 @@ class Front {
   std::span<const Record> records() const { return {records_, count_}; }
 
  private:
+  /// Gives all pairs of the queue to the records that they come from. Returns how many these are.
+  std::size_t put_back_queue(double unit_a) {
+    std::size_t count = 0;
+    for (; !state_.queue.empty(); ++count) {
+      const NodePair pair = state_.queue.pop();
+      if (pair.child == NodePair::whole_record || pair.record >= count_) continue;
+      const double bound = std::sqrt(static_cast<double>(pair.bound_sq)) * unit_a * double{core::squares_down};
+      put(pair.record, 1U << pair.child, open, bound);
+    }
+    return count;
+  }
+  void add_motion(const PlacedModels& placed, const Transform& a_from_b) {
+    const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (core::sum_up - 1);
+    odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    odometer_ *= core::sum_up;
+  }
   bool is_of(const PlacedModels& placed) const {
     return assignment_id_[0] == placed.tree(Side::a).assignment_id &&
            assignment_id_[1] == placed.tree(Side::b).assignment_id;
@@ -196,11 +215,13 @@ class Front {
   double odometer_ = 0;
   double distance_ = 0, distance_odometer_ = 0;  // the bound of the models' distance, and when it was found
   bool is_complete_ = false;
-  std::uint32_t count_ = 0;
+  bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left
+  double cutoff_ = 0;          // that of the interrupted traversal
+  std::optional<Vec3> direction_;
+  std::uint32_t count_ = 0, without_room_ = 0;
   std::size_t open_pairs_ = 0;
-  std::uint64_t work_ = 0, work_of_new_ = 0;  // of this traversal until it ends, and of one from the roots
-  std::uint32_t useless_ = 0, queries_ = 0;
   Record records_[capacity];
+  TraversalState state_;
 };
 
 }  // namespace limber::query

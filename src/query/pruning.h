@@ -27,12 +27,15 @@ enum class Ties { skipped, compared };
 /// States   The prune distance only shrinks. There is a search direction once a pair that is apart has been compared.
 class Pruning {
  public:
-  Pruning(const PlacedModels& placed, double prune_distance, Ties ties = Ties::skipped)
+  Pruning(const PlacedModels& placed, double cutoff, Ties ties = Ties::skipped)
       : placed_(placed), may_skip_ties_(ties == Ties::skipped) {
     in_frame_[0].has_direction = in_frame_[1].has_direction = false;
-    set_distance(prune_distance);
+    set_cutoff(cutoff);
   }
 
+  /// Everything that is pruned, and everything that has been compared, is at least so far apart.
+  double cutoff() const { return cutoff_; }
+  /// What bounds are compared with: the cutoff, or for tiny models a larger distance that float32 resolves.
   double distance() const { return in_frame_[0].distance; }
   /// Of the best pair so far that allows to prune others; 0 if there is none.
   double best_distance() const { return best_distance_; }
@@ -46,7 +49,7 @@ class Pruning {
   /// Takes over what a goal has learnt.
   void improve(const Improvement& improvement) {
     if (improvement.prune_distance < infinity) {
-      set_distance(std::min(distance(), improvement.prune_distance));
+      set_cutoff(std::min(cutoff_, improvement.prune_distance));
       best_distance_ = improvement.distance;
       skips_ties_ = may_skip_ties_ && distance() == improvement.distance;
     }
@@ -61,6 +64,17 @@ class Pruning {
 
   /// Goes on without a search direction.
   void forget_direction() { in_frame_[0].has_direction = in_frame_[1].has_direction = false; }
+
+  /// The search direction, if there is one.
+  std::optional<Vec3> direction() const { return has_direction() ? std::optional(direction_) : std::nullopt; }
+  /// Goes on with what direction() has returned before.
+  void restore_direction(const std::optional<Vec3>& direction) {
+    if (direction) {
+      set_direction(*direction);
+    } else {
+      forget_direction();
+    }
+  }
 
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
   /// pruned.
@@ -77,11 +91,14 @@ class Pruning {
     if (const std::optional<bool> is_pruned = prunes_gap(gap)) return *is_pruned;
     return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
   }
-  /// Whether the same goes for all pairs of triangles of two leaves. May miss it.
-  bool prunes(PlacedLeaf& a, PlacedLeaf& b) const {
+  /// Whether no pair of triangles of two leaves need be compared, for the same reasons. May miss it. If so, leaves in
+  /// `apart` a lower bound of their distance, or the cutoff if that is larger.
+  bool prunes(PlacedLeaf& a, PlacedLeaf& b, double& apart) const {
     if (!has_direction()) return false;
     const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
-    return prunes_gap(gap).value_or(false);
+    const bool is_pruned = prunes_gap(gap).value_or(false);
+    if (is_pruned) apart = std::max(cutoff_, gap - core::local_gap_error * placed_.error());
+    return is_pruned;
   }
 
  private:
@@ -89,8 +106,9 @@ class Pruning {
   // A shorter one has no direction.
   static constexpr double shortest_separation = 0x1p-500;
 
-  void set_distance(double distance) {
-    in_frame_[0].distance = in_frame_[1].distance = std::max(distance, simd::smallest_prune_distance);
+  void set_cutoff(double cutoff) {
+    cutoff_ = std::max(cutoff, std::numeric_limits<double>::min());  // contacts are never pruned
+    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_prune_distance);
   }
 
   /// `direction` has length 1, in the world, from a to b.
@@ -134,6 +152,7 @@ class Pruning {
   }
 
   const PlacedModels& placed_;
+  double cutoff_;
   simd::PruneLimits in_frame_[2];
   double best_distance_ = 0;
   bool may_skip_ties_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/check.h"
+#include "core/error_bounds.h"
 #include "geometry/local_frame.h"
 #include "limber/model.h"
 #include "query/budget_meter.h"
@@ -17,44 +18,118 @@ namespace limber::query {
 
 /// What a search has left.
 struct Unsearched {
-  double distance;  ///< every pair of triangles that was not compared is at least that far apart
+  double distance;  ///< all that was not compared is at least that far apart; 0 if the goal is done
   StoppedBy stopped_by = StoppedBy::nothing;
+  double work = 0;  ///< pairs of nodes and of leaves that were compared
 };
 
-/// Runs a traversal to its end, or to that of the budget.
-template <bool has_front, typename Goal>
-Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& pruning, Front* front, Goal& goal,
-                    BudgetMeter& meter, QueryStats& stats) {
-  if (root_bound >= pruning.distance()) {
-    return {std::max(root_bound, has_front ? front->bound_at_rest(placed) : 0)};
-  }
-  Traversal<Goal, has_front> traversal(placed, pruning, goal, meter, stats);
-  traversal.start(root_bound, front);
-  while (traversal.step()) {
-  }
+/// Ends a traversal that has made all its steps.
+template <typename Goal, bool has_front>
+Unsearched finish(Traversal<Goal, has_front>& traversal, const PlacedModels& placed, double root_bound,
+                  const Pruning& pruning, const Goal& goal, const BudgetMeter& meter) {
   const double open = traversal.finish();
   if (placed.drift() > 0) placed.add_margin_cost(traversal.margin_cost());
-  if (goal.is_done()) return {pruning.distance()};
-  Unsearched left{std::max(root_bound, std::min(open, pruning.distance()))};
-  if (open < pruning.distance()) left.stopped_by = meter.stopped_by();
-  if (!has_front) return left;
-  left.distance = std::max(left.distance, front->bound());
-  front->improve_bound(left.distance);
+  Unsearched left{0, StoppedBy::nothing, static_cast<double>(traversal.work())};
+  if (goal.is_done()) return left;
+  left.distance = std::max(root_bound, std::min(open, pruning.cutoff()));
+  if (open < pruning.cutoff()) left.stopped_by = meter.stopped_by();
+  return left;
+}
+
+/// Runs a traversal from the roots, without a front.
+template <typename Goal>
+Unsearched traverse(const PlacedModels& placed, Frames& frames, double root_bound, Pruning& pruning, Goal& goal,
+                    BudgetMeter& meter, QueryStats& stats) {
+  TraversalState state;
+  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, state, nullptr, stats);
+  traversal.start(root_bound);
+  while (traversal.step()) {
+  }
+  return finish(traversal, placed, root_bound, pruning, goal, meter);
+}
+
+/// Runs the rest of a traversal that began at the roots without its front, whose records are forgotten.
+template <typename Goal>
+Unsearched traverse_on(const Traversal<Goal, true>& begun, const PlacedModels& placed, Frames& frames,
+                       double root_bound, Pruning& pruning, Front& front, Goal& goal, BudgetMeter& meter,
+                       QueryStats& stats) {
+  if (placed.drift() > 0) placed.add_margin_cost(begun.margin_cost());
+  front.forget_records();
+  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, front.state(), nullptr, stats);
+  while (traversal.step()) {
+  }
+  const Unsearched left = finish(traversal, placed, root_bound, pruning, goal, meter);
+  front.finish(placed.tree(Side::a).unit);
+  return left;
+}
+
+/// Runs a traversal with a cache: goes on with the one that was interrupted, starts with the records of the last one, or
+/// from the roots, whatever promises to be the cheapest.
+template <typename Goal>
+Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& pruning, QueryCache::Impl& cache,
+                    Goal& goal, BudgetMeter& meter, QueryStats& stats) {
+  Front& front = cache.front;
+  Frames frames(placed);
+  const bool continues = front.can_continue(placed, pruning.cutoff());
+  if (!continues && !meter.is_limited() && !cache.bound.is_due()) {
+    front.clear();
+    const Unsearched left = traverse(placed, frames, root_bound, pruning, goal, meter, stats);
+    cache.work_of_new = left.work;
+    return left;
+  }
+  if (!continues) front.begin(placed, frames.a_from_b());
+  if (front.bound() >= pruning.cutoff()) {
+    cache.judge_bound(true);
+    if (!continues) front.finish(placed.tree(Side::a).unit);
+    return {std::max(root_bound, front.bound())};
+  }
+  Unsearched left{0};
+  if (continues || meter.is_limited() || cache.recording.is_due()) {
+    Traversal<Goal, true> traversal(placed, frames, pruning, goal, meter, front.state(), &front, stats);
+    bool is_new = false;
+    if (continues) {
+      traversal.go_on();
+    } else if (!traversal.start_with_records()) {
+      front.forget_records();
+      traversal.start(root_bound);
+      is_new = true;
+    }
+    const bool gives_up = is_new && !meter.is_limited();
+    while (!(gives_up && front.overflows()) && traversal.step()) {
+    }
+    left = gives_up && front.overflows()
+               ? traverse_on(traversal, placed, frames, root_bound, pruning, front, goal, meter, stats)
+               : finish(traversal, placed, root_bound, pruning, goal, meter);
+    if (!meter.is_limited() && !continues) is_new ? cache.judge_new_front(left.work) : cache.judge_front(left.work);
+  } else {
+    front.forget_records();
+    left = traverse(placed, frames, root_bound, pruning, goal, meter, stats);
+    front.finish(placed.tree(Side::a).unit);
+    cache.work_of_new = left.work;
+    cache.judge_bound(false);
+  }
+  left.distance = std::max(left.distance, front.bound());
+  front.improve_bound(left.distance);
   return left;
 }
 
 /// Offers a goal two vertices if they are close enough. Where the bounds of the roots nearly decide, any two are, at a
-/// small part of the cost of a descent.
+/// small part of the cost of a descent. Their distance is rounded up: that of their triangles, which another query may
+/// compute, is no larger.
 template <TakesPoints Goal>
 void try_vertices(const PlacedModels& placed, double root_bound, Goal& goal, Pruning& pruning) {
   const double good_enough = goal.good_enough(root_bound);
   if (good_enough <= root_bound) return;
-  const TriangleId a = placed.first_triangle(Side::a), b = placed.first_triangle(Side::b);
   const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
   const double distance = geometry::safe_length(q - p);
-  if (distance > root_bound && distance <= good_enough) {
-    if (const auto improvement = goal.take(distance, {p, q, a, b})) pruning.improve(*improvement);
-  }
+  if (distance <= root_bound || distance > good_enough || distance < simd::smallest_prune_distance) return;
+  const TriangleId a = placed.first_triangle(Side::a), b = placed.first_triangle(Side::b);
+  const Triangle s = placed.triangle(Side::a, a), t = placed.triangle(Side::b, b);
+  double extent = 0;
+  for (std::size_t k = 0; k < 3; ++k) extent = std::max({extent, max_abs(s[k] - p), max_abs(t[k] - p)});
+  const double upper = distance + core::triangle_distance_error * (distance + extent);
+  if (upper > good_enough) return;
+  if (const auto improvement = goal.take(upper, {p, q, a, b})) pruning.improve(*improvement);
 }
 
 /// Looks for what a goal wants, first where the last query ended if there is a cache.
@@ -67,7 +142,8 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return {root_bound};
   if constexpr (TakesPoints<Goal>) {
-    if (cache == nullptr && !meter.is_limited()) try_vertices(placed, root_bound, goal, pruning);
+    if (!meter.is_limited()) try_vertices(placed, root_bound, goal, pruning);
+    if (goal.is_done() || root_bound >= pruning.distance()) return {root_bound};
   }
   const auto compare = [&](TriangleId a, TriangleId b) {
     ++stats.triangle_tests;
@@ -75,25 +151,29 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
     if (improvement) pruning.improve(*improvement);
   };
   QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
-  const bool uses_cache = last != nullptr && (meter.is_limited() || last->front.should_record());
-  if (uses_cache && placed.has_triangle(Side::a, last->triangle_a) && placed.has_triangle(Side::b, last->triangle_b)) {
+  const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&
+                        placed.has_triangle(Side::b, last->triangle_b);
+  const bool tries_pair = has_pair && (meter.is_limited() || last->pair.is_due());
+  if (tries_pair) {
     compare(last->triangle_a, last->triangle_b);
   } else if (meter.is_limited()) {
     // There is an upper bound whatever happens.
     compare(placed.first_triangle(Side::a), placed.first_triangle(Side::b));
   }
-  if (!uses_cache) {
-    return goal.is_done() ? Unsearched{pruning.distance()}
-                          : traverse<false>(placed, root_bound, pruning, nullptr, goal, meter, stats);
+  if (goal.is_done()) {
+    if (tries_pair) last->judge_pair(true);
+    return {pruning.cutoff()};
   }
-  const double at_first = pruning.distance();
-  const Unsearched left = goal.is_done()
-                              ? Unsearched{pruning.distance()}
-                              : traverse<true>(placed, root_bound, pruning, &last->front, goal, meter, stats);
-  // The cache is of use if its triangles are nearly the answer.
-  constexpr double nearly = 1.25;
-  if (Goal::takes_any ? goal.is_done() && stats.triangle_tests == 1 : at_first <= nearly * pruning.distance())
-    last->front.be_useful();
+  if (last == nullptr) {
+    Frames frames(placed);
+    return traverse(placed, frames, root_bound, pruning, goal, meter, stats);
+  }
+  const double at_first = pruning.cutoff();
+  const Unsearched left = traverse(placed, root_bound, pruning, *last, goal, meter, stats);
+  if (tries_pair && !meter.is_limited()) {
+    constexpr double close = 1.25;
+    last->judge_pair(at_first < goal.initial_prune_distance() && at_first <= close * pruning.cutoff());
+  }
   return left;
 }
 
@@ -110,10 +190,11 @@ Unsearched search_self(const PlacedModels& placed, const QueryCache::Impl* last,
     ++stats.triangle_tests;
     const auto improvement = goal.compare({last->triangle_a, placed.triangle(Side::a, last->triangle_a)},
                                           {last->triangle_b, placed.triangle(Side::b, last->triangle_b)});
-    if (goal.is_done()) return {pruning.distance()};
+    if (goal.is_done()) return {pruning.cutoff()};
     if (improvement) pruning.improve(*improvement);
   }
-  return traverse<false>(placed, 0, pruning, nullptr, goal, meter, stats);
+  Frames frames(placed);
+  return traverse(placed, frames, 0, pruning, goal, meter, stats);
 }
 
 /// Offers a goal all pairs of leaves that may matter: of two models, or of one that stands on both sides.
@@ -121,7 +202,10 @@ template <ComparesLeaves Goal>
 void search_leaves(const PlacedModels& placed, Goal& goal, QueryStats& stats) {
   BudgetMeter meter;  // without limits
   Pruning pruning(placed, goal.initial_prune_distance());
-  traverse<false>(placed, Goal::is_self ? 0 : placed.root_bound(), pruning, nullptr, goal, meter, stats);
+  const double root_bound = Goal::is_self ? 0 : placed.root_bound();
+  if (root_bound >= pruning.distance()) return;
+  Frames frames(placed);
+  traverse(placed, frames, root_bound, pruning, goal, meter, stats);
 }
 
 /// Notes an answer for the next query.

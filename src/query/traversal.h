@@ -10,7 +10,6 @@
 
 #include "core/check.h"
 #include "core/error_bounds.h"
-#include "query/bucket_queue.h"
 #include "query/budget_meter.h"
 #include "query/frames.h"
 #include "query/front.h"
@@ -19,6 +18,7 @@
 #include "query/placed_leaf.h"
 #include "query/placed_models.h"
 #include "query/pruning.h"
+#include "query/traversal_state.h"
 
 namespace limber::query {
 
@@ -30,17 +30,21 @@ namespace limber::query {
 ///           node at once. Pairs that overlap are taken first, then the nearest. Bounds also use the search direction,
 ///           in which the closest pair so far is apart.
 ///
-/// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed. The traversal
-/// owns what is pruned, and nothing else changes while it runs: goals return improvements, placed models are constant.
+/// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed, and owns the state
+/// of the traversal. The traversal owns what is pruned, and nothing else changes while it runs: goals return
+/// improvements, placed models are constant.
 template <typename Goal, bool has_front>
 class Traversal {
  public:
-  Traversal(const PlacedModels& placed, Pruning& pruning, Goal& goal, BudgetMeter& meter, QueryStats& stats)
-      : frames_(placed),
+  Traversal(const PlacedModels& placed, Frames& frames, Pruning& pruning, Goal& goal, BudgetMeter& meter,
+            TraversalState& state, Front* front, QueryStats& stats)
+      : frames_(frames),
         placed_(placed),
         pruning_(pruning),
         goal_(goal),
         meter_(meter),
+        state_(state),
+        front_(front),
         stats_(stats),
         kernels_(simd::kernels()),
         placed_leaf_{{placed, Side::a}, {placed, Side::b}} {
@@ -48,53 +52,53 @@ class Traversal {
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
 
-  /// Begins with the two roots, or where the front ended if that saves work. `front` is null unless one is recorded.
-  /// Pre: the goal is not done.
-  void start(double root_bound, Front* front) {
-    queue_.clear();
-    if constexpr (can_guess) prepare_guess();
+  /// Begins with the two roots. Pre: the goal is not done.
+  void start(double root_bound) {
+    state_.clear();
     if constexpr (Goal::is_self) {
       static_assert(!has_front && Goal::needs_all);
       next_node_ = static_cast<std::uint32_t>(placed_.tree(Side::a).nodes.size());
       return;
     }
-    if constexpr (has_front) {
-      front_ = front;
-      if (!front_->can_resume(placed_)) {
-        front_->start(placed_, frames_.a_from_b());
-      } else {
-        front_->resume(placed_, frames_.a_from_b());
-        if (front_->bound() >= pruning_.distance() || push_records()) return front_->be_useful();
-        front_->start_over();
-        queue_.clear();
-        descends_ = true;
-      }
-    }
+    if constexpr (can_guess) prepare_guess();
     const double units = root_bound / placed_.tree(Side::a).unit;
-    least_sq_ =
+    state_.least_sq =
         static_cast<float>(std::min(units * units * double{core::squares_down}, double{BucketQueue::largest_bound}));
-    const NodePair roots{least_sq_, {bvh::root, bvh::root}, Front::none, 0};
+    const NodePair roots{state_.least_sq, {bvh::root, bvh::root}, Front::none, 0};
     if constexpr (!has_front && !Goal::needs_all) {
       if (!meter_.is_limited()) return descend_first(roots);
     }
-    queue_.push_first(roots);
+    state_.queue.push_first(roots);
+  }
+
+  /// Begins with what the front has to have compared again. False if that is so much that a new traversal is cheaper,
+  /// or if the front has no records. Pre: as above.
+  bool start_with_records() {
+    state_.clear();
+    if constexpr (can_guess) prepare_guess();
+    return push_records();
+  }
+  /// Goes on where the traversal of the front was interrupted. Pre: as above, and the front says that it can.
+  void go_on() {
+    pruning_.restore_direction(front_->go_on());
+    first_step_ = state_.steps;
   }
 
   /// Takes one more pair, or two. False when none that matters is left, or the budget is spent.
   bool step() {
-    if (meter_.is_spent(steps_) || goal_.is_done()) return false;
-    if (queue_.empty()) return Goal::is_self && next_node_ > 0 && compare_siblings();
+    if (meter_.is_spent(state_.steps - first_step_) || goal_.is_done()) return false;
+    if (state_.queue.empty()) return Goal::is_self && next_node_ > 0 && compare_siblings();
     update_limits();
     Expansion e;
-    e.pair = queue_.pop();
+    e.pair = state_.queue.pop();
     if constexpr (can_guess) {
-      if (guess_ == Guess::due && e.pair.bound_sq < limit_sq_[0]) guess(), update_limits();
-      if (steps_ >= next_descent_ && queue_.has_only_ordered()) descend_again();
+      if (state_.guess == Guess::due && e.pair.bound_sq < limit_sq_[0]) guess(), update_limits();
+      if (state_.steps >= state_.next_descent && state_.queue.has_only_ordered()) descend_again();
     }
     if (!begin(e)) return true;
     if (takes_two()) {
       Expansion second;
-      second.pair = queue_.pop();
+      second.pair = state_.queue.pop();
       const bool is_expanded = begin(second);
       update_limits();  // leaves may have been compared
       compare_children(e);
@@ -111,33 +115,29 @@ class Traversal {
   }
 
   /// Ends the traversal, wherever it is. Returns a lower bound of the distance of all that is left, infinite if nothing
-  /// is.
+  /// is. With a front, what is left stays in the queue for the next traversal, unless the goal is done.
   double finish() {
-    double least = std::numeric_limits<double>::infinity();
+    double least = state_.queue.empty() ? std::numeric_limits<double>::infinity()
+                                        : length_of(Side::a, state_.queue.least_bound_sq());
     if constexpr (has_front) {
-      std::size_t open = 0;
-      for (; !queue_.empty(); ++open) {
-        const NodePair pair = queue_.pop();
-        const bool is_record = pair.child == NodePair::whole_record;
-        const double bound =
-            is_record ? front_->bound_of(front_->records()[pair.record]) : length_of(Side::a, pair.bound_sq);
-        least = std::min(least, bound);
-        if (!is_record) put_back(pair, Front::open, bound);
+      if (state_.queue.empty() || goal_.is_done()) {
+        front_->finish(placed_.tree(Side::a).unit);
+      } else {
+        front_->suspend(pruning_.cutoff(), pruning_.direction());
       }
-      front_->finish(goal_.is_done() ? 0 : open, work_);
-    } else if (!queue_.empty()) {
-      least = length_of(Side::a, queue_.least_bound_sq());
     }
     if (Goal::is_self && next_node_ > 0) least = 0;  // siblings overlap
     return least;
   }
 
+  /// Pairs of nodes and of leaves that were compared so far.
+  std::uint64_t work() const { return state_.work; }
   /// Steps that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a chance.
   double margin_cost() const { return margin_cost_; }
 
  private:
+  using Guess = TraversalState::Guess;
   static constexpr bool can_guess = TakesPoints<Goal>;
-  enum class Guess : std::uint8_t { none, later, due, made };
 
   /// The expansion of one node of a pair: its children are compared with the other node.
   struct Expansion {
@@ -201,14 +201,13 @@ class Traversal {
   /// guess that has waited, because there was a pair from the last query, is due now. Not inlined: it is rare. Called
   /// where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves anyway.
   [[gnu::noinline]] void descend_again() {
-    descends_ = !has_front && !has_guessed_well_;
-    if (guess_ == Guess::later) guess_ = Guess::due;
-    next_descent_ = descent_factor * steps_;
+    state_.descends = !has_front && !state_.has_guessed_well;
+    state_.next_descent = descent_factor * state_.steps;
   }
 
   /// Whether to expand two pairs side by side. The processor then compares the children of one while it waits for those
-  /// of the other. Only where it matters little which pair comes first, and where nobody counts steps.
-  bool takes_two() const { return !descends_ && queue_.has_only_ordered() && !meter_.is_limited(); }
+  /// of the other. Only where it matters little which pair comes first.
+  bool takes_two() const { return !state_.descends && state_.queue.has_only_ordered(); }
 
   /// The chance that a pair would have been pruned without the margin: 1 if the prune distance exceeds the margin.
   /// Otherwise bounds do not tell; the larger the margin is next to the looseness of the bounds, the likelier it is.
@@ -227,32 +226,32 @@ class Traversal {
   void put_back(const NodePair& pair, Front::Kind kind, double distance) {
     if (pair.record != Front::none) front_->put(pair.record, 1U << pair.child, kind, distance);
   }
-  /// Settles a pair, pruned or compared: what it holds is at least `distance` or the prune distance apart.
+  /// Settles a pair, pruned or compared: what it holds is at least `distance` or the cutoff apart.
   void settle(const NodePair& pair, double distance) {
-    if (has_front) put_back(pair, kind_of(distance), std::max(distance, pruning_.distance()));
+    if (has_front) put_back(pair, kind_of(distance), std::max(distance, pruning_.cutoff()));
   }
   /// Of what is settled at that distance.
   Front::Kind kind_of(double distance) const {
     constexpr double hardly = 1 + 1. / 64;  // (docs/design/real_time.md)
-    return distance < hardly * pruning_.distance() ? Front::near : Front::settled;
+    return distance < hardly * pruning_.cutoff() ? Front::near : Front::settled;
   }
 
   /// Queues what has to be compared again. False if that is so much that a new traversal is cheaper, or if there are no
   /// records.
   bool push_records() {
     const std::span<const Front::Record> records = front_->records();
-    descends_ = false;
+    state_.descends = false;
     const double to_units = 1 / placed_.tree(Side::a).unit;
     std::size_t count = 0;
-    least_sq_ = BucketQueue::largest_bound;
+    state_.least_sq = BucketQueue::largest_bound;
     for (std::size_t i = 0; i < records.size(); ++i) {
       const double bound = front_->bound_of(records[i]);
-      if (bound >= pruning_.distance()) continue;
+      if (bound >= pruning_.cutoff()) continue;
       ++count;
       const double units = bound * to_units;
       const double bound_sq = std::min(units * units * double{core::squares_down}, double{BucketQueue::largest_bound});
-      least_sq_ = std::min(least_sq_, static_cast<float>(bound_sq));
-      queue_.push({static_cast<float>(bound_sq), {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
+      state_.least_sq = std::min(state_.least_sq, static_cast<float>(bound_sq));
+      state_.queue.push({static_cast<float>(bound_sq), {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
     }
     // Those that were open have to be expanded in a new traversal too.
     const double of_no_use = static_cast<double>(count) - static_cast<double>(front_->open_count());
@@ -271,9 +270,9 @@ class Traversal {
       // A positive limit never prunes a pair whose bound is 0.
       limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::min());
     }
-    if (limit_sq_[0] - least_sq_ > worth_refocusing * (focus_sq_ - least_sq_)) return;
-    focus_sq_ = limit_sq_[0];
-    queue_.focus(least_sq_, focus_sq_);
+    if (limit_sq_[0] - state_.least_sq > worth_refocusing * (state_.focus_sq - state_.least_sq)) return;
+    state_.focus_sq = limit_sq_[0];
+    state_.queue.focus(state_.least_sq, state_.focus_sq);
   }
 
   /// Begins with what was taken from the queue. False if it is pruned, or a pair of leaves, which are compared.
@@ -287,17 +286,17 @@ class Traversal {
     if (pair.bound_sq >= limit_sq_[0]) {
       settle(pair, length_of(Side::a, pair.bound_sq));
       // With a front, each remaining pair has to be settled on its own.
-      if (!has_front && !queue_.empty() && queue_.all_beyond(limit_sq_[0])) queue_.clear();
+      if (!has_front && !state_.queue.empty() && state_.queue.all_beyond(limit_sq_[0])) state_.queue.clear();
       return false;
     }
-    ++steps_;
+    ++state_.steps;
     if (placed_.drift() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
       double apart = 0;
       if (compare_leaves(pair, apart)) {
         settle(pair, apart);
       } else {
-        queue_.push_first(pair);
+        state_.queue.push_first(pair);
       }
       return false;
     }
@@ -313,15 +312,15 @@ class Traversal {
   /// Takes the next node of a model that is compared with itself, from the last to the first: its child slots with each
   /// other, and leaves with themselves. All nodes together have every pair of triangles once. Always true.
   bool compare_siblings() {
-    LIMBER_ASSERT(next_node_ > 0 && queue_.empty());
+    LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
     update_limits();
-    ++steps_;
+    ++state_.steps;
     const bvh::Tree& tree = placed_.tree(Side::a);
     const std::uint32_t n = --next_node_, count = tree.nodes[n].child_count;
     const bool has_leaves = n >= tree.first_lowest_node();
     for (std::uint32_t k = 0; k < count && !goal_.is_done(); ++k) {
       const bvh::SlotId slot = n * bvh::width + k;
-      if (has_leaves) queue_.push_first({0, {slot, slot}, Front::none, 0});
+      if (has_leaves) state_.queue.push_first({0, {slot, slot}, Front::none, 0});
       if (k + 1 == count) break;
       Expansion e;
       e.pair = {0, {slot, bvh::root}, Front::none, 0};
@@ -338,20 +337,20 @@ class Traversal {
   bool expand_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_->records()[record];
-    if (front_->bound_of(r) >= pruning_.distance()) return false;
+    if (front_->bound_of(r) >= pruning_.cutoff()) return false;
     e.side = r.expands_a ? Side::a : Side::b;
     e.pair = {e.pair.bound_sq, {r.slot[0], r.slot[1]}, Front::none, 0};
     e.node = child_of(e.side, r.slot[index(e.side)]);
     e.record = record;
     e.has_record = true;
-    e.children = front_->take(record, pruning_.distance());
+    e.children = front_->take(record, pruning_.cutoff());
     return true;
   }
 
   /// Compares the children of the expanded node with the other node.
   void compare_children(Expansion& e) {
     LIMBER_ASSERT(e.children != 0);
-    ++work_;
+    ++state_.work;
     const Side s = other(e.side);
     const simd::OtherNode other_node = is_leaf(s, e.pair) ? as_leaf(s, e.pair) : as_node(s, e.pair);
     const bvh::WideNode& node = placed_.tree(e.side).nodes[e.node];
@@ -363,7 +362,7 @@ class Traversal {
     // In variables of their own: GCC would combine the masks in memory, where the processor waits for them.
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
     e.kept = {all, overlapping};
-    if (has_aimed_) judge_direction(e);
+    if (state_.has_aimed) judge_direction(e);
     const unsigned pruned = e.children & ~e.kept.all;
     if (has_front && pruned != 0) record_pruned(e, pruned, bound_sq);
   }
@@ -373,7 +372,7 @@ class Traversal {
     for (unsigned rest = children; rest != 0; rest &= rest - 1) {
       least = std::min(least, bound_sq[std::countr_zero(rest)]);
     }
-    const double distance = std::max(length_of(e.side, least), pruning_.distance());
+    const double distance = std::max(length_of(e.side, least), pruning_.cutoff());
     if (e.record == Front::none) return;
     front_->put(e.record, e.has_record ? children : 1U << e.pair.child, kind_of(distance), distance);
   }
@@ -383,14 +382,14 @@ class Traversal {
     if (e.kept.all == 0) return;
     if constexpr (Goal::needs_all && Goal::takes_any) {  // any order will do
       for (unsigned rest = e.kept.all; rest != 0; rest &= rest - 1) {
-        queue_.push_first(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(rest))));
+        state_.queue.push_first(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(rest))));
       }
       return;
     }
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0) {
-      if (!Goal::takes_any && descends_) return descend(e);
-      if (!Goal::takes_any && steps_ >= nearest_last_from_step) return push_nearest_last(e);
+      if (!Goal::takes_any && state_.descends) return descend(e);
+      if (!Goal::takes_any && state_.steps >= nearest_last_from_step) return push_nearest_last(e);
       return push(e, e.kept.all);
     }
     push(e, e.kept.all & ~overlapping);
@@ -402,7 +401,7 @@ class Traversal {
         if (e.order[child] >= e.order[shallowest]) shallowest = child;
       }
       overlapping &= ~(1U << shallowest);
-      queue_.push_first(child_pair(e, shallowest));
+      state_.queue.push_first(child_pair(e, shallowest));
     }
   }
 
@@ -411,9 +410,9 @@ class Traversal {
   void descend_first(const NodePair& roots) {
     update_limits();
     if constexpr (can_guess) {
-      if (guess_ == Guess::due && roots.bound_sq < limit_sq_[0]) guess(), update_limits();
+      if (state_.guess == Guess::due && roots.bound_sq < limit_sq_[0]) guess(), update_limits();
     }
-    if (!descends_) return queue_.push_first(roots);
+    if (!state_.descends) return state_.queue.push_first(roots);
     NodePair pair = roots;
     Expansion way[longest_descent];
     std::uint32_t length = 0;
@@ -429,9 +428,9 @@ class Traversal {
       e.kept.all &= ~(1U << child), e.kept.overlapping &= ~(1U << child);
     }
     if (goal_.is_done()) return;
-    const bool descends_on = std::exchange(descends_, false);
+    const bool descends_on = std::exchange(state_.descends, false);
     for (std::uint32_t i = 0; i < length; ++i) keep(way[i]);
-    descends_ = descends_on;
+    state_.descends = descends_on;
   }
 
   /// The deepest overlap, or the nearest child if none overlaps.
@@ -458,7 +457,7 @@ class Traversal {
   void descend(const Expansion& e) {
     const std::uint32_t nearest = nearest_child(e);
     push(e, e.kept.all & ~(1U << nearest));
-    queue_.push_first(child_pair(e, nearest));
+    state_.queue.push_first(child_pair(e, nearest));
   }
 
   /// Pushes the nearest child last, so that it is popped before its siblings of the same bucket. Not inlined: shorter
@@ -466,12 +465,12 @@ class Traversal {
   [[gnu::noinline]] void push_nearest_last(const Expansion& e) {
     const std::uint32_t nearest = nearest_child(e);
     push(e, e.kept.all & ~(1U << nearest));
-    queue_.push(child_pair(e, nearest));
+    state_.queue.push(child_pair(e, nearest));
   }
 
   void push(const Expansion& e, unsigned children) {
     for (; children != 0; children &= children - 1) {
-      queue_.push(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
+      state_.queue.push(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
     }
   }
 
@@ -490,7 +489,7 @@ class Traversal {
   /// The same as below for a goal that compares leaves itself.
   bool compare_leaves(const NodePair& pair, double&) requires ComparesLeaves<Goal> {
     static_assert(!has_front);
-    ++work_;
+    ++state_.work;
     const LeafPair leaves{as_leaf(Side::a, pair), as_leaf(Side::b, pair), leaf(Side::a, pair),
                           leaf(Side::b, pair),    frames_.of(Side::a),    pruning_.of(Side::a)};
     goal_.compare_leaves(leaves, stats_);
@@ -500,7 +499,7 @@ class Traversal {
   /// Chooses the normal of the flatter of two leaves that are apart as the search direction: what is near them is
   /// likely to be apart along it, too. Not inlined: the loop of a query should not pay for it.
   [[gnu::noinline]] void aim(const NodePair& pair) {
-    if (pruning_.has_direction() || wasted_aims_ == most_wasted_aims) return;
+    if (pruning_.has_direction() || state_.wasted_aims == most_wasted_aims) return;
     const bvh::SlotId slots[2] = {leaf_slot(Side::a, pair), leaf_slot(Side::b, pair)};
     double flatness[2];
     Vec3 normal[2], center[2];
@@ -514,7 +513,7 @@ class Traversal {
     }
     const Vec3 n = flatness[0] <= flatness[1] ? normal[0] : normal[1];
     pruning_.aim(dot(n, center[1] - center[0]) < 0 ? -n : n);
-    has_aimed_ = pruning_.has_direction();
+    state_.has_aimed = pruning_.has_direction();
   }
 
   /// Gives a search direction up that has pruned nothing for a while.
@@ -523,37 +522,37 @@ class Traversal {
     for (unsigned rest = e.children & ~e.kept.all; rest != 0; rest &= rest - 1) {
       has_pruned |= e.order[std::countr_zero(rest)] < limit_sq_[index(e.side)];
     }
-    idle_expansions_ = has_pruned ? 0 : idle_expansions_ + 1;
-    if (idle_expansions_ < most_idle_expansions) return;
-    idle_expansions_ = 0;
-    ++wasted_aims_;
-    has_aimed_ = false;
+    state_.idle_expansions = has_pruned ? 0 : state_.idle_expansions + 1;
+    if (state_.idle_expansions < most_idle_expansions) return;
+    state_.idle_expansions = 0;
+    ++state_.wasted_aims;
+    state_.has_aimed = false;
     pruning_.forget_direction();
   }
 
-  /// Whether to guess. A pair from the last query may be as good: then only when a further descent would be due. Where
-  /// all pairs beyond a limit are pruned, a close pair saves nothing until one within the limit is found.
+  /// Whether to guess. Where all pairs beyond a limit are pruned, a close pair saves nothing until one within the limit
+  /// is found.
   void prepare_guess() {
-    if (std::isinf(pruning_.distance())) guess_ = Guess::due;
-    if (pruning_.distance() < goal_.initial_prune_distance()) guess_ = Guess::later;
-    if (meter_.is_limited()) guess_ = Guess::made;
+    if (std::isinf(pruning_.distance()) || pruning_.distance() < goal_.initial_prune_distance()) {
+      state_.guess = Guess::due;
+    }
   }
 
   /// Compares two triangles that are likely to be the closest, where one model is flat.
   [[gnu::noinline]] void guess() {
-    const bool is_first = guess_near_[0] == bvh::root && guess_near_[1] == bvh::root;
-    const std::optional<FlatPart> part = flat_part(placed_, guess_near_[0], guess_near_[1]);
+    const bool is_first = state_.guess_near[0] == bvh::root && state_.guess_near[1] == bvh::root;
+    const std::optional<FlatPart> part = flat_part(placed_, state_.guess_near[0], state_.guess_near[1]);
     // Before any triangles have been compared it is worth it only if the models may well be apart.
     const bool is_worth_it = part && (!is_first || part->room >= least_room * part->radius);
-    guess_ = is_first && !is_worth_it ? Guess::none : Guess::made;
+    state_.guess = is_first && !is_worth_it ? Guess::none : Guess::made;
     if (!is_worth_it) return;
     const std::optional<TrianglePair> likely = likely_pair(placed_, *part, stats_);
     if (!likely) return;
-    descends_ = false;
+    state_.descends = false;
     ++stats_.triangle_tests;
     const PlacedTriangle a{likely->a, placed_.triangle(Side::a, likely->a)};
     const PlacedTriangle b{likely->b, placed_.triangle(Side::b, likely->b)};
-    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement), has_guessed_well_ = true;
+    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement), state_.has_guessed_well = true;
   }
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap: that takes a fraction of the
@@ -606,22 +605,22 @@ class Traversal {
     const simd::SelfPair self{leaf(Side::a, pair), leaf(Side::b, pair)};
     PlacedLeaf &a = placed_leaf_[0], &b = placed_leaf_[1];
     a.take(self.a), b.take(self.b);
-    const bool is_first = next_descent_ == never;  // no leaves have been compared
+    const bool is_first = state_.next_descent == TraversalState::never;  // no leaves have been compared
+    const bool descends = std::exchange(state_.descends, false);
+    state_.next_descent = std::max(is_first ? 0 : state_.next_descent, state_.steps + steps_to_descent);
     if constexpr (can_guess) {
-      if (has_guessed_well_ && pruning_.prunes(a, b)) return true;
-      if (is_first && descends_ && pair.bound_sq == 0 && !meter_.is_limited() && find_contact(leaf_a, leaf_b, found)) {
+      if (pruning_.prunes(a, b, apart)) return true;
+      if (is_first && descends && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) {
         return false;
       }
-      if (descends_ && pruning_.has_error()) {
+      if (descends && pruning_.has_error()) {
         look_nearer(leaf_a, leaf_b, found);
         if (goal_.is_done()) return false;
       }
     }
     kernels_.find_candidates(leaf_a, leaf_b, frames_.of(Side::a), pruning_.of(Side::a), Goal::is_self ? &self : nullptr,
                              has_front, found);
-    descends_ = false;
-    next_descent_ = std::max(is_first ? 0 : next_descent_, steps_ + steps_to_descent);
-    ++work_;
+    ++state_.work;
     if (found.count == 0) {
       if constexpr (!Goal::needs_all) aim(pair);
       if (has_front) apart = static_cast<double>(found.apart) / found.scale;
@@ -642,15 +641,15 @@ class Traversal {
       ++stats_.triangle_tests;
       if (const auto improvement = goal_.compare(a.at(slot_a), b.at(slot_b))) {
         pruning_.improve(*improvement);
-        has_aimed_ = false;
+        state_.has_aimed = false;
       }
-      if (meter_.cuts_short(steps_)) return false;
+      if (meter_.cuts_short(state_.steps - first_step_)) return false;
     }
     if constexpr (can_guess) {
       const bool has_found_any = pruning_.has_direction() && pruning_.distance() < goal_.initial_prune_distance();
-      if (guess_ == Guess::none && has_found_any) {
-        guess_near_[0] = leaf_slot(Side::a, pair), guess_near_[1] = leaf_slot(Side::b, pair);
-        guess_ = Guess::due;
+      if (state_.guess == Guess::none && has_found_any) {
+        state_.guess_near[0] = leaf_slot(Side::a, pair), state_.guess_near[1] = leaf_slot(Side::b, pair);
+        state_.guess = Guess::due;
       }
     }
     return !goal_.is_done();
@@ -667,7 +666,6 @@ class Traversal {
   static constexpr std::uint64_t nearest_last_from_step = 1024;
   // A descent begins after so many steps without comparing leaves, and not before the number of steps is so many times
   // what it was at the last descent.
-  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   static constexpr std::uint64_t steps_to_descent = 9, descent_factor = 3;
   // Expansions of two trees of at most 11 levels each.
   static constexpr std::uint32_t longest_descent = 23;
@@ -678,31 +676,23 @@ class Traversal {
   // Larger squared ratios of units leave the range of float32.
   static constexpr double largest_unit_ratio_sq = 0x1p126;
 
-  Frames frames_;
+  Frames& frames_;
   const PlacedModels& placed_;
   Pruning& pruning_;
   Goal& goal_;
   BudgetMeter& meter_;
+  TraversalState& state_;
+  Front* front_;  // null without one
   QueryStats& stats_;
   const simd::Kernels& kernels_;
   double limits_for_ = -1;      // prune distance that what follows was derived from
   float limit_sq_[2] = {0, 0};  // the same squared, in units of either tree
   float tight_sq_ = 0;          // what it would be without a margin, in squared units of a
   float to_a_sq_[2] = {1, 1};   // squared units of either tree in those of a
-  float least_sq_ = 0, focus_sq_ = BucketQueue::no_limit_sq;  // the focus of the queue
   double margin_cost_ = 0;
-  std::uint64_t steps_ = 0, work_ = 0;  // the latter with what is compared again
-  std::uint32_t next_node_ = 0;         // for one model: after the node whose child slots are compared next
-  int idle_expansions_ = 0, wasted_aims_ = 0;
-  bool has_aimed_ = false;  // whether the search direction is one that aim() has chosen
-  Guess guess_ = Guess::none;
-  bool has_guessed_well_ = false;
-  bvh::SlotId guess_near_[2] = {bvh::root, bvh::root};  // where to look for a likely pair
-  bool descends_ = true;                                // straight down, until leaves have been compared
-  std::uint64_t next_descent_ = never;                  // the step from which on to do so again
-  Front* front_ = nullptr;
-  BucketQueue queue_;
-  PlacedLeaf placed_leaf_[2];  // of the pair that was compared last
+  std::uint64_t first_step_ = 0;  // of state_.steps: how many were made before this traversal went on
+  std::uint32_t next_node_ = 0;   // for one model: after the node whose child slots are compared next
+  PlacedLeaf placed_leaf_[2];     // of the pair that was compared last
 };
 
 }  // namespace limber::query

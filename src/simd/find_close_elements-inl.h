@@ -262,8 +262,10 @@ LIMBER_KERNEL unsigned vertex_face_apart(const Packet3 (&points)[4], Packet limi
   }
   const Packet low = min(min(dot(w, face[0]), dot(w, face[1])), dot(w, face[2]));
   const Packet3 n = cross(face[1] - face[0], face[2] - face[0]);
-  const Packet height = dot(n, r[0]);
-  return bits(are_apart(w, dot(w, vertex), low, limit_sq) | is_pruned(height * height, dot(n, n), limit_sq));
+  // All three corners: in float32 the normal of a sliver is not perpendicular to it.
+  const Interval heights = interval(dot(n, r[0]), dot(n, r[1]), dot(n, r[2]));
+  const Packet gap = max(max(heights.low, zero() - heights.high), zero());
+  return bits(are_apart(w, dot(w, vertex), low, limit_sq) | is_pruned(gap * gap, dot(n, n), limit_sq));
 }
 
 /// The corners of the triangles of a leaf, four numbers each: [corner][slot]. The first corner follows the last.

@@ -120,6 +120,45 @@ TEST(ElementsProperty, AreThoseOfBruteForceInRandomScenes) {
   EXPECT_GT(totals.touching, 100U);
 }
 
+/// Slivers of heights down to 0 and triangles without an area, some with common vertices; those of `other` have corners
+/// on or next to the first ones.
+Mesh slivers(Rng& rng, const Mesh* other) {
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < 24; ++i) {
+    const Vec3 long_side = uniform_point(rng), across = uniform_point(rng);
+    Vec3 at = uniform_point(rng);
+    if (other != nullptr) {
+      const Triangle t = other->triangle(static_cast<TriangleId>(rng.below(other->triangles().size())));
+      const double aside = rng.below(2) == 0 ? 0 : std::ldexp(1.0, -4 - static_cast<int>(rng.below(40)));
+      at = point_on(t, rng.uniform(0, 1), 0) + aside * uniform_point(rng);
+    }
+    const double height = rng.below(4) == 0 ? 0 : std::ldexp(1.0, -static_cast<int>(rng.below(60)));
+    triangles.push_back({at, at + long_side, at + rng.uniform(-0.5, 1.5) * long_side + height * across});
+  }
+  return soup(triangles);
+}
+
+TEST(ElementsProperty, AreThoseOfBruteForceNextToSliversOfAnyHeight) {
+  Rng rng(1506);
+  Totals totals;
+  for (int i = 0; i < 60; ++i) {
+    SCOPED_TRACE(i);
+    const Mesh mesh_a = slivers(rng, nullptr), mesh_b = slivers(rng, &mesh_a);
+    const Model model_a(mesh_a), model_b(mesh_b);
+    const MeshEdges edges_a(mesh_a), edges_b(mesh_b);
+    const Transform pose = rng.below(2) == 0 ? Transform{} : random_pose(rng, 1);
+    const double margin = std::ldexp(1.0, -static_cast<int>(rng.below(40)));
+    const ElementPairs found = visited_on_all_sets([&](VertexFaceVisitor vertex_face, EdgeEdgeVisitor edge_edge) {
+      return visit_element_pairs({model_a, pose}, edges_a, {model_b, pose}, edges_b, margin, vertex_face, edge_edge);
+    });
+    expect_same(found, reference::element_pairs({mesh_a, pose}, {mesh_b, pose}, margin), margin, 1e-13);
+    if (::testing::Test::HasFailure()) return;
+    totals.add(found);
+  }
+  EXPECT_GT(totals.vertex_face, 2000U);
+  EXPECT_GT(totals.edge_edge, 2000U);
+}
+
 void check_self(const Model& model, const MeshEdges& edges, double margin, Totals& totals) {
   const ElementPairs found = visited_on_all_sets([&](VertexFaceVisitor vertex_face, EdgeEdgeVisitor edge_edge) {
     return visit_self_element_pairs(model, edges, margin, vertex_face, edge_edge);

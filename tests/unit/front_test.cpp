@@ -122,17 +122,13 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
   Front front;
-  EXPECT_FALSE(front.can_resume(here));
-  front.start(here, a_from_b(here));
+  front.begin(here, a_from_b(here));
   const std::uint16_t record = front.add({1, 2}, Side::b);
   front.put(record, 0b101, Front::settled, 3.0);
   front.put(record, 0b010, Front::open, 2.0);
   EXPECT_EQ(front.bound_of(front.records()[record]), 2.0);
-  EXPECT_FALSE(front.can_resume(here));  // still recording, as it would be after an exception
-  front.finish(0, 1);
-  EXPECT_TRUE(front.can_resume(here));
-  front.resume(there, a_from_b(there));
-  EXPECT_FALSE(front.can_resume(there));
+  front.finish(1);
+  front.begin(there, a_from_b(there));
   EXPECT_NEAR(front.odometer(), 0.1, 1e-6);
   EXPECT_GE(front.odometer(), 0.1);
   EXPECT_NEAR(front.bound_of(front.records()[record]), 1.9, 1e-6);
@@ -152,15 +148,63 @@ TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball()), twin(scenes::thesis_ball());
   const PlacedModels placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
   Front front;
-  front.start(placed, a_from_b(placed));
-  front.add({0, 0}, Side::a);
-  front.finish(0, 1);
-  EXPECT_TRUE(front.can_resume(placed));
-  EXPECT_FALSE(front.can_resume(other));
-  EXPECT_FALSE(front.can_resume(turned));
-  front.start(placed, a_from_b(placed));
+  const auto fill = [&] {
+    front.clear();
+    front.begin(placed, a_from_b(placed));
+    front.add({0, 0}, Side::a);
+  };
+  fill();
+  front.finish(1);
+  front.begin(placed, a_from_b(placed));
+  EXPECT_EQ(front.records().size(), 1U);
+  for (const PlacedModels* models : {&other, &turned}) {
+    fill();
+    front.finish(1);
+    front.begin(*models, a_from_b(*models));
+    EXPECT_TRUE(front.records().empty());
+  }
+  fill();  // not finished, as it would be after an exception
+  front.begin(placed, a_from_b(placed));
+  EXPECT_TRUE(front.records().empty());
+}
+
+TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const PlacedModels placed({square}, {ball});
+  Front front;
+  front.begin(placed, a_from_b(placed));
   for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), Front::none);
-  EXPECT_EQ(front.add({0, 0}, Side::a), Front::none);
+  for (int i = 0; i < 1024; ++i) ASSERT_EQ(front.add({0, 0}, Side::a), Front::none);
+  EXPECT_FALSE(front.overflows());
+  front.add({0, 0}, Side::a);
+  EXPECT_TRUE(front.overflows());
+}
+
+TEST(Front, LetsAnInterruptedTraversalGoOnOnlyWhereItStoppedAndIfNoMoreIsAsked) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
+  Front front;
+  const auto interrupt = [&] {
+    front.begin(here, a_from_b(here));
+    const std::uint16_t record = front.add({1, 2}, Side::b);
+    front.state().clear();
+    front.state().queue.push({16, {3, 4}, record, 2});
+    front.suspend(5, std::nullopt);
+  };
+  interrupt();
+  EXPECT_TRUE(front.can_continue(here, 5));
+  EXPECT_TRUE(front.can_continue(here, 4.5));
+  EXPECT_FALSE(front.can_continue(here, 5.5));
+  EXPECT_FALSE(front.can_continue(there, 5));
+  front.begin(here, a_from_b(here));  // then what is left goes to its record
+  EXPECT_FALSE(front.can_continue(here, 5));
+  EXPECT_TRUE(front.state().queue.empty());
+  ASSERT_EQ(front.records().size(), 1U);
+  EXPECT_EQ(front.open_count(), 1U);
+  const double unit = here.tree(Side::a).unit;
+  EXPECT_NEAR(front.bound_of(front.records()[0]), 4 * unit, 1e-4 * unit);
+  EXPECT_LE(front.bound_of(front.records()[0]), 4 * unit);
+  EXPECT_EQ(front.take(0, 5 * unit), 0b100U);
 }
 
 TEST(Front, SavesTestsAlongASlowMotion) {
@@ -186,9 +230,6 @@ TEST(Front, IsRightWhenItsCapacityIsExceeded) {
     const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * frame}};
     const DistanceResult fresh = distance({lower}, {upper, pose}), cached = distance({lower}, {upper, pose}, {}, cache);
     ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
-    if (frame == 0) {
-      ASSERT_EQ(cache.impl().front.records().size(), 1024U);
-    }
     cold += fresh.stats.node_tests, warm += cached.stats.node_tests;
   }
   EXPECT_GT(cold, 10U * 8 * 1024);
