@@ -88,6 +88,7 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
 }
 
 // FCL #493, #495, #402, #319, #445, Drake #21673: GJK says that boxes touch, EPA that they do not, and the query throws.
+// trimesh #284: a collision and a distance above 0.
 // The boxes go through contact step by step, down to the last bit of a coordinate; exact arithmetic knows the answer.
 TEST(ContactLists, AndDistanceAndCollisionAgreeStepByStepThroughAKiss) {
   Mat3 rotation;

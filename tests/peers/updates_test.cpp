@@ -38,7 +38,7 @@ const std::vector<ModelOptions> all_options{
     ModelOptions::real_time(50),
 };
 
-// python-fcl #45: a mesh can only be replaced, not updated. three-mesh-bvh #879: which nodes a few vertices belong to is
+// python-fcl #45: a mesh can only be replaced, not updated. three-mesh-bvh #879: the nodes that a vertex belongs to are
 // unknown. EBGeometry #116, #117: there is no update at all.
 TEST(Updates, OfSomeVerticesLeaveAModelThatAnswersLikeANewOne) {
   const Mesh rest = scenes::ring(20, 10, 0.3);
@@ -154,7 +154,7 @@ TEST(Updates, ReachTheSignOfDistances) {
 
 // mitsuba2 #526, #531, #276, #383: positions are replaced, the tree is not, and geometry vanishes over some frames.
 // UPBGE #703, PR #835: the physics of a deformed mesh is that of the mesh at rest. Embree #389: a wall of a moved ball
-// stays where it was. fluid-engine-dev PR #271: an update does not reach the tree, and a rebuild in each frame is feared.
+// stays where it was. fluid-engine-dev PR #271: an update does not reach the tree; a rebuild in each frame is feared.
 TEST(Updates, FollowABodyThroughManyFramesWithoutRebuildingItAll) {
   const Mesh rest = scenes::ball(24, 16);
   const Model wall(scenes::grid(10, 10, -1, -1, 0.2, 0.2));
@@ -202,8 +202,8 @@ TEST(Updates, AndPosesReachEveryQuery) {
 }
 
 // Bullet #2383, #106, jMonkeyEngine #1120: concave meshes that move are unstable, or fall through each other.
-// Libbulletjme #7: the contact test of such meshes always fails. Bullet's partialRefitTree asserts that a part of a mesh
-// stays within its old box.
+// Libbulletjme #7: the contact test of such meshes always fails. Bullet's partialRefitTree asserts that a part of a
+// mesh stays within its old box.
 TEST(Updates, OfConcaveBodiesMayLeaveTheirOldBounds) {
   const Mesh rest = scenes::ring(24, 12, 0.25);
   Model a(rest), b(rest);

@@ -211,7 +211,7 @@ TEST(WitnessPoints, OfASceneAreThoseOfThePairThatIsNamed) {
   }
 }
 
-// trimesh PR #907, PR #164: where two triangles are equally close, the point belongs to one and the name is the other's.
+// trimesh PR #907, PR #164: of two triangles that are equally close, the point is on one, and the other is named.
 // trimesh #1089: a vertex of no triangle is the closest one, and the query fails.
 TEST(WitnessPoints, OfATieBelongToTheTriangleThatIsNamed) {
   // A wedge whose edge is closest from everywhere in front of it.
