@@ -67,8 +67,8 @@ TEST(ContactLists, OfANeedleThroughACubeAreWhereItEntersAndLeaves) {
   }
 }
 
-// Coal #755: with a security margin of 1, boxes whose gap is smaller do not collide. Coal #625: the manager of the broad
-// phase forgets the margin.
+// Coal #755: with a security margin of 1, boxes whose gap is smaller do not collide. Coal #625: the manager of the
+// broad phase forgets the margin.
 TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
   const Model cube(box({0.5, 0.5, 0.5}));
   for (const double gap : {0.25, 0.7, 0.9999, 1.0, 1.0001, 1.5}) {
@@ -87,7 +87,7 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
   }
 }
 
-// FCL #493, #495, #402, #319, #445, Drake #21673: GJK says that boxes touch, EPA that they do not, and the query throws.
+// FCL #493, #495, #402, #319, #445, Drake #21673: GJK has boxes touch, EPA has them apart, and the query throws.
 // trimesh #284: a collision and a distance above 0.
 // The boxes go through contact step by step, down to the last bit of a coordinate; exact arithmetic knows the answer.
 TEST(ContactLists, AndDistanceAndCollisionAgreeStepByStepThroughAKiss) {

@@ -63,7 +63,7 @@ TEST(DegenerateTriangles, HaveExactDistancesAndFiniteAnswers) {
   }
 }
 
-// libigl #226: an assertion about leaves fails, and answers are wrong; #905: another one fails for edges without length.
+// libigl #226: an assertion about leaves fails, and answers are wrong; #905: one about edges without length fails.
 // trimesh #741: the search near a triangle without size throws.
 TEST(DegenerateTriangles, MakeTreesThatAnswerEveryQuery) {
   scenes::Rng rng(226);
@@ -108,8 +108,8 @@ TEST(DegenerateTriangles, AreAsFarFromPointsAsExactArithmeticSays) {
   }
 }
 
-// Parry #76: 0 for a point that is 0.171 away from a triangle without area. Parry #310, PR #358: no number for collinear
-// corners. JOML #119: points that are not on the triangle.
+// Parry #76: 0 for a point that is 0.171 away from a triangle without area. Parry #310, PR #358: no number for
+// collinear corners. JOML #119: points that are not on the triangle.
 TEST(DegenerateTriangles, OfTwoCornersAreTheSegmentBetweenThem) {
   const Vec3 p{1.10000002, -7.9000001, 16.5879993}, a{2.27699995, -7.9000001, 16.3180008},
       b{-0.569999993, -8.10000038, 16.6070004};

@@ -64,8 +64,8 @@ TEST(ScaleAndPlace, NearestTriangleIsNotTheOneWithTheNearestBox) {
   EXPECT_NEAR(agreed_distance({model}, {probe}, 1e-14), 1.2 * std::sqrt(3), 1e-14);
 }
 
-// exotica #153: distances are wrong when triangles are large. ShapeWorks #812: the triangle is sought among those of the
-// nearest vertices, which a huge one has far away.
+// exotica #153: distances are wrong when triangles are large. ShapeWorks #812: the triangle is sought among those of
+// the nearest vertices, which a huge one has far away.
 TEST(ScaleAndPlace, HugeTrianglesAreAsNearAsTheirPointsAre) {
   for (const double size : {1e3, 1e6, 1e9}) {
     std::vector<Triangle> triangles{{{-size, -size, 0}, {size, -size, 0}, {0, 2 * size, 0}}};

@@ -37,8 +37,9 @@ double answers(const Placed& a, const Placed& b) {
          19.0 * static_cast<double>(self_intersections(a.model(), {}).count);
 }
 
-// FCL #224, Drake #10258, Bullet #258: nobody says whether queries are safe on many threads. Coal #870: those of one tree
-// are not. CGAL PR #3240, PR #4675, ResInsight PR #14184: the first query builds a tree, and others read it meanwhile.
+// FCL #224, Drake #10258, Bullet #258: nobody says whether queries are safe on many threads. Coal #870: those of one
+// tree are not. CGAL PR #3240, PR #4675, ResInsight PR #14184: the first query builds a tree, and others read it while
+// it does.
 TEST(Threads, MayAskAboutOneModelFromItsFirstQueryOn) {
   const Mesh mesh = scenes::ring(32, 16, 0.3);
   for (int round = 0; round < 25; ++round) {
