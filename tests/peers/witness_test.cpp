@@ -153,19 +153,28 @@ TEST(WitnessPoints, OfAGroupAreAsFarApartAsTheGroupIs) {
 
 // Coal #257: the closest point of a tilted surface is not below the point that was asked about.
 TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
-  const Model surface(scenes::grid(20, 20, -5, -5, 0.5, 0.5)), dot_mesh(triangles_of({{{}, {}, {}}}));
+  const Model surface(scenes::grid(20, 20, -5, -5, 0.5, 0.5));
+  const Vec3 left{-0.3, 0.1, 2}, right{0.4, -0.2, 3};
+  // The point itself, and a tip that is any corner of its triangle.
+  const Model point(triangles_of({{{}, {}, {}}})), tip0(triangles_of({{{}, left, right}}));
+  const Model tip1(triangles_of({{right, {}, left}})), tip2(triangles_of({{left, right, {}}}));
   scenes::Rng rng(257);
   for (int i = 0; i < 100; ++i) {
     const Transform pose = random_pose(rng, 3);
     const Vec3 foot{rng.uniform(-4, 4), rng.uniform(-4, 4), 0};
     const double height = rng.uniform(0.01, 0.9);
-    const Vec3 p = pose(foot + Vec3{0, 0, height});
-    const SurfacePoint found = closest_point({surface, pose}, p).closest.value();
+    const Transform tip_pose = pose * Transform{{}, foot + Vec3{0, 0, height}};
+    const SurfacePoint found = closest_point({surface, pose}, tip_pose.translation).closest.value();
     EXPECT_NEAR(found.distance, height, 1e-14);
     expect_near(found.position, pose(foot), 1e-13);
-    const DistanceResult of_models = distance({surface, pose}, {dot_mesh, {{}, p}});
-    EXPECT_NEAR(of_models.upper, height, 1e-14);
-    expect_near(of_models.witness->point_a, pose(foot), 1e-13);
+    for (const Model* tip : std::initializer_list<const Model*>{&point, &tip0, &tip1, &tip2}) {
+      const DistanceResult forth = distance({surface, pose}, {*tip, tip_pose});
+      const DistanceResult back = distance({*tip, tip_pose}, {surface, pose});
+      EXPECT_NEAR(forth.upper, height, 1e-14);
+      EXPECT_NEAR(back.upper, height, 1e-14);
+      expect_near(forth.witness->point_a, pose(foot), 1e-13);
+      expect_near(back.witness->point_b, pose(foot), 1e-13);
+    }
   }
 }
 
