@@ -61,6 +61,20 @@ TEST(Overlap, IsDistanceZeroWithAStatusOfItsOwnAndOneSharedPoint) {
     EXPECT_EQ(distance(here, there, {.relative_error = 1, .absolute_error = 5}).status, Status::collision) << depth;
     EXPECT_EQ(distance(here, there, {.max_distance = 0}).status, Status::collision) << depth;
   }
+  // No error that is asked for hides a contact, however few triangles meet.
+  const Model ring(scenes::ring(24, 12, 0.3));
+  scenes::Rng rng(491);
+  std::size_t meeting = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Placed there{ring, random_pose(rng, 1.5)};
+    if (!collide({ring}, there).collision) continue;
+    ++meeting;
+    for (const double error : {0.01, 0.3, 5.0}) {
+      EXPECT_EQ(distance({ring}, there, {.relative_error = error}).upper, 0) << i;
+      EXPECT_EQ(distance({ring}, there, {.absolute_error = error}).upper, 0) << i;
+    }
+  }
+  EXPECT_GT(meeting, 100U);
 }
 
 // FCL #221, #574, #575, #245, exotica #364: the penetration depth of meshes is always 0 or odd. Coal #357: it is
