@@ -38,12 +38,25 @@ TEST(Inside, IsRightWhereRaysMeetEdgesAndCorners) {
   EXPECT_EQ(surface.signed_distance({-1, -1, 0}).distance(), std::sqrt(2));
   EXPECT_EQ(surface.signed_distance({-1, -1, -1}).distance(), std::sqrt(3));
   EXPECT_EQ(surface.signed_distance({0.5, 0.5, 0.5}).distance(), -0.5);
-  for (int x = -4; x <= 8; ++x) {
-    for (int y = -4; y <= 8; ++y) {
-      for (int z = -4; z <= 8; ++z) {
+  // Two cubes as one surface, so that rays go on, and points between the cubes lie in the planes of faces.
+  std::vector<Vec3> positions = cube.mesh().positions();
+  std::vector<Corners> triangles = cube.mesh().triangles();
+  for (std::size_t v = 0; v < 8; ++v) positions.push_back(positions[v] + Vec3{2, 2, 2});
+  for (std::size_t t = 0; t < 12; ++t) {
+    triangles.push_back({triangles[t][0] + 8, triangles[t][1] + 8, triangles[t][2] + 8});
+  }
+  const Model two(Mesh::create(positions, triangles).value());
+  const ClosedSurface both = ClosedSurface::create(two).value();
+  const auto is_between = [](int low, int high, int x, int y, int z) {
+    return std::min({x, y, z}) >= low && std::max({x, y, z}) <= high;
+  };
+  for (int x = -2; x <= 14; ++x) {
+    for (int y = -2; y <= 14; ++y) {
+      for (int z = -2; z <= 14; ++z) {
         const Vec3 p = 0.25 * Vec3{1.0 * x, 1.0 * y, 1.0 * z};
-        const bool is_inside = std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= 4;
-        ASSERT_EQ(surface.contains(p), is_inside) << x << ' ' << y << ' ' << z;
+        const bool in_first = is_between(0, 4, x, y, z), in_second = is_between(8, 12, x, y, z);
+        ASSERT_EQ(surface.contains(p), in_first) << x << ' ' << y << ' ' << z;
+        ASSERT_EQ(both.contains(p), in_first || in_second) << x << ' ' << y << ' ' << z;
       }
     }
   }
@@ -80,6 +93,10 @@ TEST(Inside, DoesNotNeedNormalsOutwardAndRefusesWhatIsOpen) {
   EXPECT_LT(surface.signed_distance({0.1, 0.2, 0.3}).distance(), -0.5);
   EXPECT_GT(surface.signed_distance({1, 1, 1}).distance(), 0.7);
   EXPECT_EQ(surface.winding_number({0.1, 0.2, 0.3}), -1);
+  std::vector<Corners> turned = triangles;
+  std::swap(turned.back()[1], turned.back()[2]);
+  const Model mixed(Mesh::create(outward.positions(), turned).value());
+  EXPECT_FALSE(static_cast<bool>(ClosedSurface::create(mixed)));
   triangles.pop_back();
   const Model open(Mesh::create(outward.positions(), triangles).value());
   const Result<ClosedSurface> refused = ClosedSurface::create(open);
