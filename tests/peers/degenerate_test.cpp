@@ -187,7 +187,7 @@ TEST(DegenerateTriangles, ThatACollapsingBodyPassesThroughStayRight) {
 }
 
 // CloudCompare #2247: distances of points next to a triangle are no numbers, in every fifth run. #2311: for good.
-TEST(DegenerateTriangles, OrPointsNextToATriangleNeverGiveWhatIsNoNumber) {
+TEST(DegenerateTriangles, NextToAPointNeverGiveWhatIsNoNumber) {
   const Model model(Mesh::create({{0, 0, 0}, {0, 0.5, 0}, {0.5, 0, 0}}, {{2, 1, 0}}).value());
   for (int run = 0; run < 10; ++run) {
     EXPECT_EQ(closest_point({model}, {0, 0, 0.000008}).closest->distance, 0.000008);
