@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What sources and pages refer to exists: bibliography keys, our own files, links between pages."""
+"""What sources and pages refer to exists: bibliography keys, our own files, links between pages, tests of peers' bugs."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from urllib.parse import unquote
 from repository import Finding, files, line_at, run, shown, text_of
 
 BIBLIOGRAPHY = "docs/references.bib"
+PEERS = "docs/peers.md"
 READ_SUFFIXES = (".h", ".cpp", ".py", ".md", ".cmake", "CMakeLists.txt")
 NOT_READ = ("tools/test_tools.py",)  # makes up references that lead nowhere
 
@@ -101,11 +102,34 @@ def check_links(root: Path, texts: dict[str, str]) -> list[Finding]:
     return findings
 
 
+def check_peers(texts: dict[str, str]) -> list[Finding]:
+    """The page of other libraries' bugs and the tests name the same tests and threads, and the page counts them."""
+    if PEERS not in texts:
+        return []
+    page, sources = texts[PEERS], "\n".join(text for name, text in texts.items() if name.startswith("tests/peers/"))
+    tests = {f"{suite}.{name}" for suite, name in re.findall(r"^TEST\((\w+), (\w+)\)", sources, re.MULTILINE)}
+    named, threads, right, others = set[str](), list[str](), 0, 0
+    for line in page.splitlines():
+        cells = [cell.strip() for cell in line.split("|")[1:-1]]
+        numbers = re.findall(r"#(\d+)", cells[0]) if cells else []
+        if len(cells) == 4 and cells[2].startswith("`"):
+            named.add(cells[2].strip("`"))
+            threads += numbers
+            right += len(numbers) if cells[3].startswith("right") else 0
+        else:
+            others += len(numbers)
+    counts = f"Asked: {len(threads)} threads, {len(tests)} tests. Right: {right}. Not askable: {others} threads."
+    wrong = [f"{test} is not both on this page and in tests/peers" for test in sorted(named ^ tests)]
+    wrong += [f"#{n} is not on both" for n in sorted(set(threads) ^ set(re.findall(r"#(\d+)", sources)))]
+    wrong += [] if counts in page else [f"wrong counts; right are: {counts}"]
+    return [Finding(PEERS, 1, text) for text in wrong]
+
+
 def check(root: Path) -> list[Finding]:
     texts = {shown(root, path): text_of(path) for path in files(root, suffixes=READ_SUFFIXES)}
     for name in NOT_READ:
         texts.pop(name, None)
-    return check_citations(root, texts) + check_own_files(root, texts) + check_links(root, texts)
+    return check_citations(root, texts) + check_own_files(root, texts) + check_links(root, texts) + check_peers(texts)
 
 
 if __name__ == "__main__":

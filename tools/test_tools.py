@@ -208,6 +208,19 @@ class References(Repository):
                 self.assert_faulty(check_refs.check, {"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
 
 
+    def test_bugs_of_peers(self) -> None:
+        page = ("Asked: 2 threads, 1 tests. Right: 2. Not askable: 1 threads.\n\n| thread | what | test | limber |\n"
+                "|---|---|---|---|\n| A #1, B #2 | x | `A.B` | right |\n\n| thread | what | why |\n|---|---|---|\n| C #3 | x | y |\n")
+        test = "// A #1, B #2: x\nTEST(A, B) {}\n"
+        tree = {"docs/peers.md": page, "tests/peers/a_test.cpp": test}
+        self.assert_sound(check_refs.check, tree)
+        for old, new, said in (("`A.B`", "`A.C`", ("A.B", "A.C")), ("B #2", "B #4", ("#2", "#4")),
+                               ("right |", "wrong |", ("wrong counts",)), ("C #3", "C #3, #4", ("wrong counts",))):
+            with self.subTest(new=new):
+                changed = tree | {"docs/peers.md": page.replace(old, new)}
+                self.assert_faulty(check_refs.check, changed, *(f"docs/peers.md:1: {text}" for text in said))
+
+
 class Text(Repository):
     def test_code_keeps_places_and_loses_comments(self) -> None:
         text = "a = \"//x\"; // b\n/* c\n */ d = 1'000 + '\\''; R\"(\n\")\" e\n"

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Work that other libraries do without need, in counts that do not depend on the machine. The table of all cases is
+// docs/peers.md.
+#include <array>
+
+#include "allocation/heap.h"
+#include "limber/points.h"
+#include "peers.h"
+
+namespace limber::testing {
+namespace {
+
+std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.triangle_tests; }
+
+// FCL #38: each query copies the mesh and moves every vertex. SOFA #5: memory leaks while bodies are in contact.
+// trimesh #806: memory of searches is never given back.
+TEST(Effort, NeitherQueriesNorDeformationTouchTheHeap) {
+  const Mesh rest = scenes::ball(40, 25);
+  Model body(rest, ModelOptions::real_time(20));
+  const Model floor(scenes::grid(20, 20, -2, -2, 0.2, 0.2));
+  std::array<Contact, 64> found;
+  std::vector<Vec3> positions = rest.positions();
+  std::uint64_t allowed = 0;
+  const auto frame = [&](int i) {
+    for (std::size_t v = 0; v < positions.size(); ++v) positions[v].z = rest.positions()[v].z * (1 - 1e-4 * (i % 50));
+    body.move_all(positions).value();
+    const std::uint64_t before_commit = allocation_count();
+    body.commit();
+#ifdef LIMBER_CHECKS
+    allowed += allocation_count() - before_commit;  // this build validates the tree
+#else
+    EXPECT_EQ(allocation_count(), before_commit);
+#endif
+    const Placed a{floor}, b{body, at(0.1, 0.2, 0.9)};
+    EXPECT_EQ(distance(a, b).status, Status::collision);
+    EXPECT_GT(contacts(a, b, 0.01, found).count, 0U);
+    distance(a, {body, at(0, 0, 2)}), closest_point(b, {1, 2, 3}), self_contacts(body, 1e-3, found);
+  };
+  frame(0);
+  const std::uint64_t before = allocation_count() - allowed;
+  for (int i = 0; i < 200; ++i) frame(i);
+  EXPECT_EQ(allocation_count() - allowed, before);
+}
+
+// FCL #276: a distance costs ten to a hundred times as much as a collision. It takes fewer steps than a body has
+// triangles, and fewer yet where a rough one will do.
+TEST(Effort, OfADistanceIsBelowTheNumberOfTriangles) {
+  scenes::Rng rng(276);
+  const Model a(scenes::ring(60, 30, 0.3)), b(scenes::ball(48, 32));
+  const int poses = 60;
+  std::uint64_t exactly = 0, roughly = 0;
+  for (int i = 0; i < poses; ++i) {
+    const Placed there{b, random_pose(rng, 3)};
+    exactly += steps(distance({a}, there).stats);
+    roughly += steps(distance({a}, there, {.relative_error = 0.1}).stats);
+  }
+  EXPECT_LT(exactly / poses, a.mesh().triangles().size());
+  EXPECT_LT(roughly, exactly);
+}
+
+// Drake #15080, PR #15221: contact of a body that deforms compares all pairs, because trees are made for rigid meshes.
+TEST(Effort, ContactsOfABodyThatDeformsNeedNoPassOverAllPairs) {
+  const Mesh rest = scenes::ball(24, 16);
+  Model body(rest);
+  const Model floor(scenes::grid(20, 20, -2, -2, 0.2, 0.2));
+  const std::size_t all_pairs = rest.triangles().size() * floor.mesh().triangles().size();
+  for (int frame = 1; frame <= 5; ++frame) {
+    std::vector<Vec3> positions = rest.positions();
+    for (Vec3& p : positions) p.x += 0.08 * frame * p.y * p.z, p.z *= 1 + 0.08 * frame;
+    body.move_all(positions).value();
+    body.commit();
+    const Placed there{body, at(0, 0, 0.9)};
+    const PairCount found = contacts({floor}, there, 0.001, {});
+    EXPECT_EQ(found.count, reference::contacts(in_reference({floor}), in_reference(there), 0.001).size());
+    EXPECT_LT(steps(found.stats), all_pairs / 100) << frame;
+  }
+}
+
+// PhysX (Omniverse) #399: whether bodies are closer than a tolerance is asked by listing all pairs that are, which is
+// slow.
+TEST(Effort, AThresholdIsCheaperThanTheListOfPairsBelowIt) {
+  const Model a(scenes::ball(48, 32));
+  const Placed there{a, at(1.99, 0.05, 0.02)};
+  const WithinResult near = within({a}, there, 0.3);
+  const PairCount listed = contacts({a}, there, 0.3, {});
+  EXPECT_TRUE(near.within);
+  EXPECT_GT(listed.count, 1000U);
+  EXPECT_LT(steps(near.stats), 200U);
+  EXPECT_LT(20 * steps(near.stats), steps(listed.stats));
+}
+
+}  // namespace
+}  // namespace limber::testing

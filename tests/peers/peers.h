@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "limber/contacts.h"
+#include "limber/model.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/exact_distance.h"
+
+/// Bodies that bug reports of other libraries describe, and what is asked about every pair of them.
+namespace limber::testing {
+
+inline Transform at(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }
+
+/// A box whose normals point outward. Corner i has the high x if bit 0 of i is set, and so on.
+inline Mesh box(const Vec3& low, const Vec3& high) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.push_back({(i & 1) ? high.x : low.x, (i & 2) ? high.y : low.y, (i & 4) ? high.z : low.z});
+  }
+  return Mesh::create(std::move(corners), {{0, 2, 1},
+                                           {1, 2, 3},
+                                           {4, 5, 6},
+                                           {5, 7, 6},
+                                           {0, 1, 4},
+                                           {1, 5, 4},
+                                           {2, 6, 3},
+                                           {3, 6, 7},
+                                           {0, 4, 2},
+                                           {2, 4, 6},
+                                           {1, 3, 5},
+                                           {3, 7, 5}})
+      .value();
+}
+inline Mesh box(const Vec3& half) { return box(-half, half); }
+
+/// The convex hull of some points in general position, by trying all triples.
+inline Mesh hull(const std::vector<Vec3>& points) {
+  std::vector<Corners> faces;
+  const auto n = static_cast<VertexId>(points.size());
+  for (VertexId i = 0; i < n; ++i) {
+    for (VertexId j = i + 1; j < n; ++j) {
+      for (VertexId k = j + 1; k < n; ++k) {
+        bool above = false, below = false;
+        for (const Vec3& p : points) {
+          const int side = orient3d(points[i], points[j], points[k], p);
+          above = above || side > 0, below = below || side < 0;
+        }
+        if (above != below) faces.push_back(above ? Corners{i, k, j} : Corners{i, j, k});
+      }
+    }
+  }
+  return Mesh::create(points, std::move(faces)).value();
+}
+
+/// A mesh with every coordinate multiplied by a factor of its axis.
+inline Mesh stretched(const Mesh& mesh, const Vec3& factors) {
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p = {p.x * factors.x, p.y * factors.y, p.z * factors.z};
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+inline Mesh triangles_of(const std::vector<Triangle>& triangles) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> corners;
+  for (const Triangle& t : triangles) {
+    const auto v = static_cast<VertexId>(positions.size());
+    positions.insert(positions.end(), {t.v0, t.v1, t.v2});
+    corners.push_back({v, v + 1, v + 2});
+  }
+  return Mesh::create(std::move(positions), std::move(corners)).value();
+}
+
+inline Triangle placed_triangle(const Placed& placed, TriangleId id) {
+  const Triangle t = placed.model().mesh().triangle(id);
+  return {placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
+}
+
+inline reference::Placed in_reference(const Placed& placed) { return {placed.model().mesh(), placed.pose}; }
+
+/// Each point lies on the triangle that the witness names, and they are `distance` apart. Where that is 0, they are one
+/// point, and the triangles intersect.
+inline void expect_witness(const Placed& a, const Placed& b, const Witness& w, double distance, double tolerance) {
+  ASSERT_LT(w.triangle_a, a.model().mesh().triangles().size());
+  ASSERT_LT(w.triangle_b, b.model().mesh().triangles().size());
+  const Triangle t = placed_triangle(a, w.triangle_a), u = placed_triangle(b, w.triangle_b);
+  EXPECT_LE(closest_points(w.point_a, t).distance, tolerance);
+  EXPECT_LE(closest_points(w.point_b, u).distance, tolerance);
+  EXPECT_NEAR(length(w.point_b - w.point_a), distance, tolerance);
+  if (distance == 0) {
+    EXPECT_EQ(w.point_a, w.point_b);
+    EXPECT_TRUE(intersects(t, u));
+  }
+}
+
+/// What all queries of two models answer in agreement with each other and with brute force: their distance.
+inline double agreed_distance(const Placed& a, const Placed& b, double tolerance) {
+  const double truth = reference::distance(in_reference(a), in_reference(b)).upper;
+  const bool meet = truth == 0;
+  const DistanceResult found = distance(a, b), swapped = distance(b, a);
+  for (const DistanceResult& result : {found, swapped}) {
+    EXPECT_EQ(result.lower, result.upper);
+    EXPECT_NEAR(result.upper, truth, tolerance);
+    EXPECT_EQ(result.upper == 0, meet);
+    EXPECT_EQ(result.status, meet ? Status::collision : Status::exact);
+  }
+  expect_witness(a, b, found.witness.value(), found.upper, tolerance);
+  expect_witness(b, a, swapped.witness.value(), swapped.upper, tolerance);
+  EXPECT_EQ(collide(a, b).collision, meet);
+  EXPECT_EQ(collide(b, a).collision, meet);
+  EXPECT_EQ(within(a, b, 0).within, meet);
+  EXPECT_TRUE(within(a, b, found.upper).within);
+  EXPECT_EQ(within(a, b, 0.5 * found.upper).within, meet);
+  const std::size_t pairs = reference::intersections(in_reference(a), in_reference(b)).size();
+  EXPECT_EQ(intersections(a, b, {}).count, pairs);
+  EXPECT_EQ(contacts(a, b, 0, {}).count, pairs);
+  EXPECT_EQ(pairs > 0, meet);
+  return found.upper;
+}
+
+/// The squared distance of two models without rounding, by exact arithmetic on all pairs of their placed triangles.
+inline exact::Fraction exact_squared_distance(const Placed& a, const Placed& b) {
+  exact::Fraction least = -1;
+  for (TriangleId i = 0; i < a.model().mesh().triangles().size(); ++i) {
+    for (TriangleId j = 0; j < b.model().mesh().triangles().size(); ++j) {
+      const exact::Fraction squared = exact::squared_distance(placed_triangle(a, i), placed_triangle(b, j));
+      if (least < 0 || squared < least) least = squared;
+    }
+  }
+  return least;
+}
+
+inline void expect_exact(double found, const exact::Fraction& squared, double tolerance) {
+  EXPECT_TRUE(exact::is_at_most(found, squared, tolerance)) << found << " is not " << std::sqrt(squared.get_d());
+  EXPECT_TRUE(exact::is_at_least(found, squared, tolerance)) << found << " is not " << std::sqrt(squared.get_d());
+}
+
+inline std::vector<Contact> all_contacts(const Placed& a, const Placed& b, double margin) {
+  std::vector<Contact> found(contacts(a, b, margin, {}).count);
+  EXPECT_EQ(contacts(a, b, margin, found).count, found.size());
+  return found;
+}
+
+inline bool is_finite(const Contact& c) {
+  return std::isfinite(c.distance) && std::isfinite(c.depth) && limber::is_finite(c.point_a) &&
+         limber::is_finite(c.point_b) && limber::is_finite(c.normal);
+}
+
+/// A point of the cube [-size, size]^3.
+inline Vec3 random_point(scenes::Rng& rng, double size) {
+  const double x = rng.uniform(-size, size), y = rng.uniform(-size, size), z = rng.uniform(-size, size);
+  return {x, y, z};
+}
+
+inline Transform random_pose(scenes::Rng& rng, double size) {
+  const Mat3 rotation = scenes::random_rotation(rng);
+  return {rotation, random_point(rng, size)};
+}
+
+}  // namespace limber::testing

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Trees that were stale, half updated or broken after a mesh had moved. The table of all cases is docs/peers.md.
+#include <functional>
+#include <optional>
+#include <stdexcept>
+
+#include "limber/points.h"
+#include "peers.h"
+#include "support/rational_winding.h"
+
+namespace limber::testing {
+namespace {
+
+/// Moves all vertices to where a function puts them, and commits.
+void deform(Model& model, const Mesh& rest, const std::function<Vec3(const Vec3&)>& motion) {
+  std::vector<Vec3> positions = rest.positions();
+  for (Vec3& p : positions) p = motion(p);
+  model.move_all(positions).value();
+  model.commit();
+}
+
+/// A model that has a history answers as one that has none.
+void expect_like_new(const Model& model, const Placed& other) {
+  ASSERT_TRUE(static_cast<bool>(model.validate()));
+  const Model fresh(model.mesh());
+  EXPECT_NEAR(agreed_distance({model}, other, 1e-13), distance({fresh}, other).upper, 1e-13);
+  EXPECT_EQ(self_intersections(model, {}).count, self_intersections(fresh, {}).count);
+  const Vec3 p = other.pose.translation;
+  EXPECT_EQ(closest_point({model}, p).closest->position, closest_point({fresh}, p).closest->position);
+}
+
+const std::vector<ModelOptions> all_options{
+    {},
+    {.motion_margin = 0.05},
+    {.motion_margin = ModelOptions::automatic, .rebuild_policy = RebuildPolicy::off},
+    ModelOptions::real_time(50),
+};
+
+// python-fcl #45: a mesh can only be replaced, not updated. three-mesh-bvh #879: the nodes that a vertex belongs to are
+// unknown. EBGeometry #116, #117: there is no update at all.
+TEST(Updates, OfSomeVerticesLeaveAModelThatAnswersLikeANewOne) {
+  const Mesh rest = scenes::ring(20, 10, 0.3);
+  const Model ball(scenes::ball(8, 6));
+  for (const ModelOptions& options : all_options) {
+    scenes::Rng rng(45);
+    Model model(rest, options);
+    for (int step = 0; step < 20; ++step) {
+      std::vector<VertexId> ids;
+      std::vector<Vec3> places;
+      for (std::uint64_t k = 1 + rng.below(step % 4 == 0 ? 60 : 3); k > 0; --k) {
+        ids.push_back(static_cast<VertexId>(rng.below(rest.positions().size())));
+        places.push_back(model.mesh().positions()[ids.back()] + (step % 5 == 0 ? 1.0 : 0.05) * random_point(rng, 1));
+      }
+      model.move_vertices(ids, places).value();
+      model.commit();
+      expect_like_new(model, {ball, random_pose(rng, 2)});
+    }
+    // Single vertices, in and out by every amount: bounds above them stay as they are, or change on some levels.
+    for (int step = 0; step < 300; ++step) {
+      const std::vector<VertexId> one{static_cast<VertexId>(rng.below(rest.positions().size()))};
+      const Vec3 home = rest.positions()[one[0]];
+      const std::vector<Vec3> place{home + std::pow(10.0, rng.uniform(-6, 0)) * random_point(rng, 1)};
+      model.move_vertices(one, place).value();
+      model.commit();
+      ASSERT_TRUE(static_cast<bool>(model.validate())) << step;
+    }
+  }
+}
+
+// Newton PR #3828, #3846: contacts are sought in a tree of an earlier pose: layers of cloth that lie apart at rest and
+// were moved together have none. Here the question is refused until the tree is right.
+TEST(Updates, AreNeverForgottenByAQuery) {
+  const Mesh sheet = scenes::grid(8, 8, 0, 0, 0.1, 0.1);
+  std::vector<Vec3> positions = sheet.positions();
+  std::vector<Corners> triangles = sheet.triangles();
+  const auto layer = static_cast<VertexId>(positions.size());
+  const std::size_t faces = triangles.size();
+  for (VertexId v = 0; v < layer; ++v) positions.push_back(positions[v] + Vec3{0, 0, 1});
+  for (std::size_t f = 0; f < faces; ++f) {
+    triangles.push_back({triangles[f][0] + layer, triangles[f][1] + layer, triangles[f][2] + layer});
+  }
+  Model cloth(Mesh::create(positions, triangles).value());
+  EXPECT_EQ(self_contacts(cloth, 0.01, {}).count, 0U);
+  for (std::size_t v = layer; v < positions.size(); ++v) positions[v].z = 0.005;
+  cloth.move_all(positions).value();
+  EXPECT_THROW(self_contacts(cloth, 0.01, {}), std::invalid_argument);
+  EXPECT_THROW(self_collide(cloth), std::invalid_argument);
+  const Model other(box({1, 1, 1}));
+  EXPECT_THROW(distance({cloth}, {other}), std::invalid_argument);
+  EXPECT_THROW(distance({other}, {cloth}), std::invalid_argument);
+  EXPECT_THROW(collide({other}, {cloth}), std::invalid_argument);
+  EXPECT_THROW(contacts({other}, {cloth}, 0.1, {}), std::invalid_argument);
+  EXPECT_THROW(closest_point({cloth}, {}), std::invalid_argument);
+  cloth.commit();
+  EXPECT_EQ(self_contacts(cloth, 0.01, {}).count, reference::self_contacts(cloth.mesh(), 0.01).size());
+  EXPECT_GT(self_contacts(cloth, 0.01, {}).count, faces);
+}
+
+// Newton PR #3760: after a reset the mesh jumps back, and a tree that is only refitted is a bad one.
+TEST(Updates, SurviveJumpsAndAreAsGoodAsNewAfterARebuild) {
+  const Mesh rest = scenes::grid(30, 30, -1.5, -1.5, 0.1, 0.1);
+  const Model ball(stretched(scenes::ball(12, 8), {0.3, 0.3, 0.3}));
+  for (const ModelOptions& options : all_options) {
+    scenes::Rng rng(3760);
+    Model cloth(rest, options);
+    std::vector<Vec3> elsewhere = rest.positions();
+    for (int times = 0; times < 4; ++times) {
+      // Scattered far away, or all in one point, where all triangles are equal.
+      for (Vec3& p : elsewhere) p = times % 2 == 0 ? 1000 * random_point(rng, 1) : Vec3{1, 2, 3};
+      cloth.move_all(elsewhere).value();
+      cloth.commit();
+      cloth.move_all(rest.positions()).value();
+      cloth.commit();
+      const Placed there{ball, random_pose(rng, 0.5)};
+      expect_like_new(cloth, there);
+    }
+    cloth.rebuild();
+    const Model fresh(rest);
+    for (int i = 0; i < 5; ++i) {
+      const Placed there{ball, {scenes::random_rotation(rng), {0.2 * i, 0.1, 0.5}}};
+      EXPECT_EQ(distance({cloth}, there).stats.node_tests, distance({fresh}, there).stats.node_tests);
+    }
+  }
+}
+
+// Warp PR #1507, #1506, #860, tinybvh PR #122: a refit of a tree with one leaf reads beyond it, or crashes.
+TEST(Updates, WorkInTreesOfOneLeafAndAFewMore) {
+  const Model probe(box({0.1, 0.1, 0.1}));
+  for (std::uint32_t count = 1; count <= 18; ++count) {
+    for (const ModelOptions& options : all_options) {
+      scenes::Rng rng(count);
+      Model model(scenes::random_soup(rng, count, 0.5), options);
+      for (int step = 0; step < 4; ++step) {
+        const std::vector<VertexId> one{static_cast<VertexId>(rng.below(3 * count))};
+        const std::vector<Vec3> place{random_point(rng, 3)};
+        model.move_vertices(one, place).value();
+        model.commit();
+        expect_like_new(model, {probe, at(0.3, 0.2, 0.1)});
+        deform(model, Mesh(model.mesh()), [](const Vec3& p) { return 1.5 * p + Vec3{0.1, 0, 0}; });
+        expect_like_new(model, {probe, at(1.3, 0.2, 0.1)});
+      }
+    }
+  }
+}
+
+// Warp PR #1600: the refit of what decides about inside begins at the wrong node, and signs are wrong afterwards.
+TEST(Updates, ReachTheSignOfDistances) {
+  const Mesh rest = scenes::ball(16, 10);
+  Model body(rest);
+  const ClosedSurface surface = ClosedSurface::create(body).value();
+  scenes::Rng rng(1600);
+  for (int step = 0; step < 8; ++step) {
+    const double bend = 0.3 * step;
+    deform(body, rest, [&](const Vec3& p) {
+      return Vec3{p.x + bend * p.z * p.z, (1 + 0.2 * step) * p.y, p.z - bend * p.y};
+    });
+    std::vector<Triangle> triangles;
+    for (TriangleId id = 0; id < rest.triangles().size(); ++id) triangles.push_back(body.mesh().triangle(id));
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 p = random_point(rng, 1.5);
+      ASSERT_EQ(surface.contains(p), rational_winding(triangles, p) != 0) << step;
+      EXPECT_NEAR(winding_number({body}, p), rational_winding(triangles, p), 1e-9);
+    }
+  }
+}
+
+// mitsuba2 #526, #531, #276, #383: positions are replaced, the tree is not, and geometry vanishes over some frames.
+// UPBGE #703, PR #835: the physics of a deformed mesh is that of the mesh at rest. Embree #389: a wall of a moved ball
+// stays where it was. fluid-engine-dev PR #271: an update does not reach the tree; a rebuild in each frame is feared.
+TEST(Updates, FollowABodyThroughManyFramesWithoutRebuildingItAll) {
+  const Mesh rest = scenes::ball(24, 16);
+  const Model wall(scenes::grid(10, 10, -1, -1, 0.2, 0.2));
+  Model body(rest, {.rebuild_policy = RebuildPolicy::off});
+  for (int frame = 0; frame < 30; ++frame) {
+    const double z = 3 - 0.2 * frame;
+    deform(body, rest, [&](const Vec3& p) { return Vec3{p.x, p.y, p.z + z}; });
+    const double found = distance({wall}, {body}).upper;
+    if (std::abs(z) > 1) {
+      EXPECT_NEAR(found, std::abs(z) - 1, 1e-15) << frame;
+    } else {
+      EXPECT_EQ(found, 0) << frame;
+    }
+    EXPECT_NEAR(closest_point({body}, {0, 0, 9}).closest->distance, 8 - z, 1e-14) << frame;
+  }
+  EXPECT_EQ(body.maintenance_stats().rebuilt_triangles, 0U);
+  EXPECT_LE(body.maintenance_stats().refits, 30 * body.tree_stats().nodes);
+}
+
+// three-mesh-bvh #447, #330: a mesh is moved, and queries know only where it was. #547, #403, #409, #826: it is bent by
+// bones, and they know its pose at rest.
+TEST(Updates, AndPosesReachEveryQuery) {
+  const Mesh rest = stretched(scenes::ball(16, 24), {0.2, 0.2, 2});
+  const Model target(box({0.1, 0.1, 0.1}));
+  Model arm(rest);
+  for (int step = 0; step <= 12; ++step) {
+    const double angle = 0.2 * step;
+    const auto bent = [&](const Vec3& p) {  // a bone from 0 to 2 along z turns around the x axis
+      const double w = p.z <= 0 ? 0 : std::min(1.0, p.z), c = scenes::cosine(w * angle), s = scenes::sine(w * angle);
+      return Vec3{p.x, c * p.y - s * p.z, s * p.y + c * p.z};
+    };
+    deform(arm, rest, bent);
+    const Vec3 tip = bent({0, 0, 2});
+    EXPECT_LE(closest_point({arm}, tip).closest->distance, 1e-15) << step;
+    EXPECT_TRUE(collide({arm}, {target, {{}, tip}}).collision) << step;
+    scenes::Rng rng(447);
+    const Transform pose = random_pose(rng, 10);
+    EXPECT_LE(closest_point({arm, pose}, pose(tip)).closest->distance, 1e-14) << step;
+    EXPECT_TRUE(collide({arm, pose}, {target, {{}, pose(tip)}}).collision) << step;
+    if (step >= 4) {
+      EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).collision) << step;
+    }
+    agreed_distance({arm, pose}, {target, pose * at(0, -1.5, 1)}, 1e-13);
+  }
+}
+
+// Bullet #2383, #106, jMonkeyEngine #1120: concave meshes that move are unstable, or fall through each other.
+// Libbulletjme #7: the contact test of such meshes always fails. Bullet's partialRefitTree asserts that a part of a
+// mesh stays within its old box.
+TEST(Updates, OfConcaveBodiesMayLeaveTheirOldBounds) {
+  const Mesh rest = scenes::ring(24, 12, 0.25);
+  Model a(rest), b(rest);
+  for (int step = 0; step < 12; ++step) {
+    const double grown = 1 + 0.5 * step;
+    deform(a, rest, [&](const Vec3& p) { return Vec3{grown * p.x, p.y, p.z + 0.1 * step * p.x}; });
+    deform(b, rest, [&](const Vec3& p) { return Vec3{p.x, p.y / grown, 2 * p.z}; });
+    ASSERT_TRUE(static_cast<bool>(a.validate()));
+    const Placed there{b, scenes::linked_ring(static_cast<std::uint32_t>(step))};
+    agreed_distance({a}, there, 1e-13);
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
