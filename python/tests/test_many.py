@@ -88,6 +88,13 @@ def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Mode
     ]
     for form in forms:
         assert (limber3d.distance_many(ball, tetra, form) == expected).all()
+    whole = numpy.tile(numpy.eye(4, dtype=int), (3, 1, 1))
+    whole[:, 0, 3] = [2, 3, 4]
+    upper = limber3d.distance_many(ball, tetra, whole.astype(float))["upper"]
+    for dtype in ("i4", "i8", "u4", "u8"):
+        parts = whole[:, :3, :3].astype(dtype), whole[:, :3, 3].astype(dtype)
+        assert (limber3d.distance_many(ball, tetra, whole.astype(dtype))["upper"] == upper).all()
+        assert (limber3d.distance_many(ball, tetra, parts)["upper"] == upper).all()
     turns, shifts = random_quaternions(5, 60, 2.0)
     assert numpy.allclose(limber3d.distance_many(ball, tetra, (turns, shifts))["upper"], expected["upper"])
     one = limber3d.distance_many(ball, tetra, poses[3], numpy.tile(numpy.eye(4), (5, 1, 1)))
