@@ -74,13 +74,8 @@ of objects with the names of the columns; point_a, point_b and normal are arrays
                      spaced(contact_columns(ContactDetail::all)), spaced(contact_columns(ContactDetail::ids)));
 }
 
-ContactOutput::ContactOutput(const ContactArguments& arguments, const std::vector<std::string>& inputs)
-    : arguments_(arguments) {
-  if (arguments.csv.empty()) return;
-  for (const std::string& input : inputs) {
-    if (is_same_file(input, arguments.csv)) throw BadInput("--csv: is a model's own file");
-  }
-  csv_.emplace("--csv", arguments.csv);
+ContactOutput::ContactOutput(const ContactArguments& arguments, const Names& inputs) : arguments_(arguments) {
+  if (!arguments.csv.empty()) csv_.emplace("--csv", arguments.csv, inputs, Names{standard_output});
 }
 
 std::size_t ContactOutput::table_rows() const { return arguments_.limit.value_or(table_rows_unless_told); }

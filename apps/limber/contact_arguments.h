@@ -7,7 +7,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "contact_list.h"
 #include "output.h"
@@ -48,7 +47,7 @@ class ContactOutput {
   /// Opens the CSV file, if there is one.
   ///
   /// Errors   BadInput where it cannot be written, or is one of the `inputs`.
-  ContactOutput(const ContactArguments& arguments, const std::vector<std::string>& inputs);
+  ContactOutput(const ContactArguments& arguments, const Names& inputs);
 
   /// How many pairs are written at most.
   std::size_t room() const;

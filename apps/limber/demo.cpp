@@ -3,17 +3,13 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
-#include "bad_input.h"
 #include "deforming_model.h"
 #include "demo_page.h"
 #include "demo_run.h"
@@ -37,27 +33,11 @@ struct DemoArguments {
   bool json = false;
 };
 
-[[noreturn]] void cannot_write(const std::string& path) {
-  throw BadInput(fmt::format("--out: cannot write {}: {}", path, std::strerror(errno)));
-}
-
 /// So that the page is found wherever the reader of the answer is.
 std::string absolute_path(const std::string& path) {
   std::error_code failure;
   const std::filesystem::path absolute = std::filesystem::absolute(path, failure);
   return failure ? path : absolute.string();
-}
-
-/// Checks before the work is done whether the result can be stored.
-void check_writable(const std::string& path) {
-  if (!std::ofstream(path, std::ios::app)) cannot_write(path);
-}
-
-void store(const std::string& page, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << page;
-  file.close();
-  if (!file) cannot_write(path);
 }
 
 Json to_json(const Spread& spread) {
@@ -112,13 +92,13 @@ void check(DemoRun& run, bool is_silent) {
 
 void run(const DemoArguments& arguments) {
   const std::string page = absolute_path(arguments.page);
-  check_writable(page);
+  OutputFile file("--out", page, {}, {standard_output});
   DemoTable table(arguments.demo.frames);
   DemoRun run = run_demo(arguments.demo, [&](const std::vector<DemoFrame>& frames) {
     if (!arguments.json) table.show(frames);
   });
   if (!arguments.is_unchecked) check(run, arguments.json);
-  store(demo_page(run, arguments.command_line), page);
+  file.write(demo_page(run, arguments.command_line));
   if (arguments.json) {
     write(to_line(as_json(run, page)));
   } else {

@@ -28,6 +28,13 @@ class Models {
     return model.get();
   }
 
+  /// The files that have been loaded.
+  Names files() const {
+    Names files;
+    for (const auto& [name, model] : models_) files.push_back(name);
+    return files;
+  }
+
  private:
   static std::string key_of(const std::string& name) {
     if (is_scene(name)) return name;
@@ -96,8 +103,9 @@ ExitCode answer_pairs(const PairsArguments& arguments, const DistanceQuestion& q
   const std::vector<PairRow> rows = read_pairs(arguments.pairs);
   Models models(arguments.engine);
   const std::vector<LoadedPair> pairs = load_all(rows, arguments.pairs, models);
-  if (is_same_file(arguments.pairs, arguments.out)) throw BadInput("--out: is the file of pairs itself");
-  OutputFile out("--out", arguments.out);
+  Names inputs = models.files();
+  inputs.push_back(arguments.pairs);
+  OutputFile out("--out", arguments.out, inputs, {});
   ProgressBar bar(rows.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;
   std::size_t nested_count = 0;

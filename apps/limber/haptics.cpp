@@ -67,12 +67,14 @@ void check(const Arguments& arguments) {
   for (const auto& [option, path] : {std::pair("--out", arguments.out), std::pair("--page", arguments.page)}) {
     if (loop.is_empty && !path.empty()) throw BadInput(fmt::format("{}: has nothing to tell of --empty", option));
     if (path == "-") throw BadInput(fmt::format("{}: must name a file", option));
+    check_output(option, path, {}, {standard_output});
   }
+  check_output("--out", arguments.out, {}, {arguments.page});
 }
 
 /// Opened before the loop, so that a path that cannot be written is told at once.
 std::unique_ptr<OutputFile> opened(const std::string& option, const std::string& path) {
-  return path.empty() ? nullptr : std::make_unique<OutputFile>(option, path);
+  return path.empty() ? nullptr : std::make_unique<OutputFile>(option, path, Names{}, Names{});
 }
 
 ExitCode run(const Arguments& arguments) {

@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -26,6 +27,27 @@ void write_to(std::FILE* stream, std::string_view text) {
 
 void flush(std::FILE* stream) {
   if (std::fflush(stream) != 0) fail(errno);
+}
+
+namespace fs = std::filesystem;
+
+/// The file that writing to `path` makes.
+fs::path target_of(fs::path path) {
+  constexpr int most_links = 40;  // as Linux has it
+  std::error_code failed;
+  for (int i = 0; i < most_links && fs::is_symlink(path, failed); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, failed);
+  }
+  return fs::weakly_canonical(fs::absolute(path, failed), failed);
+}
+
+/// Whether writing to `path` changes the file `other`. Devices may be named as often as one likes.
+bool overwrites(const std::string& path, const std::string& other) {
+  std::error_code failed;
+  const bool is_there = fs::exists(path, failed);
+  if (is_there != fs::exists(other, failed)) return false;
+  if (is_there) return fs::is_regular_file(path, failed) && fs::equivalent(path, other, failed);
+  return target_of(path) == target_of(other);
 }
 
 std::string quoted(const std::string& text) {
@@ -78,8 +100,21 @@ void write(std::string_view text) { write_to(stdout, text); }
 
 void flush() { flush(stdout); }
 
-OutputFile::OutputFile(const std::string& option, const std::string& path)
-    : stream_(path == "-" ? stdout : std::fopen(path.c_str(), "wb")) {
+void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs) {
+  if (path.empty() || path == "-") return;
+  const auto is_overwritten = [&](const std::string& other) { return overwrites(path, other); };
+  if (std::any_of(inputs.begin(), inputs.end(), is_overwritten)) {
+    throw BadInput(fmt::format("{}: {} is one of the inputs", option, path));
+  }
+  if (std::any_of(other_outputs.begin(), other_outputs.end(), is_overwritten)) {
+    throw BadInput(fmt::format("{}: {} is where another output goes", option, path));
+  }
+}
+
+OutputFile::OutputFile(const std::string& option, const std::string& path, const Names& inputs,
+                       const Names& other_outputs) {
+  check_output(option, path, inputs, other_outputs);
+  stream_ = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
   if (stream_ == nullptr) throw BadInput(fmt::format("{}: cannot write {}: {}", option, path, std::strerror(errno)));
 }
 
@@ -92,11 +127,6 @@ bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
 void OutputFile::write(std::string_view text) {
   write_to(stream_, text);
   flush(stream_);
-}
-
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code failed;
-  return std::filesystem::equivalent(a, b, failed);
 }
 
 void warn(const std::string& verb, const std::string& text) {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "limber/query.h"
 
@@ -16,6 +17,7 @@
 namespace limber::program {
 
 using Json = nlohmann::ordered_json;
+using Names = std::vector<std::string>;
 
 /// Thrown when an answer cannot be written. The text is empty when the reader is gone: then nobody needs it.
 class OutputFailed : public std::runtime_error {
@@ -35,13 +37,22 @@ void write_line(fmt::format_string<Args...> format, Args&&... args) {
 /// Hands over what has been written so far. Errors: OutputFailed.
 void flush();
 
+/// The name of standard output among the outputs of a run.
+inline constexpr const char* standard_output = "/dev/stdout";
+
+/// Refuses to write where it would destroy something: `path` must not be one of the files that the run reads or writes
+/// besides, under whatever name.
+///
+/// Errors   BadInput naming the option and the file.
+void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs);
+
 /// The file that an option names, or standard output where it names "-".
 class OutputFile {
  public:
-  /// Opens and empties the file.
+  /// Opens and empties the file, after check_output().
   ///
-  /// Errors   BadInput naming the option and the file.
-  OutputFile(const std::string& option, const std::string& path);
+  /// Errors   BadInput as check_output(), and where the file cannot be written.
+  OutputFile(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -52,11 +63,8 @@ class OutputFile {
   void write(std::string_view text);
 
  private:
-  std::FILE* stream_;
+  std::FILE* stream_ = nullptr;
 };
-
-/// Whether both names are those of one file.
-bool is_same_file(const std::string& a, const std::string& b);
 
 /// One line on standard error about an answer that may not mean what it seems to.
 void warn(const std::string& verb, const std::string& text);

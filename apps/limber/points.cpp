@@ -122,10 +122,7 @@ ExitCode run(const PointsArguments& arguments) {
   const std::vector<Vec3> points = read_points(arguments.points);
   const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
   const PointAsker asker(model, arguments);
-  for (const std::string& input : {arguments.model, arguments.points}) {
-    if (is_same_file(input, arguments.out)) throw BadInput("--out: is a file that is read");
-  }
-  OutputFile out("--out", arguments.out);
+  OutputFile out("--out", arguments.out, {arguments.model, arguments.points}, {});
   ProgressBar bar(points.size(), "points");
   if (!arguments.json) out.write(columns_of(arguments) + '\n');
   const std::size_t at_once = points_at_once(arguments);

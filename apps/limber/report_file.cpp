@@ -3,7 +3,6 @@
 #include "report_file.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -16,13 +15,9 @@ namespace {
 
 constexpr const char* option_name = "--report";
 
-/// The path, if a report may be written there.
-const std::string& checked(const std::string& path, const Names& inputs) {
+/// The path, if it names a file.
+const std::string& checked(const std::string& path) {
   if (path == "-") throw BadInput(fmt::format("{}: must name a file", option_name));
-  const auto is_path = [&](const std::string& input) { return !is_scene(input) && is_same_file(input, path); };
-  if (std::any_of(inputs.begin(), inputs.end(), is_path)) {
-    throw BadInput(fmt::format("{}: {} is one of the inputs", option_name, path));
-  }
   return path;
 }
 
@@ -33,7 +28,7 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
 }
 
 ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
-    : command_line_(arguments.command_line), file_(option_name, checked(arguments.path, inputs)) {}
+    : command_line_(arguments.command_line), file_(option_name, checked(arguments.path), inputs, {standard_output}) {}
 
 void ReportFile::write(std::string_view page, Json data) {
   file_.write(filled_page(page, std::move(data), command_line_));

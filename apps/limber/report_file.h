@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "output.h"
 
@@ -15,8 +14,6 @@ class Option;
 
 /// `--report`: an answer as one page to hand on.
 namespace limber::program {
-
-using Names = std::vector<std::string>;
 
 /// Where to, and what the page says about its making.
 struct ReportArguments {

@@ -104,7 +104,7 @@ def distance_many(
              its triangles are 2^32 - 1 and its points are not numbers.
     Raises   ValueError as distance(), before anything is asked where a pose is malformed; BatchInterrupted, a
              KeyboardInterrupt, which holds the records that were done.
-    Threads  At most `threads`, all if that is None, without the GIL; see set_thread_limit(). One is the caller's: with
+    Threads  At most `threads`, 1 to 4096, all if that is None, without the GIL; see set_thread_limit(). One is the caller's: with
              threads=1 it does all the work. With progress, tqdm shows it where that is installed.
     """
     batch = _core.Batch(a, b, poses_a, poses_b, threads)

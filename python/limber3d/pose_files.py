@@ -26,12 +26,11 @@ def read_poses(path: Path) -> Poses:
     """
     if path.suffix not in SUFFIXES:
         raise ValueError(f"{path}: expected a file of poses: {', '.join(SUFFIXES)}")
-    if path.suffix == ".csv":
-        poses = _of_csv(path)
-    elif path.suffix == ".npy":
-        poses = _of_npy(path)
-    else:
-        poses = _of_parquet(path)
+    try:
+        poses = {".csv": _of_csv, ".npy": _of_npy, ".parquet": _of_parquet}[path.suffix](path)
+    except (ValueError, EOFError) as error:
+        text = str(error)
+        raise ValueError(text if text.startswith(f"{path}:") else f"{path}: {text}") from None
     if len(poses[0] if isinstance(poses, tuple) else poses) == 0:
         raise ValueError(f"{path}: has no pose")
     return poses
@@ -43,6 +42,8 @@ def _of_rows(rows: FloatArray) -> Poses:
 
 def _of_npy(path: Path) -> Poses:
     array: Any = numpy.load(path, mmap_mode="r", allow_pickle=False)
+    if isinstance(array, numpy.lib.npyio.NpzFile):
+        raise ValueError(f"{path}: is an archive of arrays, not an array")
     if array.dtype not in (numpy.float32, numpy.float64) or array.shape[1:] not in ((4, 4), (7,)):
         raise ValueError(
             f"{path}: expected shape (n, 4, 4), or (n, 7) with {','.join(NAMES)}, of float64 or float32; "
@@ -52,16 +53,12 @@ def _of_npy(path: Path) -> Poses:
 
 
 def _of_parquet(path: Path) -> Poses:
-    parquet, arrow = imported("pyarrow.parquet"), imported("pyarrow")
-    try:
-        file = parquet.ParquetFile(path)
-        for name in NAMES:
-            if name not in file.schema_arrow.names:
-                raise ValueError(f"{path}: there is no column {name}; poses are {','.join(NAMES)}")
-        table = file.read(columns=list(NAMES))
-        columns: list[Any] = [numpy.asarray(table.column(name).to_numpy(), float) for name in NAMES]
-    except arrow.ArrowInvalid as error:
-        raise ValueError(f"{path}: {error}") from None
+    file = imported("pyarrow.parquet").ParquetFile(path)
+    for name in NAMES:
+        if name not in file.schema_arrow.names:
+            raise ValueError(f"{path}: there is no column {name}; poses are {','.join(NAMES)}")
+    table = file.read(columns=list(NAMES))
+    columns: list[Any] = [numpy.asarray(table.column(name).to_numpy(), float) for name in NAMES]
     return _of_rows(numpy.stack(columns, 1))
 
 

@@ -53,6 +53,10 @@ class Array {
 
   /// Whether this is an array of floats of that shape; -1 stands for any size.
   bool has_floats(std::initializer_list<std::ptrdiff_t> shape) const { return is_float() && has_shape(shape); }
+  /// Whether this is an array of floats or integers of that shape.
+  bool has_numbers(std::initializer_list<std::ptrdiff_t> shape) const {
+    return scalar_ != Scalar::other && has_shape(shape);
+  }
   bool has_shape(std::initializer_list<std::ptrdiff_t> shape) const;
   /// Whether this may be a list of no rows: NumPy makes it one axis of floats.
   bool is_empty_list() const { return dimensions() == 1 && size(0) == 0; }

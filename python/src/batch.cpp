@@ -24,20 +24,33 @@
 namespace limber::python {
 namespace {
 
+/// The most threads that an argument may ask for. oneTBB takes memory for each of them at once.
+constexpr Py_ssize_t most_threads = 4096;
+
+/// How many threads an argument asks for; nothing for None.
+///
+/// Throws   nb::value_error for a number out of range, nb::python_error (TypeError) for what is no whole number.
+std::optional<int> thread_count(nb::handle argument, const char* name) {
+  if (argument.is_none()) return std::nullopt;
+  const Py_ssize_t count = PyNumber_AsSsize_t(argument.ptr(), nullptr);  // the nearest one, for numbers beyond
+  if (count == -1 && PyErr_Occurred() != nullptr) throw nb::python_error();
+  if (count >= 1 && count <= most_threads) return static_cast<int>(count);
+  throw nb::value_error((std::string(name) + ": expected 1 to " + std::to_string(most_threads) + ", or None").c_str());
+}
+
 /// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
 class Batch {
  public:
-  /// `threads`: at most so many, the caller's included; nothing: all.
+  /// `threads`: at most so many, the caller's included; None: all.
   Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, nb::handle poses_a, nb::handle poses_b,
-        std::optional<int> threads)
+        nb::handle threads)
       : owner_a_(nb::borrow(a)),
         owner_b_(nb::borrow(b)),
         a_(nb::cast<ModelObject&>(a)),
         b_(nb::cast<ModelObject&>(b)),
         poses_a_(poses_a, "poses_a"),
         poses_b_(poses_b, "poses_b"),
-        threads_(threads) {
-    if (threads && *threads < 1) throw nb::value_error("threads: expected at least 1, or None");
+        threads_(thread_count(threads, "threads")) {
     const bool is_list_a = !poses_a_.is_one_for_all(), is_list_b = !poses_b_.is_one_for_all();
     if (is_list_a) size_ = poses_a_.size();
     if (is_list_b) size_ = poses_b_.size();
@@ -151,20 +164,20 @@ void run_within(Batch& batch, nb::handle records, std::size_t begin, std::size_t
 
 std::unique_ptr<oneapi::tbb::global_control> thread_limit;
 
-void set_thread_limit(std::optional<std::size_t> count) {
-  if (count == 0) throw nb::value_error("count: expected at least 1 thread, or None");
+void set_thread_limit(nb::handle count) {
+  const std::optional<int> threads = thread_count(count, "count");
   thread_limit.reset();
-  if (!count) return;
+  if (!threads) return;
   using Control = oneapi::tbb::global_control;
-  thread_limit = std::make_unique<Control>(Control::max_allowed_parallelism, *count);
+  thread_limit = std::make_unique<Control>(Control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
 }
 
 }  // namespace
 
 void bind_batch(nb::module_& m) {
   nb::class_<Batch>(m, "Batch", "Two models and many poses.")
-      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle, std::optional<int>>(),
-           "a"_a, "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none(),
+      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle, nb::handle>(), "a"_a,
+           "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none(),
            nb::sig("def __init__(self, a: Model, b: Model, poses_a: PosesLike, poses_b: PosesLike, "
                    "threads: int | None = None) -> None"))
       .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
@@ -189,7 +202,10 @@ void bind_batch(nb::module_& m) {
                    "-> tuple[RecordArray, IdArray]"),
            "Contacts of poses begin to end, and how many each pose has.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
-        "Limits the threads that builds, commits, batches and scenes use in this process; None ends the limit.\n\n"
+        nb::sig("def set_thread_limit(count: int | None) -> None"),
+        "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
+        "limit.\n\n"
+        "Raises   ValueError for other numbers.\n"
         "Threads  Not while another thread calls it.");
 }
 

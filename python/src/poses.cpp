@@ -16,10 +16,10 @@ namespace {
 
 constexpr const char* pose_form =
     "None, a 4 x 4 matrix, (rotation, translation) with a 3 x 3 matrix, or (quaternion, translation) with w, x, y, z, "
-    "of dtype float32 or float64";
+    "of float32, float64, or integers of 32 or 64 bits";
 constexpr const char* poses_form =
     "None, one pose, n 4 x 4 matrices, (n rotations, n translations) or (n quaternions, n translations), "
-    "of dtype float32 or float64";
+    "of float32, float64, or integers of 32 or 64 bits";
 
 /// The index of a pose in a list, where there is one.
 using Index = std::optional<std::size_t>;
@@ -80,12 +80,12 @@ Transform pose_from(nb::handle object, const char* name) {
   if (object.is_none()) return {};
   if (const auto parts = parts_of(object)) {
     const Array turn((*parts)[0], name, pose_form, Lists::floats), shift((*parts)[1], name, pose_form, Lists::floats);
-    if (!turn.has_floats({3, 3}) && !turn.has_floats({4})) turn.refuse();
-    if (!shift.has_floats({3})) shift.refuse();
+    if (!turn.has_numbers({3, 3}) && !turn.has_numbers({4})) turn.refuse();
+    if (!shift.has_numbers({3})) shift.refuse();
     return from_parts(turn, turn.data(), shift, shift.data(), 0, name, std::nullopt);
   }
   const Array matrix(object, name, pose_form, Lists::floats);
-  if (!matrix.has_floats({4, 4})) matrix.refuse();
+  if (!matrix.has_numbers({4, 4})) matrix.refuse();
   return from_matrix(matrix, matrix.data(), 0, name, std::nullopt);
 }
 
@@ -100,8 +100,8 @@ PoseList::PoseList(nb::handle object, const char* name) {
       poses_.push_back(pose_from(object, name));
       return;
     }
-    if (!turn.has_floats({-1, 3, 3}) && !turn.has_floats({-1, 4})) turn.refuse();
-    if (!shift.has_floats({static_cast<std::ptrdiff_t>(turn.size(0)), 3})) shift.refuse();
+    if (!turn.has_numbers({-1, 3, 3}) && !turn.has_numbers({-1, 4})) turn.refuse();
+    if (!shift.has_numbers({static_cast<std::ptrdiff_t>(turn.size(0)), 3})) shift.refuse();
     is_one_for_all_ = false;
     poses_.reserve(turn.size(0));
     for (std::size_t i = 0; i < turn.size(0); ++i) {
@@ -116,7 +116,7 @@ PoseList::PoseList(nb::handle object, const char* name) {
     poses_.push_back(pose_from(object, name));
     return;
   }
-  if (!matrices.has_floats({-1, 4, 4})) matrices.refuse();
+  if (!matrices.has_numbers({-1, 4, 4})) matrices.refuse();
   is_one_for_all_ = false;
   poses_.reserve(matrices.size(0));
   for (std::size_t i = 0; i < matrices.size(0); ++i) {

@@ -180,6 +180,64 @@ def test_folders_that_are_none_are_refused(tmp_path: Path, ball: limber3d.Model)
         batch.sweep(ball, ball, out=tmp_path / "_notes.txt")
 
 
+def test_manifests_that_are_none_are_refused_by_name(tmp_path: Path, ball: limber3d.Model) -> None:
+    batch.sweep(ball, ball, shapes.random_poses(1, 20), out=tmp_path)
+    path = tmp_path / folder.MANIFEST
+    manifest = json.loads(path.read_text())
+    texts: list[str | bytes] = ["[" * 100_000, '{"count": ' * 100_000, "9" * 5000, "\N{DEGREE SIGN}".encode("latin-1")]
+    wrong: list[tuple[str, Any]] = [
+        *((name, value) for name in ("count", "partition_size") for value in ("7", None, 1.5, True, -1, [7], 1e400)),
+        ("partition_size", 0),
+        ("query", "touch"),
+        ("query", None),
+        ("version", {"major": 1}),
+        ("models", [["deep"]]),
+    ]
+    texts += [json.dumps(manifest | {name: value}) for name, value in wrong]
+    texts += [json.dumps({key: manifest[key] for key in manifest if key != name}) for name in ("count", "query")]
+    for text in texts:
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        for call in (lambda: batch.read(tmp_path), lambda: batch.sweep(ball, ball, out=tmp_path)):
+            with pytest.raises(ValueError, match="out: .*_manifest.json is not (JSON|the manifest of a batch)"):
+                call()
+    path.write_text(json.dumps(manifest | {"count": 10**30}))
+    with pytest.raises(MemoryError, match=f"out: no memory for 1{30 * '0'} answers"):
+        batch.read(tmp_path)
+    path.write_text(json.dumps(manifest | {"partition_size": 10**30}))
+    with pytest.raises(ValueError, match="out: of 1 partitions in .*, 1 are missing or damaged"):
+        batch.read(tmp_path)
+
+
+@pytest.mark.parametrize("name", [folder.part_name(1), folder.TOKEN, folder.MESHES, "_temporary-mine"])
+def test_folders_in_place_of_files_are_named(tmp_path: Path, name: str) -> None:
+    shared_batches.sweep(tmp_path, None, 200)
+    (tmp_path / name).unlink(missing_ok=True)
+    (tmp_path / name).mkdir()
+    (tmp_path / folder.part_name(0)).unlink()
+    if name.startswith("_temporary-"):
+        assert shared_batches.sweep(tmp_path, None, 200).found == 1
+        return
+    with pytest.raises(IsADirectoryError, match=f"^out: .*{name} is a folder"):
+        shared_batches.sweep(tmp_path, None, 200)
+    assert not [path for path in tmp_path.iterdir() if path.is_file() and path.name.startswith("_temporary-")]
+
+
+def test_partition_sizes_are_whole_and_positive(tmp_path: Path, ball: limber3d.Model) -> None:
+    poses, wrong = shapes.random_poses(1, 20), list[Any]([1.5, "7"])
+    for size in (0, -1):
+        with pytest.raises(ValueError, match="partition_size: expected at least 1"):
+            batch.sweep(ball, ball, poses, out=tmp_path / "none", partition_size=size)
+    for size in wrong:
+        with pytest.raises(TypeError, match="cannot be interpreted as an integer"):
+            batch.sweep(ball, ball, poses, out=tmp_path / "none", partition_size=size)
+    assert not (tmp_path / "none").exists()
+    whole_number: Any = numpy.int64(7)
+    assert batch.sweep(ball, ball, poses, out=tmp_path, partition_size=whole_number).partitions == 3
+    assert batch.sweep(ball, ball, poses, out=tmp_path / "one", partition_size=2**80).partitions == 1
+    whole = numpy.tile(numpy.eye(4, dtype=int), (20, 1, 1))
+    assert batch.sweep(ball, ball, whole, out=tmp_path / "whole").count == 20
+
+
 def test_folders_are_read_by_readers_of_parquet(tmp_path: Path, ball: limber3d.Model) -> None:
     import pyarrow.parquet  # type: ignore[import-untyped]
 

@@ -54,6 +54,26 @@ def test_poses_are_read_from_every_kind_of_file(tmp_path: Path) -> None:
     assert not isinstance(matrices, tuple) and (matrices == shapes.random_poses(1, 5)).all()
 
 
+def test_files_of_poses_that_are_none_are_told_by_name(tmp_path: Path) -> None:
+    file, columns = tmp_path / "rows.npy", {name: ["a"] for name in NAMES}
+    numpy.save(file, ROWS)
+    whole = file.read_bytes()
+    numpy.savez(tmp_path / "rows.npz", ROWS)
+    texts = [b"", b"PK", whole[:50], whole[:-9], b"poses", (tmp_path / "rows.npz").read_bytes()]
+    files = {f"{i}.npy": text for i, text in enumerate(texts)}
+    files |= {"0.csv": b"\xff\xfe", "0.parquet": b"PAR1", "1.parquet": b"", "2.parquet": bytes(100)}
+    for name, text in files.items():
+        (tmp_path / name).write_bytes(text)
+    pyarrow.parquet.write_table(pyarrow.table(columns), tmp_path / "3.parquet")
+    for name in [*files, "3.parquet"]:
+        with pytest.raises(ValueError, match=f"^{tmp_path / name}: "):
+            read_poses(tmp_path / name)
+    for suffix in ("npy", "csv", "parquet"):
+        (tmp_path / f"folder.{suffix}").mkdir()
+        with pytest.raises(OSError, match=f"folder.{suffix}"):
+            read_poses(tmp_path / f"folder.{suffix}")
+
+
 def test_bad_files_of_poses_are_told_by_name_and_line(tmp_path: Path) -> None:
     line = ",".join("0001000")
     texts = [

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -88,6 +88,13 @@ def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Mode
     ]
     for form in forms:
         assert (limber3d.distance_many(ball, tetra, form) == expected).all()
+    whole = numpy.tile(numpy.eye(4, dtype=int), (3, 1, 1))
+    whole[:, 0, 3] = [2, 3, 4]
+    upper = limber3d.distance_many(ball, tetra, whole.astype(float))["upper"]
+    for dtype in ("i4", "i8", "u4", "u8"):
+        parts = whole[:, :3, :3].astype(dtype), whole[:, :3, 3].astype(dtype)
+        assert (limber3d.distance_many(ball, tetra, whole.astype(dtype))["upper"] == upper).all()
+        assert (limber3d.distance_many(ball, tetra, parts)["upper"] == upper).all()
     turns, shifts = random_quaternions(5, 60, 2.0)
     assert numpy.allclose(limber3d.distance_many(ball, tetra, (turns, shifts))["upper"], expected["upper"])
     one = limber3d.distance_many(ball, tetra, poses[3], numpy.tile(numpy.eye(4), (5, 1, 1)))
@@ -217,17 +224,38 @@ def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) ->
         assert (limber3d.distance_many(ball, ball, poses) == expected).all()
     finally:
         limber3d.set_thread_limit(None)
-    with pytest.raises(ValueError):
-        limber3d.set_thread_limit(0)
 
 
 def test_a_batch_may_have_threads_of_its_own(ball: limber3d.Model) -> None:
     poses = random_poses(10, 300)
     expected = limber3d.distance_many(ball, ball, poses)
-    for threads in (1, 2, 5):
+    threads: Any
+    for threads in (1, 2, numpy.int64(5), 4096):
         assert (limber3d.distance_many(ball, ball, poses, threads=threads) == expected).all()
-    with pytest.raises(ValueError, match="threads: expected at least 1, or None"):
-        limber3d.collide_many(ball, ball, poses, threads=0)
+
+
+@pytest.mark.parametrize("count", [0, -1, 4097, 10**7, 10**9, 2**31 - 1, 2**31, 2**63, -(2**200)])
+def test_numbers_of_threads_have_a_limit(ball: limber3d.Model, count: int) -> None:
+    batches: list[Callable[[], object]] = [
+        lambda: limber3d.distance_many(ball, ball, threads=count),
+        lambda: limber3d.collide_many(ball, ball, threads=count),
+        lambda: limber3d.within_many(ball, ball, 1.0, threads=count),
+        lambda: limber3d.contacts_many(ball, ball, 1.0, threads=count),
+    ]
+    for call in batches:
+        with pytest.raises(ValueError, match="threads: expected 1 to 4096, or None"):
+            call()
+    with pytest.raises(ValueError, match="count: expected 1 to 4096, or None"):
+        limber3d.set_thread_limit(count)
+
+
+def test_numbers_of_threads_are_whole(ball: limber3d.Model) -> None:
+    wrong: Any
+    for wrong in (1.5, "2", [1]):
+        with pytest.raises(TypeError, match="cannot be interpreted as an integer"):
+            limber3d.distance_many(ball, ball, threads=wrong)
+        with pytest.raises(TypeError, match="cannot be interpreted as an integer"):
+            limber3d.set_thread_limit(wrong)
 
 
 @pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one processor")

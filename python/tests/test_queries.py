@@ -67,11 +67,16 @@ def test_all_forms_of_a_pose_mean_the_same(ball: limber3d.Model) -> None:
     single = numpy.eye(4, dtype=numpy.float32)
     single[0, 3] = 3
     assert limber3d.distance(ball, ball, single).upper == limber3d.distance(ball, ball, FAR).upper
+    whole = single.astype(int)
+    for form in (whole, whole.T.copy().T, (whole[:3, :3], whole[:3, 3]), ([1, 0, 0, 0], whole[:3, 3])):
+        assert limber3d.distance(ball, ball, form).upper == limber3d.distance(ball, ball, FAR).upper
 
 
 BAD_POSES: list[tuple[Any, str]] = [
     (numpy.eye(3), r"pose_b: expected None, a 4 x 4 .* got shape \(3, 3\) and dtype float64"),
-    (numpy.eye(4, dtype=int), "pose_b: .* dtype int64"),
+    (numpy.eye(4, dtype=numpy.float16), "pose_b: .* dtype float16"),
+    (numpy.eye(4, dtype=bool), "pose_b: .* dtype bool"),
+    (2 * numpy.eye(4, dtype=int), "pose_b: the last row of the matrix is not 0 0 0 1"),
     (FAR.T, "pose_b: the last row of the matrix is not 0 0 0 1"),
     (FAR * numpy.nan, "pose_b: .*not finite|pose_b: .*finite"),
     (numpy.diag([1.0, 1, -1, 1]), "pose_b: the matrix is no rigid motion"),

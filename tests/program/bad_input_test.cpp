@@ -234,7 +234,8 @@ TEST(ProgramBadInput, RowsThatCannotBeWritten) {
     };
     expect_refused(with_csv(folder.path("no/such/folder.csv")), "--csv: cannot write");
     expect_refused(with_csv(folder.path("")), "--csv: cannot write");
-    expect_refused(with_csv(folder.path("./ball.obj")), "--csv: is a model's own file");
+    expect_refused(with_csv(folder.path("./ball.obj")),
+                   "--csv: " + folder.path("./ball.obj") + " is one of the inputs");
     EXPECT_EQ(text_of(ball), before);
     if (!std::filesystem::exists("/dev/full")) continue;
     const Outcome full = run(with_csv("/dev/full"));

@@ -124,7 +124,7 @@ TEST(ProgramPoints, RefusesWhatMeansNothing) {
   expect_refused_file("1e61,0,0\n", "line 1: column x");
   expect_refused({"points", "scene:ball", folder.path("none.csv")}, "none.csv");
   expect_refused({"points", "scene:ball", good, "--max-distance", "-1"}, "--max-distance: must be a number >= 0");
-  expect_refused({"points", "scene:ball", good, "--out", good}, "--out: is a file that is read");
+  expect_refused({"points", "scene:ball", good, "--out", good}, "--out: " + good + " is one of the inputs");
   expect_refused({"points", "scene:square", good, "--signed"},
                  "--signed: scene:square: the surface is not closed: the edge of triangle 0 between vertices 0 and 1 "
                  "belongs to no other triangle");

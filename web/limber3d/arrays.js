@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Arguments that are arrays. Private to the package.
+// Arguments: options, numbers and arrays. Private to the package.
+//
+// Reading an argument may run code of the caller, such as a getter. So every function reads all of its arguments, each
+// part once, before it takes the address of an object or writes to the module's memory.
 
 import { LimberError, invalid } from "./errors.js";
 
@@ -26,6 +29,50 @@ import { LimberError, invalid } from "./errors.js";
 /** @typedef {[number, number, number]} Point */
 
 /**
+ * Refuses what is no object and options of other names. The caller reads each option once.
+ *
+ * @param {object} options
+ * @param {readonly string[]} names
+ * @param {string} [name] of the argument
+ */
+export function checkNames(options, names, name = "options") {
+  if (typeof options !== "object" || options === null) throw invalid(`${name} is no object`);
+  for (const key of Object.keys(options)) {
+    if (!names.includes(key)) throw invalid(`${name} has no "${key}"; there are ${names.join(", ")}`);
+  }
+}
+
+/**
+ * A number, which is `usual` where an option is not given.
+ *
+ * @param {number | undefined} value
+ * @param {string} name
+ * @param {number} [usual]
+ */
+export function numberOf(value, name, usual) {
+  const number = value === undefined ? usual : value;
+  if (typeof number !== "number") throw invalid(`${name} is no number`);
+  return number;
+}
+
+/**
+ * Fills `numbers` from an array.
+ *
+ * @template {Float64Array | number[]} T
+ * @param {T} numbers
+ * @param {ArrayLike<number>} array
+ * @param {string} name
+ */
+export function filledFrom(numbers, array, name) {
+  for (let i = 0; i < numbers.length; ++i) {
+    const number = array[i];
+    if (typeof number !== "number") throw invalid(`${name}[${i}] is no number`);
+    numbers[i] = number;
+  }
+  return numbers;
+}
+
+/**
  * @param {Coordinates} array
  * @param {string} name
  * @returns {Float32Array | Float64Array}
@@ -33,7 +80,7 @@ import { LimberError, invalid } from "./errors.js";
 export function coordinatesOf(array, name) {
   const isTyped = array instanceof Float32Array || array instanceof Float64Array;
   if (!isTyped && !Array.isArray(array)) throw invalid(`${name} is no Float32Array, Float64Array or array of numbers`);
-  const coordinates = isTyped ? array : Float64Array.from(array);
+  const coordinates = isTyped ? array : filledFrom(new Float64Array(array.length), array, name);
   if (coordinates.length % 3 !== 0) {
     throw new LimberError("sizeMismatch", `limber3d: ${name} has ${coordinates.length} numbers, not three a point`);
   }
@@ -43,17 +90,22 @@ export function coordinatesOf(array, name) {
 /**
  * @param {Ids} array
  * @param {string} name
- * @returns {Uint32Array | Uint16Array | Int32Array}
+ * @returns {Uint32Array | Uint16Array}
  */
 export function idsOf(array, name) {
   if (array instanceof Uint32Array || array instanceof Uint16Array) return array;
   const isIds = array instanceof Int32Array || Array.isArray(array);
   if (!isIds) throw invalid(`${name} is no Uint32Array, Uint16Array, Int32Array or array of numbers`);
-  for (let i = 0; i < array.length; ++i) {
-    if (Number.isInteger(array[i]) && array[i] >= 0 && array[i] <= 0xffffffff) continue;
-    throw new LimberError("indexOutOfRange", `limber3d: ${name}[${i}] is ${array[i]}, which is no id`, i);
+  const ids = new Uint32Array(array.length);
+  for (let i = 0; i < ids.length; ++i) {
+    const id = array[i];
+    if (!(Number.isInteger(id) && id >= 0 && id <= 0xffffffff)) {
+      const shown = typeof id === "number" ? id : `of type ${typeof id}`;
+      throw new LimberError("indexOutOfRange", `limber3d: ${name}[${i}] is ${shown}, which is no id`, i);
+    }
+    ids[i] = id;
   }
-  return array instanceof Int32Array ? array : Uint32Array.from(array);
+  return ids;
 }
 
 /**
@@ -62,6 +114,7 @@ export function idsOf(array, name) {
  * @returns {Point}
  */
 export function pointOf(vector, name) {
+  if (typeof vector !== "object" || vector === null) throw invalid(`${name} is not three numbers`);
   const point = /** @type {Point} */ (
     "x" in vector ? [vector.x, vector.y, vector.z] : vector.length === 3 ? [vector[0], vector[1], vector[2]] : []
   );

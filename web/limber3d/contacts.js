@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
-import { writePose } from "./poses.js";
-import { cacheAddress, collideResult, distanceResult, stats } from "./queries.js";
+import { cacheAddress, collideResult, distanceResult, errorsOf, placedModels, stats } from "./queries.js";
 import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
 
 /**
@@ -142,8 +142,14 @@ export class NeighborRings extends Owner {
    * @param {number} edges
    */
   constructor(model, edges) {
-    super(engine().newRings(addressOf(model), edges), "deleteRings");
+    super(engine().newRings(addressOf(model), numberOf(edges, "edges")), "deleteRings");
   }
+}
+
+/** @param {number} count */
+function countOf(count) {
+  if (!(numberOf(count, "count") >= 0)) throw invalid("count is not a number of pairs");
+  return count;
 }
 
 /** @param {PairOptions} options */
@@ -177,12 +183,11 @@ const trianglePairs = () => ({
  * @returns {TrianglePairs}
  */
 export function intersections(a, b, options = {}) {
-  const { maxCount = Infinity } = options;
-  const filter = filterOf(options);
-  const first = addressOf(a, "a"), second = addressOf(b, "b");
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  checkNames(options, ["poseA", "poseB", "filter", "maxCount"]);
+  const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
+  const placed = placedModels(a, b, options);
   const { intersections } = engine();
-  checkWithFilter(filter, () => intersections(first, formA, second, formB, maxCount, filter ? 1 : 0));
+  checkWithFilter(filter, () => intersections(...placed, maxCount, filter ? 1 : 0));
   return trianglePairs();
 }
 
@@ -198,12 +203,11 @@ export function intersections(a, b, options = {}) {
  * @returns {Contacts}
  */
 export function contacts(a, b, margin, options = {}) {
-  const { maxCount = Infinity } = options;
-  const filter = filterOf(options);
-  const first = addressOf(a, "a"), second = addressOf(b, "b");
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  checkNames(options, ["poseA", "poseB", "filter", "maxCount"]);
+  const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
+  const placed = placedModels(a, b, options);
   const { contacts } = engine();
-  checkWithFilter(filter, () => contacts(first, formA, second, formB, margin, maxCount, filter ? 1 : 0));
+  checkWithFilter(filter, () => contacts(...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0));
   return new Contacts();
 }
 
@@ -219,12 +223,11 @@ export function contacts(a, b, margin, options = {}) {
  * @returns {Contacts}
  */
 export function closestPairs(a, b, count, options = {}) {
-  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  checkNames(options, ["poseA", "poseB", "filter"]);
   const filter = filterOf(options);
-  const first = addressOf(a, "a"), second = addressOf(b, "b");
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  const placed = placedModels(a, b, options);
   const { closestPairs } = engine();
-  checkWithFilter(filter, () => closestPairs(first, formA, second, formB, count, filter ? 1 : 0));
+  checkWithFilter(filter, () => closestPairs(...placed, countOf(count), filter ? 1 : 0));
   return new Contacts();
 }
 
@@ -244,10 +247,11 @@ export function closestPairs(a, b, count, options = {}) {
  * @returns {CollideResult}
  */
 export function selfCollide(model, options = {}) {
-  const [filter, rings] = filterAndRings(options);
-  const address = addressOf(model), cache = cacheAddress(options.cache);
+  checkNames(options, ["filter", "cache"]);
+  const { cache } = options, [filter, rings] = filterAndRings(options);
+  const address = addressOf(model), kept = cacheAddress(cache);
   const { selfCollide } = engine();
-  checkWithFilter(filter, () => selfCollide(address, filter ? 1 : 0, rings, cache));
+  checkWithFilter(filter, () => selfCollide(address, filter ? 1 : 0, rings, kept));
   return collideResult();
 }
 
@@ -259,13 +263,12 @@ export function selfCollide(model, options = {}) {
  * @returns {DistanceResult}
  */
 export function selfDistance(model, options = {}) {
-  const { relativeError = 0, absoluteError = 0, maxDistance = Infinity } = options;
-  const [filter, rings] = filterAndRings(options);
-  const address = addressOf(model), cache = cacheAddress(options.cache);
+  checkNames(options, ["relativeError", "absoluteError", "maxDistance", "filter", "cache"]);
+  const errors = errorsOf(options);
+  const { cache } = options, [filter, rings] = filterAndRings(options);
+  const address = addressOf(model), kept = cacheAddress(cache);
   const { selfDistance } = engine();
-  checkWithFilter(filter, () =>
-    selfDistance(address, relativeError, absoluteError, maxDistance, filter ? 1 : 0, rings, cache),
-  );
+  checkWithFilter(filter, () => selfDistance(address, ...errors, filter ? 1 : 0, rings, kept));
   return distanceResult();
 }
 
@@ -277,7 +280,8 @@ export function selfDistance(model, options = {}) {
  * @returns {TrianglePairs}
  */
 export function selfIntersections(model, options = {}) {
-  const { maxCount = Infinity } = options;
+  checkNames(options, ["filter", "maxCount"]);
+  const maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfIntersections } = engine();
@@ -296,11 +300,12 @@ export function selfIntersections(model, options = {}) {
  * @returns {Contacts}
  */
 export function selfContacts(model, margin, options = {}) {
-  const { maxCount = Infinity } = options;
+  checkNames(options, ["filter", "maxCount"]);
+  const maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfContacts } = engine();
-  checkWithFilter(filter, () => selfContacts(address, margin, maxCount, filter ? 1 : 0, rings));
+  checkWithFilter(filter, () => selfContacts(address, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, rings));
   return new Contacts();
 }
 
@@ -313,10 +318,10 @@ export function selfContacts(model, margin, options = {}) {
  * @returns {Contacts}
  */
 export function selfClosestPairs(model, count, options = {}) {
-  if (!(count >= 0)) throw invalid("count is not a number of pairs");
+  checkNames(options, ["filter"]);
   const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
   const { selfClosestPairs } = engine();
-  checkWithFilter(filter, () => selfClosestPairs(address, count, filter ? 1 : 0, rings));
+  checkWithFilter(filter, () => selfClosestPairs(address, countOf(count), filter ? 1 : 0, rings));
   return new Contacts();
 }

@@ -27,6 +27,7 @@ import { check, copyOf, engine, word, writeBytes } from "./wasm.js";
 export function readMeshBytes(bytes, name) {
   const isBytes = bytes instanceof Uint8Array || bytes instanceof ArrayBuffer;
   if (!isBytes) throw invalid("bytes is no Uint8Array or ArrayBuffer");
+  if (typeof name !== "string") throw invalid("name is no string");
   const nameBytes = new TextEncoder().encode(name);
   writeBytes(bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes), nameBytes);
   check(engine().readMeshBytes(bytes.byteLength, nameBytes.length));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { coordinatesOf, idsOf } from "./arrays.js";
+import { checkNames, coordinatesOf, idsOf, numberOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
 import { Owner, check, copyOf, engine, number, point, word, writeInput } from "./wasm.js";
 
@@ -54,9 +54,9 @@ import { Owner, check, copyOf, engine, number, point, word, writeInput } from ".
  * @returns {number} -1 for "automatic"
  */
 function automaticOr(value, usual, name) {
-  const wanted = value ?? usual;
+  const wanted = value === undefined ? usual : value;
   if (wanted === "automatic") return -1;
-  if (!(wanted >= 0 && wanted < Infinity)) throw invalid(`${name} is neither finite and >= 0 nor "automatic"`);
+  if (!(Number.isFinite(wanted) && wanted >= 0)) throw invalid(`${name} is neither finite and >= 0 nor "automatic"`);
   return wanted;
 }
 
@@ -77,15 +77,19 @@ export class Model extends Owner {
    * @param {ModelOptions} [options]
    */
   constructor(vertices, faces, options = {}) {
+    checkNames(options, ["motionMargin", "rebuildPolicy", "rebuildBudgetUs", "preallocate"]);
+    const { motionMargin, rebuildPolicy = "inCommit", rebuildBudgetUs, preallocate = false } = options;
+    if (rebuildPolicy !== "off" && rebuildPolicy !== "inCommit") {
+      throw invalid('rebuildPolicy is neither "off" nor "inCommit"');
+    }
+    if (typeof preallocate !== "boolean") throw invalid("preallocate is neither true nor false");
+    const margin = automaticOr(motionMargin, 0, "motionMargin");
+    const budget = automaticOr(rebuildBudgetUs, "automatic", "rebuildBudgetUs");
     const coordinates = coordinatesOf(vertices, "vertices");
     const ids = idsOf(faces, "faces");
     if (ids.length % 3 !== 0) {
       throw new LimberError("sizeMismatch", `limber3d: faces has ${ids.length} ids, not three a triangle`);
     }
-    const policy = options.rebuildPolicy ?? "inCommit";
-    if (policy !== "off" && policy !== "inCommit") throw invalid(`there is no rebuildPolicy "${policy}"`);
-    const margin = automaticOr(options.motionMargin, 0, "motionMargin");
-    const budget = automaticOr(options.rebuildBudgetUs, "automatic", "rebuildBudgetUs");
     writeInput(coordinates, ids);
     super(
       engine().newModel(
@@ -93,9 +97,9 @@ export class Model extends Owner {
         coordinates instanceof Float32Array ? 1 : 0,
         ids.length / 3,
         margin,
-        policy === "inCommit" ? 1 : 0,
+        rebuildPolicy === "inCommit" ? 1 : 0,
         budget,
-        options.preallocate === true ? 1 : 0,
+        preallocate ? 1 : 0,
       ),
       "deleteModel",
     );
@@ -112,9 +116,9 @@ export class Model extends Owner {
    * @param {Coordinates} positions in the model's own frame
    */
   moveVertices(ids, positions) {
-    const address = addressOf(this);
     const coordinates = coordinatesOf(positions, "positions");
     const entries = idsOf(ids, "ids");
+    const address = addressOf(this);
     if (coordinates.length !== 3 * entries.length) {
       throw new LimberError(
         "sizeMismatch",
@@ -131,8 +135,8 @@ export class Model extends Owner {
    * @param {Coordinates} positions in the model's own frame
    */
   moveAll(positions) {
-    const address = addressOf(this);
     const coordinates = coordinatesOf(positions, "positions");
+    const address = addressOf(this);
     writeInput(coordinates);
     check(engine().moveAll(address, coordinates.length / 3, coordinates instanceof Float32Array ? 1 : 0));
   }
@@ -217,7 +221,7 @@ export class Model extends Owner {
    * @returns {Float64Array} x, y, z of the center and the radius of each sphere, in the model's own frame
    */
   nodeSpheres(level) {
-    check(engine().nodeSpheres(addressOf(this), level));
+    check(engine().nodeSpheres(addressOf(this), numberOf(level, "level")));
     return new Float64Array(copyOf(word(0), word(1)));
   }
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { coordinatesOf, pointOf } from "./arrays.js";
+import { checkNames, coordinatesOf, numberOf, pointOf } from "./arrays.js";
 import { featureKinds } from "./contacts.js";
 import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
-import { writePose } from "./poses.js";
+import { poseOf, writePose } from "./poses.js";
 import { Owner, check, copyOf, engine, word, writeInput } from "./wasm.js";
 
 /**
@@ -86,6 +86,8 @@ export class SurfacePoints {
   }
 }
 
+const pointOptions = ["pose", "maxDistance"];
+
 /**
  * The points of a placed model that are closest to points of the world.
  *
@@ -96,12 +98,13 @@ export class SurfacePoints {
  * @param {PointOptions} [options]
  */
 export function closestPoints(model, points, options = {}) {
-  const address = addressOf(model);
+  checkNames(options, pointOptions);
+  const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
   const coordinates = coordinatesOf(points, "points");
-  const form = writePose(options.pose, 0, "pose");
+  const address = addressOf(model), form = writePose(pose, 0);
   const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
   writeInput(coordinates);
-  check(engine().closestPoints(address, form, coordinates.length / 3, isFloat32, options.maxDistance ?? Infinity));
+  check(engine().closestPoints(address, form, coordinates.length / 3, isFloat32, maxDistance));
   return new SurfacePoints(coordinates.length / 3);
 }
 
@@ -152,9 +155,10 @@ export class ClosedSurface extends Owner {
    * @param {{ pose?: Pose | null }} [options]
    */
   contains(point, options = {}) {
-    const address = this.#address();
-    const form = writePose(options.pose, 0, "pose");
-    check(engine().contains(address, form, ...pointOf(point, "point")));
+    checkNames(options, ["pose"]);
+    const pose = poseOf(options.pose, "pose"), [x, y, z] = pointOf(point, "point");
+    const address = this.#address(), form = writePose(pose, 0);
+    check(engine().contains(address, form, x, y, z));
     return word(0) === 1;
   }
 
@@ -166,12 +170,13 @@ export class ClosedSurface extends Owner {
    * @param {PointOptions} [options]
    */
   signedDistances(points, options = {}) {
-    const address = this.#address();
+    checkNames(options, pointOptions);
+    const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
     const coordinates = coordinatesOf(points, "points");
-    const form = writePose(options.pose, 0, "pose");
+    const address = this.#address(), form = writePose(pose, 0);
     const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
     writeInput(coordinates);
-    check(engine().signedDistances(address, form, coordinates.length / 3, isFloat32, options.maxDistance ?? Infinity));
+    check(engine().signedDistances(address, form, coordinates.length / 3, isFloat32, maxDistance));
     return new SurfacePoints(coordinates.length / 3);
   }
 

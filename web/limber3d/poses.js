@@ -3,7 +3,7 @@
 
 // Where a model stands. Private to the package.
 
-import { pointOf } from "./arrays.js";
+import { checkNames, filledFrom, pointOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { check, engine, number, writePoseNumbers } from "./wasm.js";
 
@@ -37,41 +37,60 @@ import { check, engine, number, writePoseNumbers } from "./wasm.js";
 /** limber::web::PoseForm. */
 const identity = 0, matrix = 1, quaternion = 2, rotation = 3;
 
+/**
+ * A pose that has been read: its form, and the numbers that this form has.
+ *
+ * @typedef {{ form: number, numbers: readonly number[] }} ReadPose
+ */
+
+/** @type {ReadPose} */
+const atIdentity = { form: identity, numbers: [] };
+
 /** @param {Matrix} from @param {number} count @param {string} name */
 function elementsOf(from, count, name) {
-  const elements = "elements" in from ? from.elements : from;
-  if (elements?.length !== count) throw invalid(`${name} does not have ${count} numbers`);
-  return elements;
+  const isObject = typeof from === "object" && from !== null;
+  const elements = isObject && "elements" in from ? from.elements : from;
+  if (!isObject || elements?.length !== count) throw invalid(`${name} does not have ${count} numbers`);
+  return filledFrom(Array(count).fill(0), elements, name);
+}
+
+/**
+ * Reads a pose, and writes nothing.
+ *
+ * @param {Pose | null | undefined} pose
+ * @param {string} name
+ * @returns {ReadPose}
+ */
+export function poseOf(pose, name) {
+  if (pose === undefined || pose === null) return atIdentity;
+  if (typeof pose !== "object") throw invalid(`${name} is no pose`);
+  if ("elements" in pose || "length" in pose) return { form: matrix, numbers: elementsOf(pose, 16, name) };
+  /** @typedef {{ quaternion?: Quaternion, rotation?: Matrix, translation?: Vector }} Turn */
+  checkNames(pose, ["quaternion", "rotation", "translation"], name);
+  const { quaternion: q, rotation: r, translation: t } = /** @type {Turn} */ (pose);
+  if (q === undefined && r === undefined && t === undefined) throw invalid(`${name} is no pose`);
+  if (q !== undefined && r !== undefined) throw invalid(`${name} has a quaternion and a rotation`);
+  const translation = t === undefined ? [0, 0, 0] : pointOf(t, `${name}.translation`);
+  if (r !== undefined) return { form: rotation, numbers: [...elementsOf(r, 9, `${name}.rotation`), ...translation] };
+  const numbers = q === undefined ? [0, 0, 0, 1] : quaternionOf(q, `${name}.quaternion`);
+  return { form: quaternion, numbers: [...numbers, ...translation] };
+}
+
+/** @param {Quaternion} from @param {string} name */
+function quaternionOf(from, name) {
+  const hasNames = typeof from === "object" && from !== null && "x" in from;
+  return hasNames ? filledFrom([0, 0, 0, 0], [from.x, from.y, from.z, from.w], name) : elementsOf(from, 4, name);
 }
 
 /**
  * Writes a pose for the next call; returns the form it has.
  *
- * @param {Pose | null | undefined} pose
+ * @param {ReadPose} pose
  * @param {number} which
- * @param {string} name
  */
-export function writePose(pose, which, name) {
-  if (pose === undefined || pose === null) return identity;
-  if (typeof pose !== "object") throw invalid(`${name} is no pose`);
-  if ("elements" in pose || "length" in pose) {
-    writePoseNumbers(which, 0, elementsOf(pose, 16, name), name);
-    return matrix;
-  }
-  const turn = /** @type {{ quaternion?: Quaternion, rotation?: Matrix, translation?: Vector }} */ (pose);
-  const translation = turn.translation === undefined ? [0, 0, 0] : pointOf(turn.translation, `${name}.translation`);
-  if (turn.rotation !== undefined) {
-    writePoseNumbers(which, 0, elementsOf(turn.rotation, 9, `${name}.rotation`), name);
-    writePoseNumbers(which, 9, translation, name);
-    return rotation;
-  }
-  if (turn.quaternion === undefined && turn.translation === undefined) throw invalid(`${name} is no pose`);
-  const q = turn.quaternion ?? [0, 0, 0, 1];
-  const numbers = "x" in q ? [q.x, q.y, q.z, q.w] : q;
-  if (numbers.length !== 4) throw invalid(`${name}.quaternion does not have 4 numbers`);
-  writePoseNumbers(which, 0, numbers, `${name}.quaternion`);
-  writePoseNumbers(which, 4, translation, name);
-  return quaternion;
+export function writePose(pose, which) {
+  if (pose.form !== identity) writePoseNumbers(which, pose.numbers);
+  return pose.form;
 }
 
 /**
@@ -83,7 +102,7 @@ export function writePose(pose, which, name) {
  * @returns {number[]}
  */
 export function orthonormalized(rotation) {
-  writePoseNumbers(0, 0, elementsOf(rotation, 9, "rotation"), "rotation");
+  writePoseNumbers(0, elementsOf(rotation, 9, "rotation"));
   check(engine().orthonormalized());
   return Array.from({ length: 9 }, (_, i) => number(i));
 }

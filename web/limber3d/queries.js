@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
-import { writePose } from "./poses.js";
+import { poseOf, writePose } from "./poses.js";
 import { Owner, check, engine, number, point, word } from "./wasm.js";
 
 /**
@@ -185,6 +186,42 @@ const budgetedAnswer = () => ({
 /** Stands for options that are not given. @type {Readonly<DistanceOptions>} */
 const none = Object.freeze({});
 
+const distanceOptions = ["poseA", "poseB", "relativeError", "absoluteError", "maxDistance", "budget", "cache"];
+const answerOptions = ["poseA", "poseB", "budget", "cache"];
+
+/**
+ * Private to the package: the errors and the largest distance, as the module takes them.
+ *
+ * @param {ErrorOptions} options
+ * @returns {[relativeError: number, absoluteError: number, maxDistance: number]}
+ */
+export const errorsOf = ({ relativeError, absoluteError, maxDistance }) => [
+  numberOf(relativeError, "relativeError", 0),
+  numberOf(absoluteError, "absoluteError", 0),
+  numberOf(maxDistance, "maxDistance", Infinity),
+];
+
+/**
+ * Private to the package: reads the poses and writes them; returns two models and poses, as the module takes them.
+ *
+ * @param {Model} a
+ * @param {Model} b
+ * @param {PoseOptions} poses
+ * @returns {[number, number, number, number]}
+ */
+export function placedModels(a, b, { poseA, poseB }) {
+  const readA = poseOf(poseA, "poseA"), readB = poseOf(poseB, "poseB");
+  const first = addressOf(a, "a"), second = addressOf(b, "b");
+  return [first, writePose(readA, 0), second, writePose(readB, 1)];
+}
+
+/** @param {QueryBudget} [budget] @returns {[deadline: number, maxSteps: number]} */
+function limitsOf(budget = /** @type {QueryBudget} */ (none)) {
+  checkNames(budget, ["deadline", "maxSteps"], "budget");
+  const { deadline, maxSteps } = budget;
+  return [numberOf(deadline, "budget.deadline", Infinity), numberOf(maxSteps, "budget.maxSteps", Infinity)];
+}
+
 /**
  * Shortest distance between two placed models, with a pair of points that attains it.
  *
@@ -200,14 +237,12 @@ const none = Object.freeze({});
  * @returns {DistanceResult}
  */
 export function distance(a, b, options = none) {
-  const { relativeError = 0, absoluteError = 0, maxDistance = Infinity, budget = none } = options;
-  const { deadline = Infinity, maxSteps = Infinity } = /** @type {QueryBudget} */ (budget);
-  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
+  checkNames(options, distanceOptions);
+  const { cache, budget } = options;
+  const [relative, absolute, most] = errorsOf(options), [deadline, maxSteps] = limitsOf(budget);
+  const [first, formA, second, formB] = placedModels(a, b, options), kept = cacheAddress(cache);
   const { distance } = engine();
-  check(
-    distance(first, formA, second, formB, relativeError, absoluteError, maxDistance, deadline, maxSteps, cache),
-  );
+  check(distance(first, formA, second, formB, relative, absolute, most, deadline, maxSteps, kept));
   return distanceResult();
 }
 
@@ -237,11 +272,11 @@ export function distance(a, b, options = none) {
  * @returns {CollideResult | BudgetedAnswer}
  */
 export function collide(a, b, options = none) {
-  const { deadline = Infinity, maxSteps = Infinity } = options.budget ?? /** @type {QueryBudget} */ (none);
-  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
-  check(engine().collide(first, formA, second, formB, deadline, maxSteps, cache));
-  return options.budget === undefined ? collideResult() : budgetedAnswer();
+  checkNames(options, answerOptions);
+  const { cache, budget } = options;
+  const limits = limitsOf(budget), placed = placedModels(a, b, options);
+  check(engine().collide(...placed, ...limits, cacheAddress(cache)));
+  return budget === undefined ? collideResult() : budgetedAnswer();
 }
 
 /**
@@ -272,10 +307,10 @@ export function collide(a, b, options = none) {
  * @returns {WithinResult | BudgetedAnswer}
  */
 export function within(a, b, maxDistance, options = none) {
-  const { deadline = Infinity, maxSteps = Infinity } = options.budget ?? /** @type {QueryBudget} */ (none);
-  const first = addressOf(a, "a"), second = addressOf(b, "b"), cache = cacheAddress(options.cache);
-  const formA = writePose(options.poseA, 0, "poseA"), formB = writePose(options.poseB, 1, "poseB");
-  check(engine().within(first, formA, second, formB, maxDistance, deadline, maxSteps, cache));
-  if (options.budget !== undefined) return budgetedAnswer();
+  checkNames(options, answerOptions);
+  const { cache, budget } = options;
+  const limits = limitsOf(budget), placed = placedModels(a, b, options);
+  check(engine().within(...placed, numberOf(maxDistance, "maxDistance"), ...limits, cacheAddress(cache)));
+  if (budget !== undefined) return budgetedAnswer();
   return { within: word(2) === 1, witness: witness(), stats: stats(8) };
 }

@@ -182,34 +182,30 @@ export function point(i) {
 }
 
 /**
- * Writes numbers of the first or second pose.
+ * Writes the numbers of the first or second pose, unless a filter is running.
  *
  * @param {number} which
- * @param {number} first
- * @param {ArrayLike<number>} values
- * @param {string} name of the argument
+ * @param {readonly number[]} values
  */
-export function writePoseNumbers(which, first, values, name) {
-  const at = (exchange >>> 3) + 16 * which + first;
-  for (let i = 0; i < values.length; ++i) {
-    const value = values[i];
-    if (typeof value !== "number") throw invalid(`${name} has something that is not a number`);
-    float64[at + i] = value;
-  }
+export function writePoseNumbers(which, values) {
+  engine();
+  const at = (exchange >>> 3) + 16 * which;
+  for (let i = 0; i < values.length; ++i) float64[at + i] = values[i];
 }
 
 /** A copy of bytes of the module's memory. @param {number} begin @param {number} bytes */
 export const copyOf = (begin, bytes) => uint8.slice(begin, begin + bytes).buffer;
 
 /**
- * Makes room for arrays that the next call reads; returns the address.
+ * Makes room for arrays that the next call reads, unless a filter is running; returns the address.
  *
  * @param {number} bytes
  */
 function reserveInput(bytes) {
+  const { reserveInput } = engine();
   if (bytes > mostInputBytes) throw new LimberError("outOfMemory", `limber3d: there is no room for ${bytes} bytes`);
   if (bytes > inputBytes) {
-    inputAt = engine().reserveInput(bytes) >>> 0;
+    inputAt = reserveInput(bytes) >>> 0;
     if (inputAt === 0) {
       inputBytes = 0;
       check(0);

@@ -87,7 +87,7 @@ test("options of a model are checked", () => {
     refuses(() => sheet(2, { motionMargin }), "invalidArgument", "motionMargin");
   }
   refuses(() => sheet(2, { rebuildBudgetUs: -1 }), "invalidArgument", "rebuildBudgetUs");
-  refuses(() => sheet(2, { rebuildPolicy: "onWorker" }), "invalidArgument", "onWorker");
+  refuses(() => sheet(2, { rebuildPolicy: "onWorker" }), "invalidArgument", "rebuildPolicy");
   const model = sheet(4, { motionMargin: 0.25, preallocate: true });
   assert.equal(model.maintenanceStats().motionMargin, 0.25);
   refuses(() => model.setMotionMargin(-2), "invalidArgument", "motionMargin");
@@ -213,9 +213,9 @@ test("distances, errors and limits", () => {
   const met = limber.distance(a, b);
   assert.deepEqual([met.status, met.lower, met.upper], ["collision", 0, 0]);
   refuses(() => limber.distance(a, b, { relativeError: -1 }), "invalidArgument", "relative_error");
-  refuses(() => limber.distance(a, b, { relativeError: "much" }), "invalidArgument", "relative_error");
+  refuses(() => limber.distance(a, b, { relativeError: "much" }), "invalidArgument", "relativeError");
   refuses(() => limber.distance(a, b, { maxDistance: NaN }), "invalidArgument", "max_distance");
-  refuses(() => limber.within(a, b), "invalidArgument", "max_distance");
+  refuses(() => limber.within(a, b), "invalidArgument", "maxDistance");
   assert.deepEqual(limber.within(a, b, 1.3, { poseB }).within, true);
   assert.deepEqual(limber.within(a, b, 1.2, { poseB }).witness, null);
   assert.equal(limber.collide(a, b).collision, true);

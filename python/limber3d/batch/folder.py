@@ -5,10 +5,14 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
+
+from .queries import QUERY_NAMES
 
 MANIFEST, TOKEN, MESHES = "_manifest.json", "_token", "_meshes.npz"  # readers of Parquet folders skip names with _
 _TEMPORARY = "_temporary-"
@@ -28,8 +32,10 @@ def write_whole(path: Path, data: bytes) -> None:
     except FileNotFoundError:
         if not path.exists():  # else another client of this folder has written the same, and removed what was left
             raise
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, IsADirectoryError):
+            raise IsADirectoryError(f"out: {path} is a folder, where a file is to be written") from None
         raise
 
 
@@ -45,11 +51,28 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     """Raises OSError if there is none, ValueError if it is none."""
     try:
         manifest: Any = json.loads((folder / MANIFEST).read_text())
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"out: {folder / MANIFEST} is not JSON: {error}") from None
-    if not isinstance(manifest, dict) or "partition_size" not in manifest:
+    if not _is_manifest(manifest):
         raise ValueError(f"out: {folder / MANIFEST} is not the manifest of a batch")
     return cast("dict[str, Any]", manifest)
+
+
+def _is_manifest(value: Any) -> bool:
+    """Whether this has what readers need, and nothing deeper than a list."""
+    if not isinstance(value, dict):
+        return False
+    values = cast("dict[str, Any]", value)
+    items: list[Any] = []
+    for entry in values.values():
+        items += cast("Sequence[Any]", entry) if isinstance(entry, list) else [entry]
+    count, size = values.get("count"), values.get("partition_size")
+    return (
+        not any(isinstance(item, (dict, list)) for item in items)
+        and type(count) is int and count >= 0
+        and type(size) is int and size >= 1
+        and values.get("query") in QUERY_NAMES
+    )  # fmt: skip
 
 
 def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | None, usual_size: int) -> tuple[str, int]:
@@ -58,12 +81,14 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
     Returns  A token, by which processes elsewhere tell that they see this very folder, and the partition size.
     Raises   ValueError if it is the folder of another batch, or holds something else.
     """
-    if partition_size is not None and partition_size < 1:
-        raise ValueError(f"partition_size: expected at least 1, got {partition_size}")
+    if partition_size is not None:
+        partition_size = operator.index(partition_size)
+        if partition_size < 1:
+            raise ValueError(f"partition_size: expected at least 1, got {partition_size}")
     folder.mkdir(parents=True, exist_ok=True)
     if (folder / MANIFEST).exists():
         theirs = read_manifest(folder)
-        size = int(theirs["partition_size"]) if partition_size is None else partition_size
+        size: int = theirs["partition_size"] if partition_size is None else partition_size
         ours = manifest | {"partition_size": size}
         for name in [*ours, *theirs]:
             if ours.get(name) != theirs.get(name):
@@ -85,7 +110,8 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
 def remove_leftovers(folder: Path) -> None:
     """Removes what writers that were killed have left, and the meshes, which nobody needs any more."""
     for path in [*folder.glob(f"{_TEMPORARY}*"), folder / MESHES]:
-        path.unlink(missing_ok=True)
+        if not path.is_dir():
+            path.unlink(missing_ok=True)
 
 
 def _text(value: Any) -> str:

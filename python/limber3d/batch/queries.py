@@ -21,6 +21,8 @@ _OPTIONS: dict[QueryName, dict[str, float]] = {
     "within": {"max_distance": math.nan},  # has to be given
 }
 
+QUERY_NAMES = tuple(_OPTIONS)
+
 
 def dtype_of(name: str) -> numpy.dtype[numpy.void]:
     """The element type of the answers of a query."""
