@@ -23,7 +23,15 @@ if(NOT EMSCRIPTEN)
   set(LIMBER_LIBRARY_PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endif()
 list(APPEND LIMBER_LIBRARY_PROPERTIES
-  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+# A shared library shows what limber/export.h marks. The linker hides what headers of others leave in it: their marks say
+# otherwise.
+if(BUILD_SHARED_LIBS AND UNIX AND NOT APPLE)
+  list(APPEND LIMBER_LIBRARY_PROPERTIES
+    LINK_OPTIONS -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/limber.map
+    LINK_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/limber.map)
+endif()
 
 # For sources whose own speed does not matter: tests, and the program around the library.
 add_library(limber_quick_options INTERFACE)

@@ -7,16 +7,17 @@ include(CMakePackageConfigHelpers)
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# An installed shared library or program finds the libraries installed beside it.
-set(run_paths)
-if(BUILD_SHARED_LIBS)
+# The loader searches the folders of the system by itself, so nothing installed below /usr names a folder. Elsewhere the
+# program names that of the libraries, relative to its own: a tree works wherever it is. Libraries never do. Whoever links
+# limber_io links limber too, and the loader takes the one that is there.
+set(run_path)
+if(BUILD_SHARED_LIBS AND NOT CMAKE_INSTALL_PREFIX MATCHES "^/(usr/?)?$")
   file(RELATIVE_PATH libraries_from_programs /prefix/${CMAKE_INSTALL_BINDIR} /prefix/${CMAKE_INSTALL_LIBDIR})
-  set(run_paths $ORIGIN $ORIGIN/${libraries_from_programs})
+  set(run_path $ORIGIN/${libraries_from_programs})
 endif()
 
 # limber_install_library(TARGET EXPORT HEADER...)
 function(limber_install_library target export)
-  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${run_paths}")
   install(TARGETS ${target} EXPORT ${export})
   install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
   install(EXPORT ${export} NAMESPACE limber:: DESTINATION ${cmake_folder})
@@ -53,6 +54,7 @@ endif()
 if(BUILD_SHARED_LIBS)
   limber_install_pkgconfig(limber "${PROJECT_DESCRIPTION}" limber "" "${linked}")
 else()
+  set(definitions " -DLIMBER_STATIC")
   limber_install_pkgconfig(limber "${PROJECT_DESCRIPTION}" limber "${linked}" "")
 endif()
 if(TARGET limber_io)
@@ -68,8 +70,13 @@ install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/lim
 # Not CMAKE_INSTALL_DOCDIR: that is named after whichever project asked for these folders first.
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
 if(TARGET limber_program)
-  set_target_properties(limber_program PROPERTIES INSTALL_RPATH "${run_paths}")
+  set_target_properties(limber_program PROPERTIES INSTALL_RPATH "${run_path}")
   install(TARGETS limber_program)
+  # The licenses of what pages have inside: that of a sequence has all.
+  file(READ ${PROJECT_SOURCE_DIR}/apps/limber/pages/replay.html page)
+  string(REGEX MATCH "id=\"notices\">\n([^<]*)" notices "${page}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/NOTICES.txt CONTENT "${CMAKE_MATCH_1}" @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/NOTICES.txt DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
   if(NOT CMAKE_CROSSCOMPILING)
     install(FILES ${PROJECT_BINARY_DIR}/apps/limber/limber.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   endif()

@@ -146,11 +146,6 @@ class Sizes(Repository):
         tree = {"src/core/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
         self.assert_faulty(check_sizes.check, tree, "src:1: 0.0 checks ")
 
-    def test_licence(self) -> None:
-        for name in ("src/core/b.cpp", "tools/b.py", "src/core/CMakeLists.txt", "dev", ".ci/run", ".clang-tidy"):
-            with self.subTest(name=name):
-                self.assert_faulty(check_sizes.check, self.sound() | {name: "\n"}, f"{name}:1: does not start ")
-
     def test_unfinished(self) -> None:
         for name, text in (("src/core/b.h", HEAD + "// TODO: all\n"), ("docs/a.md", "\n\nFIXME\n")):
             with self.subTest(name=name):

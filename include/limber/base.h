@@ -10,6 +10,8 @@
 #include <utility>
 #include <variant>
 
+#include "limber/export.h"
+
 /// Ids, errors and results shared by every header of the library.
 namespace limber {
 
@@ -36,7 +38,7 @@ enum class ErrorCode {
 };
 
 /// One line for a person, a code for a program, and the place.
-struct Error {
+struct LIMBER_API Error {
   ErrorCode code{};
   std::string text;  ///< names what is wrong and where; no trailing newline
   /// Index of the offending vertex, triangle, list entry or frame, where there is one.
@@ -44,14 +46,19 @@ struct Error {
 };
 
 /// Thrown by `Result::value()` when there is only an error to give.
-class BadResult : public std::runtime_error {
+class LIMBER_API BadResult : public std::runtime_error {
  public:
-  explicit BadResult(Error error) : std::runtime_error(error.text), error_(std::move(error)) {}
+  explicit BadResult(Error error);
+  ~BadResult() override;
+
   const Error& error() const { return error_; }
 
  private:
   Error error_;
 };
+
+/// For the library's own use: throws BadResult. What is thrown through code without exceptions ends the program.
+[[noreturn]] LIMBER_API void throw_bad_result(const Error& error);
 
 /// A value, or the reason why there is none.
 ///
@@ -75,7 +82,7 @@ class [[nodiscard]] Result {
 
  private:
   void check() const {
-    if (!*this) throw BadResult(error());
+    if (!*this) throw_bad_result(error());
   }
   std::variant<T, Error> state_;
 };
@@ -89,7 +96,7 @@ class [[nodiscard]] Result<void> {
 
   explicit operator bool() const { return !error_.has_value(); }
   void value() const {
-    if (error_) throw BadResult(*error_);
+    if (error_) throw_bad_result(*error_);
   }
   const Error& error() const { return *error_; }
 
@@ -105,6 +112,8 @@ using AssertHandler = void (*)(const char* expression, const char* file, int lin
 /// Replaces the handler for the whole process and returns the previous one.
 ///
 /// Threads  Safe to call at any time; calls in flight may still use the previous handler.
-AssertHandler set_assert_handler(AssertHandler handler);
+LIMBER_API AssertHandler set_assert_handler(AssertHandler handler);
+/// The handler in use.
+LIMBER_API AssertHandler assert_handler();
 
 }  // namespace limber

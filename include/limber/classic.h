@@ -62,10 +62,10 @@ class Model {
  public:
   /// Cost     O(n log n), single-threaded.
   /// Throws   std::invalid_argument if a Looseness value is not what its comment says, or `mesh` has been moved from.
-  explicit Model(Mesh mesh, const ModelOptions& options = {});
-  Model(Model&&) noexcept;
-  Model& operator=(Model&&) noexcept;
-  ~Model();
+  LIMBER_API explicit Model(Mesh mesh, const ModelOptions& options = {});
+  LIMBER_API Model(Model&&) noexcept;
+  LIMBER_API Model& operator=(Model&&) noexcept;
+  LIMBER_API ~Model();
 
   /// Whether there is a mesh: false only once the model has been moved from.
   bool is_valid() const noexcept { return tree_ != nullptr; }
@@ -77,26 +77,26 @@ class Model {
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
   /// Cost     Immediate: O(triangles at the vertices * depth). Otherwise O(triangles at the vertices).
-  Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
+  LIMBER_API Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
 
   /// Moves every vertex. Errors as move_vertices().
-  Result<void> move_all(std::span<const Vec3> positions);
+  LIMBER_API Result<void> move_all(std::span<const Vec3> positions);
 
   /// Repairs the tree; afterwards the model may be queried. Does nothing when there is nothing to repair.
-  void commit();
-  bool is_committed() const;
+  LIMBER_API void commit();
+  LIMBER_API bool is_committed() const;
 
-  const Mesh& mesh() const;
-  const ModelOptions& options() const;
-  MaintenanceStats maintenance_stats() const;
-  TreeStats tree_stats() const;
+  LIMBER_API const Mesh& mesh() const;
+  LIMBER_API const ModelOptions& options() const;
+  LIMBER_API MaintenanceStats maintenance_stats() const;
+  LIMBER_API TreeStats tree_stats() const;
 
   /// Checks every invariant of the tree against the current positions.
   ///
   /// Errors   `broken_invariant`, naming the invariant's number and the node.
   /// Pre      The model is committed.
   /// Cost     O(n).
-  Result<void> validate() const;
+  LIMBER_API Result<void> validate() const;
 
   /// The library's own view of the tree; its type is private.
   const struct Tree& tree() const {
@@ -108,7 +108,7 @@ class Model {
   void require_valid(const char* function) const {
     if (!is_valid()) throw_moved_from(function);
   }
-  [[noreturn]] static void throw_moved_from(const char* function);
+  [[noreturn]] LIMBER_API static void throw_moved_from(const char* function);
 
   std::unique_ptr<Tree> tree_;
 };
@@ -132,7 +132,7 @@ class Placed {
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/queries.md.
-CollideResult collide(const Placed& a, const Placed& b);
+LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
@@ -145,13 +145,13 @@ CollideResult collide(const Placed& a, const Placed& b);
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/queries.md.
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
 /// Cost     As distance().
-WithinResult within(const Placed& a, const Placed& b, double max_distance);
+LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
 
 }  // namespace limber::classic

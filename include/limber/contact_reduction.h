@@ -39,7 +39,7 @@ struct ReductionOptions {
 /// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.
-std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                            std::span<std::uint32_t> regions = {});
+LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
+                                       std::span<std::uint32_t> regions = {});
 
 }  // namespace limber

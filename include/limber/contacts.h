@@ -64,10 +64,10 @@ struct PairCount {
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
-PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit,
-                              const PairOptions& options = {});
-PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs,
-                        const PairOptions& options = {});
+LIMBER_API PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit,
+                                         const PairOptions& options = {});
+LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs,
+                                   const PairOptions& options = {});
 
 /// All pairs of triangles at most `margin` apart. With a margin of 0, those that intersect.
 ///
@@ -76,10 +76,10 @@ PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair
 /// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
-PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
-                         const PairOptions& options = {});
-PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
-                   const PairOptions& options = {});
+LIMBER_API PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
+                                    const PairOptions& options = {});
+LIMBER_API PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
+                              const PairOptions& options = {});
 
 /// The closest pairs of triangles, as many as `closest` has room for.
 ///
@@ -88,7 +88,8 @@ PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Co
 /// Throws   As visit_intersections().
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
-PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options = {});
+LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest,
+                                   const PairOptions& options = {});
 
 // --- one model with itself ---
 //
@@ -109,8 +110,8 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 ///          nothing but a cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
-CollideResult self_collide(const Model& model, const PairOptions& options = {});
-CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache);
+LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& options = {});
+LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache);
 
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
@@ -122,10 +123,10 @@ CollideResult self_collide(const Model& model, const PairOptions& options, Query
 /// Throws   As self_collide(); also unless the options are what DistanceOptions says.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
-DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
-                             const PairOptions& options = {});
-DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
-                             QueryCache& cache);
+LIMBER_API DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
+                                        const PairOptions& options = {});
+LIMBER_API DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options,
+                                        const PairOptions& options, QueryCache& cache);
 
 /// All pairs of triangles that meet.
 ///
@@ -133,8 +134,10 @@ DistanceResult self_distance(const Model& model, const DistanceOptions& distance
 /// Throws   As self_collide(); whatever the visitor throws.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
-PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options = {});
-PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options = {});
+LIMBER_API PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit,
+                                              const PairOptions& options = {});
+LIMBER_API PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs,
+                                        const PairOptions& options = {});
 
 /// All pairs of triangles that meet, or are no neighbors and at most `margin` apart.
 ///
@@ -142,9 +145,10 @@ PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, 
 /// Throws   As visit_self_intersections(); also unless the margin is finite and >= 0.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
-PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options = {});
-PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
-                        const PairOptions& options = {});
+LIMBER_API PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit,
+                                         const PairOptions& options = {});
+LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
+                                   const PairOptions& options = {});
 
 /// The closest pairs of triangles that meet or are no neighbors, as many as `closest` has room for, nearest first, as
 /// closest_pairs() says.
@@ -152,6 +156,7 @@ PairCount self_contacts(const Model& model, double margin, std::span<Contact> co
 /// Throws   As self_collide().
 /// Cost     As self_collide().
 /// Threads  Reentrant.
-PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options = {});
+LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> closest,
+                                        const PairOptions& options = {});
 
 }  // namespace limber

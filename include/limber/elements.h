@@ -38,7 +38,7 @@ class MeshEdges {
   ///
   /// Throws   std::invalid_argument if the mesh has more than 2^32 / 3 triangles; std::bad_alloc.
   /// Cost     O(n log n) at worst, O(n) where few edges meet at a vertex; 34 bytes a triangle of a closed mesh.
-  explicit MeshEdges(const Mesh& mesh);
+  LIMBER_API explicit MeshEdges(const Mesh& mesh);
 
   std::size_t size() const { return vertices_.size(); }
   std::size_t vertex_count() const { return vertex_owners_.size(); }
@@ -103,11 +103,12 @@ struct ElementPairCount {
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
 /// Threads  Reentrant; any number of calls may share models and edges.
 /// Source   docs/algorithms/contacts.md.
-ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                     const MeshEdges& edges_b, double margin, VertexFaceVisitor visit_vertex_face,
-                                     EdgeEdgeVisitor visit_edge_edge);
-ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
-                               double margin, std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
+LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
+                                                const MeshEdges& edges_b, double margin,
+                                                VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge);
+LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
+                                          const MeshEdges& edges_b, double margin,
+                                          std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
 
 /// The elements of one model that are at most `margin` apart and share no vertex, by id: vertices and faces of which
 /// they are no corner, edges and edges. Neighboring triangles have such elements too. Poses do not matter, so there
@@ -117,9 +118,11 @@ ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const 
 /// Throws   As visit_element_pairs().
 /// Cost     O(n) plus the pairs, O(n^2) at worst. 40 kB of stack; allocates nothing.
 /// Threads  Reentrant.
-ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                          VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge);
-ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                    std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
+LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
+                                                     VertexFaceVisitor visit_vertex_face,
+                                                     EdgeEdgeVisitor visit_edge_edge);
+LIMBER_API ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
+                                               std::span<VertexFacePair> vertex_face,
+                                               std::span<EdgeEdgePair> edge_edge);
 
 }  // namespace limber

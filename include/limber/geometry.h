@@ -71,35 +71,35 @@ struct TriangleContact {
 /// Throws   std::invalid_argument if a coordinate is not finite.
 /// Promise  The sign of the exact determinant; no rounding, underflow or overflow can change it.
 /// Source   [Shewchuk1997]; docs/algorithms/intersection.md.
-int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+LIMBER_API int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Sign of the area of (a, b, c) after dropping coordinate `axis`, exact: +1 when counter-clockwise, 0 when collinear.
 ///
 /// The kept coordinates are taken in the order (y, z), (z, x), (x, y) for axis 0, 1, 2.
 /// Throws   std::invalid_argument if a coordinate is not finite, or axis is above 2.
-int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
+LIMBER_API int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis);
 
 /// Whether two closed triangles share a point, decided exactly for the float64 coordinates given.
 ///
 /// Touching is intersecting; coplanar, segment-like and point-like triangles are decided exactly too.
 /// Throws   std::invalid_argument if a coordinate is not finite.
 /// Source   docs/algorithms/intersection.md; compare [GuigueDevillers2003].
-bool intersects(const Triangle& a, const Triangle& b);
+LIMBER_API bool intersects(const Triangle& a, const Triangle& b);
 
 /// Whether a closed segment and a closed triangle share a point, decided exactly.
 ///
 /// Throws   As above.
-bool intersects(const Segment& segment, const Triangle& triangle);
+LIMBER_API bool intersects(const Segment& segment, const Triangle& triangle);
 
 /// Closest points of two segments; either may be a point.
 ///
 /// Promise  The distance is within 2^-50 of the extent of the true one, where the extent is the largest coordinate of
 ///          an end relative to a.p0.
 /// Throws   std::invalid_argument if a coordinate is not finite, or above `max_coordinate` in size.
-ClosestPoints closest_points(const Segment& a, const Segment& b);
+LIMBER_API ClosestPoints closest_points(const Segment& a, const Segment& b);
 
 /// Closest points of a point and a triangle; the triangle may be degenerate. Throws as above.
-ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
+LIMBER_API ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 
 /// Closest points of two triangles; either may be degenerate.
 ///
@@ -109,7 +109,7 @@ ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 ///          relative to a.v0.
 /// Throws   std::invalid_argument if a coordinate is not finite, or above `max_coordinate` in size.
 /// Source   docs/algorithms/triangle_distance.md, docs/algorithms/numerics.md.
-ClosestPoints closest_points(const Triangle& a, const Triangle& b);
+LIMBER_API ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 
 /// Closest points of two triangles, and the features that they lie on.
 ///
@@ -122,7 +122,7 @@ ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 ///          place; any of them is named, but none of length 0 that is not a vertex.
 /// Throws   As closest_points().
 /// Source   docs/algorithms/triangle_distance.md.
-ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
+LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
 
 /// What keeps two triangles apart, or would part them: closest features, normal and depth.
 ///
@@ -141,18 +141,18 @@ ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
 /// Throws   As closest_points().
 /// Cost     That of closest_points(), or twice that much if the triangles intersect.
 /// Source   docs/algorithms/triangle_distance.md; separating axes, [Ericson2005] 5.2.1.
-TriangleContact contact(const Triangle& a, const Triangle& b);
+LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 
 /// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
-Sphere enclosing_sphere(const Triangle& triangle);
+LIMBER_API Sphere enclosing_sphere(const Triangle& triangle);
 
 /// Smallest sphere around two spheres, its radius recomputed from the stored center and rounded up.
-Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
+LIMBER_API Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
 
 /// Whether `outer` contains `inner`, judged so that rounding can only say no.
-bool contains(const Sphere& outer, const Sphere& inner);
+LIMBER_API bool contains(const Sphere& outer, const Sphere& inner);
 
 /// Whether `sphere` contains `triangle`, judged so that rounding can only say no.
-bool contains(const Sphere& sphere, const Triangle& triangle);
+LIMBER_API bool contains(const Sphere& sphere, const Triangle& triangle);
 
 }  // namespace limber

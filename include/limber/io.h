@@ -54,15 +54,15 @@ struct MeshFile {
 ///          `empty_mesh` (no face of three corners), `too_large` (beyond `mesh_file_limits`), `non_finite`, `too_large`
 ///          or `index_out_of_range` with the file's vertex or face.
 /// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
-Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
+LIMBER_API Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
 /// The same for a file that is in memory. Its name has the extension, and is what messages call it.
 ///
 /// Errors   As read_mesh_file(). glTF files that name buffer files are malformed.
-Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name);
+LIMBER_API Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name);
 
 /// The mesh of a file alone.
-Result<Mesh> load_mesh(const std::filesystem::path& path);
+LIMBER_API Result<Mesh> load_mesh(const std::filesystem::path& path);
 
 /// Frames of one deforming mesh: files with the same vertex count and the same faces, positions differing.
 ///
@@ -71,7 +71,7 @@ Result<Mesh> load_mesh(const std::filesystem::path& path);
 class MeshSequence {
  public:
   /// Reads the first frame. Errors as read_mesh_file().
-  static Result<MeshSequence> open(const std::filesystem::path& first_frame);
+  LIMBER_API static Result<MeshSequence> open(const std::filesystem::path& first_frame);
 
   const MeshFile& first() const { return first_; }
 
@@ -79,7 +79,7 @@ class MeshSequence {
   ///
   /// Errors   As read_mesh_file(), and `changed_connectivity` naming the frame number with both vertex counts and both
   ///          face counts, or, where counts agree, the first face that differs. `where` is the frame number.
-  Result<std::vector<Vec3>> read_positions(const std::filesystem::path& path, std::size_t frame) const;
+  LIMBER_API Result<std::vector<Vec3>> read_positions(const std::filesystem::path& path, std::size_t frame) const;
 
  private:
   explicit MeshSequence(MeshFile first) : first_(std::move(first)) {}

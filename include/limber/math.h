@@ -91,11 +91,11 @@ constexpr Transform inverse(const Transform& a_from_b) {
 }
 
 /// Upper bound of how much `rotation` stretches any vector: 1 for an exact rotation, a little more after rounding.
-double max_stretch(const Mat3& rotation);
+LIMBER_API double max_stretch(const Mat3& rotation);
 
 /// True when the translation is finite and not above `max_coordinate`, two rows of the rotation are orthonormal to 1e-9
 /// and the third is their cross product to 1e-9: no reflection, nothing that is not a number.
-bool is_rigid(const Transform& transform);
+LIMBER_API bool is_rigid(const Transform& transform);
 
 /// The rotation nearest to a matrix that is nearly one, such as a rotation computed in float32: its rows are
 /// orthonormal to rounding.
@@ -103,7 +103,7 @@ bool is_rigid(const Transform& transform);
 /// Errors   `non_finite`; `not_rigid` if the matrix is a reflection, or further than 0.1 from every rotation.
 /// Cost     Some 100 ns.
 /// Source   The polar decomposition by Newton's iteration [Higham1986].
-Result<Mat3> orthonormalized(const Mat3& matrix);
+LIMBER_API Result<Mat3> orthonormalized(const Mat3& matrix);
 
 /// How the 16 numbers of a 4 x 4 matrix are stored.
 enum class MatrixOrder {
@@ -114,16 +114,17 @@ enum class MatrixOrder {
 /// The rigid motion that a homogeneous 4 x 4 matrix stands for.
 ///
 /// Errors   `non_finite`, `too_large`; `not_rigid` unless is_rigid() holds and the last row is 0 0 0 1.
-Result<Transform> transform_from_matrix(std::span<const double, 16> matrix, MatrixOrder order);
+LIMBER_API Result<Transform> transform_from_matrix(std::span<const double, 16> matrix, MatrixOrder order);
 
 /// The homogeneous 4 x 4 matrix of a transform.
-std::array<double, 16> matrix_of(const Transform& transform, MatrixOrder order);
+LIMBER_API std::array<double, 16> matrix_of(const Transform& transform, MatrixOrder order);
 
 /// The transform that turns by the quaternion (qw, qx, qy, qz) and then shifts by `translation`.
 ///
 /// The quaternion is normalised, so any length but zero will do.
 /// Errors   `non_finite` when an input is not finite or the quaternion is zero, which has no direction;
 ///          `too_large` when the translation is above `max_coordinate`.
-Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, double qx, double qy, double qz);
+LIMBER_API Result<Transform> transform_from_quaternion(const Vec3& translation, double qw, double qx, double qy,
+                                                       double qz);
 
 }  // namespace limber

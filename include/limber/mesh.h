@@ -34,10 +34,10 @@ struct MeshView {
 ///
 /// Errors   The first offence: `empty_mesh`, `non_finite`, `too_large` or `index_out_of_range`, with `where`.
 /// Cost     O(vertices + triangles).
-Result<void> check_mesh(MeshView mesh);
+LIMBER_API Result<void> check_mesh(MeshView mesh);
 
 /// The same test for positions alone; `where` is the index of the first bad one.
-Result<void> check_positions(std::span<const Vec3> positions);
+LIMBER_API Result<void> check_positions(std::span<const Vec3> positions);
 
 /// Positions as other programs keep them: float32 or float64, packed or with a stride. Does not own them.
 ///
@@ -46,18 +46,18 @@ class PositionsView {
  public:
   /// The coordinates x, y, z of each vertex one after the other. Throws std::invalid_argument unless there are three a
   /// vertex.
-  static PositionsView packed(std::span<const float> coordinates);
-  static PositionsView packed(std::span<const double> coordinates);
+  LIMBER_API static PositionsView packed(std::span<const float> coordinates);
+  LIMBER_API static PositionsView packed(std::span<const double> coordinates);
   /// x, y, z of vertex i start at `first` + i * `stride_bytes` bytes. Throws std::invalid_argument for a stride that
   /// no memory has, such as a negative one that was converted.
-  static PositionsView strided(const float* first, std::size_t count, std::size_t stride_bytes);
-  static PositionsView strided(const double* first, std::size_t count, std::size_t stride_bytes);
+  LIMBER_API static PositionsView strided(const float* first, std::size_t count, std::size_t stride_bytes);
+  LIMBER_API static PositionsView strided(const double* first, std::size_t count, std::size_t stride_bytes);
 
   std::size_t size() const { return count_; }
   /// Pre: i < size().
-  Vec3 operator[](std::size_t i) const;
+  LIMBER_API Vec3 operator[](std::size_t i) const;
   /// Writes them to `positions`. Pre: as many as size().
-  void copy_to(std::span<Vec3> positions) const;
+  LIMBER_API void copy_to(std::span<Vec3> positions) const;
 
  private:
   PositionsView(const void* first, std::size_t count, std::size_t stride_bytes, bool is_float32)
@@ -81,8 +81,8 @@ class Mesh {
   /// Takes the arrays over when they are sound.
   ///
   /// Errors   As check_mesh().
-  static Result<Mesh> create(std::vector<Vec3> positions, std::vector<Corners> triangles);
-  static Result<Mesh> create(const PositionsView& positions, std::vector<Corners> triangles);
+  LIMBER_API static Result<Mesh> create(std::vector<Vec3> positions, std::vector<Corners> triangles);
+  LIMBER_API static Result<Mesh> create(const PositionsView& positions, std::vector<Corners> triangles);
 
   const std::vector<Vec3>& positions() const { return positions_; }
   const std::vector<Corners>& triangles() const { return triangles_; }
@@ -93,14 +93,14 @@ class Mesh {
   /// Replaces one position.
   ///
   /// Errors   `index_out_of_range`, `non_finite`, `too_large`; the mesh is then as before, as for the functions below.
-  Result<void> set_position(VertexId id, const Vec3& position);
+  LIMBER_API Result<void> set_position(VertexId id, const Vec3& position);
   /// Replaces the positions with the given ids; the last entry counts where an id is repeated.
   ///
   /// Alias    `positions` may be a part of this mesh's own: they are read before any is replaced.
   /// Errors   `size_mismatch`; `index_out_of_range`, `non_finite`, `too_large` with the entry's index.
-  Result<void> set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions);
+  LIMBER_API Result<void> set_positions(std::span<const VertexId> ids, std::span<const Vec3> positions);
   /// Replaces all positions. Errors as above.
-  Result<void> set_positions(std::span<const Vec3> positions);
+  LIMBER_API Result<void> set_positions(std::span<const Vec3> positions);
 
  private:
   friend struct MeshWriter;  // for the library's own use

@@ -83,11 +83,11 @@ class Model {
  public:
   /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
   /// Throws   std::invalid_argument if an option is not what its comment says, or `mesh` has been moved from.
-  explicit Model(Mesh mesh, const ModelOptions& options = {});
-  Model(Model&&) noexcept;
+  LIMBER_API explicit Model(Mesh mesh, const ModelOptions& options = {});
+  LIMBER_API Model(Model&&) noexcept;
   /// Waits, as the destructor does, until a worker of the replaced model has stopped.
-  Model& operator=(Model&&) noexcept;
-  ~Model();
+  LIMBER_API Model& operator=(Model&&) noexcept;
+  LIMBER_API ~Model();
 
   /// Whether there is a mesh: false only once the model has been moved from.
   bool is_valid() const noexcept { return impl_ != nullptr; }
@@ -100,13 +100,13 @@ class Model {
   /// Errors   `size_mismatch`, `index_out_of_range`, `non_finite`, `too_large` with the entry's index; the model is
   ///          then exactly as before.
   /// Cost     O(entries), plus O(n) for the first call without ModelOptions::preallocate.
-  Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
+  LIMBER_API Result<void> move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions);
 
-  Result<void> move_vertices(std::span<const VertexId> ids, const PositionsView& positions);
+  LIMBER_API Result<void> move_vertices(std::span<const VertexId> ids, const PositionsView& positions);
 
   /// Moves every vertex. Errors as move_vertices().
-  Result<void> move_all(std::span<const Vec3> positions);
-  Result<void> move_all(const PositionsView& positions);
+  LIMBER_API Result<void> move_all(std::span<const Vec3> positions);
+  LIMBER_API Result<void> move_all(const PositionsView& positions);
 
   /// Repairs the tree; afterwards the model may be queried. Does nothing when no vertex has moved and the motion margin
   /// is what it was.
@@ -117,31 +117,31 @@ class Model {
   /// Cost     O(nodes above moved vertices), at most that of one pass over the whole tree, on the threads of the
   ///          calling oneTBB arena. Rebuilding, where motion has made it worthwhile, takes what the options say; at its
   ///          end, for some commits, also twice as long as refits of what they move.
-  void commit();
+  LIMBER_API void commit();
   /// Whether nothing has moved since the last commit().
-  bool is_committed() const;
+  LIMBER_API bool is_committed() const;
 
   /// Commits, and rebuilds the whole tree whatever the options say; it is then as if just built.
   ///
   /// Cost     O(n log n), on the threads of the calling oneTBB arena.
-  void rebuild();
+  LIMBER_API void rebuild();
 
   /// Replaces ModelOptions::motion_margin, from the next move or commit on.
   ///
   /// Throws   std::invalid_argument if the margin is not what the option's comment says.
-  void set_motion_margin(std::optional<double> motion_margin);
+  LIMBER_API void set_motion_margin(std::optional<double> motion_margin);
 
   /// Starts over with another mesh, whatever its triangles, as a new model with the same options; with the default ones
   /// if the model has been moved from.
   ///
   /// Cost     As the constructor.
   /// Throws   As the constructor; the model is then exactly as before.
-  void reset(Mesh mesh);
+  LIMBER_API void reset(Mesh mesh);
 
-  const ModelOptions& options() const;
-  MaintenanceStats maintenance_stats() const;
-  const Mesh& mesh() const;
-  TreeStats tree_stats() const;
+  LIMBER_API const ModelOptions& options() const;
+  LIMBER_API MaintenanceStats maintenance_stats() const;
+  LIMBER_API const Mesh& mesh() const;
+  LIMBER_API TreeStats tree_stats() const;
 
   /// A box along the axes of the model's frame, and a sphere, that contain the model: to feed a broad phase. Both are
   /// slightly larger than the smallest ones. Under a pose, place the center and keep the radius.
@@ -149,8 +149,8 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed.
   /// Cost     O(1).
-  Box bounding_box() const;
-  Sphere bounding_sphere() const;
+  LIMBER_API Box bounding_box() const;
+  LIMBER_API Sphere bounding_sphere() const;
 
   /// The bounding spheres of one level of the tree, to draw it: of the root on level 0, of all leaves on the last one,
   /// tree_stats().levels - 1. Each holds the triangles below it; the root's is bounding_sphere().
@@ -158,13 +158,13 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed and there is such a level.
   /// Cost     O(spheres).
-  std::vector<Sphere> node_spheres(std::uint32_t level) const;
+  LIMBER_API std::vector<Sphere> node_spheres(std::uint32_t level) const;
 
   /// Checks every invariant of the tree against the positions.
   ///
   /// Errors   `broken_invariant`, naming the invariant's number and the node.
   /// Cost     O(n log n).
-  Result<void> validate() const;
+  LIMBER_API Result<void> validate() const;
 
   /// For the library's own use.
   struct Impl;
@@ -174,7 +174,7 @@ class Model {
   }
 
  private:
-  void require_valid(const char* function) const;
+  LIMBER_API void require_valid(const char* function) const;
 
   std::unique_ptr<Impl> impl_;
 };
@@ -202,13 +202,13 @@ class Placed {
 /// Source   docs/algorithms/traversal.md, "Warm start".
 class QueryCache {
  public:
-  QueryCache();
-  QueryCache(QueryCache&&) noexcept;
-  QueryCache& operator=(QueryCache&&) noexcept;
-  ~QueryCache();
+  LIMBER_API QueryCache();
+  LIMBER_API QueryCache(QueryCache&&) noexcept;
+  LIMBER_API QueryCache& operator=(QueryCache&&) noexcept;
+  LIMBER_API ~QueryCache();
 
   /// Makes the next query start from nothing.
-  void clear();
+  LIMBER_API void clear();
 
   /// For the library's own use: allocated when it is first asked for.
   struct Impl;
@@ -226,10 +226,10 @@ class QueryCache {
 ///          none. The next call with the same cache goes on from there, whether or not the models have moved.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
-CollideResult collide(const Placed& a, const Placed& b);
-CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
-BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget);
-BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache& cache);
+LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
+LIMBER_API CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
+LIMBER_API BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget);
+LIMBER_API BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache& cache);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
@@ -245,11 +245,12 @@ BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budg
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache);
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget);
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget,
-                        QueryCache& cache);
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache);
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options,
+                                   const QueryBudget& budget);
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options,
+                                   const QueryBudget& budget, QueryCache& cache);
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
 ///
@@ -260,10 +261,10 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 ///          query.h, either answer may come.
 /// Budget   As collide().
 /// Cost     As collide(), which is within() of 0.
-WithinResult within(const Placed& a, const Placed& b, double max_distance);
-WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache);
-BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget);
-BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
-                      QueryCache& cache);
+LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
+LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache);
+LIMBER_API BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget);
+LIMBER_API BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
+                                 QueryCache& cache);
 
 }  // namespace limber

@@ -29,13 +29,13 @@ class NeighborRings {
   /// Throws   std::invalid_argument if the mesh has been moved from; std::bad_alloc.
   /// Cost     Time in proportion to the pairs of near triangles, 4 bytes for each of them: about 80 bytes a triangle of
   ///          a regular mesh with 1 edge, 150 with 2, 250 with 3. O(n^2) where a vertex belongs to many triangles.
-  NeighborRings(const Mesh& mesh, std::uint32_t edges);
+  LIMBER_API NeighborRings(const Mesh& mesh, std::uint32_t edges);
 
   /// Whether two triangles are near. Every triangle is near itself.
   ///
   /// Throws   std::invalid_argument unless the mesh had both triangles.
   /// Cost     O(log of the triangles near one).
-  bool are_near(TriangleId a, TriangleId b) const;
+  LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
 
   /// Whether a pair counts: the filter.
   bool operator()(TriangleId a, TriangleId b) const { return !are_near(a, b); }

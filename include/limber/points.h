@@ -51,15 +51,15 @@ struct PointResult {
 ///          Allocates nothing.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/points.md.
-PointResult closest_point(const Placed& model, const Vec3& point, const PointOptions& options = {});
+LIMBER_API PointResult closest_point(const Placed& model, const Vec3& point, const PointOptions& options = {});
 
 /// The same for many points: results[i] is that of points[i], to the bit.
 ///
 /// Throws   std::invalid_argument as closest_point(), or if there are not as many results as points; no result has been
 ///          written then.
 /// Cost     On the threads of the calling oneTBB arena.
-void closest_points(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
-                    const PointOptions& options = {});
+LIMBER_API void closest_points(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
+                               const PointOptions& options = {});
 
 // --- inside and outside ---
 
@@ -86,7 +86,7 @@ class ClosedSurface {
  public:
   /// Errors   `not_closed`, naming the edge; `where` is the first triangle that has a bad one.
   /// Cost     O(n log n).
-  static Result<ClosedSurface> create(const Model& model);
+  LIMBER_API static Result<ClosedSurface> create(const Model& model);
   static Result<ClosedSurface> create(const Model&&) = delete;  // would point to a temporary
 
   const Model& model() const { return *model_; }
@@ -95,27 +95,27 @@ class ClosedSurface {
   ///
   /// Throws   std::invalid_argument as closest_point(), or if the model has been reset().
   /// Cost     That of following one ray from the point out of the model; O(n) at worst. Allocates nothing.
-  bool contains(const Vec3& point, const Transform& world_from_model = {}) const;
+  LIMBER_API bool contains(const Vec3& point, const Transform& world_from_model = {}) const;
 
   /// How often the surface winds around a point that is not on it, counter-clockwise seen from outside: 1 inside of a
   /// surface whose normals point outward. Nothing on it.
   ///
   /// Throws   As contains().
   /// Cost     As contains().
-  std::optional<int> winding_number(const Vec3& point, const Transform& world_from_model = {}) const;
+  LIMBER_API std::optional<int> winding_number(const Vec3& point, const Transform& world_from_model = {}) const;
 
   /// closest_point() and contains().
   ///
   /// Throws   As contains(), or if max_distance is not >= 0 or infinite.
   /// Cost     That of both.
-  SignedDistance signed_distance(const Vec3& point, const Transform& world_from_model = {},
-                                 const PointOptions& options = {}) const;
+  LIMBER_API SignedDistance signed_distance(const Vec3& point, const Transform& world_from_model = {},
+                                            const PointOptions& options = {}) const;
   /// The same for many points: results[i] is that of points[i], to the bit.
   ///
   /// Throws   As above, or if there are not as many results as points; no result has been written then.
   /// Cost     On the threads of the calling oneTBB arena.
-  void signed_distances(std::span<const Vec3> points, std::span<SignedDistance> results,
-                        const Transform& world_from_model = {}, const PointOptions& options = {}) const;
+  LIMBER_API void signed_distances(std::span<const Vec3> points, std::span<SignedDistance> results,
+                                   const Transform& world_from_model = {}, const PointOptions& options = {}) const;
 
  private:
   explicit ClosedSurface(const Model& model);
@@ -137,6 +137,6 @@ class ClosedSurface {
 /// Cost     O(n), some 30 ns a triangle, on the threads of the calling oneTBB arena: every triangle counts.
 /// Threads  As closest_point().
 /// Source   [Jacobson2013] for the number, [VanOosteromStrackee1983] for the solid angle of a triangle.
-double winding_number(const Placed& model, const Vec3& point);
+LIMBER_API double winding_number(const Placed& model, const Vec3& point);
 
 }  // namespace limber

@@ -29,44 +29,44 @@ struct Placed {
 /// Throws   std::invalid_argument unless both poses are rigid; distance() and within() also for bad options.
 /// Cost     O(n m).
 /// Threads  Reentrant.
-CollideResult collide(const Placed& a, const Placed& b);
+LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
 
 /// Shortest distance, with the first pair in the order of ids that attains it.
 ///
 /// The exact answer serves any error, so of the options only `max_distance` makes a difference.
 /// Cost     O(n m).
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
+LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 
 /// Whether the meshes are at most `max_distance` apart, with the closest pair.
 ///
 /// Cost     O(n m).
-WithinResult within(const Placed& a, const Placed& b, double max_distance);
+LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
 
 /// All pairs of contacts.h, in the order of ids: first of the triangles of a, then of those of b.
 ///
 /// Throws   As above; also unless the margin is finite and >= 0.
 /// Cost     O(n m); O(n^2) for a mesh with itself.
-std::vector<TrianglePair> intersections(const Placed& a, const Placed& b);
-std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
-std::vector<TrianglePair> self_intersections(MeshView mesh);
-std::vector<Contact> self_contacts(MeshView mesh, double margin);
+LIMBER_API std::vector<TrianglePair> intersections(const Placed& a, const Placed& b);
+LIMBER_API std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
+LIMBER_API std::vector<TrianglePair> self_intersections(MeshView mesh);
+LIMBER_API std::vector<Contact> self_contacts(MeshView mesh, double margin);
 
 /// The closest pairs, at most `count`, nearest first; of equally close ones the first in the order of ids.
-std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);
-std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count);
+LIMBER_API std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);
+LIMBER_API std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count);
 
 /// The pairs of different triangles that are near as NeighborRings says, in the order of ids, by a search from each
 /// vertex.
 ///
 /// Pre      The mesh is sound.
 /// Cost     O(n^2).
-std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
+LIMBER_API std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
 
 /// What reduce_contacts() keeps, in its order.
 ///
 /// Pre      The options and the contacts are what reduce_contacts() takes.
 /// Cost     O(n^2).
-std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options);
+LIMBER_API std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options);
 
 /// Pairs of elements, as elements.h says.
 struct ElementPairs {
@@ -78,36 +78,36 @@ struct ElementPairs {
 ///
 /// Throws   As contacts().
 /// Cost     O(n m); O(n^2) for a mesh with itself.
-ElementPairs element_pairs(const Placed& a, const Placed& b, double margin);
-ElementPairs self_element_pairs(MeshView mesh, double margin);
+LIMBER_API ElementPairs element_pairs(const Placed& a, const Placed& b, double margin);
+LIMBER_API ElementPairs self_element_pairs(MeshView mesh, double margin);
 
 /// The point of the mesh that is closest to a point of the world; of several triangles that are equally close, to the
 /// bit, it is that of the lowest id.
 ///
 /// Throws   As above; also unless the point is finite and at most `max_coordinate` in size.
 /// Cost     O(n).
-PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOptions& options = {});
+LIMBER_API PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOptions& options = {});
 
 /// Whether a mesh that is closed and oriented, as ClosedSurface says, encloses a point, or the point lies on it.
 ///
 /// Throws   As above.
 /// Cost     O(n).
-bool contains(const Placed& mesh, const Vec3& point);
+LIMBER_API bool contains(const Placed& mesh, const Vec3& point);
 
 /// The generalised winding number.
 ///
 /// Throws   As above.
 /// Cost     O(n).
-double winding_number(const Placed& mesh, const Vec3& point);
+LIMBER_API double winding_number(const Placed& mesh, const Vec3& point);
 
 /// The pairs of some objects, whose ids are their indices, that are at most `max_distance` apart, in the order of ids.
 ///
 /// Cost     O(n^2) for n triangles together.
-std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max_distance);
+LIMBER_API std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max_distance);
 
 /// The closest two of some objects, whose ids are their indices.
 ///
 /// Cost     O(n^2) for n triangles together.
-ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options = {});
+LIMBER_API ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options = {});
 
 }  // namespace limber::reference

@@ -51,13 +51,13 @@ class SceneCache {
  public:
   static constexpr std::size_t usual_max_pairs = 256;
 
-  explicit SceneCache(std::size_t max_pairs = usual_max_pairs);
-  SceneCache(SceneCache&&) noexcept;
-  SceneCache& operator=(SceneCache&&) noexcept;
-  ~SceneCache();
+  LIMBER_API explicit SceneCache(std::size_t max_pairs = usual_max_pairs);
+  LIMBER_API SceneCache(SceneCache&&) noexcept;
+  LIMBER_API SceneCache& operator=(SceneCache&&) noexcept;
+  LIMBER_API ~SceneCache();
 
   /// Makes the next queries start from nothing, and frees the memory.
-  void clear();
+  LIMBER_API void clear();
 
   /// For the library's own use.
   struct Impl;
@@ -84,57 +84,57 @@ class SceneCache {
 /// Source   docs/design/scene.md.
 class Scene {
  public:
-  Scene();
-  Scene(Scene&&) noexcept;
-  Scene& operator=(Scene&&) noexcept;
-  ~Scene();
+  LIMBER_API Scene();
+  LIMBER_API Scene(Scene&&) noexcept;
+  LIMBER_API Scene& operator=(Scene&&) noexcept;
+  LIMBER_API ~Scene();
 
   /// Adds an object, and returns its id: the one that was freed last, otherwise the next number after all others.
   ///
   /// Throws   std::invalid_argument unless the model is committed and the pose is rigid (is_rigid()).
   /// Cost     O(1), amortized.
-  ObjectId add(const Placed& object);
+  LIMBER_API ObjectId add(const Placed& object);
 
   /// Takes an object out.
   ///
   /// Throws   std::invalid_argument unless `id` names an object of the scene. The same goes for all ids below.
   /// Cost     O(1), amortized.
-  void remove(ObjectId id);
+  LIMBER_API void remove(ObjectId id);
 
   /// Places an object elsewhere.
   ///
   /// Throws   Also unless the pose is rigid.
   /// Cost     O(1).
-  void set_pose(ObjectId id, const Transform& world_from_model);
+  LIMBER_API void set_pose(ObjectId id, const Transform& world_from_model);
 
   /// Places object `ids[i]` at `poses[i]`; later entries win where an id is repeated.
   ///
   /// Throws   Also unless there are as many poses as ids. If one entry is bad, no object is moved.
   /// Cost     O(entries).
-  void set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses);
+  LIMBER_API void set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses);
 
   /// Prepares the scene for queries. Does nothing when neither objects nor models have changed.
   ///
   /// Throws   std::invalid_argument unless all models of the scene are committed.
   /// Cost     O(n), and O(n log n) where objects lie in clusters within clusters; on the threads of the calling oneTBB
   ///          arena where there are thousands. Allocates where there are more objects than ever.
-  void commit();
+  LIMBER_API void commit();
   /// Whether nothing has changed since the last commit(), neither objects nor their models.
   ///
   /// Cost     O(n), of some nanoseconds each.
-  bool is_committed() const;
+  LIMBER_API bool is_committed() const;
 
-  std::size_t size() const;
+  LIMBER_API std::size_t size() const;
   /// All ids are less than this.
-  ObjectId id_bound() const;
-  bool contains(ObjectId id) const;
+  LIMBER_API ObjectId id_bound() const;
+  LIMBER_API bool contains(ObjectId id) const;
   /// A model and its pose. Valid until objects are added.
-  const Placed& object(ObjectId id) const;
+  LIMBER_API const Placed& object(ObjectId id) const;
   /// A box that contains the object where it was at the last commit. It is slightly larger than necessary.
   ///
   /// Frame    World.
   /// Throws   Also unless the scene is committed.
-  Box bounding_box(ObjectId id) const;
+  LIMBER_API Box bounding_box(ObjectId id) const;
 
   /// The pairs of objects whose bounds are at most `margin` apart: boxes along the axes of the world, and spheres.
   ///
@@ -145,8 +145,10 @@ class Scene {
   /// Throws   std::invalid_argument unless the scene is committed and the margin is finite and >= 0; whatever a visitor
   ///          or a filter throws.
   /// Cost     About O(n + pairs), O(n^2) at worst; allocates nothing.
-  PairCount visit_candidate_pairs(double margin, ObjectPairVisitor visit, const ObjectPairOptions& options = {}) const;
-  PairCount candidate_pairs(double margin, std::span<ObjectPair> pairs, const ObjectPairOptions& options = {}) const;
+  LIMBER_API PairCount visit_candidate_pairs(double margin, ObjectPairVisitor visit,
+                                             const ObjectPairOptions& options = {}) const;
+  LIMBER_API PairCount candidate_pairs(double margin, std::span<ObjectPair> pairs,
+                                       const ObjectPairOptions& options = {}) const;
 
   /// Asks collide(), within() or distance() of each pair: results[i] is that of pairs[i].
   ///
@@ -156,11 +158,12 @@ class Scene {
   ///          pair name objects of the scene, and options are as those functions say. Whatever is thrown, no result
   ///          counts.
   /// Cost     That of the queries, on the threads of the calling oneTBB arena. A cache adds some 100 ns a pair.
-  void collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results, SceneCache* cache = nullptr) const;
-  void within(std::span<const ObjectPair> pairs, double max_distance, std::span<WithinResult> results,
-              SceneCache* cache = nullptr) const;
-  void distance(std::span<const ObjectPair> pairs, const DistanceOptions& options, std::span<DistanceResult> results,
-                SceneCache* cache = nullptr) const;
+  LIMBER_API void collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results,
+                          SceneCache* cache = nullptr) const;
+  LIMBER_API void within(std::span<const ObjectPair> pairs, double max_distance, std::span<WithinResult> results,
+                         SceneCache* cache = nullptr) const;
+  LIMBER_API void distance(std::span<const ObjectPair> pairs, const DistanceOptions& options,
+                           std::span<DistanceResult> results, SceneCache* cache = nullptr) const;
 
   /// The clearance of the scene: the shortest distance of any two objects that the filter lets through.
   ///
@@ -170,8 +173,9 @@ class Scene {
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.
-  ClosestObjects closest_objects(const DistanceOptions& options = {}, const ObjectPairOptions& pair_options = {},
-                                 SceneCache* cache = nullptr) const;
+  LIMBER_API ClosestObjects closest_objects(const DistanceOptions& options = {},
+                                            const ObjectPairOptions& pair_options = {},
+                                            SceneCache* cache = nullptr) const;
 
   /// For the library's own use.
   struct Impl;

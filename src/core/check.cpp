@@ -5,6 +5,7 @@
 #include <atomic>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "limber/base.h"
 
@@ -23,11 +24,14 @@ AssertHandler set_assert_handler(AssertHandler handler) {
   return current_handler.exchange(handler != nullptr ? handler : throw_violation);
 }
 
-namespace core {
+AssertHandler assert_handler() { return current_handler.load(); }
 
-void report_violation(const char* expression, const char* file, int line) {
-  current_handler.load()(expression, file, line);
-}
+BadResult::BadResult(Error error) : std::runtime_error(error.text), error_(std::move(error)) {}
+BadResult::~BadResult() = default;
+
+void throw_bad_result(const Error& error) { throw BadResult(error); }
+
+namespace core {
 
 void throw_invalid_argument(const char* text) { throw std::invalid_argument(text); }
 

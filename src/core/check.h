@@ -7,9 +7,11 @@
 namespace limber::core {
 
 /// Hands a violated precondition to the process's handler.
-void report_violation(const char* expression, const char* file, int line);
+inline void report_violation(const char* expression, const char* file, int line) {
+  assert_handler()(expression, file, line);
+}
 
-/// The same for the error of a whole-structure check, which says what is broken.
+/// Hands the error of a whole-structure check, which says what is broken, to the process's handler.
 inline void report_violation(const Result<void>& result, const char* file, int line) {
   if (!result) report_violation(result.error().text.c_str(), file, line);
 }

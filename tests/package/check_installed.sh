@@ -32,6 +32,7 @@ check_files() {
     "$libraries"/cmake/limber/limber{Config,ConfigVersion,Targets,IoTargets}.cmake; do
     [[ -s $file ]] || die "$file is missing or empty"
   done
+  [[ ! -e $program ]] || grep -q 'three.js authors' "$prefix/share/doc/limber/NOTICES.txt" || die 'no licenses of the pages'
   [[ ! -e $program ]] || expect "the program's version" "limber $(pkg-config_of --modversion limber)" "$("$program" --version)"
 }
 
@@ -117,6 +118,34 @@ check_missing_component() {
     esac
   done
   cmake -S "$here/seeker" -B "$scratch/build" "-DCMAKE_PREFIX_PATH=$scratch/without_io" -DCOMPONENT= >/dev/null
+}
+
+# The shared libraries show what the lists in exports say, by name, and nothing else.
+check_exports() {
+  local library
+  for library in limber limber_io; do
+    nm -D --defined-only -C "$libraries/lib$library.so" | sed -E 's/^[0-9a-f]+ . //; s/\(.*//' | LC_ALL=C sort -u |
+      diff "$here/exports/$library.txt" - ||
+      die "lib$library.so does not show (<), or shows (>), what tests/package/exports/$library.txt has"
+  done
+}
+
+# Shared libraries name no folders to search. The program names that of the libraries, unless all is installed where the
+# system looks anyway.
+check_run_paths() {
+  local library install_prefix found
+  for library in limber limber_io; do
+    [[ $(readelf -d "$libraries/lib$library.so") != *PATH* ]] || die "lib$library.so names folders to search"
+  done
+  for install_prefix in /usr /opt/limber; do
+    cmake -S "$LIMBER_SOURCE_DIR" -B "$scratch/build" -DBUILD_SHARED_LIBS=ON -DLIMBER_BUILD_TESTS=OFF \
+      "-DCMAKE_INSTALL_PREFIX=$install_prefix" -DCMAKE_INSTALL_LIBDIR=lib >/dev/null
+    found=$(grep -rhoE 'NEW_RPATH "[^"]+"' "$scratch/build" --include=cmake_install.cmake || true)
+    case $install_prefix in
+      /usr) expect 'what is in /usr searches' '' "$found" ;;
+      *) expect "what is in $install_prefix searches" "NEW_RPATH \"\\\$ORIGIN/../lib\"" "$found" ;;
+    esac
+  done
 }
 
 scratch=$(mktemp -d)

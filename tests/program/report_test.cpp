@@ -180,6 +180,13 @@ TEST(ProgramReport, NeedsNothingButItself) {
   }
 }
 
+TEST(ProgramReport, HasTheLicensesOfWhatIsInside) {
+  const Report report({"distance", "scene:square", "scene:ball", "--pose-b", "0,0,3,1,0,0,0"});
+  for (const char* owner : {"The limber authors", "three.js authors", "Permission is hereby granted"}) {
+    EXPECT_NE(report.page.find(owner), std::string::npos) << owner;
+  }
+}
+
 TEST(ProgramReport, NamesOfFilesAreOnlyText) {
   const Folder folder;
   const std::string file = folder.store("<!--<script>'$.obj", scenes::ball(8, 5));

@@ -60,6 +60,18 @@ function packedEngine() {
   return isSame ? packed : gzipSync(engine, { level: 9 }).toString('base64');
 }
 
+/** The licenses of limber and of all that a page has inside, in the words of their owners. */
+function noticesOf(name, inputs) {
+  const packages = new Set(inputs.map((path) => /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(path)?.[1]));
+  packages.delete(undefined);
+  const files = [['limber', '../../LICENSE']];
+  for (const library of [...packages].sort()) files.push([library, `node_modules/${library}/LICENSE`]);
+  if (name === 'live') files.push(['limber.wasm', '../NOTICES.txt']);
+  return files
+    .map(([title, path]) => `=== ${title} ===\n\n${readFileSync(join(here, path), 'utf8').trim()}\n`)
+    .join('\n');
+}
+
 async function page(name, digest) {
   const { title, sheets } = all[name];
   const read = (path) => readFileSync(join(here, path), 'utf8');
@@ -70,7 +82,8 @@ async function page(name, digest) {
     format: 'iife',
     target: 'es2022',
     charset: 'ascii',
-    legalComments: 'eof',
+    legalComments: 'none', // noticesOf() has the licenses in full
+    metafile: true,
     write: false,
     logLevel: 'warning',
     external: ['node:*'], // limber3d reads its module by itself in Node.js alone
@@ -82,6 +95,7 @@ async function page(name, digest) {
     charset: 'ascii',
     legalComments: 'none',
   });
+  const notices = noticesOf(name, [...sheets, ...Object.keys(bundle.metafile.inputs)]);
   return `<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -96,6 +110,8 @@ async function page(name, digest) {
 ${read(`${name}/page.html`).trim()}
 ${contentOf(name)}
 <script>${bundle.outputFiles[0].text.trim()}</script>
+<script type="text/plain" id="notices">
+${notices}</script>
 </body>
 </html>
 `;

@@ -3,7 +3,8 @@
 #include <limber/io.h>
 #include <limber/limber.h>
 
-extern "C" double distance_to_itself_raised_by(const char* mesh_file, double height) {
+extern "C" __attribute__((visibility("default"))) double distance_to_itself_raised_by(const char* mesh_file,
+                                                                                      double height) {
   const limber::Model model(limber::load_mesh(mesh_file).value());
   return limber::distance({model}, {model, {{}, {0, 0, height}}}).upper;
 }
