@@ -92,6 +92,10 @@ inline constexpr double rigidity_error = 4e-8;
 /// that distance and of the largest extent of both.
 inline constexpr double triangle_distance_error = 0x1p-44;
 
+/// Rounding of the height of a vertex over a plane through another vertex, as a part of the largest coordinate of their
+/// difference.
+inline constexpr double fan_error = 0x1p-48;
+
 // --- scenes: bounds of placed models ---
 
 /// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum

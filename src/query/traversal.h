@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "core/error_bounds.h"
 #include "query/budget_meter.h"
+#include "query/common_vertices.h"
 #include "query/frames.h"
 #include "query/front.h"
 #include "query/goals/improvement.h"
@@ -289,6 +290,9 @@ class Traversal {
       if (!has_front && !state_.queue.empty() && state_.queue.all_beyond(limit_sq_[0])) state_.queue.clear();
       return false;
     }
+    if constexpr (Goal::is_self) {
+      if (share_and_are_apart(pair)) return false;
+    }
     ++state_.steps;
     if (placed_.drift() > 0 && pair.bound_sq >= tight_sq_) margin_cost_ += chance_of_margin_cost(pair);
     if (is_leaf(Side::a, pair) && is_leaf(Side::b, pair)) {
@@ -307,6 +311,16 @@ class Traversal {
     e.has_record = e.record != Front::none;
     if (!e.has_record) e.record = pair.record;
     return true;
+  }
+
+  /// Whether the triangles of a model that are below two slots need not be compared, because they meet only where all of
+  /// them do: those of a fan or a book. Leaves are too small for that to pay.
+  bool share_and_are_apart(const NodePair& pair) const {
+    const bvh::Tree& tree = placed_.tree(Side::a);
+    const std::uint32_t end = tree.first_lowest_node();
+    if (bvh::node_of(pair.slot[0]) >= end || bvh::node_of(pair.slot[1]) >= end) return false;
+    const Apart what = ComparesLeaves<Goal> ? Apart::elements : Apart::triangles;
+    return query::share_and_are_apart(placed_, pair.slot[0], pair.slot[1], what, pruning_.distance());
   }
 
   /// Takes the next node of a model that is compared with itself, from the last to the first: its child slots with each
