@@ -57,11 +57,24 @@ std::array<Vec3, 3> directions_of_edges(const Triangle& t) {
   return result;
 }
 
+/// The part of v that is perpendicular to e, which is near unit length.
+Vec3 across(const Vec3& v, const Vec3& e) { return v - e * (dot(v, e) / length_sq(e)); }
+
+/// A vector perpendicular to both e and f up to rounding, each near unit length or 0; 0 if they are parallel.
+///
+/// The cross product of two nearly parallel vectors of sine s is off by the roundoff over s, as a part of its length.
+/// What is off along e is taken out. The rest is across e and thus nearly across f: along f it is off by s times that.
+Vec3 perpendicular(const Vec3& e, const Vec3& f) {
+  const Vec3 n = cross(e, f);
+  const double n_sq = length_sq(n);
+  return n_sq < 0x1p-4 && n_sq > 0 ? across(n, e) : n;
+}
+
 /// A normal of a triangle from the pair of edges that gives the most accurate one.
 Vec3 normal_of(const std::array<Vec3, 3>& edge) {
   Vec3 best;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 n = cross(edge[i], edge[after[i]]);
+    const Vec3 n = perpendicular(edge[i], edge[after[i]]);
     if (max_abs(n) > max_abs(best)) best = n;
   }
   return best;
@@ -79,8 +92,7 @@ Vec3 across_edge(const Vec3& v, const Triangle& t, const Feature& feature) {
   if (feature.kind != FeatureKind::edge) return v;
   const Vec3 edge = t[after[feature.index]] - t[feature.index];
   if (max_abs(edge) == 0) return v;
-  const Vec3 e = near_unit(edge);
-  return v - e * (dot(v, e) / length_sq(e));
+  return across(v, near_unit(edge));
 }
 
 /// The axis along which two triangles overlap least: moving the second along it by that much parts them.
@@ -97,7 +109,7 @@ class LeastOverlap {
     consider(normal_of(e));
     consider(normal_of(f));
     for (const Vec3& e_i : e) {
-      for (const Vec3& f_j : f) consider(cross(e_i, f_j));
+      for (const Vec3& f_j : f) consider(perpendicular(e_i, f_j));
     }
     if (is_well_conditioned_) return;
     Vec3 longest;
@@ -109,9 +121,9 @@ class LeastOverlap {
     }
     if (max_abs(longest) == 0) longest = {1, 0, 0};
     longest = near_unit(longest);
-    const Vec3 across = perpendicular(longest);
-    consider(across);
-    consider(cross(longest, across));
+    const Vec3 sideways = perpendicular(longest);
+    consider(sideways);
+    consider(cross(longest, sideways));
   }
 
   /// Takes the axis if the triangles overlap less along it than along those before; an axis of 0 is none.

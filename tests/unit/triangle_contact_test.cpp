@@ -274,6 +274,28 @@ TEST(TriangleContact, OfPiercedSliversIsSound) {
   }
 }
 
+TEST(TriangleContact, OfNearlyMeetingSegmentsKeepsThemApart) {
+  // Two segments that pass each other by less than rounding, at an angle of a few degrees.
+  const Vec3 p{0x1.c02e209da2226p+0, 0x1.c71b266260a25p+0, 0x1.1f9d5ba3e159p-5};
+  const Vec3 q{0x1.fff7907ec1e07p+0, 0x1.0004fcc8aea5dp+0, 0x1.0003d5681a8a2p+1};
+  const Vec3 r{0x1.c02e209da2226p+0, 0x1.c71b266260a25p+0, 0x1.1f9d5ba3e158p-5}, s{2, 1, 2};
+  expect_sound({p, p, q}, {r, s, s});
+  EXPECT_GT(contact({p, p, q}, {r, s, s}).distance, 0);
+  Rng rng(404);
+  int apart = 0;
+  for (int i = 0; i < 20'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const auto [a, b] = random_pair(rng, PairKind::segment_like);
+    const TriangleContact c = contact(a, b);
+    if (c.distance == 0) continue;
+    ++apart;
+    const double extent = extent_of_pair(a, b);
+    if (c.distance > 0x1p-30 * extent) continue;  // the other cases are easy
+    EXPECT_LE(overlap_along(exactly(c.normal), a, b), exact::fraction(0x1p-48 * extent + 0x1p-1000));
+  }
+  EXPECT_GT(apart, 5000);
+}
+
 TEST(ClosestFeatures, ThatCrossReallyCross) {
   Rng rng(403);
   int crossing = 0;
@@ -315,7 +337,8 @@ TEST_P(TriangleContactOfKind, HasTheLeastOverlap) {
 
 TEST_P(TriangleContactOfKind, ScalesWithPowersOfTwo) {
   if (GetParam() == PairKind::mixed_scale || GetParam() == PairKind::tiny_coordinates) return;
-  if (GetParam() == PairKind::near_lattice) return;  // coordinates that are nearly 0 would vanish
+  // Coordinates that are nearly 0 would vanish.
+  if (GetParam() == PairKind::near_lattice || GetParam() == PairKind::segment_like) return;
   Rng rng(441 + static_cast<std::uint64_t>(GetParam()));
   for (int i = 0; i < 300; ++i) {
     const auto [a, b] = random_pair(rng, GetParam());
@@ -334,7 +357,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleContactOfKind,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates));
+                                           PairKind::tiny_coordinates, PairKind::segment_like));
 
 }  // namespace
 }  // namespace limber::testing
