@@ -7,19 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "support/exact_distance.h"
+#include "support/exact_overlap.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
 namespace {
 
+using exact::exact_cross;
+using exact::exact_difference;
+using exact::exact_dot;
+using exact::exactly;
 using exact::Fraction;
-
-double extent_of_pair(const Triangle& a, const Triangle& b) {
-  double extent = 0;
-  for (std::size_t i = 0; i < 3; ++i) extent = std::max({extent, max_abs(a[i] - a.v0), max_abs(b[i] - a.v0)});
-  return extent;
-}
+using exact::FractionVec;
+using exact::overlap_along;
 
 double largest_coordinate(const Triangle& a, const Triangle& b) {
   double largest = 0;
@@ -45,27 +45,6 @@ std::string name_of(const Feature& f) {
 bool is_pair_of_disjoint_triangles(const Feature& a, const Feature& b) {
   if (a.kind == FeatureKind::face) return b.kind == FeatureKind::vertex;
   return b.kind != FeatureKind::face || a.kind == FeatureKind::vertex;
-}
-
-using FractionVec = std::array<Fraction, 3>;
-
-FractionVec exactly(const Vec3& v) { return {exact::fraction(v.x), exact::fraction(v.y), exact::fraction(v.z)}; }
-Fraction exact_dot(const FractionVec& a, const FractionVec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-FractionVec exact_difference(const FractionVec& a, const FractionVec& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-FractionVec exact_cross(const FractionVec& a, const FractionVec& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// How far b has to move along `axis`, in units of the axis, until it is not behind a. Exact.
-Fraction overlap_along(const FractionVec& axis, const Triangle& a, const Triangle& b) {
-  Fraction end = exact_dot(axis, exactly(a.v0)), start = exact_dot(axis, exactly(b.v0));
-  for (std::size_t i = 1; i < 3; ++i) {
-    end = std::max(end, exact_dot(axis, exactly(a[i])));
-    start = std::min(start, exact_dot(axis, exactly(b[i])));
-  }
-  return end - start;
 }
 
 /// The normals of both faces and the cross products of edges, without rounding.

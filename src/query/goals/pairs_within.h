@@ -34,7 +34,7 @@ class PairsWithin {
     if (is_self && b.id < a.id) return compare(b, a);
     if (!pairs_.counts(a, b)) return std::nullopt;
     if (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b)) return std::nullopt;
-    const Contact contact{geometry::contact(a.corners, b.corners), a.id, b.id};
+    const Contact contact = pairs_.contact(a, b, margin_);
     LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
     if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
     return std::nullopt;
