@@ -44,6 +44,8 @@ from ._core import (
     MeshSequence,
     Model,
     NeighborRings,
+    NormalSide,
+    OrientedFaces,
     PointResult,
     QueryBudget,
     QueryCache,
