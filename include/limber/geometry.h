@@ -57,7 +57,12 @@ struct ClosestFeatures {
 };
 
 /// Which of two triangles has an outside: the side that it is seen from with its corners counter-clockwise.
-enum class OrientedFaces : std::uint8_t { none, of_a, of_b, both };
+enum class OrientedFaces : std::uint8_t {
+  none,  ///< neither
+  of_a,  ///< the first alone
+  of_b,  ///< the second alone
+  both,  ///< each of them
+};
 
 /// How a normal from a to b lies to the outsides of their faces.
 enum class NormalSide : std::uint8_t {
