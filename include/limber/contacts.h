@@ -46,8 +46,9 @@ using TrianglePairFilter = FunctionRef<bool(TriangleId a, TriangleId b)>;
 /// Alias    Refers to the filter, which must live until the query returns: a variable, or a lambda in the call itself.
 struct PairOptions {
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
-  /// Which model's triangles have an outside, for the normals of contacts. Without it, those of a closed mesh
-  /// (Mesh::is_closed()) have one. For one model with itself, any but `none` means that its triangles do.
+  /// Which model's triangles have an outside, for the normals of contacts. Without it, those of closed meshes do: of
+  /// meshes where each edge, by vertex ids, is run through as often in one direction as in the other. For one model
+  /// with itself, any but `none` means that its triangles do.
   std::optional<OrientedFaces> oriented_faces = std::nullopt;
 };
 
@@ -100,8 +101,8 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 // Pairs of different triangles of one model, each once, with a < b. Triangles that share vertices, by id, meet only if
 // they have a point in common beyond the shared vertices and the edge between them; that is decided exactly. Otherwise
 // such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
-// triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts take
-// the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.
+// triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
+// take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///

@@ -196,6 +196,7 @@ Vec3 outside_of(const Triangle& t) {
 
 /// A vector of length 1, or 0 for 0. Pre: its square neither overflows nor vanishes.
 Vec3 unit_or_none(const Vec3& v) {
+  LIMBER_ASSERT(max_abs(v) < 0x1p500);
   const double v_sq = length_sq(v);
   return v_sq > 0 ? v * (1 / std::sqrt(v_sq)) : Vec3{};
 }
@@ -248,11 +249,13 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
     contact.normal = unit(way);
     contact.normal_side = NormalSide::outward;
     contact.depth = pair.depth(in_order ? contact.normal : -contact.normal);
+    LIMBER_ASSERT(contact.depth >= 0);
     return;
   }
   const Vec3 normal = LeastOverlap(pair, first, second, true).normal();
   contact.normal = in_order ? normal : -normal;
   contact.depth = pair.depth(normal);
+  LIMBER_ASSERT(contact.depth >= 0);
 }
 
 /// The normal of triangles that are so close that rounding turns the line of the closest points. Across the edges that

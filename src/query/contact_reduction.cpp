@@ -160,6 +160,7 @@ class RegionGrid {
       return;
     }
     const Cells::Range range = cells(axis).around(place[axis]);
+    LIMBER_ASSERT(range.first <= range.last);
     for (double cell = range.first;; ++cell) {
       visit_near(place, axis + 1, mixed(hash, cell), visit);
       if (cell >= range.last) return;
@@ -235,6 +236,7 @@ std::vector<Member> members_of(std::span<Region> regions, std::span<const Contac
   for (const Membership& m : memberships) ++regions[m.region].end;
   std::size_t begin = 0;
   for (Region& r : regions) begin += std::exchange(r.end, begin);
+  LIMBER_ASSERT(begin == contacts.size() && memberships.size() == contacts.size());
   std::vector<Member> members(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Region& region = regions[memberships[i].region];
@@ -271,6 +273,7 @@ std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions&
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (!memberships[i].is_kept) contacts[next++] = sorted[i];
   }
+  LIMBER_ASSERT(next == contacts.size());
   return kept;
 }
 
