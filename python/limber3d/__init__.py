@@ -118,6 +118,8 @@ __all__ = [
     "MeshSequence",
     "Model",
     "NeighborRings",
+    "NormalSide",
+    "OrientedFaces",
     "OutOfRangeError",
     "PointResult",
     "QueryBudget",
