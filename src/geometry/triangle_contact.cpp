@@ -223,13 +223,15 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
 NormalSide side_of(const Vec3& normal, const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   const Vec3 out_of_a = oriented == OrientedFaces::of_b ? Vec3{} : outside_of(a);
   const Vec3 into_b = oriented == OrientedFaces::of_a ? Vec3{} : -outside_of(b);
-  const auto points_back = [&](const Vec3& way) {
-    constexpr double rounding = 0x1p-20;  // of a normal that lies in a face
-    const double along = dot(normal, way);
-    return along < 0 && along * along > rounding * rounding * length_sq(way);
-  };
-  if (points_back(out_of_a) || points_back(into_b)) return NormalSide::inward;
-  return max_abs(out_of_a) == 0 && max_abs(into_b) == 0 ? NormalSide::unknown : NormalSide::outward;
+  const double out_of_a_sq = length_sq(out_of_a), into_b_sq = length_sq(into_b);
+  if (out_of_a_sq + into_b_sq == 0) return NormalSide::unknown;
+  // Squares with a sign, and no branches: between neighbors on one surface nothing could predict them.
+  constexpr double rounding = 0x1p-20;  // of a normal that lies in a face
+  const double ahead_of_a = dot(normal, out_of_a), ahead_of_b = dot(normal, into_b);
+  const bool is_behind_a = ahead_of_a * std::abs(ahead_of_a) < -rounding * rounding * out_of_a_sq;
+  const bool is_behind_b = ahead_of_b * std::abs(ahead_of_b) < -rounding * rounding * into_b_sq;
+  return (static_cast<int>(is_behind_a) | static_cast<int>(is_behind_b)) != 0 ? NormalSide::inward
+                                                                              : NormalSide::outward;
 }
 
 bool comes_first(const Triangle& a, const Triangle& b) {

@@ -30,10 +30,12 @@ class ClosestPairs {
 
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (is_self && b.id < a.id) return compare(b, a);
-    if (!pairs_.counts(a, b) || (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b))) return std::nullopt;
+    if (!pairs_.counts(a, b)) return std::nullopt;
+    const bool are_neighbors = pairs_.are_neighbors(a, b);
+    if (are_neighbors && !pairs_.meet(a, b)) return std::nullopt;
     const bool is_full = count == closest_.size();
     const double farthest = is_full ? closest_.front().distance : std::numeric_limits<double>::infinity();
-    const Contact contact = pairs_.contact(a, b, farthest);
+    const Contact contact = pairs_.contact(a, b, are_neighbors, farthest);
     if (is_full && contact.distance >= farthest) return std::nullopt;
     LIMBER_ASSERT(count <= closest_.size());
     // A heap with the farthest pair first.

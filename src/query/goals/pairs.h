@@ -25,7 +25,7 @@ class PairsOfTwo {
     return geometry::intersects(a.corners, b.corners);
   }
   /// Whole only if they are at most `farthest` apart.
-  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, double farthest) const {
+  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool /*are_neighbors*/, double farthest) const {
     return {geometry::contact(a.corners, b.corners, oriented_, farthest), a.id, b.id};
   }
 
@@ -63,8 +63,8 @@ class PairsOfOne {
   }
   /// Whole only if they are at most `farthest` apart. Neighbors that meet have been folded, so their outsides do not
   /// tell how to part them.
-  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, double farthest) const {
-    const bool are_oriented = is_oriented_ && !are_neighbors(a, b);
+  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool are_neighbors, double farthest) const {
+    const bool are_oriented = is_oriented_ && !are_neighbors;
     const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
     return {geometry::contact(a.corners, b.corners, oriented, farthest), a.id, b.id};
   }
