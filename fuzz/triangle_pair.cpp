@@ -120,9 +120,11 @@ void check_closest_points(const Scene& s, bool meet) {
 
 bool is_same(const Triangle& a, const Triangle& b) { return a.v0 == b.v0 && a.v1 == b.v1 && a.v2 == b.v2; }
 
-void check_contact(const Scene& s, bool meet) {
-  const TriangleContact found = in_environment(s.environment, [&] { return contact(s.a, s.b); });
-  const TriangleContact swapped = in_environment(s.environment, [&] { return contact(s.b, s.a); });
+void check_contact(const Scene& s, bool meet, OrientedFaces oriented, OrientedFaces oriented_swapped) {
+  const TriangleContact found = in_environment(s.environment, [&] { return contact(s.a, s.b, oriented); });
+  const TriangleContact swapped = in_environment(s.environment, [&] { return contact(s.b, s.a, oriented_swapped); });
+  require(oriented != OrientedFaces::none || found.normal_side == NormalSide::unknown, "a side needs an outside");
+  require(!meet || found.normal_side != NormalSide::inward, "normals of triangles that meet are never inward");
   require((found.distance == 0) == meet, "a contact's distance is 0 exactly when the triangles meet");
   require(std::abs(length(found.normal) - 1) <= 0x1p-50, "a contact's normal has length 1");
   require(std::isfinite(found.depth) && found.depth >= 0, "a depth is finite and not negative");
@@ -147,6 +149,12 @@ void check_spheres(const Scene& s) {
   require(holds_both, "a sphere around two spheres contains them");
 }
 
+void check_contacts(const Scene& s, bool meet) {
+  check_contact(s, meet, OrientedFaces::none, OrientedFaces::none);
+  check_contact(s, meet, OrientedFaces::of_a, OrientedFaces::of_b);
+  check_contact(s, meet, OrientedFaces::both, OrientedFaces::both);
+}
+
 }  // namespace
 }  // namespace limber::fuzz
 
@@ -155,7 +163,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Scene s = scene(ByteReader({data, size}));
   const bool meet = check_predicates(s);
   check_closest_points(s, meet);
-  check_contact(s, meet);
+  check_contacts(s, meet);
   check_spheres(s);
   return 0;
 }

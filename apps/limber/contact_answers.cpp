@@ -30,6 +30,18 @@ std::string to_text(Feature feature) {
   throw std::logic_error("a feature is of no known kind");
 }
 
+std::string to_text(NormalSide side) {
+  switch (side) {
+    case NormalSide::unknown:
+      return "unknown";
+    case NormalSide::outward:
+      return "outward";
+    case NormalSide::inward:
+      return "inward";
+  }
+  throw std::logic_error("a normal is of no known side");
+}
+
 Json to_json(const FoundContact& contact, ContactDetail detail) {
   Json json = {{"triangle_a", contact.triangle_a}, {"triangle_b", contact.triangle_b}};
   if (detail == ContactDetail::all) {
@@ -38,6 +50,7 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
     json["point_a"] = to_json(contact.point_a);
     json["point_b"] = to_json(contact.point_b);
     json["normal"] = to_json(contact.normal);
+    json["normal_side"] = to_text(contact.normal_side);
     json["feature_a"] = to_text(contact.feature_a);
     json["feature_b"] = to_text(contact.feature_b);
   }
@@ -49,9 +62,9 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
 std::string csv_cells(const FoundContact& contact, ContactDetail detail) {
   std::string cells = fmt::format("{},{},", contact.triangle_a, contact.triangle_b);
   if (detail == ContactDetail::all) {
-    cells += fmt::format("{},{},{},{},{},{},{},", contact.distance, contact.depth, to_text(contact.point_a, ","),
-                         to_text(contact.point_b, ","), to_text(contact.normal, ","), to_text(contact.feature_a),
-                         to_text(contact.feature_b));
+    cells += fmt::format("{},{},{},{},{},{},{},{},", contact.distance, contact.depth, to_text(contact.point_a, ","),
+                         to_text(contact.point_b, ","), to_text(contact.normal, ","), to_text(contact.normal_side),
+                         to_text(contact.feature_a), to_text(contact.feature_b));
   }
   return cells + fmt::format("{},{}", contact.face_a, contact.face_b);
 }
@@ -59,7 +72,7 @@ std::string csv_cells(const FoundContact& contact, ContactDetail detail) {
 std::string contact_columns(ContactDetail detail) {
   if (detail == ContactDetail::ids) return "triangle_a,triangle_b,face_a,face_b";
   return "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-         "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b";
+         "normal_x,normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b";
 }
 
 void append_contacts(Json& json, const FoundContacts& found) {

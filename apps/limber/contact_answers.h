@@ -12,6 +12,7 @@ namespace limber::program {
 
 /// "vertex 0", "edge 2", "face".
 std::string to_text(Feature feature);
+std::string to_text(NormalSide side);
 
 /// One object.
 Json to_json(const FoundContact& contact, ContactDetail detail);

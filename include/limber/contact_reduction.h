@@ -34,8 +34,9 @@ struct ReductionOptions {
 ///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
 /// Throws   std::invalid_argument unless the options are what their comments say, and all numbers of the contacts are
 ///          finite; std::bad_alloc. The contacts are then as they were.
-/// Cost     O(n log n) for n contacts, times at most the number of regions that fit around one point: about
-///          16 / max_angle^2 where normals differ so much there. Allocates O(n).
+/// Cost     O(n log n) for n contacts wherever they are, times at most the number of regions that fit around one point:
+///          about 16 / max_angle^2, and never more than some thousand, where normals differ so much there. Allocates
+///          O(n), in five pieces.
 /// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.

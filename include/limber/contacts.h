@@ -46,6 +46,10 @@ using TrianglePairFilter = FunctionRef<bool(TriangleId a, TriangleId b)>;
 /// Alias    Refers to the filter, which must live until the query returns: a variable, or a lambda in the call itself.
 struct PairOptions {
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
+  /// Which model's triangles have an outside, for the normals of contacts. Without it, those of closed meshes do: of
+  /// meshes where each edge, by vertex ids, is run through as often in one direction as in the other. For one model
+  /// with itself, any but `none` means that its triangles do.
+  std::optional<OrientedFaces> oriented_faces = std::nullopt;
 };
 
 /// How many pairs were found.
@@ -72,7 +76,9 @@ LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<T
 /// All pairs of triangles at most `margin` apart. With a margin of 0, those that intersect.
 ///
 /// Promise  Each pair exactly once. The second form writes the first contacts.size() of them; count says how many there
-///          are.
+///          are. Each is the contact() of geometry.h of the two placed triangles, with the outsides that the options
+///          say.
+/// Depth    That of two triangles. It is not the depth of two bodies, and goes to 0 where meshes are refined.
 /// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
@@ -96,7 +102,8 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 // Pairs of different triangles of one model, each once, with a < b. Triangles that share vertices, by id, meet only if
 // they have a point in common beyond the shared vertices and the edge between them; that is decided exactly. Otherwise
 // such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
-// triangles meet. Poses do not matter, so there are none; results are in the model's own frame.
+// triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
+// take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.
 
 /// Whether a model meets itself; stops at the first such pair found.
 ///

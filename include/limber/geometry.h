@@ -56,13 +56,29 @@ struct ClosestFeatures {
   Feature feature_a, feature_b;
 };
 
+/// Which of two triangles has an outside: the side that it is seen from with its corners counter-clockwise.
+enum class OrientedFaces : std::uint8_t {
+  none,  ///< neither
+  of_a,  ///< the first alone
+  of_b,  ///< the second alone
+  both,  ///< each of them
+};
+
+/// How a normal from a to b lies to the outsides of their faces.
+enum class NormalSide : std::uint8_t {
+  unknown,  ///< neither triangle has an outside, or their faces do not tell
+  outward,  ///< out of a and into b, of those that have an outside; up to rounding it may lie in a face
+  inward,   ///< into a, or out of b: the triangles are apart, and one looks at the back of the other
+};
+
 /// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.
 struct TriangleContact {
   double distance = 0;    ///< 0 exactly when the triangles intersect
-  double depth = 0;       ///< 0 unless they intersect: moving b by that much along the normal parts the two
+  double depth = 0;       ///< 0 unless they intersect: moving b by that much along the normal parts the two triangles
   Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect
   Vec3 normal;            ///< of length 1, from a to b
   Feature feature_a, feature_b;
+  NormalSide normal_side = NormalSide::unknown;  ///< whether the normal points the way that parts bodies
 };
 
 /// On which side of the plane through (a, b, c) the point d lies, exact: +1 on the side that the normal
@@ -142,6 +158,20 @@ LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b
 /// Cost     That of closest_points(), or twice that much if the triangles intersect.
 /// Source   docs/algorithms/triangle_distance.md; separating axes, [Ericson2005] 5.2.1.
 LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
+
+/// What keeps two triangles apart, or would part them, where one or both belong to the surface of a body.
+///
+/// Promise  As above, with these differences. Apart: `normal_side` says whether the normal agrees with the outsides.
+///          Intersecting: the normal takes the side of the outsides, and `normal_side` is `outward`. With unit normals
+///          n_a and n_b of the faces, it has the direction of n_a - n_b; if only a has an outside, of n_a + (n_a . n_b)
+///          n_b; if only b has, of the negative of n_b + (n_a . n_b) n_a. `depth` is the overlap along that normal,
+///          rounded up as above, and not the least there is. Where n_a and n_b are within 30 degrees of each other, or
+///          the triangles that have an outside are degenerate or nearly so, the answer is that without outsides.
+///          Swapping a and b, and with them what has an outside, negates the normal as above.
+/// Throws   As closest_points().
+/// Cost     As above.
+/// Source   docs/algorithms/triangle_distance.md, "Outsides".
+TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented);
 
 /// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 LIMBER_API Sphere enclosing_sphere(const Triangle& triangle);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,9 +48,11 @@ LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_dist
 /// Throws   As above; also unless the margin is finite and >= 0.
 /// Cost     O(n m); O(n^2) for a mesh with itself.
 LIMBER_API std::vector<TrianglePair> intersections(const Placed& a, const Placed& b);
-LIMBER_API std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin);
+LIMBER_API std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
+                                         std::optional<OrientedFaces> oriented_faces = std::nullopt);
 LIMBER_API std::vector<TrianglePair> self_intersections(MeshView mesh);
-LIMBER_API std::vector<Contact> self_contacts(MeshView mesh, double margin);
+LIMBER_API std::vector<Contact> self_contacts(MeshView mesh, double margin,
+                                              std::optional<OrientedFaces> oriented_faces = std::nullopt);
 
 /// The closest pairs, at most `count`, nearest first; of equally close ones the first in the order of ids.
 LIMBER_API std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count);

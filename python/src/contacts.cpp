@@ -22,6 +22,11 @@
 namespace limber::python {
 namespace {
 
+PairOptions with_faces(PairOptions options, std::optional<OrientedFaces> oriented_faces) {
+  options.oriented_faces = oriented_faces;
+  return options;
+}
+
 nb::object intersections_of(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, nb::handle filter,
                             std::optional<std::size_t> max_count) {
   const PlacedPair pair(a, b, pose_a, pose_b);
@@ -31,10 +36,11 @@ nb::object intersections_of(ModelObject& a, ModelObject& b, nb::handle pose_a, n
 }
 
 nb::object contacts_of(ModelObject& a, ModelObject& b, double margin, nb::handle pose_a, nb::handle pose_b,
-                       nb::handle filter, std::optional<std::size_t> max_count) {
+                       nb::handle filter, std::optional<std::size_t> max_count,
+                       std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_contacts(pair.a(), pair.b(), margin, visit, options);
+    visit_contacts(pair.a(), pair.b(), margin, visit, with_faces(options, oriented_faces));
   });
 }
 
@@ -44,11 +50,11 @@ std::size_t most_pairs(const ModelObject& a, const ModelObject& b) {
 }
 
 nb::object closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, nb::handle pose_a, nb::handle pose_b,
-                            nb::handle filter) {
+                            nb::handle filter, std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_closest(filter, std::min(count, most_pairs(a, b)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return closest_pairs(pair.a(), pair.b(), room, options);
+                         return closest_pairs(pair.a(), pair.b(), room, with_faces(options, oriented_faces));
                        });
 }
 
@@ -102,19 +108,20 @@ nb::object self_intersections_of(ModelObject& model, nb::handle filter, std::opt
   });
 }
 
-nb::object self_contacts_of(ModelObject& model, double margin, nb::handle filter,
-                            std::optional<std::size_t> max_count) {
+nb::object self_contacts_of(ModelObject& model, double margin, nb::handle filter, std::optional<std::size_t> max_count,
+                            std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
   return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_self_contacts(model.model, margin, visit, options);
+    visit_self_contacts(model.model, margin, visit, with_faces(options, oriented_faces));
   });
 }
 
-nb::object self_closest_pairs_of(ModelObject& model, std::size_t count, nb::handle filter) {
+nb::object self_closest_pairs_of(ModelObject& model, std::size_t count, nb::handle filter,
+                                 std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
   return found_closest(filter, std::min(count, most_pairs(model, model)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return self_closest_pairs(model.model, room, options);
+                         return self_closest_pairs(model.model, room, with_faces(options, oriented_faces));
                        });
 }
 
@@ -124,6 +131,8 @@ Filter   None, a NeighborRings, or a function of two triangle ids: pairs for whi
          function the query holds the GIL.
 Ctrl-C   Ends the search with KeyboardInterrupt.)";
 
+const std::string faces_note = std::string("\nFaces    oriented_faces: ") + docs::PairOptions_oriented_faces;
+
 std::string pairs_documentation(const char* documentation) {
   return std::string(documentation) + filter_note + R"(
 Limit    The search ends where max_count pairs have been found.
@@ -131,14 +140,14 @@ Returns  Ids of triangles, one pair a row: shape (k, 2), uint32.)";
 }
 
 std::string contacts_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + R"(
+  return std::string(documentation) + filter_note + faces_note + R"(
 Limit    The search ends where max_count pairs have been found.
 Returns  An array of k contacts, limber3d.contact_dtype, with these fields.)" +
          contact_fields();
 }
 
 std::string closest_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + R"(
+  return std::string(documentation) + filter_note + faces_note + R"(
 Returns  An array of at most `count` contacts, limber3d.contact_dtype, with these fields.)" +
          contact_fields();
 }
@@ -152,14 +161,15 @@ void bind_contacts(nb::module_& m) {
                 "filter: TriangleFilter = None, max_count: int | None = None) -> IdArray"),
         pairs_documentation(docs::visit_intersections).c_str());
   m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
+        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
         nb::sig("def contacts(a: Model, b: Model, margin: float, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "filter: TriangleFilter = None, max_count: int | None = None) -> RecordArray"),
+                "filter: TriangleFilter = None, max_count: int | None = None, oriented_faces: OrientedFaces | None = "
+                "None) -> RecordArray"),
         contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(),
+        nb::kw_only(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
         nb::sig("def closest_pairs(a: Model, b: Model, count: int, pose_a: PoseLike = None, pose_b: PoseLike = None, "
-                "*, filter: TriangleFilter = None) -> RecordArray"),
+                "*, filter: TriangleFilter = None, oriented_faces: OrientedFaces | None = None) -> RecordArray"),
         closest_documentation(docs::closest_pairs).c_str());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
         nb::sig("def reduce_contacts(contacts: RecordArray, *, radius: float, max_angle: float = 0.5, "
@@ -189,12 +199,14 @@ void bind_self_queries(nb::module_& m) {
                 "max_count: int | None = None) -> IdArray"),
         pairs_documentation(docs::visit_self_intersections).c_str());
   m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(),
+        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
         nb::sig("def self_contacts(model: Model, margin: float, *, filter: TriangleFilter = None, "
-                "max_count: int | None = None) -> RecordArray"),
+                "max_count: int | None = None, oriented_faces: OrientedFaces | None = None) -> RecordArray"),
         contacts_documentation(docs::visit_self_contacts).c_str());
   m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), "filter"_a = nb::none(),
-        nb::sig("def self_closest_pairs(model: Model, count: int, *, filter: TriangleFilter = None) -> RecordArray"),
+        "oriented_faces"_a = nb::none(),
+        nb::sig("def self_closest_pairs(model: Model, count: int, *, filter: TriangleFilter = None, oriented_faces: "
+                "OrientedFaces | None = None) -> RecordArray"),
         closest_documentation(docs::self_closest_pairs).c_str());
 }
 

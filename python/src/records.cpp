@@ -103,6 +103,7 @@ nb::object contact_dtype() {
       .field("normal", "(3,)f8", c.normal)
       .field("feature_a", feature_dtype(), c.feature_a)
       .field("feature_b", feature_dtype(), c.feature_b)
+      .field("normal_side", "u1", c.normal_side)
       .field("triangle_a", "u4", c.triangle_a)
       .field("triangle_b", "u4", c.triangle_b)
       .dtype();
@@ -184,6 +185,7 @@ std::string contact_fields() {
                  {"point_a, point_b", docs::TriangleContact_point_a},
                  {"normal", docs::TriangleContact_normal},
                  {"feature_a, feature_b", feature_text},
+                 {"normal_side", "a NormalSide: whether the normal points the way that parts bodies"},
                  {"triangle_a, triangle_b", docs::Witness_triangle_a}});
 }
 

@@ -44,6 +44,15 @@ void bind_enums(nb::module_& m) {
       .value("vertex", FeatureKind::vertex)
       .value("edge", FeatureKind::edge)
       .value("face", FeatureKind::face);
+  nb::enum_<NormalSide>(m, "NormalSide", nb::is_arithmetic(), docs::NormalSide)
+      .value("unknown", NormalSide::unknown, docs::NormalSide_unknown)
+      .value("outward", NormalSide::outward, docs::NormalSide_outward)
+      .value("inward", NormalSide::inward, docs::NormalSide_inward);
+  nb::enum_<OrientedFaces>(m, "OrientedFaces", docs::OrientedFaces)
+      .value("none", OrientedFaces::none, docs::OrientedFaces_none)
+      .value("of_a", OrientedFaces::of_a, docs::OrientedFaces_of_a)
+      .value("of_b", OrientedFaces::of_b, docs::OrientedFaces_of_b)
+      .value("both", OrientedFaces::both, docs::OrientedFaces_both);
 }
 
 void bind_parts(nb::module_& m) {

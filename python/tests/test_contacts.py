@@ -36,6 +36,21 @@ def test_contacts_are_records(ball: limber3d.Model) -> None:
         limber3d.contacts(ball, ball, -1.0)
 
 
+def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
+    found = limber3d.contacts(ball, ball, 0.0, pose_b=NEAR)
+    assert set(found["normal_side"]) == {limber3d.NormalSide.outward}
+    resultant = found["normal"].sum(axis=0)
+    assert resultant[0] / numpy.linalg.norm(resultant) > 0.99
+    plain = limber3d.contacts(ball, ball, 0.0, pose_b=NEAR, oriented_faces=limber3d.OrientedFaces.none)
+    assert set(plain["normal_side"]) == {limber3d.NormalSide.unknown} and len(plain) == len(found)
+    wide = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    assert limber3d.NormalSide.inward in wide["normal_side"]
+    closest = limber3d.closest_pairs(ball, ball, 3, pose_b=([1, 0, 0, 0], [2.5, 0, 0]), oriented_faces=None)
+    assert set(closest["normal_side"]) == {limber3d.NormalSide.outward}
+    with pytest.raises(TypeError):
+        limber3d.contacts(ball, ball, 0.0, oriented_faces="both")  # type: ignore[arg-type]
+
+
 def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
     pose = ([1, 0, 0, 0], [2.5, 0, 0])
     pairs = limber3d.closest_pairs(ball, ball, 7, pose_b=pose)

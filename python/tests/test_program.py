@@ -76,6 +76,7 @@ def test_contacts(meshes: tuple[Path, Path]) -> None:
             contact = by_ids[pair["triangle_a"], pair["triangle_b"]]
             for name in ("distance", "depth", "point_a", "point_b", "normal"):
                 assert contact[name].tolist() == pair[name]
+            assert limber3d.NormalSide(contact["normal_side"]).name == pair["normal_side"]
             for name in ("feature_a", "feature_b"):
                 kind, _, index = pair[name].partition(" ")
                 assert (KINDS[contact[name]["kind"]], contact[name]["index"]) == (kind, int(index or 0))

@@ -81,11 +81,13 @@ ClosestFeatures closest_features(const Triangle& a, const Triangle& b) {
   return geometry::closest_features(a, b);
 }
 
-TriangleContact contact(const Triangle& a, const Triangle& b) {
+TriangleContact contact(const Triangle& a, const Triangle& b) { return contact(a, b, OrientedFaces::none); }
+
+TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   const DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(are_in_range(a.v0, a.v1, a.v2, b.v0, b.v1, b.v2),
                  "limber::contact: a coordinate is not finite, or above 2^200");
-  return geometry::contact(a, b);
+  return geometry::contact(a, b, oriented);
 }
 
 Sphere enclosing_sphere(const Triangle& triangle) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "limber/geometry.h"
 
@@ -26,7 +27,9 @@ ClosestPoints closest_points(const Segment& a, const Segment& b);
 ClosestPoints closest_points(const Vec3& point, const Triangle& triangle);
 ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
-TriangleContact contact(const Triangle& a, const Triangle& b);
+/// Without normal and side where the triangles are farther apart than `farthest`.
+TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented,
+                        double farthest = std::numeric_limits<double>::infinity());
 
 Sphere enclosing_sphere(const Triangle& triangle);
 Sphere enclosing_sphere(const Sphere& a, const Sphere& b);

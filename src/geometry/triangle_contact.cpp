@@ -7,7 +7,8 @@
 // Differs   Every axis is a candidate, however badly conditioned: the overlap along any direction parts the triangles,
 //           so a wrong direction costs some depth, never the promise. If all axes are badly conditioned, everything is
 //           nearly collinear, and perpendiculars of the longest edge are tried too. Triangles are put in an order that
-//           does not depend on which is a, so that swapping them negates the normal to the bit.
+//           does not depend on which is a, so that swapping them negates the normal to the bit. Triangles of bodies
+//           are parted along the direction between their face normals, which tells outside from inside.
 #include "geometry/triangle_contact.h"
 
 #include <algorithm>
@@ -57,11 +58,24 @@ std::array<Vec3, 3> directions_of_edges(const Triangle& t) {
   return result;
 }
 
+/// The part of v that is perpendicular to e, which is near unit length.
+Vec3 across(const Vec3& v, const Vec3& e) { return v - e * (dot(v, e) / length_sq(e)); }
+
+/// A vector perpendicular to both e and f up to rounding, each near unit length or 0; 0 if they are parallel.
+///
+/// The cross product of two nearly parallel vectors of sine s is off by the roundoff over s, as a part of its length.
+/// What is off along e is taken out. The rest is across e and thus nearly across f: along f it is off by s times that.
+Vec3 perpendicular(const Vec3& e, const Vec3& f) {
+  const Vec3 n = cross(e, f);
+  const double n_sq = length_sq(n);
+  return n_sq < 0x1p-4 && n_sq > 0 ? across(n, e) : n;
+}
+
 /// A normal of a triangle from the pair of edges that gives the most accurate one.
 Vec3 normal_of(const std::array<Vec3, 3>& edge) {
   Vec3 best;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 n = cross(edge[i], edge[after[i]]);
+    const Vec3 n = perpendicular(edge[i], edge[after[i]]);
     if (max_abs(n) > max_abs(best)) best = n;
   }
   return best;
@@ -79,25 +93,51 @@ Vec3 across_edge(const Vec3& v, const Triangle& t, const Feature& feature) {
   if (feature.kind != FeatureKind::edge) return v;
   const Vec3 edge = t[after[feature.index]] - t[feature.index];
   if (max_abs(edge) == 0) return v;
-  const Vec3 e = near_unit(edge);
-  return v - e * (dot(v, e) / length_sq(e));
+  return across(v, near_unit(edge));
 }
+
+/// Two triangles near the origin.
+class LocalPair {
+ public:
+  LocalPair(const Triangle& first, const Triangle& second)
+      : frame_(first.v0, {first.v1, first.v2, second.v0, second.v1, second.v2}),
+        first_(frame_.to_local(first)),
+        second_(frame_.to_local(second)) {}
+
+  const Triangle& first() const { return first_; }
+  const Triangle& second() const { return second_; }
+
+  /// At least the overlap along the normal n from the first to the second, in exact arithmetic.
+  ///
+  /// With u = 2^-53 and S the largest sum of |n_k p_k|: a coordinate p_k is off by u of itself, a dot product by 3 u S
+  /// more, so the overlap by 8 u S. Rounding the overlap, and n . n, which is 1 up to 8 u, add relative errors.
+  double depth(const Vec3& n) const {
+    double high = -std::numeric_limits<double>::infinity(), low = -high, sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      high = std::max(high, dot(n, first_[i]));
+      low = std::min(low, dot(n, second_[i]));
+      sum = std::max({sum, dot(abs(n), abs(first_[i])), dot(abs(n), abs(second_[i]))});
+    }
+    return frame_.length_from_local(std::max(0.0, (high - low) + 9 * 0x1p-53 * sum) * (1 + 0x1p-49));
+  }
+
+ private:
+  LocalFrame frame_;
+  Triangle first_, second_;
+};
 
 /// The axis along which two triangles overlap least: moving the second along it by that much parts them.
 ///
 /// A triangle that an axis separates from the other overlaps less than 0.
 class LeastOverlap {
  public:
-  LeastOverlap(const Triangle& first, const Triangle& second, bool intersect)
-      : frame_(first.v0, {first.v1, first.v2, second.v0, second.v1, second.v2}),
-        first_(frame_.to_local(first)),
-        second_(frame_.to_local(second)),
-        intersect_(intersect) {
+  LeastOverlap(const LocalPair& pair, const Triangle& first, const Triangle& second, bool intersect)
+      : first_(pair.first()), second_(pair.second()), intersect_(intersect) {
     const std::array<Vec3, 3> e = directions_of_edges(first), f = directions_of_edges(second);
     consider(normal_of(e));
     consider(normal_of(f));
     for (const Vec3& e_i : e) {
-      for (const Vec3& f_j : f) consider(cross(e_i, f_j));
+      for (const Vec3& f_j : f) consider(perpendicular(e_i, f_j));
     }
     if (is_well_conditioned_) return;
     Vec3 longest;
@@ -109,9 +149,9 @@ class LeastOverlap {
     }
     if (max_abs(longest) == 0) longest = {1, 0, 0};
     longest = near_unit(longest);
-    const Vec3 across = perpendicular(longest);
-    consider(across);
-    consider(cross(longest, across));
+    const Vec3 sideways = perpendicular(longest);
+    consider(sideways);
+    consider(cross(longest, sideways));
   }
 
   /// Takes the axis if the triangles overlap less along it than along those before; an axis of 0 is none.
@@ -136,28 +176,63 @@ class LeastOverlap {
 
   Vec3 normal() const { return unit(axis_); }
 
-  /// At least the overlap along the normal n, in exact arithmetic.
-  ///
-  /// With u = 2^-53 and S the largest sum of |n_k p_k|: a coordinate p_k is off by u of itself, a dot product by 3 u S
-  /// more, so the overlap by 8 u S. Rounding the overlap, and n . n, which is 1 up to 8 u, add relative errors.
-  double depth(const Vec3& n) const {
-    double high = -std::numeric_limits<double>::infinity(), low = -high, sum = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      high = std::max(high, dot(n, first_[i]));
-      low = std::min(low, dot(n, second_[i]));
-      sum = std::max({sum, dot(abs(n), abs(first_[i])), dot(abs(n), abs(second_[i]))});
-    }
-    return frame_.length_from_local(std::max(0.0, (high - low) + 9 * 0x1p-53 * sum) * (1 + 0x1p-49));
-  }
-
  private:
-  LocalFrame frame_;
   Triangle first_, second_;
   bool intersect_;
   bool is_well_conditioned_ = false;
   double least_ = std::numeric_limits<double>::infinity();
   Vec3 axis_;  ///< from the first triangle to the second
 };
+
+/// A normal on the outside of a triangle, of any length; 0 if the triangle is so thin that rounding could turn it.
+Vec3 outside_of(const Triangle& t) {
+  const Vec3 e = t.v1 - t.v0, f = t.v2 - t.v0, n = cross(e, f);
+  const double n_sq = length_sq(n), edges_sq = length_sq(e) * length_sq(f);
+  // Nearly always the first two edges are good enough.
+  if (n_sq > 0x1p-20 * edges_sq && edges_sq > 0x1p-400 && n_sq < 0x1p400) return n;
+  const Vec3 careful = normal_of(directions_of_edges(t));
+  return length_sq(careful) > 0x1p-60 ? careful : Vec3{};
+}
+
+/// A vector of length 1, or 0 for 0. Pre: its square neither overflows nor vanishes.
+Vec3 unit_or_none(const Vec3& v) {
+  LIMBER_ASSERT(max_abs(v) < 0x1p500);
+  const double v_sq = length_sq(v);
+  return v_sq > 0 ? v * (1 / std::sqrt(v_sq)) : Vec3{};
+}
+
+/// A direction from a to b that is out of a and into b; 0 if there is none.
+///
+/// A face without an outside turns to the other as far as it faces it, so that nothing jumps where they are at right
+/// angles.
+Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+  const Vec3 outside_a = outside_of(a), outside_b = outside_of(b);
+  const double along = dot(outside_a, outside_b);
+  // Faces that look the same way within 30 degrees: the difference of their normals lies along both of them, and parts
+  // them no sooner than a whole triangle has gone by.
+  constexpr double cosine_sq = 0.75;
+  const bool look_alike = along > 0 && along * along > cosine_sq * length_sq(outside_a) * length_sq(outside_b);
+  if (oriented == OrientedFaces::both && look_alike) return {};
+  const Vec3 n_a = unit_or_none(outside_a), n_b = unit_or_none(outside_b);
+  if (oriented == OrientedFaces::of_a) return n_a + dot(n_a, n_b) * n_b;
+  if (oriented == OrientedFaces::of_b) return -(n_b + dot(n_a, n_b) * n_a);
+  return n_a - n_b;
+}
+
+/// How the normal from a to b, which are apart, lies to their outsides.
+NormalSide side_of(const Vec3& normal, const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+  const Vec3 out_of_a = oriented == OrientedFaces::of_b ? Vec3{} : outside_of(a);
+  const Vec3 into_b = oriented == OrientedFaces::of_a ? Vec3{} : -outside_of(b);
+  const double out_of_a_sq = length_sq(out_of_a), into_b_sq = length_sq(into_b);
+  if (out_of_a_sq + into_b_sq == 0) return NormalSide::unknown;
+  // Squares with a sign, and no branches: between neighbors on one surface nothing could predict them.
+  constexpr double rounding = 0x1p-20;  // of a normal that lies in a face
+  const double ahead_of_a = dot(normal, out_of_a), ahead_of_b = dot(normal, into_b);
+  const bool is_behind_a = ahead_of_a * std::abs(ahead_of_a) < -rounding * rounding * out_of_a_sq;
+  const bool is_behind_b = ahead_of_b * std::abs(ahead_of_b) < -rounding * rounding * into_b_sq;
+  return (static_cast<int>(is_behind_a) | static_cast<int>(is_behind_b)) != 0 ? NormalSide::inward
+                                                                              : NormalSide::outward;
+}
 
 bool comes_first(const Triangle& a, const Triangle& b) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -166,32 +241,60 @@ bool comes_first(const Triangle& a, const Triangle& b) {
   return true;
 }
 
-}  // namespace
-
-TriangleContact geometry::contact(const Triangle& a, const Triangle& b) {
-  const DirectedFeatures found = directed_features(a, b);
-  const ClosestFeatures& closest = found.closest;
-  TriangleContact contact{closest.distance, 0, closest.point_a, closest.point_b, {}, closest.feature_a,
-                          closest.feature_b};
-  if (found.are_proven_apart) {
-    contact.normal = unit(found.between);
-    return contact;
+/// Normal, side and depth of triangles that intersect.
+void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, TriangleContact& contact) {
+  const bool in_order = comes_first(a, b);
+  const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
+  const LocalPair pair(first, second);
+  const Vec3 way = oriented == OrientedFaces::none ? Vec3{} : out_of_a(a, b, oriented);
+  if (max_abs(way) > 0) {
+    contact.normal = unit(way);
+    contact.normal_side = NormalSide::outward;
+    contact.depth = pair.depth(in_order ? contact.normal : -contact.normal);
+    LIMBER_ASSERT(contact.depth >= 0);
+    return;
   }
-  const bool intersect = closest.distance == 0, in_order = comes_first(a, b);
-  LeastOverlap least(in_order ? a : b, in_order ? b : a, intersect);
-  if (!intersect) {
-    // So close that rounding turns the line of the closest points. Across the edges that they lie on it is exact again.
-    for (const Vec3& line : {found.between, closest.point_b - closest.point_a}) {
-      if (max_abs(line) == 0) continue;
-      const Vec3 from_first = near_unit(in_order ? line : -line);
-      least.consider(from_first);
-      least.consider(across_edge(from_first, a, closest.feature_a));
-      least.consider(across_edge(from_first, b, closest.feature_b));
-    }
+  const Vec3 normal = LeastOverlap(pair, first, second, true).normal();
+  contact.normal = in_order ? normal : -normal;
+  contact.depth = pair.depth(normal);
+  LIMBER_ASSERT(contact.depth >= 0);
+}
+
+/// The normal of triangles that are so close that rounding turns the line of the closest points. Across the edges that
+/// they lie on it is exact again.
+Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, const geometry::DirectedFeatures& found) {
+  const ClosestFeatures& closest = found.closest;
+  const bool in_order = comes_first(a, b);
+  const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
+  const LocalPair pair(first, second);
+  LeastOverlap least(pair, first, second, false);
+  for (const Vec3& line : {found.between, closest.point_b - closest.point_a}) {
+    if (max_abs(line) == 0) continue;
+    const Vec3 from_first = near_unit(in_order ? line : -line);
+    least.consider(from_first);
+    least.consider(across_edge(from_first, a, closest.feature_a));
+    least.consider(across_edge(from_first, b, closest.feature_b));
   }
   const Vec3 normal = least.normal();
-  contact.normal = in_order ? normal : -normal;
-  if (intersect) contact.depth = least.depth(normal);
+  return in_order ? normal : -normal;
+}
+
+}  // namespace
+
+TriangleContact geometry::contact(const Triangle& a, const Triangle& b, OrientedFaces oriented, double farthest) {
+  const DirectedFeatures found = directed_features(a, b);
+  const ClosestFeatures& closest = found.closest;
+  TriangleContact contact;
+  contact.distance = closest.distance;
+  contact.point_a = closest.point_a, contact.point_b = closest.point_b;
+  contact.feature_a = closest.feature_a, contact.feature_b = closest.feature_b;
+  if (closest.distance == 0) {
+    part(a, b, oriented, contact);
+    return contact;
+  }
+  if (closest.distance > farthest) return contact;
+  contact.normal = found.are_proven_apart ? unit(found.between) : normal_of_a_small_gap(a, b, found);
+  if (oriented != OrientedFaces::none) contact.normal_side = side_of(contact.normal, a, b, oriented);
   return contact;
 }
 

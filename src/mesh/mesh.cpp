@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/boundary.h"
 #include "mesh/updates.h"
 
 #include <algorithm>
@@ -138,7 +139,7 @@ Result<Mesh> Mesh::create(const PositionsView& positions, std::vector<Corners> t
 }
 
 Mesh::Mesh(std::vector<Vec3> positions, std::vector<Corners> triangles)
-    : positions_(std::move(positions)), triangles_(std::move(triangles)) {}
+    : positions_(std::move(positions)), triangles_(std::move(triangles)), is_closed_(has_no_boundary(triangles_)) {}
 
 Result<void> Mesh::set_position(VertexId id, const Vec3& position) { return set_positions({&id, 1}, {&position, 1}); }
 

@@ -95,7 +95,7 @@ DistanceResult self_distance(const Model& model, const DistanceOptions& distance
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  return visit_intersections(query::PlacedModels(a, b), PairsOfTwo(options), visit);
+  return visit_intersections(query::PlacedModels(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), visit);
 }
 
 PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -107,7 +107,8 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
                          const PairOptions& options) {
   const core::DefaultFloatEnvironment environment;
   query::check_margin(margin, "limber::visit_contacts");
-  return visit_contacts(query::PlacedModels(a, b), PairsOfTwo(options), margin, visit);
+  return visit_contacts(query::PlacedModels(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), margin,
+                        visit);
 }
 
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
@@ -118,7 +119,7 @@ PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Co
 
 PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options) {
   const core::DefaultFloatEnvironment environment;
-  return closest_pairs(query::PlacedModels(a, b), PairsOfTwo(options), closest);
+  return closest_pairs(query::PlacedModels(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), closest);
 }
 
 CollideResult self_collide(const Model& model, const PairOptions& options) {

@@ -9,11 +9,13 @@
 #include "limber/contact_reduction.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/check.h"
@@ -66,86 +68,141 @@ Vec3 offset(const Contact& from, const Contact& to, double radius) {
   return divided(position_of(to) - position_of(from), radius);
 }
 
-/// Positions in a hash table of cells, each of which is a little wider than a ball of the radius: what is within the
-/// radius of a point is in its cell or in one of the seven that it is next to.
-class PositionGrid {
+/// The cells of one coordinate that numbers fall into: each a little wider than twice what counts as near.
+///
+/// A cell is named by its number, which is exact below 2^53. Where numbers would be larger, different coordinates are
+/// never near each other: there each coordinate is a cell of its own, named by itself.
+class Cells {
  public:
-  PositionGrid(double radius, double largest_coordinate, std::size_t capacity)
-      // No more than 2^40 cells a side, so that their numbers are integers; the rounding of these is far below 2^-10.
-      : side_(2 * (1 + 0x1p-10) * std::max(radius, largest_coordinate * 0x1p-40)),
-        last_in_(std::bit_ceil(2 * capacity + 1), no_region) {
-    before_.reserve(capacity);
+  /// Pre      near > 0.
+  explicit Cells(double near) : reach_(near * (1 + 0x1p-10)), per_unit_(1 / std::max(2 * reach_, 0x1p-1020)) {}
+
+  double of(double x) const {
+    const double at = x * per_unit_;
+    return std::abs(at) < most ? std::floor(at) : x;
   }
 
-  /// The next one gets the next number, from 0.
-  void add(const Vec3& p) {
-    const Vec3 at = divided(p, side_);
-    std::uint32_t& last = last_in_[bucket(std::floor(at.x), std::floor(at.y), std::floor(at.z))];
-    before_.push_back(last);
-    last = static_cast<std::uint32_t>(before_.size() - 1);
-  }
-
-  /// Calls visit(number) for all that may be within the radius of a point, some of them more than once.
-  template <typename Visit>
-  void visit_near(const Vec3& p, const Visit& visit) const {
-    const Vec3 at = divided(p, side_);
-    const auto other = [](double x) { return x - std::floor(x) < 0.5 ? std::floor(x) - 1 : std::floor(x) + 1; };
-    for (const double x : {std::floor(at.x), other(at.x)}) {
-      for (const double y : {std::floor(at.y), other(at.y)}) {
-        for (const double z : {std::floor(at.z), other(at.z)}) {
-          for (std::uint32_t i = last_in_[bucket(x, y, z)]; i != no_region; i = before_[i]) visit(i);
-        }
-      }
-    }
+  /// All cells that may have a number near x: two, or a few more where rounding makes steps as large as cells. Rounding
+  /// keeps the order of numbers, so what is within reach of x is in these.
+  struct Range {
+    double first, last;
+  };
+  Range around(double x) const {
+    if (!(std::abs(x * per_unit_) < most)) return {x, x};
+    constexpr double largest = std::numeric_limits<double>::max();
+    const double low = std::max(x - reach_, -largest), high = std::min(x + reach_, largest);
+    return {std::floor(low * per_unit_), std::floor(high * per_unit_)};
   }
 
  private:
-  // Cells that share a bucket cost time only.
-  std::size_t bucket(double x, double y, double z) const {
-    constexpr std::uint64_t odd = 0x9e37'79b9'7f4a'7c15U;
-    std::uint64_t hash = 0;
-    for (const double cell : {x, y, z}) {
-      hash = (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(cell))) * odd;
-      hash ^= hash >> 32U;
-    }
-    return hash & (last_in_.size() - 1);
+  static constexpr double most = 0x1p53;
+  double reach_, per_unit_;
+};
+
+/// What a contact is found by: its position and its normal.
+using Place = std::array<double, 6>;
+
+Place place_of(const Contact& c) {
+  const Vec3 p = position_of(c);
+  return {p.x, p.y, p.z, c.normal.x, c.normal.y, c.normal.z};
+}
+
+double chord_of(double angle) { return 2 * std::sin(angle / 2); }
+
+/// Contacts that belong together.
+struct Region {
+  std::size_t first;     // contact
+  std::uint32_t before;  // region in the same bucket
+  std::size_t end;       // of its members, in the list of all
+};
+
+/// Regions in a hash table of cells, by the places of their first contacts.
+class RegionGrid {
+ public:
+  RegionGrid(const ReductionOptions& options, std::size_t capacity)
+      : positions_(options.radius),
+        normals_(std::max(chord_of(options.max_angle), 0x1p-500)),
+        axis_count_(chord_of(options.max_angle) < 0.0625 ? 6 : 3),
+        last_in_(std::bit_ceil(2 * capacity + 1), no_region) {
+    regions_.reserve(capacity);
   }
 
-  double side_;
+  std::vector<Region>& regions() { return regions_; }
+
+  void add(const Place& place, std::size_t first_contact) {
+    std::uint64_t hash = 0;
+    for (std::size_t axis = 0; axis < axis_count_; ++axis) hash = mixed(hash, cells(axis).of(place[axis]));
+    std::uint32_t& last = last_in_[hash & (last_in_.size() - 1)];
+    regions_.push_back({first_contact, last, 0});
+    last = static_cast<std::uint32_t>(regions_.size() - 1);
+  }
+
+  /// Calls visit(region) for all that may be near, some of them more than once.
+  template <typename Visit>
+  void visit_near(const Place& place, const Visit& visit) const {
+    visit_near(place, 0, 0, visit);
+  }
+
+ private:
+  const Cells& cells(std::size_t axis) const { return axis < 3 ? positions_ : normals_; }
+
+  // Cells that share a bucket cost time only.
+  static std::uint64_t mixed(std::uint64_t hash, double cell) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(cell + 0.0)) * 0x9e37'79b9'7f4a'7c15U;  // + 0.0: one zero of two
+    return hash ^ hash >> 32U;
+  }
+
+  template <typename Visit>
+  void visit_near(const Place& place, std::size_t axis, std::uint64_t hash, const Visit& visit) const {
+    if (axis == axis_count_) {
+      std::uint32_t i = last_in_[hash & (last_in_.size() - 1)];
+      for (; i != no_region; i = regions_[i].before) visit(i);
+      return;
+    }
+    const Cells::Range range = cells(axis).around(place[axis]);
+    LIMBER_ASSERT(range.first <= range.last);
+    for (double cell = range.first;; ++cell) {
+      visit_near(place, axis + 1, mixed(hash, cell), visit);
+      if (cell >= range.last) return;
+    }
+  }
+
+  // Normals tell places apart only where they must be so close that many regions fit around one point. Squares of
+  // differences below 2^-500 vanish, so these count as none.
+  Cells positions_, normals_;
+  std::size_t axis_count_;
   std::vector<std::uint32_t> last_in_;  // of each bucket
-  std::vector<std::uint32_t> before_;   // in the same bucket
+  std::vector<Region> regions_;
 };
 
-/// Which contacts belong together: each to the first region it is close enough to.
-struct Regions {
-  std::vector<std::uint32_t> region_of;  // each contact
-  std::vector<std::size_t> first;        // contact of each region
+/// Where a contact belongs.
+struct Membership {
+  std::uint32_t region;
+  bool is_kept = false;
 };
 
-Regions regions_of(std::span<const Contact> contacts, const ReductionOptions& options) {
-  double largest = 0;
-  for (const Contact& c : contacts) largest = std::max(largest, max_abs(position_of(c)));
-  PositionGrid grid(options.radius, largest, contacts.size());
-  const double chord = 2 * std::sin(options.max_angle / 2);
-  Regions regions;
-  regions.region_of.reserve(contacts.size());
+/// Which contacts belong together: each to the first region it is close enough to. Sets the region of each.
+std::vector<Region> regions_of(std::span<const Contact> contacts, const ReductionOptions& options,
+                               std::span<Membership> memberships) {
+  RegionGrid grid(options, contacts.size());
+  std::vector<Region>& regions = grid.regions();
+  const double chord = chord_of(options.max_angle);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
-    const Vec3 position = position_of(c);
+    const Place place = place_of(c);
     std::uint32_t joined = no_region;
-    grid.visit_near(position, [&](std::uint32_t region) {
-      const Contact& first = contacts[regions.first[region]];
+    grid.visit_near(place, [&](std::uint32_t region) {
+      const Contact& first = contacts[regions[region].first];
       const bool is_near = length_sq(offset(first, c, options.radius)) <= 1;
       if (is_near && length_sq(c.normal - first.normal) <= chord * chord) joined = std::min(joined, region);
     });
     if (joined == no_region) {
-      joined = static_cast<std::uint32_t>(regions.first.size());
-      regions.first.push_back(i);
-      grid.add(position);
+      joined = static_cast<std::uint32_t>(regions.size());
+      grid.add(place, i);
     }
-    regions.region_of.push_back(joined);
+    memberships[i].region = joined;
   }
-  return regions;
+  return std::move(regions);
 }
 
 /// A contact of a region, on the plane across the normal of its first one.
@@ -155,13 +212,14 @@ struct Member {
   double apart_sq = std::numeric_limits<double>::infinity();  // from the nearest that is kept
 };
 
-/// Keeps the first, and those that span most.
-void keep_spanning(std::span<Member> members, std::size_t max_points, std::vector<std::size_t>& kept) {
+/// Calls keep(contact) for the first, and for those that span most.
+template <typename Keep>
+void keep_spanning(std::span<Member> members, std::size_t max_points, const Keep& keep) {
   LIMBER_ASSERT(!members.empty() && max_points >= 1);
   std::size_t next = 0;
   for (std::size_t count = 0; count < max_points; ++count) {
     if (count > 0 && members[next].apart_sq <= spacing * spacing) return;
-    kept.push_back(members[next].contact);
+    keep(members[next].contact);
     const Vec3 at = members[next].flat;
     next = 0;
     for (std::size_t i = 0; i < members.size(); ++i) {
@@ -171,27 +229,22 @@ void keep_spanning(std::span<Member> members, std::size_t max_points, std::vecto
   }
 }
 
-/// The contacts that are kept, region by region. Sets the end of each region in that list.
-std::vector<std::size_t> kept_of(std::span<const Contact> contacts, const Regions& regions,
-                                 const ReductionOptions& options, std::vector<std::size_t>& ends) {
-  // Where each region's members begin in one array.
-  std::vector<std::size_t> begin(regions.first.size() + 1, 0);
-  for (const std::uint32_t region : regions.region_of) ++begin[region + 1];
-  for (std::size_t r = 0; r < regions.first.size(); ++r) begin[r + 1] += begin[r];
+/// All contacts, region by region. Sets the ends of the regions.
+std::vector<Member> members_of(std::span<Region> regions, std::span<const Contact> contacts,
+                               std::span<const Membership> memberships, double radius) {
+  // First how many each has, then where each begins; that becomes the end as members are added.
+  for (const Membership& m : memberships) ++regions[m.region].end;
+  std::size_t begin = 0;
+  for (Region& r : regions) begin += std::exchange(r.end, begin);
+  LIMBER_ASSERT(begin == contacts.size() && memberships.size() == contacts.size());
   std::vector<Member> members(contacts.size());
-  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const std::uint32_t region = regions.region_of[i];
-    const Contact& first = contacts[regions.first[region]];
-    const Vec3 apart = offset(first, contacts[i], options.radius);
-    members[next[region]++] = {i, apart - dot(apart, first.normal) * first.normal};
+    Region& region = regions[memberships[i].region];
+    const Contact& first = contacts[region.first];
+    const Vec3 apart = offset(first, contacts[i], radius);
+    members[region.end++] = {i, apart - dot(apart, first.normal) * first.normal};
   }
-  std::vector<std::size_t> kept;
-  for (std::size_t r = 0; r < regions.first.size(); ++r) {
-    keep_spanning(std::span(members).subspan(begin[r], begin[r + 1] - begin[r]), options.max_points, kept);
-    ends.push_back(kept.size());
-  }
-  return kept;
+  return members;
 }
 
 }  // namespace
@@ -203,20 +256,25 @@ std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions&
   if (contacts.empty()) return 0;
   std::vector<Contact> sorted(contacts.begin(), contacts.end());
   std::sort(sorted.begin(), sorted.end(), is_deeper);
-  std::vector<std::size_t> ends;
-  const std::vector<std::size_t> kept = kept_of(sorted, regions_of(sorted, options), options, ends);
-  std::vector<bool> is_kept(sorted.size(), false);
-  std::size_t next = 0;
-  for (const std::size_t i : kept) is_kept[i] = true, contacts[next++] = sorted[i];
+  std::vector<Membership> memberships(sorted.size());
+  std::vector<Region> found = regions_of(sorted, options, memberships);
+  std::vector<Member> members = members_of(found, sorted, memberships, options.radius);
+  std::size_t next = 0, begin = 0;
+  for (std::size_t r = 0; r < found.size(); ++r) {
+    const std::span<Member> all = std::span(members).subspan(begin, found[r].end - begin);
+    keep_spanning(all, options.max_points, [&](std::size_t i) {
+      memberships[i].is_kept = true;
+      if (next < regions.size()) regions[next] = static_cast<std::uint32_t>(r);
+      contacts[next++] = sorted[i];
+    });
+    begin = found[r].end;
+  }
+  const std::size_t kept = next;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    if (!is_kept[i]) contacts[next++] = sorted[i];
+    if (!memberships[i].is_kept) contacts[next++] = sorted[i];
   }
-  std::uint32_t region = 0;
-  for (std::size_t i = 0; i < std::min(kept.size(), regions.size()); ++i) {
-    while (i >= ends[region]) ++region;
-    regions[i] = region;
-  }
-  return kept.size();
+  LIMBER_ASSERT(next == contacts.size());
+  return kept;
 }
 
 }  // namespace limber

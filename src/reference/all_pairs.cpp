@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/float_environment.h"
@@ -32,6 +34,23 @@ void for_all_pairs(MeshView mesh, const Visit& visit) {
   }
 }
 
+/// Whether each edge is run through as often in one direction as in the other.
+bool is_closed(MeshView mesh) {
+  std::map<std::pair<VertexId, VertexId>, int> balance;
+  for (const Corners& c : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = c[k], w = c[(k + 1) % 3];
+      if (v != w) balance[std::minmax(v, w)] += v < w ? 1 : -1;
+    }
+  }
+  return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+OrientedFaces closed_ones(MeshView a, MeshView b) {
+  if (is_closed(a)) return is_closed(b) ? OrientedFaces::both : OrientedFaces::of_a;
+  return is_closed(b) ? OrientedFaces::of_b : OrientedFaces::none;
+}
+
 bool meet(MeshView mesh, TriangleId i, TriangleId j) {
   return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
 }
@@ -59,14 +78,16 @@ std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
   return pairs;
 }
 
-std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin) {
+std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
+                              std::optional<OrientedFaces> oriented_faces) {
   const core::DefaultFloatEnvironment environment;
   query::check_margin(margin, "limber::reference::contacts");
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  const OrientedFaces oriented = oriented_faces.value_or(closed_ones(a.mesh, b.mesh));
   std::vector<Contact> found;
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
-      const Contact contact{geometry::contact(triangles_a[i], triangles_b[j]), i, j};
+      const Contact contact{geometry::contact(triangles_a[i], triangles_b[j], oriented), i, j};
       if (contact.distance <= margin) found.push_back(contact);
     }
   }
@@ -82,13 +103,17 @@ std::vector<TrianglePair> self_intersections(MeshView mesh) {
   return pairs;
 }
 
-std::vector<Contact> self_contacts(MeshView mesh, double margin) {
+std::vector<Contact> self_contacts(MeshView mesh, double margin, std::optional<OrientedFaces> oriented_faces) {
   const core::DefaultFloatEnvironment environment;
   query::check_margin(margin, "limber::reference::self_contacts");
+  const OrientedFaces of_all = oriented_faces.value_or(closed_ones(mesh, mesh));
   std::vector<Contact> found;
   for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
-    if (are_neighbors(mesh.triangles[i], mesh.triangles[j]) && !meet(mesh, i, j)) return;
-    const Contact contact{geometry::contact(mesh.triangle(i), mesh.triangle(j)), i, j};
+    const bool have_shared = are_neighbors(mesh.triangles[i], mesh.triangles[j]);
+    if (have_shared && !meet(mesh, i, j)) return;
+    const bool are_oriented = of_all != OrientedFaces::none && !have_shared;
+    const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
+    const Contact contact{geometry::contact(mesh.triangle(i), mesh.triangle(j), oriented), i, j};
     if (contact.distance <= margin) found.push_back(contact);
   });
   return found;

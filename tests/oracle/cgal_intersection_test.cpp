@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, CgalIntersection,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates));
+                                           PairKind::tiny_coordinates, PairKind::segment_like));
 
 }  // namespace
 }  // namespace limber::testing

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, ExactPairs,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates));
+                                           PairKind::tiny_coordinates, PairKind::segment_like));
 
 std::vector<Triangle> placed(const Mesh& mesh, const Transform& pose) {
   std::vector<Triangle> triangles;

@@ -113,6 +113,7 @@ TEST(ProgramContacts, ACubeInACubeIsCloseWithItsTop) {
     EXPECT_EQ(point_of(pair["point_a"]).z, 3);
     EXPECT_EQ(point_of(pair["point_b"]), point_of(pair["point_a"]) - (Vec3{0, 0, 0.5}));
     EXPECT_EQ(pair["feature_a"], "face");
+    EXPECT_EQ(pair["normal_side"], "inward");  // from the inside of the outer cube
   }
   EXPECT_EQ(ask({"--closest", "7"})["count"], 7);
   EXPECT_EQ(ask({"--closest", "7"})["closest"], 7);
@@ -156,6 +157,9 @@ TEST(ProgramContacts, RowsAndObjectsAreTheContactsOfTheLibrary) {
       EXPECT_EQ(point_of(object["normal"]), contact.normal);
       EXPECT_EQ(object["feature_a"], row.at("feature_a"));
       EXPECT_EQ(object["feature_b"], row.at("feature_b"));
+      EXPECT_EQ(contact.normal_side, NormalSide::unknown);  // of soups
+      EXPECT_EQ(row.at("normal_side"), "unknown");
+      EXPECT_EQ(object["normal_side"], "unknown");
     }
   }
 }
@@ -173,14 +177,15 @@ TEST(ProgramContacts, PrintsExactlyTheDocumentedNames) {
   EXPECT_EQ(json["query"], "contacts");
   EXPECT_EQ(json["margin"], 0.1);
   EXPECT_TRUE(json["closest"].is_null());
-  EXPECT_EQ(keys_of(json["pairs"][0]), (Words{"depth", "distance", "face_a", "face_b", "feature_a", "feature_b",
-                                              "normal", "point_a", "point_b", "triangle_a", "triangle_b"}));
+  EXPECT_EQ(keys_of(json["pairs"][0]),
+            (Words{"depth", "distance", "face_a", "face_b", "feature_a", "feature_b", "normal", "normal_side",
+                   "point_a", "point_b", "triangle_a", "triangle_b"}));
   const nlohmann::json ids = json_of(run(soups.ask({"--intersections", "--json"})));
   EXPECT_EQ(keys_of(ids), keys_of(json));
   EXPECT_EQ(keys_of(ids["pairs"][0]), (Words{"face_a", "face_b", "triangle_a", "triangle_b"}));
   EXPECT_EQ(lines_of(run(soups.ask({"--margin", "0.1", "--csv", "-"})).out).front(),
             "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-            "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b");
+            "normal_x,normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b");
   EXPECT_EQ(lines_of(run(soups.ask({"--intersections", "--csv", "-"})).out).front(),
             "triangle_a,triangle_b,face_a,face_b");
 }

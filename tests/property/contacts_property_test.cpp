@@ -62,7 +62,8 @@ bool same(const Contact& c, const Contact& d) {
   };
   const auto of_c = numbers_of(c), of_d = numbers_of(d);
   return std::memcmp(of_c.data(), of_d.data(), sizeof of_c) == 0 && c.triangle_a == d.triangle_a &&
-         c.triangle_b == d.triangle_b && c.feature_a == d.feature_a && c.feature_b == d.feature_b;
+         c.triangle_b == d.triangle_b && c.feature_a == d.feature_a && c.feature_b == d.feature_b &&
+         c.normal_side == d.normal_side;
 }
 
 /// The same list on every instruction set, order included.
@@ -108,6 +109,7 @@ void expect_same(const std::vector<Contact>& found, const std::vector<Contact>& 
     EXPECT_EQ(c.distance == 0, same->distance == 0);
     EXPECT_NEAR(c.distance, same->distance, rounding);
     EXPECT_NEAR(length(c.normal), 1, 1e-14);
+    EXPECT_TRUE(c.normal != same->normal || c.normal_side == same->normal_side);
   }
 }
 

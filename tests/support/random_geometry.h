@@ -52,13 +52,15 @@ enum class PairKind {
   mixed_scale,
   far_away,
   tiny_coordinates,
+  segment_like,
   count
 };
 
 /// The name of a test that has a kind as its parameter.
 inline void PrintTo(PairKind kind, std::ostream* out) {
-  constexpr const char* names[] = {"uniform",  "lattice",     "near_lattice", "touching", "sliver",
-                                   "coplanar", "shared_edge", "mixed_scale",  "far_away", "tiny_coordinates"};
+  constexpr const char* names[] = {"uniform",  "lattice",          "near_lattice", "touching",
+                                   "sliver",   "coplanar",         "shared_edge",  "mixed_scale",
+                                   "far_away", "tiny_coordinates", "segment_like"};
   *out << names[static_cast<std::size_t>(kind)];
 }
 
@@ -75,6 +77,39 @@ inline Triangle lattice_triangle(Rng& rng, std::uint64_t side = 4) {
 inline Triangle nudged(Rng& rng, const Triangle& t, int ulps = 2) {
   const Vec3 v0 = nudged(rng, t.v0, ulps), v1 = nudged(rng, t.v1, ulps), v2 = nudged(rng, t.v2, ulps);
   return {v0, v1, v2};
+}
+
+/// A point at p, a few units in the last place away, or a little more.
+inline Vec3 near_point(Rng& rng, const Vec3& p) {
+  const std::uint64_t kind = rng.below(3);
+  if (kind == 0) return p;
+  if (kind == 1) return nudged(rng, p);
+  return p + std::ldexp(1.0, -static_cast<int>(rng.below(60))) * uniform_point(rng);
+}
+
+/// A segment as a triangle: a corner comes twice, or lies nearly between the two others.
+inline Triangle segment_like_triangle(Rng& rng, const Vec3& from, const Vec3& to) {
+  const std::uint64_t kind = rng.below(4);
+  const Vec3 between = kind == 0 ? from : kind == 1 ? to : from + rng.uniform() * (to - from);
+  const Vec3 corners[3] = {from, kind == 3 ? near_point(rng, between) : between, to};
+  const std::size_t first = rng.below(3);
+  return {corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
+}
+
+/// Two segments as triangles, which nearly meet: at their ends, nearly parallel, or across.
+inline std::pair<Triangle, Triangle> segment_like_pair(Rng& rng) {
+  const auto some_point = [&] { return rng.below(2) == 0 ? uniform_point(rng) : lattice_point(rng); };
+  const Vec3 p = some_point(), q = some_point(), middle = near_point(rng, p + rng.uniform() * (q - p));
+  const Triangle a = segment_like_triangle(rng, p, q);
+  const std::uint64_t kind = rng.below(3);
+  if (kind == 0) {
+    const Vec3 near_p = near_point(rng, p), near_q = near_point(rng, q);
+    return {a, segment_like_triangle(rng, near_p, near_q)};
+  }
+  const Vec3 sideways = std::ldexp(1.0, -static_cast<int>(rng.below(60))) * uniform_point(rng);
+  const Vec3 along = kind == 1 ? (q - p) + sideways : uniform_point(rng);
+  const double part = rng.below(2) == 0 ? 0 : rng.uniform();
+  return {a, segment_like_triangle(rng, middle - part * along, middle + (1 - part) * along)};
 }
 
 /// Two triangles of a kind; see the switch.
@@ -141,6 +176,8 @@ inline std::pair<Triangle, Triangle> random_pair(Rng& rng, PairKind kind) {
       }
       return {a, b};
     }
+    case PairKind::segment_like:
+      return segment_like_pair(rng);
     default: {
       const Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
       return {a, b};

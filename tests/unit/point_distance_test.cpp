@@ -102,7 +102,8 @@ TEST_P(PointDistanceOfKind, ScalesWithPowersOfTwo) {
 INSTANTIATE_TEST_SUITE_P(EveryKind, PointDistanceOfKind,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::mixed_scale, PairKind::far_away, PairKind::tiny_coordinates));
+                                           PairKind::mixed_scale, PairKind::far_away, PairKind::tiny_coordinates,
+                                           PairKind::segment_like));
 
 TEST(PointDistance, NeverExceedsThatOfTheEdges) {
   // Where rounding decides about the signs of areas, the edges are all that is certain.

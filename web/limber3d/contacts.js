@@ -36,6 +36,15 @@ import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
  */
 
 /**
+ * Which model's triangles have an outside, for the normals of contacts. Without it, those of a closed mesh have one: if
+ * each edge, by vertex ids, is run through as often in one direction as in the other. The outside is where corners run
+ * counter-clockwise. For one model with itself, any but "none" means that its triangles have one.
+ *
+ * @typedef {object} OrientedFacesOptions
+ * @property {"none" | "ofA" | "ofB" | "both"} [orientedFaces]
+ */
+
+/**
  * @typedef {object} CountOptions
  * @property {number} [maxCount] stop after that many pairs
  */
@@ -53,12 +62,16 @@ import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
 /** A part of a triangle: vertex i is corner i, edge i goes from corner i to the next one; 0 for the face.
  * @typedef {{ kind: "vertex" | "edge" | "face", index: number }} Feature */
 
+/** How a normal lies to the outsides of the faces: "outward" out of a and into b; "inward" if the triangles are apart,
+ * and one looks at the back of the other; "unknown" if neither has an outside, or the faces do not tell.
+ * @typedef {"unknown" | "outward" | "inward"} NormalSide */
+
 /**
  * Two triangles that intersect or are close, in the world; for pairs of one model, in the model's own frame.
  *
  * @typedef {object} Contact
  * @property {number} distance 0 exactly when the triangles intersect
- * @property {number} depth 0 unless they intersect: moving b by that much along the normal parts the two
+ * @property {number} depth 0 unless they intersect: moving b by that much along the normal parts the two triangles
  * @property {Point} pointA
  * @property {Point} pointB
  * @property {Point} normal of length 1, from a to b
@@ -66,10 +79,13 @@ import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
  * @property {number} triangleB
  * @property {Feature} featureA
  * @property {Feature} featureB
+ * @property {NormalSide} normalSide whether the normal points the way that parts bodies
  */
 
 /** @type {readonly Feature["kind"][]} */
 export const featureKinds = ["vertex", "edge", "face"];
+/** @type {readonly NormalSide[]} */
+export const normalSides = ["unknown", "outward", "inward"];
 
 /** Many contacts, one array for each of their numbers. */
 export class Contacts {
@@ -94,6 +110,8 @@ export class Contacts {
     this.trianglesB = new Uint32Array(bytes, at + 4 * n, n);
     /** For each contact kind (0 vertex, 1 edge, 2 face) and index of the feature of a, then those of b. */
     this.features = new Uint8Array(bytes, at + 8 * n, 4 * n);
+    /** 0 unknown, 1 outward, 2 inward. */
+    this.normalSides = new Uint8Array(bytes, at + 12 * n, n);
     /** @type {QueryStats} */
     this.stats = stats(0);
   }
@@ -120,6 +138,7 @@ export class Contacts {
       triangleB: this.trianglesB[i],
       featureA: feature(4 * i),
       featureB: feature(4 * i + 2),
+      normalSide: normalSides[this.normalSides[i]],
     };
   }
 
@@ -164,6 +183,14 @@ function filterAndRings({ filter }) {
   return [filterOf({ filter }), 0];
 }
 
+/** @param {OrientedFacesOptions} options */
+function facesOf({ orientedFaces }) {
+  if (orientedFaces === undefined) return -1;
+  const number = ["none", "ofA", "ofB", "both"].indexOf(orientedFaces);
+  if (number < 0) throw invalid("orientedFaces is not none, ofA, ofB or both");
+  return number;
+}
+
 /** @returns {TrianglePairs} */
 const trianglePairs = () => ({
   count: word(2),
@@ -199,15 +226,16 @@ export function intersections(a, b, options = {}) {
  * @param {Model} a
  * @param {Model} b
  * @param {number} margin
- * @param {PoseOptions & PairOptions & CountOptions} [options]
+ * @param {PoseOptions & PairOptions & CountOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function contacts(a, b, margin, options = {}) {
-  checkNames(options, ["poseA", "poseB", "filter", "maxCount"]);
+  checkNames(options, ["poseA", "poseB", "filter", "maxCount", "orientedFaces"]);
   const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
+  const faces = facesOf(options);
   const placed = placedModels(a, b, options);
   const { contacts } = engine();
-  checkWithFilter(filter, () => contacts(...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0));
+  checkWithFilter(filter, () => contacts(...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, faces));
   return new Contacts();
 }
 
@@ -219,15 +247,16 @@ export function contacts(a, b, margin, options = {}) {
  * @param {Model} a
  * @param {Model} b
  * @param {number} count
- * @param {PoseOptions & PairOptions} [options]
+ * @param {PoseOptions & PairOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function closestPairs(a, b, count, options = {}) {
-  checkNames(options, ["poseA", "poseB", "filter"]);
+  checkNames(options, ["poseA", "poseB", "filter", "orientedFaces"]);
   const filter = filterOf(options);
+  const faces = facesOf(options);
   const placed = placedModels(a, b, options);
   const { closestPairs } = engine();
-  checkWithFilter(filter, () => closestPairs(...placed, countOf(count), filter ? 1 : 0));
+  checkWithFilter(filter, () => closestPairs(...placed, countOf(count), filter ? 1 : 0, faces));
   return new Contacts();
 }
 
@@ -296,16 +325,19 @@ export function selfIntersections(model, options = {}) {
  *
  * @param {Model} model
  * @param {number} margin
- * @param {SelfPairOptions & CountOptions} [options]
+ * @param {SelfPairOptions & CountOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function selfContacts(model, margin, options = {}) {
-  checkNames(options, ["filter", "maxCount"]);
+  checkNames(options, ["filter", "maxCount", "orientedFaces"]);
   const maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const [filter, rings] = filterAndRings(options);
+  const faces = facesOf(options);
   const address = addressOf(model);
   const { selfContacts } = engine();
-  checkWithFilter(filter, () => selfContacts(address, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, rings));
+  checkWithFilter(filter, () =>
+    selfContacts(address, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, rings, faces),
+  );
   return new Contacts();
 }
 
@@ -314,14 +346,15 @@ export function selfContacts(model, margin, options = {}) {
  *
  * @param {Model} model
  * @param {number} count
- * @param {SelfPairOptions} [options]
+ * @param {SelfPairOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function selfClosestPairs(model, count, options = {}) {
-  checkNames(options, ["filter"]);
+  checkNames(options, ["filter", "orientedFaces"]);
   const [filter, rings] = filterAndRings(options);
+  const faces = facesOf(options);
   const address = addressOf(model);
   const { selfClosestPairs } = engine();
-  checkWithFilter(filter, () => selfClosestPairs(address, countOf(count), filter ? 1 : 0, rings));
+  checkWithFilter(filter, () => selfClosestPairs(address, countOf(count), filter ? 1 : 0, rings, faces));
   return new Contacts();
 }

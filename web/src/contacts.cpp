@@ -29,6 +29,13 @@ PairOptions options_from(bool has_filter, const NeighborRings* rings) {
   return {};
 }
 
+/// With OrientedFaces by its number; -1 leaves the choice to the library.
+PairOptions options_from(bool has_filter, const NeighborRings* rings, int oriented_faces) {
+  PairOptions options = options_from(has_filter, rings);
+  if (oriented_faces >= 0) options.oriented_faces = static_cast<OrientedFaces>(oriented_faces);
+  return options;
+}
+
 std::vector<TrianglePair> pairs;
 std::vector<Contact> contacts_found;
 std::vector<double> columns;
@@ -58,10 +65,10 @@ void give_pairs(const PairCount& count) {
 void put(double*& to, const Vec3& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; }
 
 /// One column after the other: distances, depths, points of a, points of b, normals; then, in 32 bits, triangles of a
-/// and of b; then, in 8 bits, kind and index of the features of a and of b, contact by contact.
+/// and of b; then, in 8 bits, kind and index of the features of a and of b, contact by contact, and the normals' sides.
 void give_contacts(const PairCount& count) {
   const std::size_t n = contacts_found.size();
-  const std::size_t bytes = n * (11 * sizeof(double) + 2 * sizeof(TriangleId) + 4);
+  const std::size_t bytes = n * (11 * sizeof(double) + 2 * sizeof(TriangleId) + 5);
   columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
   double* to = columns.data();
   for (const Contact& c : contacts_found) *to++ = c.distance;
@@ -78,6 +85,7 @@ void give_contacts(const PairCount& count) {
       *byte++ = static_cast<std::uint8_t>(feature.kind), *byte++ = feature.index;
     }
   }
+  for (const Contact& c : contacts_found) *byte++ = static_cast<std::uint8_t>(c.normal_side);
   give_bytes(columns.data(), bytes);
   give_count(n, count.is_complete, count.stats);
 }
@@ -117,21 +125,22 @@ bool exported_intersections(const Model* a, PoseForm pose_a, const Model* b, Pos
 
 LIMBER_EXPORT(contacts)
 bool exported_contacts(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double margin, double most,
-                       bool has_filter) {
+                       bool has_filter, int oriented_faces) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
     const auto collect = collector(contacts_found, most);
-    give_contacts(visit_contacts(placed_a, placed_b, margin, collect, options_from(has_filter, nullptr)));
+    give_contacts(
+        visit_contacts(placed_a, placed_b, margin, collect, options_from(has_filter, nullptr, oriented_faces)));
   });
 }
 
 LIMBER_EXPORT(closestPairs)
 bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double count,
-                            bool has_filter) {
+                            bool has_filter, int oriented_faces) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
     give_closest(count, triangles_of(*a) * triangles_of(*b), [&](std::span<Contact> closest) {
-      return closest_pairs(placed_a, placed_b, closest, options_from(has_filter, nullptr));
+      return closest_pairs(placed_a, placed_b, closest, options_from(has_filter, nullptr, oriented_faces));
     });
   });
 }
@@ -164,19 +173,20 @@ bool exported_self_intersections(const Model* model, double most, bool has_filte
 }
 
 LIMBER_EXPORT(selfContacts)
-bool exported_self_contacts(const Model* model, double margin, double most, bool has_filter,
-                            const NeighborRings* rings) {
+bool exported_self_contacts(const Model* model, double margin, double most, bool has_filter, const NeighborRings* rings,
+                            int oriented_faces) {
   return guarded([&] {
     const auto collect = collector(contacts_found, most);
-    give_contacts(visit_self_contacts(*model, margin, collect, options_from(has_filter, rings)));
+    give_contacts(visit_self_contacts(*model, margin, collect, options_from(has_filter, rings, oriented_faces)));
   });
 }
 
 LIMBER_EXPORT(selfClosestPairs)
-bool exported_self_closest_pairs(const Model* model, double count, bool has_filter, const NeighborRings* rings) {
+bool exported_self_closest_pairs(const Model* model, double count, bool has_filter, const NeighborRings* rings,
+                                 int oriented_faces) {
   return guarded([&] {
     give_closest(count, triangles_of(*model) * triangles_of(*model), [&](std::span<Contact> closest) {
-      return self_closest_pairs(*model, closest, options_from(has_filter, rings));
+      return self_closest_pairs(*model, closest, options_from(has_filter, rings, oriented_faces));
     });
   });
 }

@@ -265,6 +265,7 @@ class Recorder {
     for (const Contact& c : contacts) {
       out_.number(c.distance), out_.number(c.depth), out_.vec(c.point_a), out_.vec(c.point_b), out_.vec(c.normal);
       id(c.triangle_a), id(c.triangle_b), write(c.feature_a), write(c.feature_b);
+      id(static_cast<std::size_t>(c.normal_side));
     }
     write(stats);
   }

@@ -108,6 +108,7 @@ function sameContacts(found) {
       assert.equal(feature.kind, kinds[reader.number()]);
       same(feature.index, reader.number(), "feature");
     }
+    assert.equal(contact.normalSide, ["unknown", "outward", "inward"][reader.number()]);
     ++i;
   }
   assert.equal(i, found.count);

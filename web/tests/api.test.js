@@ -283,6 +283,14 @@ test("contacts and pairs of triangles", () => {
   assert.deepEqual(some.at(1), close.at(1));
   assert.ok(close.isComplete && limber.intersections(a, b, { poseB, maxCount: pairs.count }).isComplete);
   refuses(() => close.at(close.count), "invalidArgument");
+  for (const contact of limber.contacts(a, b, 0, { poseB, orientedFaces: "none" })) {
+    assert.equal(contact.normalSide, "unknown");
+  }
+  const ways = [...limber.contacts(a, b, 0, { poseB, orientedFaces: "both" })].map((contact) => contact.normalSide);
+  assert.ok(ways.includes("outward") && !ways.includes("inward"));
+  for (const orientedFaces of ["a", 1, null]) {
+    refuses(() => limber.contacts(a, b, 0, { orientedFaces }), "invalidArgument", "orientedFaces");
+  }
   refuses(() => limber.contacts(a, b, -1), "invalidArgument", "margin");
   const nearest = limber.closestPairs(a, b, 7, { poseB: { translation: [0, 0, 1] } });
   assert.equal(nearest.count, 7);

@@ -30,10 +30,13 @@ class ClosestPairs {
 
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (is_self && b.id < a.id) return compare(b, a);
-    if (!pairs_.counts(a, b) || (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b))) return std::nullopt;
+    if (!pairs_.counts(a, b)) return std::nullopt;
+    const bool are_neighbors = pairs_.are_neighbors(a, b);
+    if (are_neighbors && !pairs_.meet(a, b)) return std::nullopt;
     const bool is_full = count == closest_.size();
-    const Contact contact{geometry::contact(a.corners, b.corners), a.id, b.id};
-    if (is_full && contact.distance >= closest_.front().distance) return std::nullopt;
+    const double farthest = is_full ? closest_.front().distance : std::numeric_limits<double>::infinity();
+    const Contact contact = pairs_.contact(a, b, are_neighbors, farthest);
+    if (is_full && contact.distance >= farthest) return std::nullopt;
     LIMBER_ASSERT(count <= closest_.size());
     // A heap with the farthest pair first.
     if (is_full) {
@@ -44,8 +47,8 @@ class ClosestPairs {
     }
     std::push_heap(closest_.begin(), closest_.begin() + static_cast<std::ptrdiff_t>(count), is_closer);
     if (count < closest_.size()) return std::nullopt;
-    const double farthest = closest_.front().distance;
-    return Improvement{farthest, farthest, contact.point_b - contact.point_a};
+    const double prune_distance = closest_.front().distance;
+    return Improvement{prune_distance, prune_distance, contact.point_b - contact.point_a};
   }
 
   /// Puts the nearest first.

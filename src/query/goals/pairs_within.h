@@ -33,8 +33,9 @@ class PairsWithin {
   std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (is_self && b.id < a.id) return compare(b, a);
     if (!pairs_.counts(a, b)) return std::nullopt;
-    if (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b)) return std::nullopt;
-    const Contact contact{geometry::contact(a.corners, b.corners), a.id, b.id};
+    const bool are_neighbors = pairs_.are_neighbors(a, b);
+    if (are_neighbors && !pairs_.meet(a, b)) return std::nullopt;
+    const Contact contact = pairs_.contact(a, b, are_neighbors, margin_);
     LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
     if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
     return std::nullopt;

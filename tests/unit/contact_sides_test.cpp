@@ -1,0 +1,366 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The sides of contact normals: of two triangles that have an outside, and of closed meshes, where the normals together
+// must part the bodies.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "limber/contacts.h"
+#include "limber/reference.h"
+#include "scenes/scenes.h"
+#include "support/exact_overlap.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr OrientedFaces all_oriented[] = {OrientedFaces::none, OrientedFaces::of_a, OrientedFaces::of_b,
+                                          OrientedFaces::both};
+
+OrientedFaces swapped_faces(OrientedFaces faces) {
+  if (faces == OrientedFaces::of_a) return OrientedFaces::of_b;
+  return faces == OrientedFaces::of_b ? OrientedFaces::of_a : faces;
+}
+
+Vec3 scaled_to_one(const Vec3& v) { return length_sq(v) == 0 ? v : v * (1 / length(v)); }
+Vec3 face_normal(const Triangle& t) { return scaled_to_one(cross(t.v1 - t.v0, t.v2 - t.v0)); }
+
+// --- two triangles ---
+
+const Triangle floor_face{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};  // its outside is up
+
+TEST(ContactSides, OfTwoTrianglesHaveKnownValues) {
+  // Looks down and a little sideways, and reaches through the floor.
+  const Triangle lid{{1, 1, -0.25}, {1, 2, 1}, {2.5, 1, 1}};
+  const Vec3 n = face_normal(lid);
+  ASSERT_LT(n.z, 0);
+  const TriangleContact both = contact(floor_face, lid, OrientedFaces::both);
+  EXPECT_EQ(both.normal_side, NormalSide::outward);
+  EXPECT_LE(max_abs(both.normal - scaled_to_one(Vec3{0, 0, 1} - n)), 1e-15);
+  const TriangleContact of_a = contact(floor_face, lid, OrientedFaces::of_a);
+  EXPECT_LE(max_abs(of_a.normal - scaled_to_one(Vec3{0, 0, 1} + n.z * n)), 1e-15);
+  EXPECT_GT(of_a.normal.z, 0);
+  // The floor seen from below: b must go down, and of both faces the lid is the one to believe.
+  const Triangle ceiling{floor_face.v0, floor_face.v2, floor_face.v1};
+  EXPECT_LT(contact(ceiling, lid, OrientedFaces::of_a).normal.z, 0);
+  EXPECT_GT(contact(ceiling, lid, OrientedFaces::of_b).normal.z, 0);
+}
+
+TEST(ContactSides, OfFacesThatLookTheSameWayAreUnknown) {
+  const auto through_the_floor = [](double angle) {  // its outside is up, turned by the angle
+    const double c = std::cos(angle), s = std::sin(angle);
+    return Triangle{{1 - c, 1, -s}, {1 + c, 1, s}, {1, 2, 0}};
+  };
+  for (const double degrees : {0.0, 1.0, 29.0}) {
+    const Triangle t = through_the_floor(degrees * std::acos(-1.0) / 180);
+    const TriangleContact c = contact(floor_face, t, OrientedFaces::both), plain = contact(floor_face, t);
+    EXPECT_EQ(c.normal_side, NormalSide::unknown) << degrees;
+    EXPECT_EQ(c.normal, plain.normal);
+    EXPECT_EQ(c.depth, plain.depth);
+    EXPECT_EQ(contact(floor_face, t, OrientedFaces::of_a).normal_side, NormalSide::outward) << degrees;
+  }
+  const Triangle t = through_the_floor(31 * std::acos(-1.0) / 180);
+  EXPECT_EQ(contact(floor_face, t, OrientedFaces::both).normal_side, NormalSide::outward);
+}
+
+TEST(ContactSides, OfTrianglesThatAreApartTellTheBackFromTheFront) {
+  const Triangle above{{1, 1, 2}, {1, 2, 5}, {2, 1, 5}};  // looks down
+  const Triangle back{above.v0, above.v2, above.v1};
+  EXPECT_EQ(contact(floor_face, above).normal_side, NormalSide::unknown);
+  EXPECT_EQ(contact(floor_face, above, OrientedFaces::both).normal_side, NormalSide::outward);
+  EXPECT_EQ(contact(floor_face, back, OrientedFaces::both).normal_side, NormalSide::inward);
+  EXPECT_EQ(contact(floor_face, back, OrientedFaces::of_a).normal_side, NormalSide::outward);
+  const Triangle below{{1, 1, -2}, {1, 2, -5}, {2, 1, -5}};
+  EXPECT_EQ(contact(floor_face, below, OrientedFaces::of_a).normal_side, NormalSide::inward);
+  EXPECT_EQ(contact(floor_face, below, OrientedFaces::none).normal_side, NormalSide::unknown);
+  // A wall stands on the floor's level: the normal lies in its face.
+  const Triangle wall{{1, 1, 0.1}, {2, 1, 0.1}, {1, 1, 5}};
+  EXPECT_EQ(contact(floor_face, wall, OrientedFaces::both).normal_side, NormalSide::outward);
+}
+
+TEST(ContactSides, OfDegenerateTrianglesAreThoseOfTheOther) {
+  const Triangle needle{{1, 1, -1}, {1, 1, 1}, {1, 1, 1}};
+  const TriangleContact c = contact(floor_face, needle, OrientedFaces::both);
+  EXPECT_EQ(c.normal_side, NormalSide::outward);
+  EXPECT_EQ(c.normal, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(c.depth, 1, 1e-14);
+  EXPECT_EQ(contact(needle, needle, OrientedFaces::both).normal_side, NormalSide::unknown);
+  EXPECT_EQ(contact(floor_face, needle, OrientedFaces::of_b).normal_side, NormalSide::unknown);
+}
+
+/// Checks what contact() promises of triangles with outsides.
+void expect_sided(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+  const TriangleContact c = contact(a, b, oriented), plain = contact(a, b);
+  const TriangleContact swapped = contact(b, a, swapped_faces(oriented));
+  EXPECT_EQ(c.distance, plain.distance);
+  EXPECT_EQ(c.point_a, plain.point_a);
+  EXPECT_EQ(c.feature_b, plain.feature_b);
+  EXPECT_NEAR(length(c.normal), 1, 0x1p-50);
+  EXPECT_TRUE(c.distance > 0 || swapped.normal_side == c.normal_side);
+  EXPECT_TRUE(oriented != OrientedFaces::none || c.normal_side == NormalSide::unknown);
+  if (c.distance > 0 || c.normal_side == NormalSide::unknown) {
+    EXPECT_EQ(c.normal, plain.normal);
+    EXPECT_EQ(c.depth, plain.depth);
+    return;
+  }
+  EXPECT_EQ(c.normal_side, NormalSide::outward);
+  EXPECT_EQ(swapped.normal, -c.normal);
+  EXPECT_EQ(swapped.depth, c.depth);
+  EXPECT_GE(c.depth * (1 + 0x1p-40), plain.depth - 0x1p-24 * extent_of_pair(a, b));
+  const exact::FractionVec n = exact::exactly(c.normal);
+  const exact::Fraction least = exact::fraction(0x1p-1000 * (extent_of_pair(a, b) + 1));
+  EXPECT_GE((exact::fraction(c.depth) + least) * exact::exact_dot(n, n), exact::overlap_along(n, a, b));
+}
+
+TEST(ContactSides, OfRandomTrianglesAreSound) {
+  Rng rng(431);
+  int outward = 0;
+  for (int i = 0; i < 6000 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const auto [a, b] = random_pair(rng, static_cast<PairKind>(i % static_cast<int>(PairKind::count)));
+    for (const OrientedFaces oriented : all_oriented) {
+      expect_sided(a, b, oriented);
+      const TriangleContact c = contact(a, b, oriented);
+      if (c.distance > 0 || c.normal_side != NormalSide::outward) continue;
+      ++outward;
+      // Neither into a nor out of b, where their faces are known well.
+      const auto is_clear = [](const Triangle& t) {
+        return length_sq(cross(t.v1 - t.v0, t.v2 - t.v0)) > 1e-12 * length_sq(t.v1 - t.v0) * length_sq(t.v2 - t.v0);
+      };
+      EXPECT_TRUE(oriented == OrientedFaces::of_b || !is_clear(a) || dot(c.normal, face_normal(a)) >= -1e-9);
+      EXPECT_TRUE(oriented == OrientedFaces::of_a || !is_clear(b) || dot(c.normal, face_normal(b)) <= 1e-9);
+    }
+  }
+  EXPECT_GT(outward, 1000);
+}
+
+TEST(ContactSides, OfTwoTrianglesDoNotDependOnScale) {
+  Rng rng(432);
+  for (int i = 0; i < 400; ++i) {
+    const auto [a, b] = random_pair(rng, PairKind::uniform);
+    const TriangleContact c = contact(a, b, OrientedFaces::both);
+    for (const double scale : {0x1p-500, 0x1p-200, 0x1p60, 0x1p190}) {
+      const auto scaled = [&](const Triangle& t) { return Triangle{t.v0 * scale, t.v1 * scale, t.v2 * scale}; };
+      const TriangleContact d = contact(scaled(a), scaled(b), OrientedFaces::both);
+      ASSERT_EQ(d.normal_side, c.normal_side) << "case " << i << ", scale " << scale;
+      ASSERT_LE(max_abs(d.normal - c.normal), 1e-14) << "case " << i << ", scale " << scale;
+    }
+  }
+}
+
+// --- bodies ---
+
+Mesh turned_inside_out(const Mesh& mesh) {
+  std::vector<Corners> triangles = mesh.triangles();
+  for (Corners& c : triangles) std::swap(c[1], c[2]);
+  return Mesh::create(mesh.positions(), std::move(triangles)).value();
+}
+
+Mesh shrunk(const Mesh& mesh, double factor) {
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p *= factor;
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+/// What a solver makes of a list of contacts.
+struct Resultant {
+  std::size_t intersecting = 0, unknown = 0, inward = 0, outward = 0;
+  std::size_t backwards = 0;  // of those that intersect
+  Vec3 sum, weighted;         // normals of those that intersect; the same by their depths
+  Vec3 sum_of_outward;        // of all that are outward
+};
+
+Resultant resultant_of(const Placed& a, const Placed& b, double margin, const Vec3& out_of_a,
+                       const PairOptions& options = {}) {
+  Resultant result;
+  const PairCount count = visit_contacts(
+      a, b, margin,
+      [&](const Contact& c) {
+        result.unknown += c.normal_side == NormalSide::unknown;
+        result.inward += c.normal_side == NormalSide::inward;
+        if (c.normal_side == NormalSide::outward) ++result.outward, result.sum_of_outward += c.normal;
+        if (c.distance > 0) return true;
+        ++result.intersecting;
+        result.backwards += dot(c.normal, out_of_a) < 0;
+        result.sum += c.normal, result.weighted += c.depth * c.normal;
+        return true;
+      },
+      options);
+  EXPECT_TRUE(count.is_complete);
+  return result;
+}
+
+double cosine_between(const Vec3& v, const Vec3& w) { return dot(scaled_to_one(v), scaled_to_one(w)); }
+
+TEST(ContactSides, OfTwoBallsPartThem) {
+  Rng rng(433);
+  std::size_t scenes_that_meet = 0;
+  for (const auto& [slices, stacks] : {std::pair{12U, 9U}, {33U, 20U}, {100U, 60U}, {300U, 180U}}) {
+    const Model a(scenes::ball(slices, stacks)), b(scenes::ball(slices + 3, stacks - 1));
+    for (const double depth : {0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.5}) {
+      for (int turn = 0; turn < 4; ++turn) {
+        SCOPED_TRACE(std::to_string(slices) + " slices, depth " + std::to_string(depth));
+        const Vec3 out = scaled_to_one(uniform_point(rng));
+        const Placed placed_a{a, {scenes::random_rotation(rng), {}}};
+        const Placed placed_b{b, {scenes::random_rotation(rng), out * (2 - depth)}};
+        const Resultant r = resultant_of(placed_a, placed_b, 0.002, out);
+        if (r.intersecting == 0) continue;  // flat faces do not reach as far as balls
+        ++scenes_that_meet;
+        EXPECT_EQ(r.backwards, 0U);
+        EXPECT_EQ(r.unknown, 0U);
+        EXPECT_GE(cosine_between(r.sum, out), 0.99);
+        EXPECT_GE(cosine_between(r.weighted, out), 0.99);
+        EXPECT_GE(cosine_between(r.sum_of_outward, out), 0.99);
+      }
+    }
+  }
+  EXPECT_GT(scenes_that_meet, 60U);
+}
+
+TEST(ContactSides, OfBallsWithAWideMarginPartThemWithoutThoseInward) {
+  const Model ball(scenes::ball(60, 40));
+  for (const double depth : {0.01, 0.05, 0.2}) {
+    for (const double margin : {0.02, 0.05, 0.1}) {
+      const Resultant r = resultant_of({ball}, {ball, {{}, {2 - depth, 0.01, 0.02}}}, margin, {1, 0, 0});
+      EXPECT_GT(r.inward, 0U);
+      EXPECT_GE(cosine_between(r.sum_of_outward, {1, 0, 0}), 0.95) << depth << ", margin " << margin;
+    }
+  }
+}
+
+TEST(ContactSides, OfToriPartThem) {
+  const Model ring(scenes::ring(48, 24, 0.4));
+  for (const double depth : {0.01, 0.1, 0.3}) {
+    const Resultant stacked = resultant_of({ring}, {ring, {{}, {0.0123, 0.02, 0.8 - depth}}}, 0, {0, 0, 1});
+    const Resultant beside = resultant_of({ring}, {ring, {{}, {2.8 - depth, 0.01, 0.02}}}, 0, {1, 0, 0});
+    EXPECT_GE(cosine_between(stacked.sum, {0, 0, 1}), 0.99) << depth;
+    EXPECT_GE(cosine_between(beside.sum, {1, 0, 0}), 0.99) << depth;
+    EXPECT_EQ(stacked.backwards + beside.backwards + stacked.unknown + beside.unknown, 0U);
+  }
+}
+
+TEST(ContactSides, OfAClosedMeshInAClothAreThoseOfTheClosedOne) {
+  Rng rng(434);
+  const Model cloth(scenes::grid(40, 40, -2, -2, 0.1, 0.1)), ball(scenes::ball(50, 30));
+  EXPECT_FALSE(cloth.mesh().is_closed());
+  for (const double through : {0.01, 0.05, 0.2, 0.5}) {
+    const Transform above{scenes::random_rotation(rng), {0.01, 0.02, 1 - through}};
+    const Resultant over = resultant_of({cloth}, {ball, above}, 0.002, {0, 0, 1});
+    const Resultant under = resultant_of({ball, above}, {cloth}, 0.002, {0, 0, -1});
+    for (const Resultant& r : {over, under}) {
+      EXPECT_EQ(r.unknown, 0U);
+      EXPECT_EQ(r.backwards, 0U) << through;
+    }
+    EXPECT_GE(cosine_between(over.sum, {0, 0, 1}), 0.99) << through;
+    EXPECT_LE(max_abs(under.sum + over.sum), 1e-12);
+  }
+}
+
+TEST(ContactSides, OfOpenMeshesAreUnknownUnlessAskedFor) {
+  const Model soup_a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}}));
+  const Model soup_b(soup({{{0.2, 0.2, -0.1}, {0.2, 0.3, 1}, {0.3, 0.2, 1}}}));
+  std::vector<Contact> found(4);
+  ASSERT_EQ(contacts({soup_a}, {soup_b}, 0, found).count, 1U);
+  const TriangleContact plain = contact(soup_a.mesh().triangle(0), soup_b.mesh().triangle(0));
+  EXPECT_EQ(found[0].normal_side, NormalSide::unknown);
+  EXPECT_EQ(found[0].normal, plain.normal);
+  EXPECT_EQ(found[0].depth, plain.depth);
+  for (const OrientedFaces faces : all_oriented) {
+    const TriangleContact asked = contact(soup_a.mesh().triangle(0), soup_b.mesh().triangle(0), faces);
+    ASSERT_EQ(contacts({soup_a}, {soup_b}, 0, found, {.oriented_faces = faces}).count, 1U);
+    EXPECT_EQ(found[0].normal_side, asked.normal_side);
+    EXPECT_EQ(found[0].normal, asked.normal);
+  }
+  const Model ball(scenes::ball(20, 12));
+  const Resultant r =
+      resultant_of({ball}, {ball, {{}, {1.8, 0.01, 0.02}}}, 0, {1, 0, 0}, {.oriented_faces = OrientedFaces::none});
+  EXPECT_EQ(r.unknown, r.intersecting);
+}
+
+TEST(ContactSides, FollowTheFaces) {
+  const Mesh mesh = scenes::ball(30, 20);
+  const Model ball(mesh), hollow(turned_inside_out(mesh));
+  const Model cloth(scenes::grid(40, 40, -2, -2, 0.1, 0.1));
+  const Transform pose{{}, {0.013, 0.021, 0.8}};
+  // A cave pushes the cloth, and a ball that is stuck in its wall, inward.
+  EXPECT_GE(cosine_between(resultant_of({cloth}, {ball, pose}, 0, {}).sum, {0, 0, 1}), 0.99);
+  EXPECT_GE(cosine_between(resultant_of({cloth}, {hollow, pose}, 0, {}).sum, {0, 0, -1}), 0.99);
+  const Model small(shrunk(mesh, 0.4));
+  for (const double at : {0.65, 0.8}) {
+    const Resultant r = resultant_of({hollow}, {small, {{}, {at, 0.01, 0.02}}}, 0, {-1, 0, 0});
+    EXPECT_GE(cosine_between(r.sum, {-1, 0, 0}), 0.98) << at;
+    EXPECT_EQ(r.unknown, 0U);
+  }
+}
+
+TEST(ContactSides, OfABodyInsideACopyOfItselfAreUnknown) {
+  const Mesh mesh = scenes::ball(30, 20);
+  const Model ball(mesh), inner(shrunk(mesh, 0.9995));
+  const Mat3 turned{{0.6, -0.8, 0}, {0.8, 0.6, 0}, {0, 0, 1}};
+  const Resultant r = resultant_of({ball}, {inner, {turned, {0.0005, 0, 0}}}, 0, {1, 0, 0});
+  EXPECT_GT(r.intersecting, 500U);
+  EXPECT_EQ(r.unknown, r.intersecting);
+}
+
+TEST(ContactSides, AreKnownOfClosestPairsToo) {
+  const Model ball(scenes::ball(20, 12));
+  std::vector<Contact> closest(9);
+  ASSERT_EQ(closest_pairs({ball}, {ball, {{}, {2.5, 0, 0}}}, closest).count, closest.size());
+  for (const Contact& c : closest) EXPECT_EQ(c.normal_side, NormalSide::outward);
+}
+
+// --- one model with itself ---
+
+TEST(ContactSides, OfOneModelAreThoseOfTwoBodies) {
+  // Two balls as one mesh.
+  const Mesh ball = scenes::ball(24, 16);
+  std::vector<Vec3> positions = ball.positions();
+  std::vector<Corners> triangles = ball.triangles();
+  const auto first = static_cast<VertexId>(positions.size());
+  for (const Vec3& p : ball.positions()) positions.push_back(p + Vec3{1.9, 0.01, 0.02});
+  for (const Corners& c : ball.triangles()) triangles.push_back({first + c[0], first + c[1], first + c[2]});
+  const Model both(Mesh::create(positions, triangles).value());
+  Vec3 sum;
+  visit_self_contacts(both, 0, [&](const Contact& c) {
+    EXPECT_EQ(c.normal_side, NormalSide::outward);
+    EXPECT_LT(c.triangle_a, ball.triangles().size());
+    sum += c.normal;
+    return true;
+  });
+  EXPECT_GE(cosine_between(sum, {1, 0, 0}), 0.99);
+  std::size_t unknown = 0, count = 0;
+  visit_self_contacts(both, 0,
+                      [&](const Contact& c) { return ++count, unknown += c.normal_side == NormalSide::unknown, true; },
+                      {.oriented_faces = OrientedFaces::none});
+  EXPECT_EQ(unknown, count);
+}
+
+TEST(ContactSides, OfNeighborsAreUnknown) {
+  // A double pyramid over a bent quadrilateral: two faces at the top cross beyond their common corner.
+  const std::vector<Vec3> positions{{0, 0, 1},        {0, 0, -1},     {1, 0, 0},       {1, 1, 0},
+                                    {-0.2, 0.5, 0.3}, {1, 0.2, -0.5}, {0.8, -0.4, 0.6}};
+  std::vector<Corners> triangles;
+  for (VertexId i = 0; i < 5; ++i) {
+    const VertexId v = 2 + i, w = 2 + (i + 1) % 5;
+    triangles.push_back({0, v, w}), triangles.push_back({1, w, v});
+  }
+  const Model folded(Mesh::create(positions, triangles).value());
+  ASSERT_TRUE(folded.mesh().is_closed());
+  std::size_t neighbors = 0;
+  visit_self_contacts(folded, 0, [&](const Contact& c) {
+    const Corners &v = folded.mesh().triangles()[c.triangle_a], &w = folded.mesh().triangles()[c.triangle_b];
+    if (std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) == v.end()) return true;
+    ++neighbors;
+    EXPECT_EQ(c.normal_side, NormalSide::unknown);
+    return true;
+  });
+  EXPECT_GT(neighbors, 0U);
+}
+
+}  // namespace
+}  // namespace limber::testing
