@@ -171,7 +171,7 @@ LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 /// Throws   As closest_points().
 /// Cost     As above.
 /// Source   docs/algorithms/triangle_distance.md, "Outsides".
-TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented);
+LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented);
 
 /// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 LIMBER_API Sphere enclosing_sphere(const Triangle& triangle);
