@@ -113,8 +113,8 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 ///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
 ///          may depend on it, and nothing else.
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
-/// Cost     In practice O(n) for surfaces that do not meet themselves; O(n^2) at worst. 40 kB of stack; allocates
-///          nothing but a cache's memory.
+/// Cost     In practice O(n) for surfaces that do not meet themselves, O(n log n) for triangles around one vertex or
+///          edge; O(n^2) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& options = {});

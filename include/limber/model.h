@@ -197,7 +197,7 @@ class Placed {
 /// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
 /// by other models only costs time, and little of that. Self-queries (contacts.h) use and leave the triangles alone.
 ///
-/// Cost     50 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
+/// Cost     90 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
 /// Threads  One call at a time.
 /// Source   docs/algorithms/traversal.md, "Warm start".
 class QueryCache {

@@ -43,7 +43,7 @@ struct ClosestObjects {
 /// pairs asked about last, and the closest objects. Answers do not depend on it beyond rounding and the asked error; a
 /// cache that was filled by another scene only costs time.
 ///
-/// Memory   At most 50 kB for each of `max_pairs` pairs, allocated when they are asked about. Where a call is about
+/// Memory   At most 90 kB for each of `max_pairs` pairs, allocated when they are asked about. Where a call is about
 ///          more pairs, some are asked without. Otherwise those that have not been asked about for longest lose theirs.
 /// Cost     Pays where models move by a hundredth of their size between calls, or less; docs/design/scene.md.
 /// Threads  One call at a time.

@@ -146,6 +146,7 @@ class PlaneBetween {
 
 bool share_and_are_apart(const PlacedModels& placed, bvh::SlotId a, bvh::SlotId b, Apart what, double margin) {
   const bvh::Tree& tree = placed.tree(Side::a);
+  LIMBER_ASSERT(&tree == &placed.tree(Side::b) && placed.is_placed_exactly() && margin >= 0);
   const bvh::Subtree subtrees[2] = {bvh::subtree_of(tree, a), bvh::subtree_of(tree, b)};
   CommonVertices common(tree.leaves[subtrees[0].first_leaf].vertices[0]);
   // Nearly always the last triangles share nothing with the first.

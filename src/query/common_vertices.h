@@ -13,9 +13,9 @@ enum class Apart {
   elements    ///< also, vertices and faces, and edges, that share no vertex are farther apart than a margin
 };
 
-/// Whether all triangles below two slots of one model share a vertex or an edge, as in a fan or a book, and those of one
-/// slot are certainly apart from those of the other. Bounding volumes cannot tell, since all of them contain what is
-/// shared.
+/// Whether all triangles below two slots of one model share a vertex or an edge, as in a fan or a book, and those of
+/// one slot are certainly apart from those of the other. Bounding volumes cannot tell, since all of them contain what
+/// is shared.
 ///
 /// Promise  True only if it is so, whatever rounding does.
 /// Pre      Both models of `placed` are one, and placed alike.

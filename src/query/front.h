@@ -22,8 +22,7 @@ namespace limber::query {
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
 /// Differs   The front is not compared as a whole. odometer() sums up all motion, as an upper bound of what two
-///           points can have come closer by; a pair is not compared again until that sum has used up its distance. A
-///           traversal that was interrupted leaves a front like any other: what was open has smaller bounds.
+///           points can have come closer by; a pair is not compared again until that sum has used up its distance.
 ///
 /// A record is one expansion: the wide node that was expanded, the slot of the other tree that its children were
 /// compared with, the children that were not expanded in turn, and a lower bound of their distance. The other children
@@ -60,6 +59,7 @@ class Front {
   }
   /// Goes on with an interrupted traversal. Returns the search direction that it had. Pre: can_continue().
   std::optional<Vec3> go_on() {
+    LIMBER_ASSERT(is_complete_ && is_suspended_);
     is_complete_ = is_suspended_ = false;
     return direction_;
   }
@@ -79,6 +79,7 @@ class Front {
   }
   /// Interrupts a traversal: what it has left is in the queue of state(), all else is at least `cutoff` apart.
   void suspend(double cutoff, const std::optional<Vec3>& direction) {
+    LIMBER_ASSERT(!is_complete_ && cutoff > 0);
     is_complete_ = is_suspended_ = true;
     cutoff_ = cutoff;
     direction_ = direction;

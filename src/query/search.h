@@ -63,8 +63,8 @@ Unsearched traverse_on(const Traversal<Goal, true>& begun, const PlacedModels& p
   return left;
 }
 
-/// Runs a traversal with a cache: goes on with the one that was interrupted, starts with the records of the last one, or
-/// from the roots, whatever promises to be the cheapest.
+/// Runs a traversal with a cache: goes on with the one that was interrupted, starts with the records of the last one,
+/// or from the roots, whatever promises to be the cheapest.
 template <typename Goal>
 Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& pruning, QueryCache::Impl& cache,
                     Goal& goal, BudgetMeter& meter, QueryStats& stats) {

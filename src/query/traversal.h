@@ -31,8 +31,8 @@ namespace limber::query {
 ///           node at once. Pairs that overlap are taken first, then the nearest. Bounds also use the search direction,
 ///           in which the closest pair so far is apart.
 ///
-/// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed, and owns the state
-/// of the traversal. The traversal owns what is pruned, and nothing else changes while it runs: goals return
+/// `Goal` is described in query/goals/improvement.h. With `has_front` a front is recorded, or resumed, and owns the
+/// state of the traversal. The traversal owns what is pruned, and nothing else changes while it runs: goals return
 /// improvements, placed models are constant.
 template <typename Goal, bool has_front>
 class Traversal {
@@ -313,8 +313,8 @@ class Traversal {
     return true;
   }
 
-  /// Whether the triangles of a model that are below two slots need not be compared, because they meet only where all of
-  /// them do: those of a fan or a book. Leaves are too small for that to pay.
+  /// Whether the triangles of a model below two slots need not be compared, because they meet only in what all of them
+  /// share: those of a fan or a book. Leaves are too small for this test to pay.
   bool share_and_are_apart(const NodePair& pair) const {
     const bvh::Tree& tree = placed_.tree(Side::a);
     const std::uint32_t end = tree.first_lowest_node();

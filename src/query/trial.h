@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/check.h"
+
 namespace limber::query {
 
 /// Decides, from what it has given so far, whether to try something that saves time in some queries and costs time in
@@ -19,7 +21,10 @@ class Trial {
     if (!is_on_) credit_ += allowance;
     return is_on_;
   }
-  void add_gain(double gain) { credit_ = std::clamp(credit_ + gain, -1.0, 2.0); }
+  void add_gain(double gain) {
+    LIMBER_ASSERT(gain <= 1);
+    credit_ = std::clamp(credit_ + gain, -1.0, 2.0);
+  }
 
  private:
   // Several queries in a row: the first may only prepare what the next one profits from.

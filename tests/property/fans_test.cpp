@@ -19,7 +19,7 @@
 namespace limber::testing {
 namespace {
 
-std::vector<TrianglePair> sorted(std::vector<TrianglePair> pairs) {
+std::vector<TrianglePair> in_order_of_ids(std::vector<TrianglePair> pairs) {
   std::sort(pairs.begin(), pairs.end(),
             [](const TrianglePair& p, const TrianglePair& q) { return std::tie(p.a, p.b) < std::tie(q.a, q.b); });
   return pairs;
@@ -34,9 +34,9 @@ TEST(Fans, MeetThemselvesWhereBruteForceSaysSo) {
     const Model model(mesh);
     std::vector<TrianglePair> found;
     visit_self_intersections(model, [&](const TrianglePair& pair) { return found.push_back(pair), true; });
-    const std::vector<TrianglePair> truth = sorted(reference::self_intersections(mesh));
+    const std::vector<TrianglePair> truth = in_order_of_ids(reference::self_intersections(mesh));
     ASSERT_EQ(found.size(), truth.size());
-    found = sorted(std::move(found));
+    found = in_order_of_ids(std::move(found));
     for (std::size_t k = 0; k < truth.size(); ++k) {
       ASSERT_EQ(std::tie(found[k].a, found[k].b), std::tie(truth[k].a, truth[k].b));
     }

@@ -10,8 +10,8 @@
 
 #include "support/random_geometry.h"
 
-/// Triangles that share a vertex or an edge: the caps of cylinders and cones, books, n copies of a triangle; in order or
-/// not, flat or not, meeting each other or not.
+/// Triangles that share a vertex or an edge: the caps of cylinders and cones, books, n copies of a triangle; in order
+/// or not, flat or not, meeting each other or not.
 namespace limber::testing {
 
 /// A flat fan of triangles around one vertex, as a file has the cap of a cylinder.

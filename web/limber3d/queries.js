@@ -131,7 +131,7 @@ const answers = ["no", "yes", "unknown"];
 
 /**
  * What a query of two models has found, for the next query of the same two to start from. Keep one for each pair, from
- * frame to frame. Answers do not depend on it beyond the asked error and rounding. 50 kB, which dispose() frees.
+ * frame to frame. Answers do not depend on it beyond the asked error and rounding. 90 kB, which dispose() frees.
  */
 export class QueryCache extends Owner {
   constructor() {
