@@ -131,11 +131,13 @@ void check_contact(const Scene& s, bool meet, OrientedFaces oriented, OrientedFa
   require(meet || found.depth == 0, "triangles that are apart have no depth");
   require(!meet || is_same(s.a, s.b) || swapped.normal == -found.normal,
           "swapping triangles that meet negates the normal");
+  const TriangleContact plain = contact(s.a, s.b);
+  require(found.depth == plain.depth, "a depth does not depend on outsides");
   double end = -HUGE_VAL, start = HUGE_VAL;
   for (std::size_t i = 0; i < 3; ++i) {
-    end = std::max(end, dot(found.normal, s.a[i])), start = std::min(start, dot(found.normal, s.b[i]));
+    end = std::max(end, dot(plain.normal, s.a[i])), start = std::min(start, dot(plain.normal, s.b[i]));
   }
-  require(start + found.depth >= end - s.tolerance, "the depth along the normal parts the triangles");
+  require(start + plain.depth >= end - s.tolerance, "the depth along the normal parts the triangles");
   const bool has_faces = found.feature_a.kind == FeatureKind::face && found.feature_b.kind == FeatureKind::face;
   require(!has_faces, "at most one feature of a contact is a face");
 }

@@ -59,9 +59,9 @@ std::string contact_rows_help() {
     return fmt::format("{}", fmt::join(fields_of(columns, ','), ", "));
   };
   return fmt::format(R"(The deepest pairs come first, then the nearest; ids decide where these are equal. distance is 0
-exactly where the triangles intersect. depth is then how far b has to move along the normal for the two triangles to
-part, and 0 otherwise; it is no depth of the models, and vanishes as meshes are refined. The normal has length 1 and
-points from a to b. normal_side is outward where it points out of a and into b, as the faces of closed meshes say;
+exactly where the triangles intersect. depth is then how far b has to move at least for the two triangles to part, and
+0 otherwise; it is no depth of the models, and vanishes as meshes are refined. The normal has length 1 and points from
+a to b. normal_side is outward where it points out of a and into b, as the faces of closed meshes say;
 inward where one triangle looks at the back of the other, so that the pair may lie inside a body; unknown where no mesh
 is closed, or the faces do not tell. point_a and point_b are closest points, and one point where the triangles
 intersect; lengths are in the meshes' unit. feature_a and feature_b are the parts of the triangles that

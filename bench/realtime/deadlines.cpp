@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question        What does a query know when its time is up? How late is it then? What does a cache save or cost?
-// Workload        Scans beside each other and the source's ball over its square, near and far apart, at rest and in
-//                 motion of b by a given part of the scene's size a frame.
+// Question        What does a query know when its time is up? How late is it then?
+// Workload        Scans beside each other and the source's ball over its square, near and far apart.
 // Metric          Time of a query that may make no step. How long queries go on after deadlines from 5 us to 1 ms, next
 //                 to a loop that does nothing but look at the clock. Width of the interval after parts of the time of
-//                 the exact query. Time with a cache over time without one.
-// Expected shape  Overruns of a few us, until the machine itself interrupts. Widths that shrink quickly. A cache that
-//                 saves the more the slower the motion, and costs nothing where there is none in common.
+//                 the exact query.
+// Expected shape  Overruns of a few us, until the machine itself interrupts. Widths that shrink quickly.
 // Checked         Every interval holds the exact distance.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -123,56 +121,6 @@ void measure_widths(const std::vector<Scene>& scenes, Markdown& text) {
   }
 }
 
-/// Frames in which b turns and slides by `step` of the scene's size, or at random if that is 0.
-std::vector<Transform> path(const Transform& start, double size, double step, std::size_t frames) {
-  scenes::Rng rng(7);
-  std::vector<Transform> poses;
-  for (std::size_t f = 0; f < frames; ++f) {
-    const double t = step * static_cast<double>(f);
-    const Vec3 axis =
-        step > 0 ? t * Vec3{0.6, -0.3, 0.7} : Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
-    const Transform turn = transform_from_quaternion({}, 1, axis.x, axis.y, axis.z).value();
-    poses.push_back({turn.rotation * start.rotation, start.translation + 0.5 * size * t * Vec3{0.3, 0.8, -0.2}});
-  }
-  return poses;
-}
-
-void compare_caches(const std::vector<Scene>& scenes, Checker& checker, Markdown& text, std::size_t frames) {
-  text.line("\n## With a cache\n");
-  text.line("Median time without a cache, with one, and the ratio; motion a frame as a part of the size.\n");
-  text.line(
-      "| scene | motion | exact, us | cached | faster | 10 %, us | cached | faster | collision, us | cached | faster "
-      "|");
-  text.line("|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
-  for (const Scene& scene : scenes) {
-    const Sphere sphere = scene.a.bounding_sphere();
-    for (const double step : {1e-5, 1e-4, 1e-3, 1e-2, 0.0}) {
-      const std::vector<Transform> poses = path(scene.poses.front(), 2 * sphere.radius, step, frames);
-      std::string row;
-      for (const int question : {0, 1, 2}) {
-        const DistanceOptions options{.relative_error = question == 1 ? 0.1 : 0};
-        QueryCache cache;
-        std::vector<double> cold, warm;
-        for (const Transform& pose : poses) {
-          const Placed a{scene.a}, b{scene.b, pose};
-          auto start = Clock::now();
-          const double fresh = question == 2 ? (collide(a, b).collision ? 0 : 1) : distance(a, b, options).upper;
-          cold.push_back(us_since(start));
-          start = Clock::now();
-          const double cached =
-              question == 2 ? (collide(a, b, cache).collision ? 0 : 1) : distance(a, b, options, cache).upper;
-          warm.push_back(us_since(start));
-          checker.check(question == 1 || std::abs(fresh - cached) <= 1e-12 * (1 + fresh), "{}: {} but cached {}",
-                        scene.name, fresh, cached);
-        }
-        const double without = summarize(cold).median, with = summarize(warm).median;
-        row += fmt::format(" {:.2f} | {:.2f} | {:.2f} |", without, with, without / with);
-      }
-      text.line("| {} | {} |{}", scene.name, step > 0 ? fmt::format("{}", step) : "random turns", row);
-    }
-  }
-}
-
 std::vector<Scene> all_scenes(const std::string& meshes, std::size_t poses) {
   std::vector<Scene> all;
   const PeerScene ball = turned_ball_and_square(poses);
@@ -192,7 +140,7 @@ std::vector<Scene> all_scenes(const std::string& meshes, std::size_t poses) {
 
 int main(int argc, char** argv) {
   using namespace limber::bench;
-  CLI::App app{"What queries know when their time is up, and what a cache saves"};
+  CLI::App app{"What queries know when their time is up"};
   Options options;
   std::string meshes;
   std::size_t queries = 100000;
@@ -207,6 +155,5 @@ int main(int argc, char** argv) {
   time_first_intervals(scenes, checker, text, 20000);
   time_overruns(scenes, checker, text, queries);
   measure_widths(scenes, text);
-  compare_caches(scenes, checker, text, 1000);
   return checker.all_right() ? 0 : 1;
 }

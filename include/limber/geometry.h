@@ -73,8 +73,8 @@ enum class NormalSide : std::uint8_t {
 
 /// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.
 struct TriangleContact {
-  double distance = 0;    ///< 0 exactly when the triangles intersect
-  double depth = 0;       ///< 0 unless they intersect: moving b by that much along the normal parts the two triangles
+  double distance = 0;  ///< 0 exactly when the triangles intersect
+  double depth = 0;  ///< 0 unless they intersect: the least overlap of the two triangles, a motion of b that parts them
   Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect
   Vec3 normal;            ///< of length 1, from a to b
   Feature feature_a, feature_b;
@@ -164,9 +164,10 @@ LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 /// Promise  As above, with these differences. Apart: `normal_side` says whether the normal agrees with the outsides.
 ///          Intersecting: the normal takes the side of the outsides, and `normal_side` is `outward`. With unit normals
 ///          n_a and n_b of the faces, it has the direction of n_a - n_b; if only a has an outside, of n_a + (n_a . n_b)
-///          n_b; if only b has, of the negative of n_b + (n_a . n_b) n_a. `depth` is the overlap along that normal,
-///          rounded up as above, and not the least there is. Where n_a and n_b are within 30 degrees of each other, or
-///          the triangles that have an outside are degenerate or nearly so, the answer is that without outsides.
+///          n_b; if only b has, of the negative of n_b + (n_a . n_b) n_a. `depth` is that without outsides, the least
+///          overlap there is: to move b by it parts the triangles, but in another direction than this normal. Where n_a
+///          and n_b are within 30 degrees of each other, or the triangles that have an outside are degenerate or
+///          nearly so, the answer is that without outsides.
 ///          Swapping a and b, and with them what has an outside, negates the normal as above.
 /// Throws   As closest_points().
 /// Cost     As above.

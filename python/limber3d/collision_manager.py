@@ -20,8 +20,8 @@ _Pair = tuple[int, int]  # ids of two objects of a scene
 class ContactData:
     """Two triangles that intersect.
 
-    `names` are those of their meshes, `point` lies on both triangles, moving the second mesh by `depth` along `normal`
-    parts the two.
+    `names` are those of their meshes, `point` lies on both triangles, `normal` points from the first mesh to the second,
+    `depth` is the least overlap of the two triangles.
     """
 
     def __init__(self, names: tuple[str, str], contact: numpy.void) -> None:

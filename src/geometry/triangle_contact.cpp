@@ -246,18 +246,15 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
   const bool in_order = comes_first(a, b);
   const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
   const LocalPair pair(first, second);
-  const Vec3 way = oriented == OrientedFaces::none ? Vec3{} : out_of_a(a, b, oriented);
-  if (max_abs(way) > 0) {
-    contact.normal = unit(way);
-    contact.normal_side = NormalSide::outward;
-    contact.depth = pair.depth(in_order ? contact.normal : -contact.normal);
-    LIMBER_ASSERT(contact.depth >= 0);
-    return;
-  }
   const Vec3 normal = LeastOverlap(pair, first, second, true).normal();
   contact.normal = in_order ? normal : -normal;
   contact.depth = pair.depth(normal);
   LIMBER_ASSERT(contact.depth >= 0);
+  if (oriented == OrientedFaces::none) return;
+  const Vec3 way = out_of_a(a, b, oriented);
+  if (max_abs(way) == 0) return;
+  contact.normal = unit(way);
+  contact.normal_side = NormalSide::outward;
 }
 
 /// The normal of triangles that are so close that rounding turns the line of the closest points. Across the edges that

@@ -71,7 +71,7 @@ import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
  *
  * @typedef {object} Contact
  * @property {number} distance 0 exactly when the triangles intersect
- * @property {number} depth 0 unless they intersect: moving b by that much along the normal parts the two triangles
+ * @property {number} depth 0 unless they intersect: the least overlap of the two triangles, a motion of b that parts them
  * @property {Point} pointA
  * @property {Point} pointB
  * @property {Point} normal of length 1, from a to b
