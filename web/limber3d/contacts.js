@@ -71,7 +71,7 @@ import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
  *
  * @typedef {object} Contact
  * @property {number} distance 0 exactly when the triangles intersect
- * @property {number} depth 0 unless they intersect: the least overlap of the two triangles, a motion of b that parts them
+ * @property {number} depth 0 unless they intersect: their least overlap, a motion of b that parts them
  * @property {Point} pointA
  * @property {Point} pointB
  * @property {Point} normal of length 1, from a to b
