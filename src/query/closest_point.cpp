@@ -52,14 +52,15 @@ void ClosestPointSearch::set_limit(double limit) {
   tight_bound_ = bound_of(std::max(0.0, limit - tree_.drift));
 }
 
-/// A distance in the measure of the kernels, rounded up. It never prunes what has a bound of 0.
+/// A distance in the measure of the kernels, rounded up, a square to the nearest: bounds of children are lower by more
+/// than that (core::point_error). It never prunes what has a bound of 0.
 float ClosestPointSearch::bound_of(double distance) const {
   const simd::QueryPoint& p = in_frame_;
   if (p.is_far) {
     return core::float_up(std::clamp((distance - p.height) * p.per_unit, -core::max_units, core::max_units));
   }
   const double units = distance * p.per_unit;
-  const auto squared = static_cast<float>(std::min(units * units * (1 + core::storage_error), double{most_bound}));
+  const auto squared = static_cast<float>(std::min(units * units, double{most_bound}));
   return std::max(squared, std::numeric_limits<float>::min());
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -100,6 +101,79 @@ TEST(Front, CoversTheRoundingOfThePlaceBefore) {
     QueryCache cache;
     distance({a, far}, {b, far}, {}, cache);
     ASSERT_EQ(distance({a}, {b}, {}, cache).upper, distance({a}, {b}).upper) << i;
+  }
+}
+
+/// Two models of points. Each point of one has a point of the other at about the same distance, in one of some
+/// directions of length 1, and all others are farther away. The closest pairs are in the first direction.
+struct PairsOfPoints {
+  std::vector<Triangle> of_a, of_b;
+
+  PairsOfPoints(Rng& rng, double distance, const std::vector<Vec3>& directions) {
+    for (std::size_t k = 0; k < 256; ++k) {
+      const Vec3 place{4.0 * static_cast<double>(k % 16), 4.0 * static_cast<double>(k / 16), 0};
+      const Vec3 p = place + uniform_point(rng, 0, 0.5);
+      const std::size_t d = rng.below(directions.size());
+      const Vec3 q = p + directions[d] * (distance * (1 + (d == 0 ? 0 : 1e-11) + rng.uniform(0, 1e-12)));
+      of_a.push_back({p, p, p}), of_b.push_back({q, q, q});
+    }
+  }
+};
+
+TEST(Front, CoversTheRoundingOfThePlaceAfter) {
+  // The models move far from the origin together, where some pairs are rounded to the same point.
+  Rng rng(303);
+  const double part = std::sqrt(1.0 / 3);
+  for (int i = 0; i < 20; ++i) {
+    const PairsOfPoints points(rng, 0x1p-13, {{part, part, part}});
+    const Model a(soup(points.of_a)), b(soup(points.of_b));
+    const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
+    ASSERT_TRUE(collide({a, far}, {b, far}).collision) << i;
+    QueryCache cache;
+    ASSERT_GT(distance({a}, {b}, {}, cache).lower, 0x1p-14) << i;
+    ASSERT_TRUE(collide({a, far}, {b, far}, cache).collision) << i;
+  }
+}
+
+/// A pose followed by a stretch of the world, along z the most, that is_rigid() still allows. `part` is from -1 to 1.
+Transform stretched(const Transform& pose, double part) {
+  const double side = 1 + 0.49e-9 * part, up = 1 + 1.9e-9 * part;
+  const Mat3& r = pose.rotation;
+  const Vec3& t = pose.translation;
+  return {{side * r.row0, side * r.row1, up * r.row2}, {side * t.x, side * t.y, up * t.z}};
+}
+
+TEST(Front, BoundsTheChangeOfDistanceByPosesThatAreNotQuiteRigid) {
+  // Both models are stretched together. Neither moves as the other one sees it, but their distance changes.
+  Rng rng(304);
+  const Model a(scenes::thesis_square()), b(scenes::thesis_ball());
+  for (int i = 0; i < 300; ++i) {
+    const Transform pose_a = random_pose(rng, 3);
+    const Transform pose_b{random_pose(rng, 1).rotation, std::pow(10.0, rng.uniform(0, 3)) * uniform_point(rng)};
+    const double from = rng.uniform(-1, 1), to = rng.uniform(-1, 1);
+    const Transform a_before = stretched(pose_a, from), a_after = stretched(pose_a, to);
+    const Transform b_before = stretched(pose_b, from), b_after = stretched(pose_b, to);
+    const PlacedModels first({a, a_before}, {b, b_before}), second({a, a_after}, {b, b_after});
+    const double bound = second.max_displacement(a_from_b(first), first.error(), a_from_b(second));
+    for (int k = 0; k < 20; ++k) {
+      const Vec3& p = a.mesh().positions()[rng.below(a.mesh().positions().size())];
+      const Vec3& q = b.mesh().positions()[rng.below(b.mesh().positions().size())];
+      ASSERT_LE(std::abs(length(b_after(q) - a_after(p)) - length(b_before(q) - a_before(p))), bound) << i;
+    }
+  }
+}
+
+TEST(Front, CoversPosesThatAreNotQuiteRigid) {
+  // The closest pair is apart along x. Then another one along z is closer.
+  Rng rng(305);
+  for (int i = 0; i < 20; ++i) {
+    const PairsOfPoints points(rng, 1, {{1, 0, 0}, {0, 0, 1}});
+    const Model a(soup(points.of_a)), b(soup(points.of_b));
+    const Transform before = stretched({}, 1), after = stretched({}, -1);
+    QueryCache cache;
+    distance({a, before}, {b, before}, {}, cache);
+    const double found = distance({a, after}, {b, after}, {}, cache).upper;
+    ASSERT_NEAR(found, distance({a, after}, {b, after}).upper, 1e-12) << i;
   }
 }
 
