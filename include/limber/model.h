@@ -258,7 +258,7 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 ///          and >= 0.
 /// Promise  True for a finite `upper` that distance() has returned for the same models, poses and order; for 0 true
 ///          exactly when the models meet. Where the distance is closer to `max_distance` than the rounding stated in
-///          query.h, either answer may come.
+///          query.h, either answer may come; a cache may change it.
 /// Budget   As collide().
 /// Cost     As collide(), which is within() of 0.
 LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);

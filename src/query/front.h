@@ -55,7 +55,8 @@ class Front {
   /// Whether the last traversal was interrupted, and one that leaves out only what is at least `cutoff` apart can go on
   /// where it stopped: the models rest, and nothing was left out that is closer.
   bool can_continue(const PlacedModels& placed, double cutoff) const {
-    return is_suspended_ && is_complete_ && is_of(placed) && is_at_rest(placed) && cutoff <= cutoff_;
+    return is_suspended_ && is_complete_ && is_of(placed) && is_at_rest(placed) && has_units_of(placed) &&
+           cutoff <= cutoff_;
   }
   /// Goes on with an interrupted traversal. Returns the search direction that it had. Pre: can_continue().
   std::optional<Vec3> go_on() {
@@ -70,7 +71,7 @@ class Front {
       clear();
       for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
     } else {
-      if (is_suspended_) open_pairs_ = put_back_queue(placed.tree(Side::a).unit);
+      if (is_suspended_) open_pairs_ = put_back_queue(unit_[0]);  // in which its bounds are
       if (!is_at_rest(placed)) add_motion(placed, a_from_b);
     }
     without_room_ = 0;
@@ -185,10 +186,14 @@ class Front {
            displacement_[0] == placed.tree(Side::a).displacement &&
            displacement_[1] == placed.tree(Side::b).displacement;
   }
+  bool has_units_of(const PlacedModels& placed) const {
+    return unit_[0] == placed.tree(Side::a).unit && unit_[1] == placed.tree(Side::b).unit;
+  }
   void set_place(const PlacedModels& placed, const Transform& a_from_b) {
     for (const Side s : {Side::a, Side::b}) {
       pose_[index(s)] = placed.pose(s);
       displacement_[index(s)] = placed.tree(s).displacement;
+      unit_[index(s)] = placed.tree(s).unit;
     }
     deformation_ = deformation_of(placed);
     a_from_b_ = a_from_b;
@@ -213,6 +218,7 @@ class Front {
   // Where the models were in the last traversal.
   Transform pose_[2], a_from_b_;
   double error_ = 0, deformation_ = 0, displacement_[2] = {0, 0};
+  double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
   double odometer_ = 0;
   double distance_ = 0, distance_odometer_ = 0;  // the bound of the models' distance, and when it was found
   bool is_complete_ = false;

@@ -127,7 +127,7 @@ void try_vertices(const PlacedModels& placed, double root_bound, Goal& goal, Pru
   const Triangle s = placed.triangle(Side::a, a), t = placed.triangle(Side::b, b);
   double extent = 0;
   for (std::size_t k = 0; k < 3; ++k) extent = std::max({extent, max_abs(s[k] - p), max_abs(t[k] - p)});
-  const double upper = distance + core::triangle_distance_error * (distance + extent);
+  const double upper = distance + core::triangle_distance_error * (4 * distance + extent);
   if (upper > good_enough) return;
   if (const auto improvement = goal.take(upper, {p, q, a, b})) pruning.improve(*improvement);
 }
@@ -163,6 +163,9 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Goal& goal, Bud
   if (goal.is_done()) {
     if (tries_pair) last->judge_pair(true);
     return {pruning.cutoff()};
+  }
+  if (root_bound >= pruning.distance()) {
+    return {std::max(root_bound, last == nullptr ? 0 : last->front.bound_at_rest(placed))};
   }
   if (last == nullptr) {
     Frames frames(placed);

@@ -281,6 +281,45 @@ TEST(Front, LetsAnInterruptedTraversalGoOnOnlyWhereItStoppedAndIfNoMoreIsAsked) 
   EXPECT_EQ(front.take(0, 5 * unit), 0b100U);
 }
 
+TEST(Front, IsOfUseOnlyInTheUnitsOfItsModels) {
+  // A model that grows by more than 2^20 gets another unit; its leaves keep their triangles.
+  Rng rng(305);
+  int meeting = 0;
+  for (int i = 0; i < 200; ++i) {
+    SCOPED_TRACE(i);
+    const auto specks = [&](const Vec3& at, double size) {
+      std::vector<Triangle> triangles;
+      for (int k = 0; k < 40; ++k) {
+        const Vec3 p = at + size * uniform_point(rng);
+        triangles.push_back({p, p + 0.3 * size * uniform_point(rng), p + 0.3 * size * uniform_point(rng)});
+      }
+      return soup(triangles);
+    };
+    const double small = std::ldexp(1.0, -20 - static_cast<int>(rng.below(20)));
+    const bool grows_a = rng.below(2) == 0;
+    Model a(specks({}, small), {.rebuild_policy = RebuildPolicy::off});
+    const Model b(specks({1, 0, 0}, 0.5));
+    const auto ask = [&](QueryCache* cache, const QueryBudget& budget) {
+      const Placed first{grows_a ? a : b}, second{grows_a ? b : a};
+      return cache != nullptr ? distance(first, second, {}, budget, *cache) : distance(first, second);
+    };
+    QueryCache cache;
+    ask(&cache, {.max_steps = 1 + rng.below(20)});
+    std::vector<Vec3> positions = a.mesh().positions();
+    const double factor = 1.5 / small;
+    for (Vec3& p : positions) {
+      if (rng.below(3) == 0) p *= factor;
+    }
+    a.move_all(positions).value();
+    a.commit();
+    const double truth = ask(nullptr, {}).upper;
+    ASSERT_NEAR(ask(&cache, {}).upper, truth, 1e-12);
+    ASSERT_EQ(collide({grows_a ? a : b}, {grows_a ? b : a}, cache).collision, truth == 0);
+    meeting += truth == 0 ? 1 : 0;
+  }
+  EXPECT_GT(meeting, 20);
+}
+
 TEST(Front, SavesTestsAlongASlowMotion) {
   const Model sheet(scenes::wave_sheet(100, 100, 0)), ball(scenes::thesis_ball());
   QueryCache cache;
