@@ -131,7 +131,7 @@ void check_contact(const Scene& s, bool meet, OrientedFaces oriented, OrientedFa
   require(meet || found.depth == 0, "triangles that are apart have no depth");
   require(!meet || is_same(s.a, s.b) || swapped.normal == -found.normal,
           "swapping triangles that meet negates the normal");
-  const TriangleContact plain = contact(s.a, s.b);
+  const TriangleContact plain = in_environment(s.environment, [&] { return contact(s.a, s.b); });
   require(found.depth == plain.depth, "a depth does not depend on outsides");
   double end = -HUGE_VAL, start = HUGE_VAL;
   for (std::size_t i = 0; i < 3; ++i) {
