@@ -38,7 +38,8 @@ enum class Status {
 /// deadline is overrun by that much. Every query with a budget that is not cancelled or empty makes at least one step.
 struct QueryBudget {
   std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
-  /// The same for all machines. The last step may be two, of pairs of nodes that are compared side by side.
+  /// Steps are the same on all machines. A query may make one more than this, where it compares two pairs of nodes side
+  /// by side.
   std::uint64_t max_steps = std::numeric_limits<std::uint64_t>::max();
   const std::atomic<bool>* cancel = nullptr;  ///< ends the query once it is true
 };

@@ -69,8 +69,8 @@ class PlaneBetween {
     edge_direction_ = unit(edge_);
   }
 
-  /// Whether one is found by the perceptron rule: its normal is turned towards the vertices farthest on the wrong
-  /// side.
+  /// Whether such a plane is found by the perceptron rule: its normal is turned towards the vertices that are farthest
+  /// on the wrong side.
   bool exists(Apart what, double margin) const {
     constexpr int most_turns = 12;
     if (edge_ != Vec3{} && edge_direction_ == Vec3{}) return false;  // too short for a direction
@@ -85,7 +85,7 @@ class PlaneBetween {
   }
 
  private:
-  // Coordinates between these have no rounding but that of their digits.
+  // Products of coordinates between these neither underflow nor overflow.
   static constexpr double smallest = 0x1p-400, largest = 0x1p400;
 
   /// 0 if the vector is too short.

@@ -7,10 +7,10 @@
 
 namespace limber::query {
 
-/// What has to be certain of the triangles below two slots of one model.
+/// A query needs one of these to be certain of the triangles below two slots of one model.
 enum class Apart {
   triangles,  ///< two triangles have nothing in common but the vertices, and the edge, that all of them share
-  elements    ///< also, vertices and faces, and edges, that share no vertex are farther apart than a margin
+  elements    ///< also, a vertex and a face, or two edges, that share no vertex are farther apart than a margin
 };
 
 /// Whether all triangles below two slots of one model share a vertex or an edge, as in a fan or a book, and those of

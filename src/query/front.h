@@ -29,8 +29,8 @@ namespace limber::query {
 /// have records of their own, so all records together account for every pair of triangles. Where there is no room for
 /// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
 ///
-/// What an interrupted traversal has left stays in its queue, so that one that asks no more can go on without doing any
-/// step again (docs/design/real_time.md). Where the models have moved, or more is asked, it goes to the records.
+/// The queue of an interrupted traversal stays in the front. A traversal that asks for no more goes on with it, and does
+/// no step again (docs/design/real_time.md). Where the models have moved, or more is asked, its pairs go to the records.
 ///
 /// States   Complete or not. begin() starts a traversal; finish() or suspend() ends it and completes the front. An
 ///          exception leaves it incomplete, and only a complete front is used again.
@@ -107,7 +107,7 @@ class Front {
   }
   /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
   double bound() const { return remaining(distance_, distance_odometer_); }
-  /// The same before begin() is called: only if the models are where they were.
+  /// The lower bound that bound() will give after begin(), if the models are where they were; else 0.
   double bound_at_rest(const PlacedModels& placed) const {
     return is_complete_ && is_of(placed) && is_at_rest(placed) ? bound() : 0;
   }

@@ -35,7 +35,7 @@ class Pruning {
 
   /// Everything that is pruned, and everything that has been compared, is at least so far apart.
   double cutoff() const { return cutoff_; }
-  /// What bounds are compared with: the cutoff, or for tiny models a larger distance that float32 resolves.
+  /// Bounds are compared with this: the cutoff, or for tiny models a larger distance that float32 resolves.
   double distance() const { return in_frame_[0].distance; }
   /// Of the best pair so far that allows to prune others; 0 if there is none.
   double best_distance() const { return best_distance_; }
