@@ -29,8 +29,9 @@ namespace limber::query {
 /// have records of their own, so all records together account for every pair of triangles. Where there is no room for
 /// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
 ///
-/// The queue of an interrupted traversal stays in the front. A traversal that asks for no more goes on with it, and does
-/// no step again (docs/design/real_time.md). Where the models have moved, or more is asked, its pairs go to the records.
+/// The queue of an interrupted traversal stays in the front. A traversal that asks for no more goes on with it, and
+/// does no step again (docs/design/real_time.md). Where the models have moved, or more is asked, its pairs go to the
+/// records.
 ///
 /// States   Complete or not. begin() starts a traversal; finish() or suspend() ends it and completes the front. An
 ///          exception leaves it incomplete, and only a complete front is used again.
