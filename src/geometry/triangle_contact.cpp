@@ -211,7 +211,8 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   // Faces that look the same way within 30 degrees: the difference of their normals lies along both of them, and parts
   // them no sooner than a whole triangle has gone by.
   constexpr double cosine_sq = 0.75;
-  const bool look_alike = along > 0 && along * along > cosine_sq * length_sq(outside_a) * length_sq(outside_b);
+  // The product of the squares comes first, so that swapping the triangles changes no bit.
+  const bool look_alike = along > 0 && along * along > cosine_sq * (length_sq(outside_a) * length_sq(outside_b));
   if (oriented == OrientedFaces::both && look_alike) return {};
   const Vec3 n_a = unit_or_none(outside_a), n_b = unit_or_none(outside_b);
   if (oriented == OrientedFaces::of_a) return n_a + dot(n_a, n_b) * n_b;

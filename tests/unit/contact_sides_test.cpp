@@ -113,6 +113,26 @@ void expect_sided(const Triangle& a, const Triangle& b, OrientedFaces oriented) 
   EXPECT_EQ(swapped.depth, c.depth);
 }
 
+// Small whole numbers put the angle between two faces at exactly 30 degrees now and then, where rounding decides whether
+// the faces look the same way.
+TEST(ContactSides, OfTrianglesOnALatticeAreSound) {
+  Rng rng(7);
+  const auto corner = [&rng] {
+    const auto coordinate = [&rng] { return static_cast<double>(rng.below(8)) - 3; };
+    return Vec3{coordinate(), coordinate(), coordinate()};
+  };
+  int at_the_limit = 0;
+  for (int i = 0; i < 40'000 && !HasFailure(); ++i) {
+    SCOPED_TRACE("case " + std::to_string(i));
+    const Triangle a{corner(), corner(), corner()}, b{corner(), corner(), corner()};
+    const Vec3 n_a = cross(a.v1 - a.v0, a.v2 - a.v0), n_b = cross(b.v1 - b.v0, b.v2 - b.v0);
+    const double along = dot(n_a, n_b);
+    at_the_limit += along > 0 && 4 * along * along == 3 * length_sq(n_a) * length_sq(n_b);
+    for (const OrientedFaces oriented : all_oriented) expect_sided(a, b, oriented);
+  }
+  EXPECT_GT(at_the_limit, 10);
+}
+
 TEST(ContactSides, OfRandomTrianglesAreSound) {
   Rng rng(431);
   int outward = 0;
