@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -103,72 +102,39 @@ def _query_columns() -> list[tuple[str, str, float]]:
     ]
 
 
-def _queries_table(results: Results, column: str, digits: Callable[[float], str]) -> str:
-    curves = [results.query(name, error, column) for _, name, error in _query_columns()]
-    rows = [[f"{sep:g}", *(digits(curve[sep]) for curve in curves)] for sep in curves[0]]
+def _queries_table(results: Results) -> str:
+    curves = [results.query(name, error, "median_us") for _, name, error in _query_columns()]
+    rows = [[f"{sep:g}", *(short(curve[sep]) for curve in curves)] for sep in curves[0]]
     return _table(["separation", *(title for title, _, _ in _query_columns())], rows)
-
-
-def _counters_table(results: Results) -> str:
-    shown = [c for c in _query_columns() if c[2] in (0, 0.1)]
-    pairs = [
-        (results.query(name, error, "node_tests"), results.query(name, error, "triangle_tests"))
-        for _, name, error in shown
-    ]
-    rows = [[f"{sep:g}", *(f"{count(n[sep])} / {count(t[sep])}" for n, t in pairs)] for sep in pairs[0][0]]
-    return _table(["separation", *(title for title, _, _ in shown)], rows)
 
 
 def _updates_table(results: Results) -> str:
     modes = [*MODES, "fast"]
     times = [results.update("large", mode, 0, "median_us") for mode in modes]
     refits = [results.update("large", mode, 0, "refits") for mode in modes]
-    moves = results.update("large", "by_depth", 0, "move_us")
     header = ["dents per commit"]
-    header += [f"{MODE_NAMES[m]}, µs" for m in MODES] + ["fast engine, µs", "of by depth marking, µs"]
+    header += [f"{MODE_NAMES[m]}, µs" for m in MODES] + ["fast engine, µs"]
     header += [f"{MODE_NAMES[m]}, refits" for m in MODES] + ["fast engine, nodes"]
-    rows = [
-        [str(b), *(f"{t[b]:.3f}" for t in times), f"{moves[b]:.3f}", *(f"{r[b]:.2f}" for r in refits)] for b in times[0]
-    ]
+    rows = [[str(b), *(f"{t[b]:.3f}" for t in times), *(f"{r[b]:.2f}" for r in refits)] for b in times[0]]
     return _table(header, rows)
-
-
-def _whole_table(results: Results) -> str:
-    rows = [
-        [MODE_NAMES[row["mode"]], f"{float(row['median_us']):.3f}", f"{float(row['refits']):.2f}"]
-        for row in results.updates
-        if row["motion"] == "whole"
-    ]
-    return _table(["every vertex moved, mode", "µs per vertex", "refits per vertex"], rows)
 
 
 def _looseness_table(results: Results, dents: int = 10) -> str:
     rows = []
     for motion in ("large", "small"):
         for radius in results.extra_radii():
-            row = [motion, f"{radius:g}"]
-            for mode in MODES:
-                us = results.update(motion, mode, radius, "median_us")[dents]
-                refits = results.update(motion, mode, radius, "refits")[dents]
-                absorbed = results.update(motion, mode, radius, "absorbed")[dents]
-                row.append(f"{us:.3f} ({refits:.2f} / {absorbed:.2f})")
-            for mode in ("immediate", "by_depth"):
-                nodes = results.update(motion, mode, radius, "query_node_tests")[dents]
-                row.append(f"{count(nodes)} ({short(results.hovering_us(motion, mode, radius))} µs)")
-            rows.append(row)
-    header = ["motion", "extra radius", *(MODE_NAMES[m] for m in MODES)]
-    header += ["query after immediate", "query after by depth"]
-    return _table(header, rows)
+            times = [results.update(motion, mode, radius, "median_us")[dents] for mode in MODES]
+            pairs = results.update(motion, "by_depth", radius, "query_node_tests")[dents]
+            query = f"{count(pairs)} ({short(results.hovering_us(motion, 'by_depth', radius))} µs)"
+            rows.append([motion, f"{radius:g}", *(f"{us:.3f}" for us in times), query])
+    return _table(["motion", "extra radius", *(MODE_NAMES[m] for m in MODES), "query after by depth"], rows)
 
 
 def tables(results: Results) -> dict[str, str]:
     return {
         "machine": _machine_table(results),
-        "queries": _queries_table(results, "median_us", short),
-        "poses": _queries_table(results, "mean_us", short),
-        "counters": _counters_table(results),
+        "queries": _queries_table(results),
         "updates": _updates_table(results),
-        "whole": _whole_table(results),
         "looseness": _looseness_table(results),
     }
 
