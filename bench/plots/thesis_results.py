@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The thesis benchmarks' results: read from a folder, written as the tables of docs/experiments.md."""
+"""The thesis benchmarks' results: read from a folder, written beside them as tables."""
 
 from __future__ import annotations
 
 import csv
-import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -29,7 +29,6 @@ class Results:
     """All rows, numbers still as text, and the curves in them."""
 
     folder: Path
-    machine: str
     queries: list[dict[str, str]]
     poses: list[dict[str, str]]
     updates: list[dict[str, str]]
@@ -38,7 +37,6 @@ class Results:
     def read(cls, folder: Path) -> Results:
         return cls(
             folder,
-            (folder / "machine.txt").read_text(encoding="utf-8"),
             _rows(folder / "thesis_queries.csv"),
             _rows(folder / "thesis_queries_poses.csv"),
             [_with_extra_radius(row) for row in _rows(folder / "thesis_updates.csv")],
@@ -85,12 +83,6 @@ def _table(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def _machine_table(results: Results) -> str:
-    rows = [line.split(None, 1) for line in results.machine.splitlines()]
-    rows.append(["results", f"`bench/results/{results.folder.name}/`"])
-    return _table(["", ""], rows).replace("--:", ":--")
-
-
 def _query_columns() -> list[tuple[str, str, float]]:
     return [
         ("collision", "collide", 0),
@@ -102,49 +94,77 @@ def _query_columns() -> list[tuple[str, str, float]]:
     ]
 
 
-def _queries_table(results: Results) -> str:
-    curves = [results.query(name, error, "median_us") for _, name, error in _query_columns()]
-    rows = [[f"{sep:g}", *(short(curve[sep]) for curve in curves)] for sep in curves[0]]
+def _queries_table(results: Results, column: str, digits: Callable[[float], str]) -> str:
+    curves = [results.query(name, error, column) for _, name, error in _query_columns()]
+    rows = [[f"{sep:g}", *(digits(curve[sep]) for curve in curves)] for sep in curves[0]]
     return _table(["separation", *(title for title, _, _ in _query_columns())], rows)
+
+
+def _counters_table(results: Results) -> str:
+    shown = [c for c in _query_columns() if c[2] in (0, 0.1)]
+    pairs = [
+        (results.query(name, error, "node_tests"), results.query(name, error, "triangle_tests"))
+        for _, name, error in shown
+    ]
+    rows = [[f"{sep:g}", *(f"{count(n[sep])} / {count(t[sep])}" for n, t in pairs)] for sep in pairs[0][0]]
+    return _table(["separation", *(title for title, _, _ in shown)], rows)
 
 
 def _updates_table(results: Results) -> str:
     modes = [*MODES, "fast"]
     times = [results.update("large", mode, 0, "median_us") for mode in modes]
     refits = [results.update("large", mode, 0, "refits") for mode in modes]
+    moves = results.update("large", "by_depth", 0, "move_us")
     header = ["dents per commit"]
-    header += [f"{MODE_NAMES[m]}, µs" for m in MODES] + ["fast engine, µs"]
+    header += [f"{MODE_NAMES[m]}, µs" for m in MODES] + ["fast engine, µs", "of by depth marking, µs"]
     header += [f"{MODE_NAMES[m]}, refits" for m in MODES] + ["fast engine, nodes"]
-    rows = [[str(b), *(f"{t[b]:.3f}" for t in times), *(f"{r[b]:.2f}" for r in refits)] for b in times[0]]
+    rows = [
+        [str(b), *(f"{t[b]:.3f}" for t in times), f"{moves[b]:.3f}", *(f"{r[b]:.2f}" for r in refits)] for b in times[0]
+    ]
     return _table(header, rows)
+
+
+def _whole_table(results: Results) -> str:
+    rows = [
+        [MODE_NAMES[row["mode"]], f"{float(row['median_us']):.3f}", f"{float(row['refits']):.2f}"]
+        for row in results.updates
+        if row["motion"] == "whole"
+    ]
+    return _table(["every vertex moved, mode", "µs per vertex", "refits per vertex"], rows)
 
 
 def _looseness_table(results: Results, dents: int = 10) -> str:
     rows = []
     for motion in ("large", "small"):
         for radius in results.extra_radii():
-            times = [results.update(motion, mode, radius, "median_us")[dents] for mode in MODES]
-            pairs = results.update(motion, "by_depth", radius, "query_node_tests")[dents]
-            query = f"{count(pairs)} ({short(results.hovering_us(motion, 'by_depth', radius))} µs)"
-            rows.append([motion, f"{radius:g}", *(f"{us:.3f}" for us in times), query])
-    return _table(["motion", "extra radius", *(MODE_NAMES[m] for m in MODES), "query after by depth"], rows)
+            row = [motion, f"{radius:g}"]
+            for mode in MODES:
+                us = results.update(motion, mode, radius, "median_us")[dents]
+                refits = results.update(motion, mode, radius, "refits")[dents]
+                absorbed = results.update(motion, mode, radius, "absorbed")[dents]
+                row.append(f"{us:.3f} ({refits:.2f} / {absorbed:.2f})")
+            for mode in ("immediate", "by_depth"):
+                nodes = results.update(motion, mode, radius, "query_node_tests")[dents]
+                row.append(f"{count(nodes)} ({short(results.hovering_us(motion, mode, radius))} µs)")
+            rows.append(row)
+    header = ["motion", "extra radius", *(MODE_NAMES[m] for m in MODES)]
+    header += ["query after immediate", "query after by depth"]
+    return _table(header, rows)
 
 
-def tables(results: Results) -> dict[str, str]:
-    return {
-        "machine": _machine_table(results),
-        "queries": _queries_table(results),
-        "updates": _updates_table(results),
-        "looseness": _looseness_table(results),
+def write_tables(results: Results) -> Path:
+    """Writes thesis.md into the folder of the results. docs/experiments.md says what the tables show."""
+    tables = {
+        "Queries in µs by separation, medians; negative separation is penetration.":
+            _queries_table(results, "median_us", short),
+        "Means over the other places and turns of the ball.": _queries_table(results, "mean_us", short),
+        "Pairs of spheres / pairs of triangles compared.": _counters_table(results),
+        "Updates of tight spheres by dents per commit: medians per moved vertex.": _updates_table(results),
+        "One step that moves every vertex.": _whole_table(results),
+        "Loose spheres, 10 dents per commit: µs per moved vertex (refits / absorbed), and pairs of spheres (median time) "
+        "of a query.": _looseness_table(results),
     }
-
-
-def write_tables(results: Results, page: Path) -> None:
-    """Replaces what stands between `<!-- table: name -->` and `<!-- end -->` on the page."""
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables(results).items():
-        block = re.compile(rf"(<!-- table: {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-        text, count = block.subn(lambda match: match.group(1) + "\n" + table + "\n\n" + match.group(2), text)
-        if count != 1:
-            raise SystemExit(f"{page}: {count} places for the table '{name}' instead of one")
-    page.write_text(text, encoding="utf-8")
+    page = results.folder / "thesis.md"
+    texts = ["# The experiments of the source", *(f"{title}\n\n{table}" for title, table in tables.items())]
+    page.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
+    return page
