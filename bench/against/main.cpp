@@ -3,7 +3,7 @@
 
 // Question  Has anything become slower since another revision of the library?
 // Workload  Queries between two scans, a ball and a square, parallel sheets, and linked rings of two million triangles
-//           each; queries of the broad mix (bench/peers/mix_scenes.h), with a cache along its paths; updates and builds.
+//           each; the broad mix (bench/peers/mix_scenes.h), along its paths with a cache; updates and builds.
 // Metric    Time of this revision over that of the other: the two are called in turn, in one process. The median of the
 //           ratios of these turns is printed, and at the end what all rows say together.
 // Expected  Ratios about 1, and the same answers.
