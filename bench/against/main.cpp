@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -163,12 +164,7 @@ void compare_updates(Table& table, std::uint32_t side) {
   }
 }
 
-}  // namespace
-}  // namespace limber::bench
-
-int main(int argc, char** argv) {
-  using namespace limber;
-  using namespace limber::bench;
+void compare_all(const std::filesystem::path& folder) {
   Table table;
   compare_queries(table, turned_ball_and_square(5));
   PeerScene sheets{"parallel sheets",
@@ -184,7 +180,6 @@ int main(int argc, char** argv) {
       "linked rings", scenes::ring(1000, 1000, 0.1), scenes::ring(1000, 1000, 0.1), {{"2 million", false, {}}}};
   for (std::uint32_t index = 0; index < 5; ++index) rings.situations[0].poses.push_back(scenes::linked_ring(index));
   compare_queries(table, rings);
-  const std::filesystem::path folder = argc > 1 ? argv[1] : "";
   if (!folder.empty()) {
     compare_queries(table,
                     two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", 10));
@@ -193,5 +188,12 @@ int main(int argc, char** argv) {
   compare_updates(table, 100);
   compare_updates(table, 316);
   table.print_summary();
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  limber::bench::compare_all(argc > 1 ? argv[1] : "");
   return EXIT_SUCCESS;
 }

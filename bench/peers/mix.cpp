@@ -240,14 +240,14 @@ int run(const MixOptions& options) {
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
-  CLI::App app{"How fast are queries next to FCL's on a broad mix of scenes?"};
-  limber::bench::MixOptions options;
-  app.add_option("--out", options.report.out, "folder for results; default: only the console");
-  app.add_option("--meshes", options.meshes, "folder with mesh files; default: generated scenes only");
-  app.add_option("--poses", options.poses, "random poses of each situation; default: 40")->check(CLI::Range(1, 1000));
-  app.add_option("--rounds", options.rounds, "turns of each library at a pose; default: 7")->check(CLI::Range(1, 100));
-  CLI11_PARSE(app, argc, argv);
   try {
+    CLI::App app{"How fast are queries next to FCL's on a broad mix of scenes?"};
+    limber::bench::MixOptions options;
+    app.add_option("--out", options.report.out, "folder for results; default: only the console");
+    app.add_option("--meshes", options.meshes, "folder with mesh files; default: generated scenes only");
+    app.add_option("--poses", options.poses, "random poses of each situation; default: 40")->check(CLI::Range(1, 1000));
+    app.add_option("--rounds", options.rounds, "turns of each library at a pose; default: 7")->check(CLI::Range(1, 99));
+    CLI11_PARSE(app, argc, argv);
     if (!options.report.out.empty()) std::filesystem::create_directories(options.report.out);
     return limber::bench::run(options);
   } catch (const std::exception& error) {
