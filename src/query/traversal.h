@@ -670,7 +670,7 @@ class Traversal {
 
   // A search direction that prunes nothing in so many expansions is given up; after so many, no other is chosen.
   static constexpr int most_idle_expansions = 3, most_wasted_aims = 2;
-  // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
+  // Of the radius of a sphere in looseness() (docs/algorithms/traversal.md).
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
