@@ -212,9 +212,9 @@ class Traversal {
   }
 
   /// Goes straight down from the nearest pair again: best first comes to leaves late, so that the prune distance would
-  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. A
-  /// guess that has waited, because there was a pair from the last query, is due now. Not inlined: it is rare. Called
-  /// where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves anyway.
+  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. Not
+  /// inlined: it is rare. Called where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves
+  /// anyway.
   [[gnu::noinline]] void descend_again() {
     state_.descends = !has_front && !state_.has_guessed_well;
     state_.next_descent = descent_factor * state_.steps;
@@ -596,8 +596,7 @@ class Traversal {
   }
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap: that takes a fraction of the
-  /// time of finding the closest, and ends the query. Up to 64 exact tests, so not under a budget. Pre: both leaves
-  /// are taken.
+  /// time of finding the closest, and ends the query. Up to 64 exact tests. Pre: both leaves are taken.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_prune_distance;
@@ -699,7 +698,7 @@ class Traversal {
   static constexpr int most_idle_expansions = 3, most_wasted_aims = 2;
   // Leaves are pruned as a whole while it pays: what a success gains, in failures; at first, and at most.
   static constexpr int gain_of_leaves = 2, first_leaf_credit = 8, most_leaf_credit = 64;
-  // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
+  // Of the radius of a sphere in looseness() (docs/algorithms/traversal.md).
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
