@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The public queries: each checks its arguments, and searches with a goal.
+// The public queries: each checks its arguments, and searches with a collector.
 #include <algorithm>
 #include <limits>
 
 #include "core/float_environment.h"
 #include "limber/model.h"
+#include "query/collectors/any_contact.h"
+#include "query/collectors/closest_pair.h"
 #include "query/distance_answer.h"
-#include "query/goals/any_contact.h"
-#include "query/goals/closest_pair.h"
 #include "query/options.h"
 #include "query/search.h"
 
@@ -23,10 +23,10 @@ StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter& meter, Que
                        std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   const query::PlacedModels placed(a, b);
-  query::AnyContact goal;
-  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
-  if (goal.witness) query::remember(cache, *goal.witness);
-  witness = goal.witness;
+  query::AnyContact collector;
+  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats).stopped_by;
+  if (collector.witness) query::remember(cache, *collector.witness);
+  witness = collector.witness;
   return stopped_by;
 }
 
@@ -36,11 +36,11 @@ StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, Bud
   const core::DefaultFloatEnvironment environment;
   query::check_max_distance(max_distance);
   const query::PlacedModels placed(a, b);
-  query::ClosestPair goal({.max_distance = max_distance}, max_distance);
-  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
-  if (goal.upper > max_distance) return stopped_by;
-  query::remember(cache, *goal.witness);
-  witness = goal.witness;
+  query::ClosestPair collector({.max_distance = max_distance}, max_distance);
+  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats).stopped_by;
+  if (collector.upper > max_distance) return stopped_by;
+  query::remember(cache, *collector.witness);
+  witness = collector.witness;
   return stopped_by;
 }
 
@@ -50,9 +50,9 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   query::check_options(options, "limber::distance");
   const query::PlacedModels placed(a, b);
   DistanceResult result;
-  query::ClosestPair goal(options, 0);
-  const query::Unsearched unsearched = query::search(placed, cache, goal, meter, result.stats);
-  query::set_answer(result, goal, unsearched, options.max_distance);
+  query::ClosestPair collector(options, 0);
+  const query::Unsearched unsearched = query::search(placed, cache, collector, meter, result.stats);
+  query::set_answer(result, collector, unsearched, options.max_distance);
   if (result.witness) query::remember(cache, *result.witness);
   return result;
 }

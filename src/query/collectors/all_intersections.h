@@ -7,27 +7,25 @@
 #include <optional>
 
 #include "limber/contacts.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 
 namespace limber::query {
 
-/// The goal of visit_intersections(): all pairs of triangles that meet. `Pairs` is PairsOfTwo or PairsOfOne.
+/// The collector of visit_intersections(): all pairs of triangles that meet. `Pairs` is PairsOfTwo or PairsOfOne.
 template <typename Pairs>
 class AllIntersections {
  public:
-  static constexpr bool takes_any = true;
-  static constexpr bool needs_all = true;
+  static constexpr Hits hits = Hits::all;
   static constexpr bool is_self = Pairs::is_self;
 
   AllIntersections(const Pairs& pairs, TrianglePairVisitor visit) : pairs_(pairs), visit_(visit) {}
 
-  double initial_prune_distance() const { return std::numeric_limits<double>::min(); }
+  double initial_cutoff() const { return std::numeric_limits<double>::min(); }
   bool is_done() const { return is_stopped_; }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (is_self && b.id < a.id) return compare(b, a);
     if (pairs_.counts(a, b) && pairs_.meet(a, b)) ++count, is_stopped_ = !visit_({a.id, b.id});
-    return std::nullopt;
   }
 
   std::size_t count = 0;

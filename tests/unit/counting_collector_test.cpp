@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A goal that needs every pair, not only the best: the example of docs/design/adding_a_query.md.
+// A collector of all hits: the example of docs/design/adding_a_query.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "geometry/primitives.h"
 #include "limber/model.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 #include "query/search.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
@@ -25,21 +24,19 @@ namespace {
 /// How many pairs of triangles are at most a given distance apart.
 class PairsWithin {
  public:
-  static constexpr bool takes_any = true;  // there is no closest pair to descend to first
-  static constexpr bool needs_all = true;
+  static constexpr query::Hits hits = query::Hits::all;
   static constexpr bool is_self = false;
 
   explicit PairsWithin(double max_distance) : max_distance_(max_distance) {}
 
   /// Just above the limit: a pair exactly max_distance apart counts.
-  double initial_prune_distance() const {
+  double initial_cutoff() const {
     return std::nextafter(max_distance_, std::numeric_limits<double>::infinity());
   }
   bool is_done() const { return false; }
 
-  std::optional<query::Improvement> compare(const query::PlacedTriangle& a, const query::PlacedTriangle& b) {
+  void compare(const query::PlacedTriangle& a, const query::PlacedTriangle& b) {
     if (geometry::closest_points(a.corners, b.corners).distance <= max_distance_) ++count;
-    return std::nullopt;
   }
 
   std::uint64_t count = 0;
@@ -50,11 +47,10 @@ class PairsWithin {
 
 std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance) {
   const query::PlacedModels placed(a, b);
-  PairsWithin goal(max_distance);
+  PairsWithin collector(max_distance);
   QueryStats stats;
-  query::BudgetMeter meter;
-  query::search(placed, nullptr, goal, meter, stats);
-  return goal.count;
+  query::search_all(placed, collector, stats);
+  return collector.count;
 }
 
 /// The distances of all pairs of triangles, in ascending order.
@@ -75,7 +71,7 @@ std::uint64_t count_up_to(double most, const std::vector<double>& distances) {
   return static_cast<std::uint64_t>(std::upper_bound(distances.begin(), distances.end(), most) - distances.begin());
 }
 
-TEST(CountingGoal, IsOfferedEachPairOnceHoweverManyLeavesAreFull) {
+TEST(CountingCollector, IsOfferedEachPairOnceHoweverManyLeavesAreFull) {
   for (std::uint32_t columns = 1; columns <= 12; ++columns) {  // 2 to 24 triangles, and 10 times as many
     for (const std::uint32_t rows : {1U, 10U}) {
       const Model a(scenes::grid(columns, rows, 0, 0, 1, 1)), b(scenes::grid(rows, columns, 0.1, 0.2, 1, 1));
@@ -86,7 +82,7 @@ TEST(CountingGoal, IsOfferedEachPairOnceHoweverManyLeavesAreFull) {
   }
 }
 
-TEST(CountingGoal, IsOfferedEachOfManyCoincidentTriangles) {
+TEST(CountingCollector, IsOfferedEachOfManyCoincidentTriangles) {
   const Triangle low{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, high{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
   const Model many(soup(std::vector<Triangle>(500, low))), few(soup(std::vector<Triangle>(3, high)));
   EXPECT_EQ(count_within({many}, {few}, 2), 1500U);
@@ -94,7 +90,7 @@ TEST(CountingGoal, IsOfferedEachOfManyCoincidentTriangles) {
   EXPECT_EQ(count_within({many}, {few}, 1.9), 0U);
 }
 
-TEST(CountingGoal, CountsWhatBruteForceDoesInRandomScenes) {
+TEST(CountingCollector, CountsWhatBruteForceDoesInRandomScenes) {
   Rng rng(801);
   std::uint64_t counted = 0;
   for (int i = 0; i < 500; ++i) {

@@ -10,7 +10,7 @@
 
 namespace limber::query {
 
-/// The pairs of triangles of two models, as goals that need all of them see them.
+/// The pairs of triangles of two models, as collectors that need several see them.
 class PairsOfTwo {
  public:
   static constexpr bool is_self = false;

@@ -10,22 +10,21 @@
 #include "core/check.h"
 #include "geometry/primitives.h"
 #include "limber/query.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 
 namespace limber::query {
 
-/// The goal of distance() and within(): the closest pair of triangles, or one that is close enough.
+/// The collector of distance() and within(): the closest pair of triangles, or one that is close enough.
 class ClosestPair {
  public:
-  static constexpr bool takes_any = false;
-  static constexpr bool needs_all = false;
+  static constexpr Hits hits = Hits::closest;
   static constexpr bool is_self = false;
 
   /// A pair at most `close_enough` apart ends the query.
   ClosestPair(const DistanceOptions& options, double close_enough) : options_(options), close_enough_(close_enough) {}
 
   /// Just above the limit: a pair exactly max_distance apart is an answer.
-  double initial_prune_distance() const { return std::nextafter(options_.max_distance, infinity); }
+  double initial_cutoff() const { return std::nextafter(options_.max_distance, infinity); }
   bool is_done() const { return upper <= close_enough_; }
 
   /// Up to which distance any two points are an answer that ends the query, if all triangles are at least `lower`
@@ -37,24 +36,24 @@ class ClosestPair {
     return std::max(close_enough_, std::min(within_errors, options_.max_distance));
   }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     const ClosestPoints closest = geometry::closest_points(a.corners, b.corners);
     LIMBER_ASSERT(closest.distance >= 0);
     return take(closest.distance, {closest.point_a, closest.point_b, a.id, b.id});
   }
 
   /// Two points that are so far apart.
-  std::optional<Improvement> take(double distance, const Witness& points) {
+  std::optional<BoundUpdate> take(double distance, const Witness& points) {
     if (distance >= upper) return std::nullopt;
     upper = distance;
     witness = points;
-    Improvement improvement{upper, infinity, points.point_b - points.point_a};
+    BoundUpdate update{upper, infinity, points.point_b - points.point_a};
     // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
     if (upper <= options_.max_distance) {
       const double relative = upper / (1 + options_.relative_error) * down_factor();
-      improvement.prune_distance = std::min(relative, upper - options_.absolute_error);
+      update.cutoff = std::min(relative, upper - options_.absolute_error);
     }
-    return improvement;
+    return update;
   }
 
   double upper = infinity;

@@ -10,25 +10,24 @@
 #include <tuple>
 
 #include "core/check.h"
-#include "query/goals/pairs_within.h"
+#include "query/collectors/pairs_within.h"
 
 namespace limber::query {
 
-/// The goal of closest_pairs(): the closest pairs of triangles, as many as there is room for.
+/// The collector of closest_pairs(): the closest pairs of triangles, as many as there is room for.
 template <typename Pairs>
 class ClosestPairs {
  public:
-  static constexpr bool takes_any = false;
-  static constexpr bool needs_all = true;
+  static constexpr Hits hits = Hits::k_closest;
   static constexpr bool is_self = Pairs::is_self;
 
   ClosestPairs(const Pairs& pairs, std::span<Contact> closest) : pairs_(pairs), closest_(closest) {}
 
-  double initial_prune_distance() const { return std::numeric_limits<double>::infinity(); }
+  double initial_cutoff() const { return std::numeric_limits<double>::infinity(); }
   /// Nothing is closer than a contact.
   bool is_done() const { return count == closest_.size() && (count == 0 || closest_.front().distance == 0); }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (is_self && b.id < a.id) return compare(b, a);
     if (!pairs_.counts(a, b)) return std::nullopt;
     const bool are_neighbors = pairs_.are_neighbors(a, b);
@@ -47,8 +46,8 @@ class ClosestPairs {
     }
     std::push_heap(closest_.begin(), closest_.begin() + static_cast<std::ptrdiff_t>(count), is_closer);
     if (count < closest_.size()) return std::nullopt;
-    const double prune_distance = closest_.front().distance;
-    return Improvement{prune_distance, prune_distance, contact.point_b - contact.point_a};
+    const double cutoff = closest_.front().distance;
+    return BoundUpdate{cutoff, cutoff, contact.point_b - contact.point_a};
   }
 
   /// Puts the nearest first.

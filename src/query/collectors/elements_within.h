@@ -12,11 +12,11 @@
 #include "core/check.h"
 #include "geometry/primitives.h"
 #include "limber/elements.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 
 namespace limber::query {
 
-/// The goal of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
+/// The collector of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
 /// edges, that are at most a margin apart.
 ///
 /// Only the owner of an element offers it. Elements within the margin have owners within the margin, and these are
@@ -24,8 +24,7 @@ namespace limber::query {
 template <bool self>
 class ElementsWithin {
  public:
-  static constexpr bool takes_any = true;
-  static constexpr bool needs_all = true;
+  static constexpr Hits hits = Hits::all;
   static constexpr bool is_self = self;
   static constexpr bool compares_leaves = true;
 
@@ -39,7 +38,7 @@ class ElementsWithin {
         kernels_(simd::kernels()) {}
 
   /// Just above the margin: a pair exactly that far apart counts.
-  double initial_prune_distance() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  double initial_cutoff() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
   bool is_done() const { return is_stopped_; }
 
   void compare_leaves(const LeafPair& pair, QueryStats& stats) {

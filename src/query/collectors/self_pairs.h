@@ -5,30 +5,28 @@
 #include <limits>
 #include <optional>
 
-#include "query/goals/closest_pair.h"
-#include "query/goals/pairs.h"
+#include "query/collectors/closest_pair.h"
+#include "query/collectors/pairs.h"
 
 namespace limber::query {
 
-/// The goal of self_collide(): any two triangles of a model that meet.
+/// The collector of self_collide(): any two triangles of a model that meet.
 class AnySelfContact {
  public:
-  static constexpr bool takes_any = true;
-  static constexpr bool needs_all = true;
+  static constexpr Hits hits = Hits::all;
   static constexpr bool is_self = true;
 
   explicit AnySelfContact(const PairsOfOne& pairs) : pairs_(pairs) {}
 
-  double initial_prune_distance() const { return std::numeric_limits<double>::min(); }
+  double initial_cutoff() const { return std::numeric_limits<double>::min(); }
   bool is_done() const { return witness.has_value(); }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (b.id < a.id) return compare(b, a);
     if (pairs_.counts(a, b) && pairs_.meet(a, b)) {
       const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       witness = Witness{shared, shared, a.id, b.id};
     }
-    return std::nullopt;
   }
 
   std::optional<Witness> witness;
@@ -37,19 +35,18 @@ class AnySelfContact {
   PairsOfOne pairs_;
 };
 
-/// The goal of self_distance(): the closest triangles of a model that are no neighbors, or that meet.
+/// The collector of self_distance(): the closest triangles of a model that are no neighbors, or that meet.
 class ClosestSelfPair {
  public:
-  static constexpr bool takes_any = false;
-  static constexpr bool needs_all = true;
+  static constexpr Hits hits = Hits::k_closest;
   static constexpr bool is_self = true;
 
   ClosestSelfPair(const PairsOfOne& pairs, const DistanceOptions& options) : closest(options, 0), pairs_(pairs) {}
 
-  double initial_prune_distance() const { return closest.initial_prune_distance(); }
+  double initial_cutoff() const { return closest.initial_cutoff(); }
   bool is_done() const { return closest.is_done(); }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (b.id < a.id) return compare(b, a);
     if (!pairs_.counts(a, b) || (pairs_.are_neighbors(a, b) && !pairs_.meet(a, b))) return std::nullopt;
     return closest.compare(a, b);

@@ -7,21 +7,20 @@
 
 #include "geometry/primitives.h"
 #include "limber/query.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 
 namespace limber::query {
 
-/// The goal of collide(): any pair of triangles that intersects.
+/// The collector of collide(): any pair of triangles that intersects.
 class AnyContact {
  public:
-  static constexpr bool takes_any = true;
-  static constexpr bool needs_all = false;
+  static constexpr Hits hits = Hits::any;
   static constexpr bool is_self = false;
 
-  double initial_prune_distance() const { return std::numeric_limits<double>::min(); }
+  double initial_cutoff() const { return std::numeric_limits<double>::min(); }
   bool is_done() const { return witness.has_value(); }
 
-  std::optional<Improvement> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+  std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     if (geometry::intersects(a.corners, b.corners)) {
       const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       witness = Witness{shared, shared, a.id, b.id};
