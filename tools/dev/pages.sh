@@ -7,6 +7,7 @@
 #: pages live       compile the engine to WebAssembly and build the pages, the live one with it; otherwise that keeps its own
 #: pages --check    type-check their sources, and compare the committed pages with what the sources give
 #: pages test       test pages that the program writes, in a headless browser
+#: pages test --quick  of the program as ./dev test builds it
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 #: pages measure    what a frame of the live page costs in a headless browser
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -37,9 +38,11 @@ case ${1:-build} in
     need build io program pages_tests
     if [[ $1 == pictures ]]; then need pictures; fi
     pages_environment
-    configure release -DLIMBER_BUILD_TESTS=OFF
-    build release --target limber_program
-    (cd -- "$root/web/pages" && LIMBER_PROGRAM=$root/build/release/apps/limber/limber npm run --silent "$1" </dev/null)
+    preset=release options=(-DLIMBER_BUILD_TESTS=OFF)
+    if [[ ${2:-} == --quick ]]; then preset=checked options=(); fi
+    configure "$preset" "${options[@]}"
+    build "$preset" --target limber_program
+    (cd -- "$root/web/pages" && LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber npm run --silent "$1" </dev/null)
     ;;
   *) die "pages has no '$1'; see ./dev help" ;;
 esac
