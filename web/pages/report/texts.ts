@@ -6,26 +6,14 @@
 import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownPoint, shownTime } from '../shared/numbers.ts';
 import { subtract } from '../shared/vectors.ts';
+import { letter, shownBounds, tile } from '../viewer/texts.ts';
 import type { ReportData } from './data.ts';
 import type { ReportModel } from './model.ts';
 
-const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
-
-/** The distance as it stands next to the closest points: one number, or an interval. */
-export function shownDistance(data: ReportData): string {
-  if (data.upper === null) return `more than ${shown(data.lower)}`;
-  if (data.lower === data.upper) return shown(data.upper);
-  return `${shown(data.lower)} to ${shown(data.upper)}`;
-}
-
-export function showTitle({ models: [a, b] }: ReportData): void {
-  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
-  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
-}
+/** The distance as it stands next to the closest points. */
+export const shownDistance = ({ lower, upper }: ReportData): string => shownBounds(lower, upper);
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
-  const tile = (number: string, name: string, kind = ''): HTMLElement =>
-    element('div', '', element('b', kind, number), element('span', 'soft', name));
   const tiles = [];
   if (data.status === 'collision') {
     tiles.push(tile('They collide', `${grouped(data.intersections)} pairs of triangles intersect`, 'bad'));
@@ -110,7 +98,7 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
     ),
   ]);
   const off = models.map((model) => shown(Math.max(...model.data.positions.step) / 2, 2));
-  byId('precision').textContent =
+  byId('settings').textContent =
     `Its pictures hold coordinates of A within ${off[0]} and of B within ${off[1]}; ` +
     'numbers in tables are the program\u2019s own.';
 }
