@@ -6,7 +6,7 @@
 import { byId, fillTable } from '../shared/dom.ts';
 import { grouped, inPage, shown, shownTime } from '../shared/numbers.ts';
 import { percentile } from '../shared/windows.ts';
-import { letter, shownBounds, tile } from '../viewer/texts.ts';
+import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
 import type { ReplayData } from './data.ts';
 import type { ReplayModel } from './model.ts';
 
@@ -105,18 +105,13 @@ export function showSummary({ demo }: ReplayData): void {
 }
 
 export function showModels(data: ReplayData, models: readonly ReplayModel[]): void {
-  const of = (name: string, text: (model: ReplayModel) => string): string[] => [name, ...models.map(text)];
-  fillTable(byId('models'), [
-    ['', letter('A'), letter('B')],
-    of('Name', ({ data: model }) => model.name),
-    of('Triangles', ({ data: model }) => grouped(model.triangles)),
-    of('Vertices', ({ data: model }) => grouped(model.vertices)),
-    of('Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')),
-    of(
+  fillModels(models, [
+    ['Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')],
+    [
       'Shown within',
       ({ data: { frames, positions } }) =>
         `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
-    ),
+    ],
   ]);
   const settings = [`Engine: ${data.engine}.`];
   if (data.relative_error > 0) settings.push(`Allowed relative error: ${data.relative_error}.`);

@@ -9,7 +9,7 @@ import { dot } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
 import { framed } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
-import { showModelsIn3D } from '../viewer/models.ts';
+import { ModelsView } from '../viewer/models_view.ts';
 import type { ReplayData } from './data.ts';
 import type { Box, ReplayModel } from './model.ts';
 import { shownDistance } from './texts.ts';
@@ -26,7 +26,7 @@ export function showView(
   frame: Frame,
   bounds: readonly Box[],
 ): ReplayView {
-  const { viewer, surfaces, marks } = showModelsIn3D(models);
+  const { viewer, surfaces, marks } = new ModelsView(models);
   for (const { object } of surfaces) object.matrixAutoUpdate = false;
   let now = { row: 0, shownFrame: 0 };
 

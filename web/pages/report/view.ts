@@ -5,6 +5,7 @@
 
 import { byId, element } from '../shared/dom.ts';
 import { connectDirections } from '../shared/directions.ts';
+import type { Marks } from '../shared/marks.ts';
 import { shown, ticks } from '../shared/numbers.ts';
 import { mapGradient } from '../shared/palette.ts';
 import type { SurfaceLook } from '../shared/surface.ts';
@@ -13,8 +14,7 @@ import { length, middle, subtract } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
 import { framed } from '../shared/viewer.ts';
 import type { Frame, Viewer } from '../shared/viewer.ts';
-import { connectBox, onTheme, showModelsIn3D } from '../viewer/models.ts';
-import type { ModelsView } from '../viewer/models.ts';
+import { ModelsView } from '../viewer/models_view.ts';
 import { Color } from 'three';
 import type { ReportData } from './data.ts';
 import type { ReportModel } from './model.ts';
@@ -31,17 +31,17 @@ export interface View {
 const smallestRadius = 2e-4;
 
 export function showView(data: ReportData, models: readonly ReportModel[], frame: Frame): View {
-  const view = showModelsIn3D(models);
+  const view = new ModelsView(models);
   const { viewer, look, surfaces } = view;
   const markColor = { value: new Color() };
   models.forEach((model, i) => surfaces[i].addMarked(model.marked, markColor));
-  onTheme(viewer, () => {
+  view.color(() => {
     look.lineColor.value.setRGB(...tokenRgb('mark'));
     markColor.value.setRGB(...tokenRgb('hit'));
   });
-  showMarks(data, frame, view);
-  connectBox(viewer, 'cut', false, (isOn) => (look.isCut.value = isOn));
-  connectBox(viewer, 'show-map', data.status !== 'collision', (isOn) => {
+  showMarks(data, frame, view.marks);
+  view.connectBox('cut', false, (isOn) => (look.isCut.value = isOn));
+  view.connectBox('show-map', data.status !== 'collision', (isOn) => {
     look.isMapped.value = isOn;
     byId('legend').hidden = !isOn;
   });
@@ -62,7 +62,7 @@ function captionOf(data: ReportData): string {
   return `${points}Distances are measured at the vertices${divided ? ' and at points that divide long edges' : ''}.`;
 }
 
-function showMarks(data: ReportData, frame: Frame, { marks }: ModelsView): void {
+function showMarks(data: ReportData, frame: Frame, marks: Marks): void {
   if (data.witness === null) return;
   const [a, b] = [framed(frame, data.witness.point_a), framed(frame, data.witness.point_b)];
   marks.setSegment({ a, b, label: data.status === 'collision' ? 'shared point' : shownDistance(data) });
