@@ -22,7 +22,8 @@ CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
 SOURCES = ("include", "src", "scenes", "apps", "tests", "bench", "examples", "fuzz", "python", "tools", "web")
 WEB_SUFFIXES = (".ts", ".mjs", ".js")
 TEXT_SUFFIXES = CPP_SUFFIXES + WEB_SUFFIXES + (".py", ".sh", ".cmake", ".cff", ".md", ".bib")
-TEXT_NAMES = ("CMakeLists.txt", "dev", ".ci/run", ".clang-format", ".clang-tidy", ".editorconfig", ".gitignore")
+TEXT_NAMES = ("CMakeLists.txt", "dev", ".ci/run")
+TEXT_NAMES += (".clang-format", ".clang-tidy", ".editorconfig", ".gitignore", ".shellcheckrc")
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK)\b(?!\(#\d+\))")
 PRINTING = re.compile(
     r"\bstd\s*::\s*(?:cout|cerr|clog|wcout|wcerr|wclog|print|println)\b"

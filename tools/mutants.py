@@ -27,7 +27,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "examples", "fuzz", "include", "scenes", "src", "tests")
+COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "docs/guide", "examples", "fuzz", "include", "scenes", "src",
+          "tests")
 DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}
 TESTED_AT_ONCE = 2  # mutants, while another one is built

@@ -14,7 +14,8 @@
 namespace limber::query {
 namespace {
 
-// A part is flat if its slab is thinner than this part of the other model's radius (docs/design/fast_engine.md).
+// A part is flat if its slab is thinner than this part of the other model's radius (docs/algorithms/traversal.md,
+// "Flat parts").
 constexpr double flat_thickness = 1. / 64;
 // Vertices whose heights differ by this part of the radius are as good as each other: float32 hardly tells them apart.
 constexpr float negligible_height = 0x1p-18F;

@@ -19,7 +19,7 @@ namespace {
 using query::BudgetMeter;
 
 /// Looks for a contact: there is a witness exactly if one was found.
-StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter meter, QueryCache* cache,
+StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter& meter, QueryCache* cache,
                        std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   const query::PlacedModels placed(a, b);
@@ -31,7 +31,7 @@ StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter meter, Quer
 }
 
 /// Looks for a pair of points at most so far apart: there is a witness exactly if one was found.
-StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, BudgetMeter meter, QueryCache* cache,
+StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, BudgetMeter& meter, QueryCache* cache,
                       std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   query::check_max_distance(max_distance);
@@ -44,7 +44,7 @@ StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, Bud
   return stopped_by;
 }
 
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter meter,
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter& meter,
                         QueryCache* cache) {
   const core::DefaultFloatEnvironment environment;
   query::check_options(options, "limber::distance");
@@ -59,14 +59,16 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 CollideResult collide(const Placed& a, const Placed& b, QueryCache* cache) {
   CollideResult result;
-  find_contact(a, b, BudgetMeter(), cache, result.witness, result.stats);
+  BudgetMeter meter;
+  find_contact(a, b, meter, cache, result.witness, result.stats);
   result.collision = result.witness.has_value();
   return result;
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache* cache) {
   WithinResult result;
-  find_within(a, b, max_distance, BudgetMeter(), cache, result.witness, result.stats);
+  BudgetMeter meter;
+  find_within(a, b, max_distance, meter, cache, result.witness, result.stats);
   result.within = result.witness.has_value();
   return result;
 }
@@ -78,7 +80,8 @@ Answer answer_of(const BudgetedAnswer& result) {
 
 BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache* cache) {
   BudgetedAnswer result;
-  result.stopped_by = find_contact(a, b, BudgetMeter(budget), cache, result.witness, result.stats);
+  BudgetMeter meter(budget);
+  result.stopped_by = find_contact(a, b, meter, cache, result.witness, result.stats);
   result.answer = answer_of(result);
   return result;
 }
@@ -86,7 +89,8 @@ BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budg
 BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
                       QueryCache* cache) {
   BudgetedAnswer result;
-  result.stopped_by = find_within(a, b, max_distance, BudgetMeter(budget), cache, result.witness, result.stats);
+  BudgetMeter meter(budget);
+  result.stopped_by = find_within(a, b, max_distance, meter, cache, result.witness, result.stats);
   result.answer = answer_of(result);
   return result;
 }
@@ -103,17 +107,21 @@ BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budg
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  return distance(a, b, options, BudgetMeter(), nullptr);
+  BudgetMeter meter;
+  return distance(a, b, options, meter, nullptr);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache) {
-  return distance(a, b, options, BudgetMeter(), &cache);
+  BudgetMeter meter;
+  return distance(a, b, options, meter, &cache);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget) {
-  return distance(a, b, options, BudgetMeter(budget), nullptr);
+  BudgetMeter meter(budget);
+  return distance(a, b, options, meter, nullptr);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget,
                         QueryCache& cache) {
-  return distance(a, b, options, BudgetMeter(budget), &cache);
+  BudgetMeter meter(budget);
+  return distance(a, b, options, meter, &cache);
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {

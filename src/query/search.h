@@ -40,8 +40,7 @@ Unsearched finish(Traversal<Goal, has_front>& traversal, const PlacedModels& pla
 template <typename Goal>
 Unsearched traverse(const PlacedModels& placed, Frames& frames, double root_bound, Pruning& pruning, Goal& goal,
                     BudgetMeter& meter, QueryStats& stats) {
-  TraversalState state;
-  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, state, nullptr, stats);
+  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, nullptr, stats);
   traversal.start(root_bound);
   while (traversal.step()) {
   }
@@ -55,7 +54,8 @@ Unsearched traverse_on(const Traversal<Goal, true>& begun, const PlacedModels& p
                        QueryStats& stats) {
   if (placed.drift() > 0) placed.add_margin_cost(begun.margin_cost());
   front.forget_records();
-  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, front.state(), nullptr, stats);
+  Traversal<Goal, false> traversal(placed, frames, pruning, goal, meter, nullptr, stats);
+  traversal.take_over(front.state());
   while (traversal.step()) {
   }
   const Unsearched left = finish(traversal, placed, root_bound, pruning, goal, meter);
@@ -85,7 +85,7 @@ Unsearched traverse(const PlacedModels& placed, double root_bound, Pruning& prun
   }
   Unsearched left{0};
   if (continues || meter.is_limited() || cache.recording.is_due()) {
-    Traversal<Goal, true> traversal(placed, frames, pruning, goal, meter, front.state(), &front, stats);
+    Traversal<Goal, true> traversal(placed, frames, pruning, goal, meter, &front, stats);
     bool is_new = false;
     if (continues) {
       traversal.go_on();
@@ -123,13 +123,16 @@ void try_vertices(const PlacedModels& placed, double root_bound, Goal& goal, Pru
   const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
   const double distance = geometry::safe_length(q - p);
   if (distance <= root_bound || distance > good_enough || distance < simd::smallest_prune_distance) return;
-  const TriangleId a = placed.first_triangle(Side::a), b = placed.first_triangle(Side::b);
-  const Triangle s = placed.triangle(Side::a, a), t = placed.triangle(Side::b, b);
-  double extent = 0;
-  for (std::size_t k = 0; k < 3; ++k) extent = std::max({extent, max_abs(s[k] - p), max_abs(t[k] - p)});
+  const Corners &corners_a = placed.first_corners(Side::a), &corners_b = placed.first_corners(Side::b);
+  double extent = max_abs(q - p);
+  for (std::size_t k = 1; k < 3; ++k) {
+    extent = std::max(extent, max_abs(placed.position(Side::a, corners_a[k]) - p));
+    extent = std::max(extent, max_abs(placed.position(Side::b, corners_b[k]) - p));
+  }
   const double upper = distance + core::triangle_distance_error * (4 * distance + extent);
   if (upper > good_enough) return;
-  if (const auto improvement = goal.take(upper, {p, q, a, b})) pruning.improve(*improvement);
+  const Witness points{p, q, placed.first_triangle(Side::a), placed.first_triangle(Side::b)};
+  if (const auto improvement = goal.take(upper, points)) pruning.improve(*improvement);
 }
 
 /// Looks for what a goal wants, first where the last query ended if there is a cache.

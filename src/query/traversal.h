@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "core/check.h"
@@ -37,14 +38,14 @@ namespace limber::query {
 template <typename Goal, bool has_front>
 class Traversal {
  public:
-  Traversal(const PlacedModels& placed, Frames& frames, Pruning& pruning, Goal& goal, BudgetMeter& meter,
-            TraversalState& state, Front* front, QueryStats& stats)
+  Traversal(const PlacedModels& placed, Frames& frames, Pruning& pruning, Goal& goal, BudgetMeter& meter, Front* front,
+            QueryStats& stats)
       : frames_(frames),
         placed_(placed),
         pruning_(pruning),
         goal_(goal),
         meter_(meter),
-        state_(state),
+        state_(state_of(front)),
         front_(front),
         stats_(stats),
         kernels_(simd::kernels()),
@@ -56,6 +57,7 @@ class Traversal {
   /// Begins with the two roots. Pre: the goal is not done.
   void start(double root_bound) {
     state_.clear();
+    if (has_front || pruning_.has_direction()) state_.leaf_credit = first_leaf_credit;
     if constexpr (Goal::is_self) {
       static_assert(!has_front && Goal::needs_all);
       next_node_ = static_cast<std::uint32_t>(placed_.tree(Side::a).nodes.size());
@@ -76,9 +78,12 @@ class Traversal {
   /// or if the front has no records. Pre: as above.
   bool start_with_records() {
     state_.clear();
+    state_.leaf_credit = first_leaf_credit;
     if constexpr (can_guess) prepare_guess();
     return push_records();
   }
+  /// Goes on with a state that a traversal with a front has left.
+  void take_over(const TraversalState& state) requires(!has_front) { state_ = state; }
   /// Goes on where the traversal of the front was interrupted. Pre: as above, and the front says that it can.
   void go_on() {
     pruning_.restore_direction(front_->go_on());
@@ -138,6 +143,15 @@ class Traversal {
 
  private:
   using Guess = TraversalState::Guess;
+
+  static decltype(auto) state_of(Front* front) {
+    if constexpr (has_front) {
+      return (front->state());
+    } else {
+      return TraversalState();
+    }
+  }
+
   static constexpr bool can_guess = TakesPoints<Goal>;
 
   /// The expansion of one node of a pair: its children are compared with the other node.
@@ -198,9 +212,9 @@ class Traversal {
   }
 
   /// Goes straight down from the nearest pair again: best first comes to leaves late, so that the prune distance would
-  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. A
-  /// guess that has waited, because there was a pair from the last query, is due now. Not inlined: it is rare. Called
-  /// where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves anyway.
+  /// be that of the first leaves for long. Not with a front, nor after a good guess: then a close pair is known. Not
+  /// inlined: it is rare. Called where no bounds of queued pairs overlap: the deepest overlap is followed to its leaves
+  /// anyway.
   [[gnu::noinline]] void descend_again() {
     state_.descends = !has_front && !state_.has_guessed_well;
     state_.next_descent = descent_factor * state_.steps;
@@ -566,12 +580,23 @@ class Traversal {
     ++stats_.triangle_tests;
     const PlacedTriangle a{likely->a, placed_.triangle(Side::a, likely->a)};
     const PlacedTriangle b{likely->b, placed_.triangle(Side::b, likely->b)};
-    if (const auto improvement = goal_.compare(a, b)) pruning_.improve(*improvement), state_.has_guessed_well = true;
+    if (const auto improvement = goal_.compare(a, b)) {
+      pruning_.improve(*improvement);
+      state_.has_guessed_well = true;
+      state_.leaf_credit = most_leaf_credit;
+    }
+  }
+
+  /// Whether the search direction prunes two leaves as a whole. Where it seldom does, it is no longer asked.
+  bool prunes_leaves(PlacedLeaf& a, PlacedLeaf& b, double& apart) {
+    const bool is_pruned = pruning_.prunes(a, b, apart);
+    state_.leaf_credit =
+        is_pruned ? std::min(state_.leaf_credit + gain_of_leaves, most_leaf_credit) : state_.leaf_credit - 1;
+    return is_pruned;
   }
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap: that takes a fraction of the
-  /// time of finding the closest, and ends the query. Up to 64 exact tests, so not under a budget. Pre: both leaves
-  /// are taken.
+  /// time of finding the closest, and ends the query. Up to 64 exact tests. Pre: both leaves are taken.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_prune_distance;
@@ -623,7 +648,7 @@ class Traversal {
     const bool descends = std::exchange(state_.descends, false);
     state_.next_descent = std::max(is_first ? 0 : state_.next_descent, state_.steps + steps_to_descent);
     if constexpr (can_guess) {
-      if (pruning_.prunes(a, b, apart)) return true;
+      if (state_.leaf_credit > 0 && prunes_leaves(a, b, apart)) return true;
       if (is_first && descends && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) {
         return false;
       }
@@ -671,7 +696,9 @@ class Traversal {
 
   // A search direction that prunes nothing in so many expansions is given up; after so many, no other is chosen.
   static constexpr int most_idle_expansions = 3, most_wasted_aims = 2;
-  // Of the radius of a sphere in looseness() (bench/develop/volumes.cpp).
+  // Leaves are pruned as a whole while it pays: what a success gains, in failures; at first, and at most.
+  static constexpr int gain_of_leaves = 2, first_leaf_credit = 8, most_leaf_credit = 64;
+  // Of the radius of a sphere in looseness() (docs/algorithms/traversal.md).
   static constexpr float share_of_radius = 0.01F;
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
@@ -695,8 +722,8 @@ class Traversal {
   Pruning& pruning_;
   Goal& goal_;
   BudgetMeter& meter_;
-  TraversalState& state_;
-  Front* front_;  // null without one
+  std::conditional_t<has_front, TraversalState&, TraversalState> state_;  // the front's, or our own
+  Front* front_;                                                          // null without one
   QueryStats& stats_;
   const simd::Kernels& kernels_;
   double limits_for_ = -1;      // prune distance that what follows was derived from

@@ -28,7 +28,10 @@ struct TraversalState {
   bool descends = true;    // straight down, until leaves have been compared
   Guess guess = Guess::none;
   bool has_guessed_well = false;                       // the pair of the guess was the closest known then
+  int leaf_credit = 0;                                 // leaves are pruned as a whole while this is above 0
   bvh::SlotId guess_near[2] = {bvh::root, bvh::root};  // where to look for a likely pair
+
+  TraversalState() {}  // NOLINT: a defaulted one would let callers clear the queue's memory
 
   /// Starts a traversal. The queue's memory is not written.
   void clear() {
@@ -41,6 +44,7 @@ struct TraversalState {
     descends = true;
     guess = Guess::none;
     has_guessed_well = false;
+    leaf_credit = 0;
     guess_near[0] = guess_near[1] = bvh::root;
   }
 };

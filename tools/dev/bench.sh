@@ -1,0 +1,246 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+#: bench [name]     run and plot benchmarks (thesis, the default) into bench/results/<machine>/
+#: bench peers [F]  compare with other libraries; F is a folder with stanford-bunny.obj and armadillo.obj
+#: bench mix [F]    a broad mix of scenes next to FCL, with all meshes of F that it knows; --poses N for fewer than 40
+#: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
+#: bench surfaces   distances of surfaces of 7.5 million triangles that run alongside each other; takes 3 GB
+#: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
+#:                  what a cache saves and costs
+#: bench spikes     what moves and commits take at worst while trees stay as good as new
+#: bench haptics    the loop of limber haptics for a minute at 1 kHz and one at 5 kHz, with their histograms
+#: bench deforming [F]  what keeping trees of deforming meshes up to date costs, next to other libraries and as they are tuned
+#: bench contacts F  pairs of triangles that intersect or are close, and closest points, next to Embree, CGAL and
+#:                  libraries from PyPI, which go into a virtual environment below build/; F is a folder with
+#:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj. MeshLib takes part with
+#:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
+#:                  accepts that license
+#: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
+#: bench python F   what calls of Python cost above C++; then collision and distance next to packages from PyPI, MeshLib's
+#:                  as above; F is a folder with stanford-bunny.obj and armadillo.obj
+#: bench cluster F  a million poses on a cluster of this machine next to one process, with a worker and a client that are
+#:                  killed; F as for python
+#: bench web F      the JavaScript package next to the native library on one thread; F is a folder as above
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+# processor KEY: a value of the first processor's entry in /proc/cpuinfo, if it has one.
+processor() { sed -n "s/^$1[[:space:]]*: *//p; T; q" /proc/cpuinfo; }
+
+# The folder under bench/results that belongs to this machine. Virtual machines leave the number out of a processor's
+# name, so family and model are part of it.
+machine() {
+  local name family model
+  name=$(processor 'model name') family=$(processor 'cpu family') model=$(processor model)
+  name=${LIMBER_MACHINE:-$name${family:+ family $family}${model:+ model $model}}
+  name=$(tr '[:upper:]' '[:lower:]' <<<"$name" | sed -E 's/\((r|tm)\)//g; s/[^a-z0-9]+/-/g; s/^-+|-+$//g')
+  printf '%s\n' "${name:-$(uname -m)}"
+}
+
+# Builds programs that compare with other libraries, and for which io is needed.
+build_peers() {
+  local coal
+  need build io program peers
+  # Coal comes as a Python wheel with headers and a library inside; without it the comparison goes on.
+  coal=$(python3 -c 'import coal, pathlib; print(pathlib.Path(coal.__file__).parents[4])' 2>/dev/null || true)
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON "-DLIMBER_COAL_PREFIX=$coal"
+  build bench --target "$@"
+}
+
+bench_thesis() {
+  local program
+  need build program plots
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=OFF
+  build bench
+  for program in limber_bench_queries limber_bench_updates; do
+    say "running $program"
+    "$root/build/bench/bench/thesis/$program" --out "$results" </dev/null
+  done
+  # Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
+  /usr/bin/python3 "$root/bench/plots/plot_thesis.py" "$results"
+}
+
+bench_peers() {
+  local meshes=()
+  if (($#)); then meshes=(--meshes "$1"); fi
+  need plots
+  build_peers limber_bench_peers
+  "$root/build/bench/bench/peers/limber_bench_peers" --out "$results" "${meshes[@]}" </dev/null
+  /usr/bin/python3 "$root/bench/plots/plot_peers.py" "$results"
+  bench_mix "$@"
+}
+
+bench_mix() {
+  local meshes=()
+  if (($#)); then meshes=(--meshes "$1"); fi
+  build_peers limber_bench_mix
+  "$root/build/bench/bench/peers/limber_bench_mix" --out "$results" "${meshes[@]}" "${@:2}" </dev/null
+}
+
+# bench_against REV [folder of meshes]: builds that revision with its namespace renamed, so that both can be linked.
+bench_against() {
+  local before=$root/build/against flags='-Dlimber=limber_before -O3 -DNDEBUG'
+  (($#)) || die "bench against: which revision?"
+  need build io program git
+  rm -rf -- "$before"
+  mkdir -p -- "$before"
+  git -C "$root" archive "$1" | tar -x -C "$before"
+  [[ -e $before/bench/against/engine.cpp ]] || die "bench against: $1 is too old, it has no bench/against/engine.cpp"
+  cmake -S "$before" -B "$before/build/against" -G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=$flags" \
+    -DLIMBER_BUILD_IO=OFF -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_TESTS=OFF -DLIMBER_INSTALL=OFF \
+    "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true)" >/dev/null </dev/null
+  cmake --build "$before/build/against" --parallel "$jobs" --target limber </dev/null
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON "-DLIMBER_AGAINST=$before"
+  build bench --target limber_bench_against
+  {
+    printf '# This revision next to %s\n\n' "$1"
+    "$root/build/bench/bench/against/limber_bench_against" "${@:2}" </dev/null
+  } | tee -- "$results/against.md"
+}
+
+bench_deforming() {
+  local meshes=() program
+  if (($#)); then meshes=(--meshes "$1"); fi
+  build_peers limber_bench_deforming limber_bench_motion_margin limber_bench_partial_rebuild
+  "$root/build/bench/bench/peers/limber_bench_deforming" --out "$results" "${meshes[@]}" </dev/null
+  for program in limber_bench_motion_margin limber_bench_partial_rebuild; do
+    say "running $program"
+    "$root/build/bench/bench/develop/$program" --out "$results" </dev/null
+  done
+}
+
+bench_surfaces() {
+  need build io program
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
+  build bench --target limber_bench_large_surfaces
+  "$root/build/bench/bench/develop/limber_bench_large_surfaces" --out "$results" "$@" </dev/null
+}
+
+bench_deadlines() {
+  local meshes=()
+  if (($#)); then meshes=(--meshes "$1"); fi
+  need build io program
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
+  build bench --target limber_bench_deadlines limber_bench_endings limber_bench_caches
+  "$root/build/bench/bench/realtime/limber_bench_deadlines" --out "$results" "${meshes[@]}" "${@:2}" </dev/null
+  "$root/build/bench/bench/realtime/limber_bench_endings" --out "$results" "${meshes[@]}" </dev/null
+  "$root/build/bench/bench/realtime/limber_bench_caches" --out "$results" "${meshes[@]}" </dev/null
+}
+
+bench_spikes() {
+  need build io program
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
+  build bench --target limber_bench_spikes
+  "$root/build/bench/bench/realtime/limber_bench_spikes" --out "$results" "$@" </dev/null
+}
+
+bench_haptics() {
+  local rate
+  need build io program
+  configure release -DLIMBER_BUILD_TESTS=OFF
+  build release --target limber_program
+  for rate in 1000 5000; do
+    say "one minute at $rate Hz"
+    "$root/build/release/apps/limber/limber" haptics --rate "$rate" --seconds 60 --jitter-seconds 10 \
+      --page "$root/build/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
+  done
+}
+
+# install_from_pypi FILE...: what those files of bench/contacts require, into the virtual environment build/peers. What is
+# there already is not asked for again.
+install_from_pypi() {
+  local environment=$root/build/peers file files=()
+  for file in "$@"; do files+=(-r "$root/bench/contacts/$file"); done
+  # Debian packages the module for virtual environments by itself; other interpreters have it.
+  if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then need pypi; fi
+  [[ -x $environment/bin/python ]] || python3 -m venv "$environment" || return 1
+  "$environment/bin/python" -m pip install -q --retries 1 "${files[@]}" </dev/null
+}
+
+# bench_contacts FOLDER: other libraries first, then ours, which reads their times, their answers and their meshes.
+bench_contacts() {
+  local answers=$root/build/contact_answers requirements=(requirements.txt) peers=(ipctk coal fcpw trimesh) theirs=()
+  (($#)) || die "bench contacts: which folder has the meshes? See ./dev help"
+  if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then
+    requirements+=(requirements_meshlib.txt)
+    peers=(meshlib "${peers[@]}")
+  fi
+  need build io program points
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
+  build bench --target limber_bench_contacts
+  rm -rf -- "$answers"
+  if install_from_pypi "${requirements[@]}"; then
+    say "running other libraries: ${peers[*]}"
+    PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" "$root/bench/contacts/peers.py" "$1" \
+      --peers "${peers[@]}" --out "$results" --answers "$answers" </dev/null
+    theirs=(--peers "$results/contact_peers.csv" --answers "$answers")
+  else
+    say "other libraries are left out, and so are the meshes of two cloths: PyPI's could not be installed"
+  fi
+  say "running limber_bench_contacts"
+  "$root/build/bench/bench/contacts/limber_bench_contacts" --meshes "$1" --out "$results" "${theirs[@]}" \
+    "${@:2}" </dev/null
+}
+
+bench_scene() {
+  build_peers limber_bench_scene
+  "$root/build/bench/bench/scene/limber_bench_scene" --out "$results" "$@" </dev/null
+}
+
+# bench_python FOLDER: the package of the preset `bench` in an environment that has the other packages too.
+bench_python() {
+  local place=$root/build/python_peers/bin/python requirements=(requirements.txt requirements_test.txt requirements_peers.txt)
+  (($#)) || die "bench python: which folder has the meshes? See ./dev help"
+  if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then requirements+=(../bench/contacts/requirements_meshlib.txt); fi
+  need build io program python
+  python_environment python_peers "${requirements[@]}"
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
+  build bench --target limber_python_stub limber_bench_python_calls
+  export PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1
+  "$place" "$root/python/bench/overhead.py" "$root/build/bench/python/limber_bench_python_calls" --out "$results" </dev/null
+  "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
+}
+
+bench_cluster() {
+  local place=$root/build/python/bin/python
+  (($#)) || die "bench cluster: which folder has the meshes? See ./dev help"
+  need build io program python
+  tests_environment
+  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
+  build bench --target limber_python_stub
+  PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1 \
+    "$place" "$root/python/bench/cluster.py" "$1" --out "$results" "${@:2}" </dev/null
+}
+
+# bench_web FOLDER: both programs run turn by turn.
+bench_web() {
+  (($#)) || die "bench web: which folder has the meshes? See ./dev help"
+  local folder
+  folder=$(readlink -f -- "$1")
+  build_web limber_web_bench
+  node bench/bench.js "$root/build/release/web/limber_web_bench" "$folder" "${@:2}" </dev/null | tee -- "$results/web.md"
+}
+
+name=${1:-thesis}
+results=$root/bench/results/$(machine)
+mkdir -p -- "$results"
+case $name in
+  thesis | all) bench_thesis ;;
+  peers) bench_peers "${@:2}" ;;
+  mix) bench_mix "${@:2}" ;;
+  deforming) bench_deforming "${@:2}" ;;
+  surfaces) bench_surfaces "${@:2}" ;;
+  deadlines) bench_deadlines "${@:2}" ;;
+  spikes) bench_spikes "${@:2}" ;;
+  haptics) bench_haptics "${@:2}" ;;
+  against) bench_against "${@:2}" ;;
+  contacts) bench_contacts "${@:2}" ;;
+  scene) bench_scene "${@:2}" ;;
+  python) bench_python "${@:2}" ;;
+  cluster) bench_cluster "${@:2}" ;;
+  web) bench_web "${@:2}" ;;
+  *) die "no benchmark is called '$name'; there are:" \
+    "thesis, peers, mix, surfaces, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
+esac
+say "results are in $results"

@@ -1,0 +1,156 @@
+# shellcheck shell=bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+# What the scripts of the verbs share. Each of them sources this file first.
+set -euo pipefail
+
+# ccache serves sources with a precompiled header only where it is told to.
+export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}
+
+root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../.." && pwd)
+jobs=$(nproc)
+
+say() { printf 'dev: %s\n' "$*" >&2; }
+die() { say "$*"; exit 1; }
+
+# need LIST...: installs those packages of these lists of packages.txt that are missing; one apt-get update, and only if
+# there is something to install.
+need() {
+  local list line words packages=()
+  for list in "$@"; do
+    line=$(grep "^$list:" "$root/tools/dev/packages.txt") || die "packages.txt has no list '$list'"
+    read -ra words <<<"${line#*:}"
+    packages+=("${words[@]}")
+  done
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    say "not a Debian system, so nothing is installed; needed are the likes of: ${packages[*]}"
+    return 0
+  fi
+  local -A installed=()
+  local missing=() as_root=() log status package architecture own
+  own=$(dpkg --print-architecture)
+  while read -r status package architecture; do
+    if [[ $status != ii && $status != hi ]]; then continue; fi
+    installed[$package:$architecture]=1
+    if [[ $architecture == "$own" || $architecture == all ]]; then installed[$package]=1; fi
+  done < <(dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Architecture}\n' "${packages[@]}" 2>/dev/null || true)
+  for package in "${packages[@]}"; do
+    if [[ ! -v installed[$package] ]]; then missing+=("$package") installed[$package]=1; fi
+  done
+  ((${#missing[@]})) || return 0
+
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null || die "neither root nor sudo; ask for: apt-get install ${missing[*]}"
+    as_root=(sudo)
+  fi
+  as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3)
+  log=$(mktemp)
+  say "installing ${missing[*]}"
+  if ! { "${as_root[@]}" update &&
+    "${as_root[@]}" install -y --no-install-recommends "${missing[@]}"; } </dev/null >"$log" 2>&1; then
+    tail -n 20 -- "$log" >&2
+    rm -f -- "$log"
+    die "apt-get could not install: ${missing[*]}"
+  fi
+  rm -f -- "$log"
+}
+
+# configure PRESET [cmake arguments]
+configure() {
+  local preset=$1 fresh=() found
+  shift
+  # Left alone, CMake stays with the compiler that an earlier CXX chose.
+  found=$(sed -n 's/^CMAKE_CXX_COMPILER:FILEPATH=//p' "$root/build/$preset/CMakeCache.txt" 2>/dev/null || true)
+  if [[ -n ${CXX:-} && -n $found && $found != "$(command -v "${CXX%% *}")" ]]; then fresh=(--fresh); fi
+  say "configuring build/$preset"
+  (cd -- "$root" && cmake --preset "$preset" "${fresh[@]}" --log-level=WARNING \
+    "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true)" "$@") </dev/null
+}
+
+# build PRESET [cmake --build arguments]
+build() {
+  local preset=$1
+  shift
+  say "building build/$preset"
+  cmake --build "$root/build/$preset" --parallel "$jobs" "$@" </dev/null
+}
+
+# run_tests PRESET [ctest arguments]; ctest's own closing line stays the last.
+run_tests() {
+  local preset=$1
+  shift
+  (cd -- "$root" && ctest --preset "$preset" --parallel "$jobs" "$@") </dev/null
+}
+
+# expect_minutes N: says how long a verb takes that keeps one processor busy for N minutes.
+expect_minutes() {
+  say "from nothing this takes about $((($1 + jobs - 1) / jobs)) minutes on $jobs processors of today; after that, what has changed"
+}
+
+# need_for_tests [LIST...]
+need_for_tests() { need build io program tests "$@"; }
+
+# python_environment NAME FILE...: the virtual environment build/NAME of python3, with what those files of python require
+# from PyPI. What is there already is not asked for again.
+python_environment() {
+  local name=$1 environment=$root/build/$1 file files=() wanted
+  shift
+  for file in "$@"; do files+=("$root/python/$file"); done
+  wanted=$(python3 -VV && cat -- "${files[@]}")
+  if [[ $wanted == "$(cat -- "$environment/installed" 2>/dev/null)" ]]; then return 0; fi
+  # Debian packages headers and the module for virtual environments by themselves; other interpreters have both.
+  if ! python3 -c 'import ensurepip, os, sysconfig, venv
+os.stat(os.path.join(sysconfig.get_path("include"), "Python.h"))' 2>/dev/null; then need python; fi
+  say "installing from PyPI into build/$name: ${*}"
+  rm -rf -- "$environment"
+  python3 -m venv "$environment"
+  "$environment/bin/python" -m pip install -q --retries 3 "${files[@]/#/-r}" </dev/null ||
+    die "pip could not install what ${*} name"
+  printf '%s\n' "$wanted" >"$environment/installed"
+}
+
+# What the tests of the Python package need; one environment, so that verbs do not replace each other's.
+tests_environment() { python_environment python requirements.txt requirements_{test,examples,peers}.txt; }
+
+# The preset `checked` with the Python package.
+configure_checked() {
+  need_for_tests python
+  tests_environment
+  # pyright gets its program from the npm registry when it first runs.
+  export PYRIGHT_PYTHON_CACHE_DIR=$root/build/python/pyright
+  configure checked -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python"
+}
+
+# on_emscripten COMMAND...: Emscripten's scripts find their modules also where node is not Debian's.
+on_emscripten() { NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH} CXX='' "$@"; }
+
+# The JavaScript package, in build/web/limber3d.
+compile_web() {
+  need build io web
+  on_emscripten configure web
+  on_emscripten build web
+}
+
+# build_web PROGRAM: the package, and what npm installs to test it with; a native program beside it.
+build_web() {
+  compile_web
+  if ! command -v npm >/dev/null; then need npm; fi
+  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
+  build release --target "$1"
+  cd -- "$root/build/web"
+  if ! cmp -s package.json node_modules/installed.json; then
+    say "installing from npm into build/web: TypeScript"
+    npm install --install-links=false --no-audit --no-fund --no-package-lock --loglevel=error </dev/null
+    cp -- package.json node_modules/installed.json
+  fi
+}
+
+# Our C++ files below the working directory, each ended by a zero byte. Needs no git.
+cpp_files() {
+  local folders=() folder
+  for folder in include src scenes apps tests bench examples fuzz python web; do
+    if [[ -d $folder ]]; then folders+=("$folder"); fi
+  done
+  find "${folders[@]}" -type f \( -name '*.h' -o -name '*.cpp' \) -print0 | sort -z
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+#: lint             formatting, clang-tidy, layers, sizes, references, licenses, shell scripts
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+check_format() { cpp_files | xargs -0 clang-format --dry-run -Werror; }
+
+check_scripts() {
+  shellcheck dev .ci/run tools/dev/*.sh apps/limber/completions/limber.bash tests/package/check_installed.sh
+}
+
+# Every file has a license. What git ignores is none of ours; without git that cannot be told.
+check_licenses() {
+  git rev-parse --git-dir >/dev/null 2>&1 || { say "licenses are checked in clones alone"; return 0; }
+  build/lint_tools/bin/reuse lint --quiet || build/lint_tools/bin/reuse lint --lines
+}
+
+# clang-tidy over what the compile database of build/dev knows of the folders below; that of build/checked has sources
+# joined together. Tests are left out: their frameworks would take most of the time.
+check_tidy() {
+  local patterns=() file
+  while IFS= read -r -d '' file; do
+    case $file in
+      src/* | scenes/* | apps/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
+    esac
+  done < <(cpp_files)
+  configure dev -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
+  build dev --target limber_python_docstrings >/dev/null || return 1
+  run-clang-tidy -quiet -j "$jobs" -p build/dev "${patterns[@]}" 2>&1 |
+    sed -E '/^clang-tidy|^[0-9]+ warnings? generated|^Suppressed|^Use -header-filter|^$/d'
+}
+
+# lint_step NAME COMMAND...
+lint_step() {
+  local step=$1 start=$SECONDS
+  shift
+  if "$@" </dev/null; then say "lint: $step ok ($((SECONDS - start)) s)"; else
+    say "lint: $step FAILED ($((SECONDS - start)) s)"
+    failed+=("$step")
+  fi
+}
+
+need_for_tests lint python
+tests_environment
+python_environment lint_tools ../tools/requirements_lint.txt
+cd -- "$root"
+failed=()
+export PYTHONDONTWRITEBYTECODE=1
+lint_step tools python3 tools/test_tools.py
+lint_step layers python3 tools/check_layers.py
+lint_step sizes python3 tools/check_sizes.py
+lint_step references python3 tools/check_refs.py
+lint_step licenses check_licenses
+lint_step scripts check_scripts
+lint_step format check_format
+lint_step tidy check_tidy
+((${#failed[@]} == 0)) || die "lint failed: ${failed[*]}"
+say "lint passed"

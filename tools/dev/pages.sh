@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+#: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
+#:                  from web/pages, with npm
+#: pages live       compile the engine to WebAssembly and build the live page with it: build/limber-live.html
+#: pages --check    type-check the sources of both, and compare the committed viewer with what its sources give
+#: pages test       test pages that the program writes, in a headless browser
+#: pages test live  build the live page and test it, in a headless browser
+#: pages pictures   make the pictures of these pages in the README and in docs/guide
+#: pages measure    what a frame of the live page costs in a headless browser
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+# npm, and what web/pages/package-lock.json names. What is there already is not asked for again.
+pages_environment() {
+  local folder=$root/web/pages
+  command -v npm >/dev/null || need pages
+  if cmp -s -- "$folder/package-lock.json" "$folder/node_modules/installed"; then return 0; fi
+  say "installing from npm into web/pages/node_modules"
+  (cd -- "$folder" && npm ci --no-audit --no-fund --loglevel=error) </dev/null ||
+    die "npm could not install what web/pages/package-lock.json names"
+  cp -- "$folder/package-lock.json" "$folder/node_modules/installed"
+}
+
+# run_script NAME: a script of web/pages/package.json.
+run_script() {
+  pages_environment
+  (cd -- "$root/web/pages" && npm run --silent "$1" </dev/null)
+}
+
+live_page() {
+  compile_web
+  run_script live
+}
+
+script=${*:-build}
+case $script in
+  build | --check) run_script "${script#--}" ;;
+  live) live_page ;;
+  test | 'test live' | pictures | measure)
+    need build io program pages_tests
+    if [[ $script == pictures ]]; then need pictures; fi
+    if [[ $script != test ]]; then live_page; fi
+    configure release -DLIMBER_BUILD_TESTS=OFF
+    build release --target limber_program
+    export LIMBER_PROGRAM=$root/build/release/apps/limber/limber
+    run_script "${script/ /-}"
+    ;;
+  *) die "pages has no '$script'; see ./dev help" ;;
+esac

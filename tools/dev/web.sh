@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+#: web [args]       build the JavaScript package, in WebAssembly, and test it next to the native library; arguments go to
+#:                  node --test
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+build_web limber_web_answers
+"$root/build/release/web/limber_web_answers" answers.bin
+rm -f -- limber3d/*.d.ts
+node_modules/.bin/tsc -p tsconfig.json
+node_modules/.bin/tsc -p tests/tsconfig.json
+for example in examples/*.js; do
+  say "running $example"
+  node "$example"
+done
+LIMBER_ANSWERS=answers.bin node --test "$@" tests/*.test.js </dev/null
