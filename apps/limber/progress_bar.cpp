@@ -11,7 +11,7 @@
 namespace limber::program {
 namespace {
 
-constexpr std::size_t width = 40;
+constexpr std::size_t bar_width = 40;
 constexpr double bar_redraw_s = 0.1;
 
 void show(const std::string& text) {
@@ -34,8 +34,8 @@ void ProgressBar::clear() {
 
 void ProgressBar::draw(std::size_t done) {
   if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < bar_redraw_s)) return;
-  const std::size_t filled = width * done / count_;
-  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", width - filled, done, count_, unit_));
+  const std::size_t filled = bar_width * done / count_;
+  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", bar_width - filled, done, count_, unit_));
   stands_ = true;
   since_drawn_ = Stopwatch();
 }

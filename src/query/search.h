@@ -206,8 +206,8 @@ inline bool has_self_pair(const QueryCache::Impl* last, const PlacedModels& plac
          placed.has_triangle(Side::b, last->triangle_b);
 }
 
-/// Looks for the best among the triangles of one model, which stands on both sides. If there is a cache, the pair of the
-/// last answer is compared first, whatever model it was of: it is one of the pairs of this model as well.
+/// Looks for the best among the triangles of one model, which stands on both sides. If there is a cache, the pair of
+/// the last answer is compared first, whatever model it was of: it is one of the pairs of this model as well.
 template <typename Collector>
 Unsearched search_self(const PlacedModels& placed, const QueryCache::Impl* last, Collector& collector,
                        QueryStats& stats) {
@@ -223,8 +223,8 @@ Unsearched search_self(const PlacedModels& placed, const QueryCache::Impl* last,
   return traverse({placed, frames, pruning, meter, stats}, 0, collector);
 }
 
-/// Offers a collector all pairs of triangles, or of leaves, that may count: of two models, or of one that stands on both
-/// sides.
+/// Offers a collector all pairs of triangles, or of leaves, that may count: of two models, or of one that stands on
+/// both sides.
 template <typename Collector>
 void search_all(const PlacedModels& placed, Collector& collector, QueryStats& stats) {
   BudgetMeter meter;  // without limits

@@ -40,7 +40,8 @@ class SquaredLimits {
   /// What the limit would be without a motion margin, in squared units of a.
   float tight() const { return tight_sq_; }
 
-  /// A bound of a child in squared units of its tree, as that of a pair in those of a; at least the bound of its parent.
+  /// A bound of a child, in squared units of its tree, as that of a pair in those of a: at least the bound of its
+  /// parent.
   float bound_of_child(Side s, float order, float parent) const {
     // Never as large as `no_limit_sq`, which must not prune, even where the product overflows.
     return std::min(std::max(order * to_a_sq_[index(s)], parent), BucketQueue::largest_bound);

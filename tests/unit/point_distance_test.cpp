@@ -15,7 +15,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double u = 0x1p-53;
+constexpr double half_ulp = 0x1p-53;
 
 double extent_from(const Vec3& p, const Triangle& t) {
   return std::max({max_abs(t.v0 - p), max_abs(t.v1 - p), max_abs(t.v2 - p)});
@@ -74,14 +74,15 @@ TEST_P(PointDistanceOfKind, IsWithinEightRoundingsOfTheExactOne) {
     const Vec3 p = rng.below(4) == 0 ? random_pair(rng, GetParam()).first.v0 : point_near(rng, t);
     const geometry::PointOnTriangle found = geometry::closest_on(t, p);
     const exact::Fraction truth_sq = exact::squared_distance({p, p, p}, t);
-    const double tolerance = 8 * u * extent_from(p, t) + 0x1p-1022;
+    const double tolerance = 8 * half_ulp * extent_from(p, t) + 0x1p-1022;
     ASSERT_TRUE(exact::is_at_most(found.distance, truth_sq, tolerance)) << "case " << i;
     ASSERT_TRUE(exact::is_at_least(found.distance, truth_sq, tolerance)) << "case " << i;
     const Vec3& w = found.weights;
     ASSERT_TRUE(w.x >= 0 && w.y >= 0 && w.z >= 0) << "case " << i;
-    ASSERT_NEAR(w.x + w.y + w.z, 1, 4 * u) << "case " << i;
+    ASSERT_NEAR(w.x + w.y + w.z, 1, 4 * half_ulp) << "case " << i;
     const double largest = std::max({max_abs(t.v0), max_abs(t.v1), max_abs(t.v2), max_abs(p)});
-    ASSERT_NEAR(length(geometry::point_at(t, w) - p), found.distance, 2 * tolerance + 8 * u * largest) << "case " << i;
+    ASSERT_NEAR(length(geometry::point_at(t, w) - p), found.distance, 2 * tolerance + 8 * half_ulp * largest)
+        << "case " << i;
   }
 }
 
@@ -93,7 +94,7 @@ TEST_P(PointDistanceOfKind, ScalesWithPowersOfTwo) {
     const double distance = geometry::closest_on(t, p).distance;
     for (const double scale : {0x1p-130, 0x1p-30, 0x1p90, 0x1p180}) {
       const Triangle scaled{t.v0 * scale, t.v1 * scale, t.v2 * scale};
-      ASSERT_NEAR(geometry::closest_on(scaled, p * scale).distance / scale, distance, 16 * u * extent_from(p, t))
+      ASSERT_NEAR(geometry::closest_on(scaled, p * scale).distance / scale, distance, 16 * half_ulp * extent_from(p, t))
           << "case " << i << ", scale " << scale;
     }
   }
@@ -112,7 +113,8 @@ TEST(PointDistance, NeverExceedsThatOfTheEdges) {
     for (int i = 0; i < 60'000; ++i) {
       const Triangle t = random_pair(rng, kind).second;
       const Vec3 p = point_near(rng, t);
-      const double found = geometry::closest_on(t, p).distance, tolerance = 16 * u * extent_from(p, t) + 0x1p-1022;
+      const double found = geometry::closest_on(t, p).distance,
+                   tolerance = 16 * half_ulp * extent_from(p, t) + 0x1p-1022;
       for (std::size_t k = 0; k < 3; ++k) {
         const double of_edge = closest_points(Segment{p, p}, Segment{t[k], t[(k + 1) % 3]}).distance;
         ASSERT_LE(found, of_edge + tolerance) << "kind " << static_cast<int>(kind) << ", case " << i;

@@ -83,6 +83,45 @@ run_tests() {
   (cd -- "$root" && ctest --preset "$preset" --parallel "$jobs" "$@") </dev/null
 }
 
+# run_programs PRESET NAME[:FILTER]...: the programs of these tests, each in as many shards as there are processors. ctest
+# starts a process for each test, which costs more than most tests where processes start slowly: with sanitizers, on an
+# emulator. What a program printed is in build/PRESET/NAME_SHARD.log, and shown if it failed.
+emulator=()
+run_programs() {
+  local preset=$1 run shard running=0 status=0
+  shift
+  for run in "$@"; do
+    for ((shard = 0; shard < jobs; ++shard)); do
+      if ((running == jobs)); then
+        wait -n || status=1
+        running=$((running - 1))
+      fi
+      run_shard "$preset" "$run" "$shard" &
+      running=$((running + 1))
+    done
+  done
+  while ((running > 0)); do
+    wait -n || status=1
+    running=$((running - 1))
+  done
+  return "$status"
+}
+
+# run_shard PRESET NAME[:FILTER] SHARD
+run_shard() {
+  local preset=$1 name=${2%%:*} shard=$3 filter='*' log start=$SECONDS
+  if [[ $2 == *:* ]]; then filter=${2#*:}; fi
+  log=$root/build/$preset/${name}_$shard.log
+  if (cd -- "$root" && GTEST_TOTAL_SHARDS=$jobs GTEST_SHARD_INDEX=$shard \
+    "${emulator[@]}" "$root/build/$preset/tests/limber_${name}_tests" --gtest_filter="$filter") >"$log" 2>&1 </dev/null; then
+    say "$preset: $name, shard $((shard + 1)) of $jobs: $(sed -n 's/^\[  PASSED  \] //p' "$log") in $((SECONDS - start)) s"
+  else
+    tail -n 60 -- "$log" >&2
+    say "$preset: $name, shard $((shard + 1)) of $jobs FAILED; the log is $log"
+    return 1
+  fi
+}
+
 # expect_minutes N: says how long a verb takes that keeps one processor busy for N minutes.
 expect_minutes() {
   say "from nothing this takes about $((($1 + jobs - 1) / jobs)) minutes on $jobs processors of today; after that, what has changed"

@@ -4,6 +4,7 @@
 
 #: fuzz [--seconds N] [target...]  run fuzz targets, all by default, N seconds each (60), as many at a time as there are
 #:                  processors; committed regressions come first
+#: fuzz --quick [target...]  30 seconds each, with kernels for two instruction sets
 #: fuzz --replay FILE target  run one input, under the same limits
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -47,10 +48,11 @@ fuzz_one() {
   return 1
 }
 
-seconds=60 replay='' targets=() status=0 running=0
+seconds=60 options=() replay='' targets=() status=0 running=0
 while (($#)); do
   case $1 in
     --seconds) seconds=${2:-} && shift ;;
+    --quick) seconds=30 options=(-DLIMBER_FEWER_KERNELS=ON) ;;
     --replay) replay=${2:-} && shift ;;
     -*) die "fuzz has no option '$1'; see ./dev help" ;;
     *) targets+=("$1") ;;
@@ -68,7 +70,7 @@ elif ((${#targets[@]} == 0)); then
   readarray -t targets < <(fuzz_targets)
 fi
 need build io fuzz
-configure fuzz
+configure fuzz "${options[@]}"
 build fuzz --target "${targets[@]/#/fuzz_}"
 if [[ -n $replay ]]; then
   fuzz_program "${targets[0]}" "$replay"

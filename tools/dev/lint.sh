@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 #: lint             formatting, clang-tidy, layers, sizes, references, licenses, shell scripts
+#: lint --deep      with Clang's static analyzer, and every source by itself; long
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 check_format() { cpp_files | xargs -0 clang-format --dry-run -Werror; }
@@ -17,18 +18,21 @@ check_licenses() {
   build/lint_tools/bin/reuse lint --quiet || build/lint_tools/bin/reuse lint --lines
 }
 
-# clang-tidy over what the compile database of build/dev knows of the folders below; that of build/checked has sources
-# joined together. Tests are left out: their frameworks would take most of the time.
+# clang-tidy over what the compile database of a preset knows of the folders below. Tests are left out: their frameworks
+# would take most of the time. Most of the rest goes to headers, which sources that are joined, those of build/checked,
+# read once. The analyzer looks only at functions of a source that is compiled by itself, as in build/dev.
 check_tidy() {
-  local patterns=() file
+  local preset=checked checks='-clang-analyzer-*,-bugprone-suspicious-include' patterns=() file
+  if [[ -n $deep ]]; then preset=dev checks=''; fi
   while IFS= read -r -d '' file; do
     case $file in
       src/* | scenes/* | apps/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
     esac
   done < <(cpp_files)
-  configure dev -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
-  build dev --target limber_python_docstrings >/dev/null || return 1
-  run-clang-tidy -quiet -j "$jobs" -p build/dev "${patterns[@]}" 2>&1 |
+  patterns+=('/build/checked/(src|scenes|apps|examples|python)/.*/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
+  configure "$preset" -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
+  build "$preset" --target limber_python_docstrings >/dev/null || return 1
+  run-clang-tidy -quiet -j "$jobs" -p "build/$preset" "-checks=$checks" "${patterns[@]}" 2>&1 |
     sed -E '/^clang-tidy|^[0-9]+ warnings? generated|^Suppressed|^Use -header-filter|^$/d'
 }
 
@@ -42,6 +46,8 @@ lint_step() {
   fi
 }
 
+deep=''
+if [[ ${1:-} == --deep ]]; then deep=1; fi
 need_for_tests lint python
 tests_environment
 python_environment lint_tools ../tools/requirements_lint.txt

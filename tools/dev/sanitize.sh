@@ -4,19 +4,34 @@
 
 #: sanitize [args]  the tests under the address and undefined-behaviour sanitizers, then those with threads under the
 #:                  thread sanitizer; arguments go to the first ctest
+#: sanitize --quick  of the library, of files, of the program and of the haptic loop alone, with few random cases, and
+#:                  kernels for two instruction sets
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
-need_for_tests
-# The stub of the Python package is written by Python, which cannot load a module with sanitizers by itself.
-configure asan -DLIMBER_BUILD_PYTHON=OFF
-build asan
-export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
-# The longest tests draw fewer cases; installing and building a consumer have nothing to sanitize.
-export LIMBER_UPDATE_SEQUENCES=20000 LIMBER_ORACLE_PAIRS=1000000
-run_tests asan -LE package "$@"
-configure tsan -DLIMBER_BUILD_PROGRAM=OFF
 # Queries from eight threads, updates with margins and workers beside them. Not builds: Debian's oneTBB is not
 # instrumented, so its synchronisation cannot be seen. With one that is, every test of threads can run: build Debian's
 # source package onetbb with CMAKE_CXX_FLAGS=-fsanitize=thread, and configure tsan with its TBB_DIR.
-build tsan --target limber_unit_tests
-run_tests tsan -R SharesModels
+sanitize_threads() {
+  configure tsan -DLIMBER_BUILD_PROGRAM=OFF
+  build tsan --target limber_threads_tests
+  run_programs tsan 'threads:*SharesModels*'
+}
+
+need_for_tests
+export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+# The stub of the Python package is written by Python, which cannot load a module with sanitizers by itself.
+options=(-DLIMBER_BUILD_PYTHON=OFF)
+if [[ ${1:-} == --quick ]]; then
+  suites=(unit property io program allocation haptics)
+  configure asan "${options[@]}" -DLIMBER_FEWER_KERNELS=ON
+  targets=("${suites[@]/#/limber_}")
+  build asan --target "${targets[@]/%/_tests}"
+  export RC_PARAMS=max_success=50 LIMBER_UPDATE_SEQUENCES=1000 LIMBER_INTERRUPTED_QUERIES=2000 LIMBER_NEIGHBOR_PAIRS=3000
+  run_programs asan "${suites[@]}"
+else
+  configure asan "${options[@]}"
+  build asan
+  # The longest tests draw fewer cases; installing and building a consumer have nothing to sanitize.
+  LIMBER_UPDATE_SEQUENCES=20000 LIMBER_ORACLE_PAIRS=1000000 run_tests asan -LE package "$@"
+fi
+sanitize_threads

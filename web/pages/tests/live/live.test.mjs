@@ -3,11 +3,21 @@
 
 // The live page, in a browser. What it says is compared with the native program.
 import assert from 'node:assert/strict';
-import { join } from 'node:path';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { Folder, boxObj, focused, launch, limber, open, pages, picture, screenFrames, settled } from './support.mjs';
+import {
+  Folder,
+  boxObj,
+  focused,
+  launch,
+  limber,
+  livePage,
+  open,
+  picture,
+  screenFrames,
+  settled,
+} from '../support.mjs';
 
-const path = join(pages, '../../apps/limber/pages/live.html');
 const still = { reducedMotion: 'reduce' }; // the sheet begins at rest, and hardly swings
 
 const folder = new Folder();
@@ -23,7 +33,7 @@ after(async () => {
 });
 
 async function live(options) {
-  const page = await open(browser, path, options);
+  const page = await open(browser, livePage, options);
   await page.waitForFunction(() => performance.getEntriesByName('limber-first-frame').length > 0);
   await settled(page);
   return page;
@@ -439,4 +449,11 @@ test('everything that is operated has a name, and shows when it has the focus', 
     assert.ok(names.has(id), `${id} cannot be reached`);
   }
   await page.close();
+});
+
+test('the page has the licenses of all that is inside, in full', () => {
+  const notices = /<script type="text\/plain" id="notices">([^<]*)/.exec(readFileSync(livePage, 'utf8'))[1];
+  const owners = ['The limber authors', 'three.js authors', 'The Emscripten Authors', 'Rich Felker', 'Niels Lohmann'];
+  for (const owner of owners) assert.ok(notices.includes(owner), owner);
+  assert.equal([...notices.matchAll(/to\s+permit\s+persons\s+to/g)].length, 4, 'licenses of MIT');
 });
