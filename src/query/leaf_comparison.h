@@ -42,8 +42,8 @@ class LeafComparison {
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
 
-  /// False if the collector or the budget has ended it before all triangles were compared. Otherwise leaves in `apart` a
-  /// lower bound of their distance, which may be above the cutoff; only with `needs_bound` it tells more than 0.
+  /// False if the collector or the budget has ended it before all triangles were compared. Otherwise, if `needs_bound`,
+  /// leaves in `apart` a lower bound of their distance, which may be above the cutoff.
   ///
   /// `steps` have been made by this call of the query, the one for these leaves included.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {

@@ -14,8 +14,8 @@
 
 namespace limber::query {
 
-/// The collector of visit_contacts(): all pairs of triangles that meet or are at most a margin apart. `Pairs` is PairsOfTwo
-/// or PairsOfOne.
+/// The collector of visit_contacts(): all pairs of triangles that meet or are at most a margin apart. `Pairs` is
+/// PairsOfTwo or PairsOfOne.
 template <typename Pairs>
 class PairsWithin {
  public:
