@@ -123,8 +123,8 @@ Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& c
 }
 
 /// Offers a collector two vertices if they are close enough. Where the bounds of the roots nearly decide, any two are,
-/// at a small part of the cost of a descent. Their distance is rounded up: that of their triangles, which another query may
-/// compute, is no larger.
+/// at a small part of the cost of a descent. Their distance is rounded up: that of their triangles, which another query
+/// may compute, is no larger.
 template <TakesPoints Collector>
 void try_vertices(const PlacedModels& placed, double root_bound, Collector& collector, Pruning& pruning) {
   const double good_enough = collector.good_enough(root_bound);
