@@ -21,7 +21,7 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -221,7 +221,9 @@ def report(mutant: Mutant, verdict: Verdict, seconds: float) -> None:
         print(f"SURVIVED  {mutant.name} in {mutant.file}, {seconds:.0f} s", flush=True)
 
 
-def run(shop: Workshop, mutants: list[Mutant]) -> dict[str, Verdict]:
+def run(shop: Workshop, mutants: Sequence[Mutant],
+        report: Callable[[Mutant, Verdict, float], None] = report) -> dict[str, Verdict]:
+    """Builds and tests one mutant after the other, and reports each."""
     verdicts: dict[str, Verdict] = {}
 
     def conclude(mutant: Mutant, verdict: Verdict, start: float) -> None:
