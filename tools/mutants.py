@@ -32,6 +32,7 @@ DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}
 TESTED_AT_ONCE = 2  # mutants, while another one is built
 TIMEOUT_S = 300.0  # for the tests of one executable; a hang counts as noticed
+MEMORY_BYTES = 6 << 30  # of that; a fault that fills the memory must not take the machine with it
 FLAGS = "-O1"  # kernels for all instruction sets: the one that needs no dispatch is scalar on most compilers
 PROPERTY_RUNS = "max_success=1000 seed=1 noshrink=1"
 
@@ -172,7 +173,8 @@ class Workshop:
             shutil.rmtree(folder)
 
     def _test_one(self, path: Path, executable: str, tests: str) -> Verdict:
-        command = [str(path), f"--gtest_filter={tests}", "--gtest_fail_fast", "--gtest_color=no"]
+        limited = ["prlimit", f"--as={MEMORY_BYTES}", str(path)]
+        command = [*limited, f"--gtest_filter={tests}", "--gtest_fail_fast", "--gtest_color=no"]
         try:
             done = self._run(command, TIMEOUT_S)
         except subprocess.TimeoutExpired as expired:
