@@ -39,7 +39,8 @@ CONDITION = re.compile(r"\b(?:if|while) (?=[(])")
 # What is declared or checked, and what does nothing in a release.
 CHECK = re.compile(r"\b(?:static_assert|LIMBER_ASSERT|LIMBER_VALIDATE|alignas|requires) ?(?=[(])")
 ARRAYS = r"(?:(?:static|inline|constexpr|const) )*(?!return )[\w:<>]+ \w+\[[^={}]*;"
-DECLARATION = re.compile(rf"(?m)^ *(?:#.*|template <.*|{ARRAYS} *)$|<[\w:, ]*\b\d+>")
+ARRAY = r"(?<=[\w>*] )\w+(?:\[\w+\])+(?= = |\{)"  # with values
+DECLARATION = re.compile(rf"(?m)^ *(?:#.*|template <.*|{ARRAYS} *)$|{ARRAY}|<[\w:, ]*\b\d+>")
 
 
 @dataclass(frozen=True)

@@ -273,6 +273,7 @@ double f(const T& x, T* y, double&& z) {
   LIMBER_ASSERT(x < 1 &&
                 y > 2);
   if (x < 100) return std::min(0x1p-3F, "a < 2"[n]);
+  const float* const ends[2] = {y, z};
   at[0] += z;
   if (const auto q = g(x); q) return std::numeric_limits<T>::max() - 0.0;
 }
