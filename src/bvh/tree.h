@@ -69,9 +69,7 @@ inline bool is_coincident(const Tree& tree, SlotId id) {
   return (tree.nodes[node_of(id)].coincident_slots >> slot_of(id) & 1) != 0;
 }
 /// The index of a slot's child: in `leaves` if it has a leaf, else in `nodes`.
-inline std::uint32_t child_of(const Tree& tree, SlotId id) {
-  return tree.nodes[node_of(id)].first_child + slot_of(id);
-}
+inline std::uint32_t child_of(const Tree& tree, SlotId id) { return tree.nodes[node_of(id)].first_child + slot_of(id); }
 /// Pre: has_leaf().
 inline const Leaf& leaf_of(const Tree& tree, SlotId id) { return tree.leaves[child_of(tree, id)]; }
 

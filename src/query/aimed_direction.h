@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/check.h"
+
 namespace limber::query {
 
 /// Judges a search direction that was chosen before any pair was known to be apart in it: from the normal of a leaf.
@@ -9,7 +11,10 @@ namespace limber::query {
 class AimedDirection {
  public:
   bool may_choose() const { return wasted_ < most_wasted; }
-  void choose() { is_chosen_ = true; }
+  void choose() {
+    LIMBER_ASSERT(may_choose());
+    is_chosen_ = true;
+  }
   /// Another direction has taken the place of the chosen one: that of a closest pair.
   void replace() { is_chosen_ = false; }
 
@@ -17,6 +22,7 @@ class AimedDirection {
   bool is_chosen() const { return is_chosen_; }
   /// Notes whether it has pruned what no other bound has. True if the direction is to be given up.
   bool gives_up(bool has_pruned) {
+    LIMBER_ASSERT(is_chosen_);
     idle_ = has_pruned ? 0 : idle_ + 1;
     if (idle_ < most_idle) return false;
     idle_ = 0;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "core/check.h"
 #include "query/bucket_queue.h"
 #include "query/placed_models.h"
 #include "simd/kernels.h"
@@ -32,6 +33,7 @@ struct Expansion {
 
   /// Of the children in a mask, the one with the least order. Pre: the mask is not empty.
   std::uint32_t first_of(unsigned mask) const {
+    LIMBER_ASSERT(mask != 0);
     auto first = static_cast<std::uint32_t>(std::countr_zero(mask));
     for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
@@ -39,8 +41,9 @@ struct Expansion {
     }
     return first;
   }
-  /// The one with the greatest order, of equal ones the last.
+  /// The one with the greatest order, of equal ones the last. Pre: as above.
   std::uint32_t last_of(unsigned mask) const {
+    LIMBER_ASSERT(mask != 0);
     auto last = static_cast<std::uint32_t>(std::countr_zero(mask));
     for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/check.h"
 #include "query/likely_pair.h"
 #include "query/placed_models.h"
 
@@ -23,6 +24,7 @@ class FlatSeed {
   bool may_look_near() const { return state_ == State::none; }
   /// Looks again, near two slots. Pre: may_look_near().
   void look_near(bvh::SlotId a, bvh::SlotId b) {
+    LIMBER_ASSERT(may_look_near());
     near_[0] = a, near_[1] = b;
     state_ = State::due;
   }
@@ -30,6 +32,7 @@ class FlatSeed {
 
   /// Looks for the pair. Pre: is_due().
   std::optional<TrianglePair> find(const PlacedModels& placed, QueryStats& stats) {
+    LIMBER_ASSERT(is_due());
     const bool is_first = near_[0] == bvh::root && near_[1] == bvh::root;
     const std::optional<FlatPart> part = flat_part(placed, near_[0], near_[1]);
     // Before any triangles have been compared it is worth it only if the models may well be apart.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/check.h"
 #include "core/error_bounds.h"
 #include "geometry/primitives.h"
 #include "query/collectors/collector.h"
@@ -18,6 +19,7 @@ namespace limber::query {
 
 /// The candidate with the least bound. Pre: there are candidates.
 inline std::uint32_t nearest_of(const simd::Candidates& found) {
+  LIMBER_ASSERT(found.count > 0);
   std::uint32_t nearest = 0;
   for (std::uint32_t i = 1; i < found.count; ++i) {
     if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/check.h"
 #include "core/error_bounds.h"
 #include "query/bucket_queue.h"
 #include "query/placed_models.h"
@@ -22,6 +23,7 @@ class SquaredLimits {
 
   /// Takes another distance. False if it is the same as before.
   bool update(double distance) {
+    LIMBER_ASSERT(distance > 0);
     if (distance == distance_) return false;
     distance_ = distance;
     const double tight = std::max(0.0, distance - placed_.drift()) / placed_.tree(Side::a).unit;

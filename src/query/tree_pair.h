@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bvh/tree.h"
+#include "core/check.h"
 #include "query/bucket_queue.h"
 #include "query/common_vertices.h"
 #include "query/placed_models.h"
@@ -35,6 +36,7 @@ class TreePair {
 
   /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
   bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
+    LIMBER_ASSERT(is_leaf(s, pair));
     return bvh::first_leaf_slot(placed_.tree(s), pair.slot[index(s)]);
   }
   const bvh::Leaf& leaf(Side s, const NodePair& pair) const {

@@ -30,9 +30,7 @@ class PairsWithin {
   explicit PairsWithin(double max_distance) : max_distance_(max_distance) {}
 
   /// Just above the limit: a pair exactly max_distance apart counts.
-  double initial_cutoff() const {
-    return std::nextafter(max_distance_, std::numeric_limits<double>::infinity());
-  }
+  double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
   bool is_done() const { return false; }
 
   void compare(const query::PlacedTriangle& a, const query::PlacedTriangle& b) {
