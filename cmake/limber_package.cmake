@@ -72,8 +72,8 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOT
 if(TARGET limber_program)
   set_target_properties(limber_program PROPERTIES INSTALL_RPATH "${run_path}")
   install(TARGETS limber_program)
-  # The licenses of what pages have inside: that of a sequence has all.
-  file(READ ${PROJECT_SOURCE_DIR}/apps/limber/pages/replay.html page)
+  # The licenses of what reports have inside.
+  file(READ ${PROJECT_SOURCE_DIR}/apps/limber/pages/viewer.html page)
   string(REGEX MATCH "id=\"notices\">\n([^<]*)" notices "${page}")
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/NOTICES.txt CONTENT "${CMAKE_MATCH_1}" @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/NOTICES.txt DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)

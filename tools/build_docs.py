@@ -10,7 +10,6 @@ has the same shape, and Sphinx reads that. A link that leads nowhere is an error
 from __future__ import annotations
 
 import argparse
-import re
 import shutil
 import subprocess
 import sys
@@ -20,8 +19,8 @@ from urllib.parse import unquote, urlsplit
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = ROOT / "docs/site"
-FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools", "apps/limber/pages")
-SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".svg", ".png", ".ipynb", ".html")
+FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools")
+SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".svg", ".png", ".ipynb")
 DOXYFILE = """
 PROJECT_NAME = limber
 INPUT = {headers}
@@ -122,17 +121,6 @@ def broken_links(site: Path) -> list[str]:
     return broken
 
 
-def open_pages_in_place(site: Path) -> None:
-    """Lets the browser open pages that the site has as files, such as the live one, instead of saving them."""
-    for file in site.rglob("*.html"):
-        if "_downloads" in file.parts:
-            continue
-        text = file.read_text(encoding="utf-8")
-        opened = re.sub(r' download=""(?= href="[^"]*\.html")', "", text)
-        if opened != text:
-            file.write_text(opened, encoding="utf-8")
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="where the site and what it is made of are written")
@@ -148,7 +136,6 @@ def main() -> int:
     )
     if result.returncode != 0:
         return result.returncode
-    open_pages_in_place(site)
     broken = broken_links(site)
     print(*(f"link to nothing: {link}" for link in broken), sep="\n", end="\n" if broken else "", file=sys.stderr)
     shutil.copy(site / "README.html", site / "index.html")

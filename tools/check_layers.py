@@ -67,7 +67,7 @@ THIRD_PARTY = {
 
 # Folders above the library, and which of its private headers they may see.
 EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python", "web")
-MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/", "tests/peers/", "bench/develop/")
+MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/", "tests/peers/")
 # Parts of the repository that edge code may name in full.
 EDGE_MAY_INCLUDE = {
     "apps": ("apps/", "scenes/"),

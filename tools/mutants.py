@@ -21,17 +21,19 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "examples", "fuzz", "include", "scenes", "src", "tests")
+COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "docs/guide", "examples", "fuzz", "include", "scenes", "src",
+          "tests")
 DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}
 TESTED_AT_ONCE = 2  # mutants, while another one is built
 TIMEOUT_S = 300.0  # for the tests of one executable; a hang counts as noticed
+MEMORY_BYTES = 6 << 30  # of that; a fault that fills the memory must not take the machine with it
 FLAGS = "-O1"  # kernels for all instruction sets: the one that needs no dispatch is scalar on most compilers
 PROPERTY_RUNS = "max_success=1000 seed=1 noshrink=1"
 
@@ -172,7 +174,8 @@ class Workshop:
             shutil.rmtree(folder)
 
     def _test_one(self, path: Path, executable: str, tests: str) -> Verdict:
-        command = [str(path), f"--gtest_filter={tests}", "--gtest_fail_fast", "--gtest_color=no"]
+        limited = ["prlimit", f"--as={MEMORY_BYTES}", str(path)]
+        command = [*limited, f"--gtest_filter={tests}", "--gtest_fail_fast", "--gtest_color=no"]
         try:
             done = self._run(command, TIMEOUT_S)
         except subprocess.TimeoutExpired as expired:
@@ -221,7 +224,9 @@ def report(mutant: Mutant, verdict: Verdict, seconds: float) -> None:
         print(f"SURVIVED  {mutant.name} in {mutant.file}, {seconds:.0f} s", flush=True)
 
 
-def run(shop: Workshop, mutants: list[Mutant]) -> dict[str, Verdict]:
+def run(shop: Workshop, mutants: Sequence[Mutant],
+        report: Callable[[Mutant, Verdict, float], None] = report) -> dict[str, Verdict]:
+    """Builds and tests one mutant after the other, and reports each."""
     verdicts: dict[str, Verdict] = {}
 
     def conclude(mutant: Mutant, verdict: Verdict, start: float) -> None:

@@ -18,6 +18,7 @@ import check_refs
 import check_sizes
 import doxygen_filter
 import mutants
+import random_mutants
 from repository import Finding, cpp_code, files
 
 HEAD = "// SPDX-FileCopyrightText: The limber authors\n// SPDX-License-Identifier: BSD-3-Clause\n"
@@ -259,6 +260,77 @@ class Mutants(unittest.TestCase):
         ):
             with self.assertRaises(mutants.Unusable):
                 self.check(text, *entries)
+
+
+class RandomMutants(unittest.TestCase):
+    SOURCE = """#include <array> // a < b
+template <int n = 3>
+struct S {
+  alignas(16) float v[9][width];  // 3
+  std::array<float, 3> w;
+};
+double f(const T& x, T* y, double&& z) {
+  LIMBER_ASSERT(x < 1 &&
+                y > 2);
+  if (x < 100) return std::min(0x1p-3F, "a < 2"[n]);
+  const float* const ends[2] = {y, z};
+  at[0] += z;
+  if (const auto q = g(x); q) return std::numeric_limits<T>::max() - 0.0;
+}
+Packet max(Packet a);
+"""
+
+    def changed_lines(self, text: str) -> list[str]:
+        lines = text.split("\n")
+        found = []
+        for at, old, new in random_mutants.changes(text):
+            changed = random_mutants.Mutation("m", "a.cpp", old, new, (), at).applied_to(text).split("\n")
+            self.assertEqual(len(changed), len(lines))
+            (line,) = [after for before, after in zip(lines, changed, strict=True) if before != after]
+            found.append(line.strip())
+        return found
+
+    def test_statements_are_changed_one_place_at_a_time(self) -> None:
+        self.assertCountEqual(self.changed_lines(self.SOURCE), [
+            'if (x <= 100) return std::min(0x1p-3F, "a < 2"[n]);',
+            'if (x < 100) return std::min((0.25F * 0x1p-3F), "a < 2"[n]);',
+            'if (x < 100) return std::min((4.0F * 0x1p-3F), "a < 2"[n]);',
+            'if (x < 100) return std::max(0x1p-3F, "a < 2"[n]);',
+            'if (!(x < 100)) return std::min(0x1p-3F, "a < 2"[n]);',
+            "at[1] += z;",
+            ";",
+            "if (const auto q = g(x); q) return std::numeric_limits<T>::max() + 0.0;",
+            "if (const auto q = g(x); q) return std::numeric_limits<T>::max() - 1.0;",
+        ])
+
+    def test_integers_are_changed_by_one(self) -> None:
+        for text, changed in (("x(1U)", ["x(0U)", "x(2U)"]), ("x(0)", ["x(1)"]), ("x(0xff, 64, 1'000, p1, 17)", [])):
+            self.assertEqual(self.changed_lines(text), changed)
+
+    def test_every_operator_is_replaced(self) -> None:
+        for old, new in random_mutants.OPERATORS.items():
+            self.assertEqual(self.changed_lines(f"a {old} b"), [f"a {new} b"])
+
+    def test_a_seed_draws_the_same_mutations_of_the_files_asked_for(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("src/query/a.h", "src/io/b.cpp", "src/simd/wasm_c.h", "tests/d.cpp"):
+                Path(folder, name).parent.mkdir(parents=True, exist_ok=True)
+                Path(folder, name).write_text(self.SOURCE, encoding="utf-8")
+            every = random_mutants.mutations(Path(folder), ["*"])
+            self.assertEqual({m.file: m.tests for m in every},
+                             {"src/query/a.h": mutants.DEFAULT_TESTS, "src/io/b.cpp": ("io",)})
+            self.assertEqual(len(every), 18)
+            self.assertIn("src/query/a.h:10:9: < becomes <=", [m.name for m in every])
+            some = random_mutants.draw(every, 5, 1)
+            self.assertEqual(some, random_mutants.draw(every, 5, 1))
+            self.assertNotEqual(some, random_mutants.draw(every, 5, 2))
+            self.assertEqual(len({m.name for m in some}), 5)
+            self.assertCountEqual(random_mutants.draw(every, 99, 1), every)
+            self.assertEqual({m.file for m in random_mutants.mutations(Path(folder), ["src/io/*"])}, {"src/io/b.cpp"})
+
+    def test_a_changed_file_is_refused(self) -> None:
+        with self.assertRaises(mutants.Unusable):
+            random_mutants.Mutation("m", "a.cpp", "<", "<=", (), 2).applied_to("x > y")
 
 
 class Docs(unittest.TestCase):

@@ -65,7 +65,7 @@ std::string demo_page(const DemoRun& run, const std::string& command_line) {
   });
   Json data = replay.to_json();
   data["demo"] = demo_json(run);
-  return filled_page(replay_template, std::move(data), command_line);
+  return filled_page(std::move(data), command_line);
 }
 
 }  // namespace limber::program

@@ -9,7 +9,6 @@
 #include "distance_pairs.h"
 #include "distance_report.h"
 #include "options.h"
-#include "page_template.h"
 #include "pair_arguments.h"
 #include "text.h"
 #include "verb.h"
@@ -48,7 +47,7 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   if (!arguments.report.path.empty()) report.emplace(arguments.report, Names{arguments.pair.a, arguments.pair.b});
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
-  if (report) report->write(report_template, distance_report(arguments.pair, pair, question, answer));
+  if (report) report->write(distance_report(arguments.pair, pair, question, answer));
   if (arguments.pair.json) {
     Json json = {{"query", "distance"}};
     append_answer(json, answer);

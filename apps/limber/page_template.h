@@ -7,15 +7,15 @@
 
 #include "output.h"
 
-/// Pages with a view in 3D, which are built from web/pages into apps/limber/pages and are part of the program.
+/// The page with a view in 3D, which is built from web/pages into apps/limber/pages and is part of the program.
 namespace limber::program {
 
-extern const std::string_view report_template;  ///< of `limber distance`
-extern const std::string_view replay_template;  ///< of `limber track` and `limber demo`
+extern const std::string_view viewer_template;
 
-/// The page with its data in place, to which the program's version and the command line are added.
+/// The page with its data in place, to which the program's version and the command line are added. It shows a sequence
+/// if the data has "rows", as that of Replay, and otherwise what distance_report() gives.
 ///
 /// Pre      All numbers are finite.
-std::string filled_page(std::string_view page, Json data, const std::string& command_line);
+std::string filled_page(Json data, const std::string& command_line);
 
 }  // namespace limber::program

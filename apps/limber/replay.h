@@ -12,7 +12,7 @@
 #include "position_frames.h"
 #include "track_row.h"
 
-/// What the page `replay` plays: two models that move and deform, and what was asked about them in each frame.
+/// What the viewer plays: two models that move and deform, and what was asked about them in each frame.
 namespace limber::program {
 
 /// A model as it enters a replay.

@@ -30,9 +30,7 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
 ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
     : command_line_(arguments.command_line), file_(option_name, checked(arguments.path), inputs, {standard_output}) {}
 
-void ReportFile::write(std::string_view page, Json data) {
-  file_.write(filled_page(page, std::move(data), command_line_));
-}
+void ReportFile::write(Json data) { file_.write(filled_page(std::move(data), command_line_)); }
 
 std::string shown_name(const std::string& argument) {
   return is_scene(argument) ? argument : std::filesystem::path(argument).filename().string();

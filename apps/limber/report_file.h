@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "output.h"
 
@@ -35,7 +34,7 @@ class ReportFile {
   /// Fills the page and writes it.
   ///
   /// Errors   OutputFailed.
-  void write(std::string_view page, Json data);
+  void write(Json data);
 
  private:
   std::string command_line_;

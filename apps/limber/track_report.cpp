@@ -9,7 +9,6 @@
 
 #include "bad_input.h"
 #include "options.h"
-#include "page_template.h"
 
 namespace limber::program {
 namespace {
@@ -42,7 +41,7 @@ void TrackReport::write() {
     warn("track", fmt::format("--report: the page has 1 of every {} frames, as more would exceed {} MB",
                               replay_.stride(), arguments_.max_megabytes));
   }
-  file_.write(replay_template, replay_.to_json());
+  file_.write(replay_.to_json());
 }
 
 }  // namespace limber::program

@@ -3,20 +3,24 @@
 
 // Question  Has anything become slower since another revision of the library?
 // Workload  Queries between two scans, a ball and a square, parallel sheets, and linked rings of two million triangles
-//           each; updates and builds.
+//           each; the broad mix (bench/peers/mix_scenes.h), along its paths with a cache; updates and builds.
 // Metric    Time of this revision over that of the other: the two are called in turn, in one process. The median of the
-//           ratios of these turns is printed.
+//           ratios of these turns is printed, and at the end what all rows say together.
 // Expected  Ratios about 1, and the same answers.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/against/engine.h"
+#include "bench/peers/mix_scenes.h"
 #include "bench/peers/scenes_of_peers.h"
 #include "bench/support/sampling.h"
 #include "scenes/scenes.h"
@@ -49,57 +53,89 @@ struct Engines {
 
 double median(std::vector<double> values) { return summarize(std::move(values)).median; }
 
-/// Calls both in turn and prints the ratio of their times.
-void compare(const std::string& name, const std::function<void()>& before, const std::function<void()>& now) {
-  before(), now();
-  const double once_us = std::min(mean_us(1, before), mean_us(1, now));
-  const std::size_t repetitions = std::max(repetitions_for(once_us), static_cast<std::size_t>(200 / once_us));
-  const auto rounds =
-      static_cast<std::size_t>(std::clamp(2e5 / (2 * once_us * static_cast<double>(repetitions)), 9.0, 401.0));
-  std::vector<double> ratios, times_before, times_now;
-  for (std::size_t i = 0; i < rounds; ++i) {
-    // The first call may find colder caches, so the order alternates.
-    double us[2];
-    for (const bool now_first : {i % 2 == 0}) {
-      us[now_first ? 1 : 0] = mean_us(repetitions, now_first ? now : before);
-      us[now_first ? 0 : 1] = mean_us(repetitions, now_first ? before : now);
+/// The rows, printed one by one, and what they say together.
+class Table {
+ public:
+  Table() { fmt::print("| what | before, us | now, us | now / before |\n| :-- | --: | --: | --: |\n"); }
+
+  /// Calls both in turn and prints the ratio of their times.
+  void compare(const std::string& name, const std::function<void()>& before, const std::function<void()>& now) {
+    before(), now();
+    const double once_us = std::min(mean_us(1, before), mean_us(1, now));
+    const std::size_t repetitions = std::max(repetitions_for(once_us), static_cast<std::size_t>(200 / once_us));
+    const auto rounds =
+        static_cast<std::size_t>(std::clamp(2e5 / (2 * once_us * static_cast<double>(repetitions)), 9.0, 401.0));
+    std::vector<double> ratios, times_before, times_now;
+    for (std::size_t i = 0; i < rounds; ++i) {
+      // The first call may find colder caches, so the order alternates.
+      const bool now_first = i % 2 == 0;
+      const double first_us = mean_us(repetitions, now_first ? now : before);
+      const double second_us = mean_us(repetitions, now_first ? before : now);
+      times_before.push_back(now_first ? second_us : first_us);
+      times_now.push_back(now_first ? first_us : second_us);
+      ratios.push_back(times_now.back() / times_before.back());
     }
-    ratios.push_back(us[1] / us[0]), times_before.push_back(us[0]), times_now.push_back(us[1]);
+    ratios_.push_back(median(std::move(ratios)));
+    fmt::print("| {} | {:.4g} | {:.4g} | {:.3f} |\n", name, median(std::move(times_before)),
+               median(std::move(times_now)), ratios_.back());
+    std::fflush(stdout);
   }
-  fmt::print("| {} | {:.4g} | {:.4g} | {:.3f} |\n", name, median(times_before), median(times_now), median(ratios));
-  std::fflush(stdout);
+
+  void print_summary() const {
+    const auto above = [&](double limit) {
+      return std::count_if(ratios_.begin(), ratios_.end(), [&](double ratio) { return ratio > limit; });
+    };
+    fmt::print("\nMedian over all rows: {:.3f}. Rows above 1.03: {}, above 1.05: {}, of {}.\n", median(ratios_),
+               above(1.03), above(1.05), ratios_.size());
+  }
+
+ private:
+  std::vector<double> ratios_;
+};
+
+using NamedQuestion = std::pair<Question, const char*>;
+constexpr NamedQuestion collision{Question::collide, "collision"}, exact{Question::exact, "exact distance"},
+    within_10_percent{Question::within_10_percent, "distance within 10 %"},
+    within_limit{Question::within_limit, "closer than 0.01"}, warm_exact{Question::warm_exact, "exact, warm cache"};
+
+/// `row` names the scene and the situation.
+void compare_poses(Table& table, Engines& engines, const std::string& row, const std::vector<Transform>& transforms,
+                   std::initializer_list<NamedQuestion> questions) {
+  std::vector<RawPose> poses;
+  for (const Transform& pose : transforms) poses.push_back(raw(pose));
+  for (const auto& [question, name] : questions) {
+    const auto ask_all = [&, question = question](against::Engine& engine) {
+      for (const RawPose& pose : poses) engine.ask(question, pose);
+    };
+    for (const RawPose& pose : poses) {
+      const double before = engines.before->ask(question, pose), now = engines.now->ask(question, pose);
+      const bool alike = question == Question::within_10_percent || std::abs(before - now) <= 1e-12 * (1 + before);
+      if (!alike) fmt::print("DIFFERENT: {}, {}: {:.17g} before, {:.17g} now\n", row, name, before, now);
+    }
+    table.compare(
+        fmt::format("{}: {} ({} poses)", row, name, poses.size()), [&] { ask_all(*engines.before); },
+        [&] { ask_all(*engines.now); });
+  }
 }
 
-constexpr std::pair<Question, const char*> questions[] = {{Question::collide, "collision"},
-                                                          {Question::exact, "exact distance"},
-                                                          {Question::within_10_percent, "distance within 10 %"},
-                                                          {Question::within_limit, "closer than 0.01"},
-                                                          {Question::warm_exact, "exact, warm cache"}};
-
-void compare_queries(const PeerScene& scene) {
+void compare_queries(Table& table, const PeerScene& scene) {
   Engines engines(scene.a, scene.b);
   for (const Situation& situation : scene.situations) {
-    std::vector<RawPose> poses;
-    for (const Transform& pose : situation.poses) poses.push_back(raw(pose));
-    for (const auto& [question, name] : questions) {
-      const auto ask_all = [&, question = question](against::Engine& engine) {
-        for (const RawPose& pose : poses) engine.ask(question, pose);
-      };
-      for (const RawPose& pose : poses) {
-        const double before = engines.before->ask(question, pose), now = engines.now->ask(question, pose);
-        const bool alike = question == Question::within_10_percent || std::abs(before - now) <= 1e-12 * (1 + before);
-        if (!alike)
-          fmt::print("DIFFERENT: {}, {}, {}: {:.17g} before, {:.17g} now\n", scene.name, situation.name, name, before,
-                     now);
-      }
-      compare(
-          fmt::format("{}, {}: {} ({} poses)", scene.name, situation.name, name, poses.size()),
-          [&] { ask_all(*engines.before); }, [&] { ask_all(*engines.now); });
-    }
+    compare_poses(table, engines, scene.name + ", " + situation.name, situation.poses,
+                  {collision, exact, within_10_percent, within_limit, warm_exact});
   }
 }
 
-void compare_updates(std::uint32_t side) {
+void compare_mix(Table& table, const PeerScene& scene) {
+  Engines engines(scene.a, scene.b);
+  const std::string name = "mix: " + scene.name + ", ";
+  for (const Situation& situation : scene.situations) {
+    compare_poses(table, engines, name + situation.name, situation.poses, {collision, exact, within_10_percent});
+  }
+  compare_poses(table, engines, name + "path", scene.path, {warm_exact});
+}
+
+void compare_updates(Table& table, std::uint32_t side) {
   const Mesh sheet = scenes::wave_sheet(side, side, 0);
   Engines engines(sheet, scenes::ball(3, 2));
   std::vector<std::vector<std::array<double, 3>>> frames;
@@ -107,7 +143,7 @@ void compare_updates(std::uint32_t side) {
     frames.push_back(raw(scenes::wave_sheet(side, side, 0.001 * frame)).positions);
   const std::string name = fmt::format("sheet of {} triangles", 2 * side * side);
   const auto both = [&](const std::string& what, const std::function<void(against::Engine&)>& call) {
-    compare(
+    table.compare(
         name + ": " + what, [&] { call(*engines.before); }, [&] { call(*engines.now); });
   };
   both("build", [](against::Engine& engine) { engine.build(); });
@@ -128,32 +164,36 @@ void compare_updates(std::uint32_t side) {
   }
 }
 
-}  // namespace
-}  // namespace limber::bench
-
-int main(int argc, char** argv) {
-  using namespace limber;
-  using namespace limber::bench;
-  fmt::print("| what | before, us | now, us | now / before |\n| :-- | --: | --: | --: |\n");
-  compare_queries(turned_ball_and_square(5));
+void compare_all(const std::filesystem::path& folder) {
+  Table table;
+  compare_queries(table, turned_ball_and_square(5));
   PeerScene sheets{"parallel sheets",
                    scenes::grid(64, 64, 0, 0, 1.0 / 64, 1.0 / 64),
                    scenes::grid(60, 60, 0.01, 0.02, 1.0 / 64, 1.0 / 64),
                    {}};
   sheets.situations = {{"0.1 apart", false, {Transform{{}, {0, 0, 0.1}}}},
                        {"0.001 apart", false, {Transform{{}, {0, 0, 0.001}}}}};
-  compare_queries(sheets);
+  compare_queries(table, sheets);
   PeerScene same{"a sheet over itself", sheets.a, sheets.a, sheets.situations};
-  compare_queries(same);
+  compare_queries(table, same);
   PeerScene rings{
       "linked rings", scenes::ring(1000, 1000, 0.1), scenes::ring(1000, 1000, 0.1), {{"2 million", false, {}}}};
   for (std::uint32_t index = 0; index < 5; ++index) rings.situations[0].poses.push_back(scenes::linked_ring(index));
-  compare_queries(rings);
-  if (argc > 1) {
-    const std::filesystem::path folder = argv[1];
-    compare_queries(two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", 10));
+  compare_queries(table, rings);
+  if (!folder.empty()) {
+    compare_queries(table,
+                    two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", 10));
   }
-  compare_updates(100);
-  compare_updates(316);
+  for_each_mix_scene(folder, 20, [&](const PeerScene& scene) { compare_mix(table, scene); });
+  compare_updates(table, 100);
+  compare_updates(table, 316);
+  table.print_summary();
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  limber::bench::compare_all(argc > 1 ? argv[1] : "");
   return EXIT_SUCCESS;
 }

@@ -15,9 +15,7 @@
 #include "scenes/scenes.h"
 
 namespace limber::bench {
-namespace {
 
-/// Slides b along `outward` until the gap is right. No step goes too far, because its length is a distance.
 Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap) {
   for (int step = 0; step < 200; ++step) {
     const double found = distance({a}, {b, pose}).upper;
@@ -26,8 +24,6 @@ Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& out
   }
   return pose;
 }
-
-}  // namespace
 
 PeerScene turned_ball_and_square(std::size_t pose_count) {
   scenes::Rng rng(11);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "limber/mesh.h"
+#include "limber/model.h"
 
 /// The scenes on which libraries are compared.
 namespace limber::bench {
@@ -22,6 +23,7 @@ struct PeerScene {
   std::string name;
   Mesh a, b;
   std::vector<Situation> situations;
+  std::vector<Transform> path = {};  ///< poses of b that change little from one to the next; empty if there are none
 };
 
 /// Ball and square of the source's experiment, both turned together by one random rotation so that nothing is aligned
@@ -34,6 +36,10 @@ PeerScene turned_ball_and_square(std::size_t pose_count);
 /// Errors   BadResult when a file cannot be read.
 PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
                     std::size_t pose_count);
+
+/// The pose after b has slid along `outward` until the gap is right. No step goes too far, because its length is a
+/// distance.
+Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap);
 
 /// Centered on its box and scaled to a diagonal of 1, without triangles that have no area.
 Mesh normalised(const Mesh& mesh);

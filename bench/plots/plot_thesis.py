@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures and tables of docs/experiments.md from the results of the thesis benchmarks.
+"""Figures and tables that docs/experiments.md shows, from the results of the thesis benchmarks.
 
-Writes docs/images/thesis_queries.svg and docs/images/thesis_updates.svg, and replaces the tables of the page.
+Writes docs/images/thesis_queries.svg, docs/images/thesis_updates.svg, and thesis.md beside the results.
 """
 
 from __future__ import annotations
@@ -167,9 +167,7 @@ def main() -> None:
         plot_queries(results, folder / f"thesis_queries{suffix}")
         plot_updates(results, folder / f"thesis_updates{suffix}")
     if not arguments.preview:
-        page = ROOT / "docs/experiments.md"
-        write_tables(results, page)
-        print(page)
+        print(write_tables(results))
 
 
 if __name__ == "__main__":

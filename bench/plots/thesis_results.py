@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The thesis benchmarks' results: read from a folder, written as the tables of docs/experiments.md."""
+"""The thesis benchmarks' results: read from a folder, written beside them as tables."""
 
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,6 @@ class Results:
     """All rows, numbers still as text, and the curves in them."""
 
     folder: Path
-    machine: str
     queries: list[dict[str, str]]
     poses: list[dict[str, str]]
     updates: list[dict[str, str]]
@@ -39,7 +37,6 @@ class Results:
     def read(cls, folder: Path) -> Results:
         return cls(
             folder,
-            (folder / "machine.txt").read_text(encoding="utf-8"),
             _rows(folder / "thesis_queries.csv"),
             _rows(folder / "thesis_queries_poses.csv"),
             [_with_extra_radius(row) for row in _rows(folder / "thesis_updates.csv")],
@@ -84,12 +81,6 @@ def count(number: float) -> str:
 def _table(header: list[str], rows: list[list[str]]) -> str:
     lines = [header, [":--" if i == 0 else "--:" for i in range(len(header))], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def _machine_table(results: Results) -> str:
-    rows = [line.split(None, 1) for line in results.machine.splitlines()]
-    rows.append(["results", f"`bench/results/{results.folder.name}/`"])
-    return _table(["", ""], rows).replace("--:", ":--")
 
 
 def _query_columns() -> list[tuple[str, str, float]]:
@@ -161,24 +152,19 @@ def _looseness_table(results: Results, dents: int = 10) -> str:
     return _table(header, rows)
 
 
-def tables(results: Results) -> dict[str, str]:
-    return {
-        "machine": _machine_table(results),
-        "queries": _queries_table(results, "median_us", short),
-        "poses": _queries_table(results, "mean_us", short),
-        "counters": _counters_table(results),
-        "updates": _updates_table(results),
-        "whole": _whole_table(results),
-        "looseness": _looseness_table(results),
+def write_tables(results: Results) -> Path:
+    """Writes thesis.md into the folder of the results. docs/experiments.md says what the tables show."""
+    tables = {
+        "Queries in µs by separation, medians; negative separation is penetration.":
+            _queries_table(results, "median_us", short),
+        "Means over the other places and turns of the ball.": _queries_table(results, "mean_us", short),
+        "Pairs of spheres / pairs of triangles compared.": _counters_table(results),
+        "Updates of tight spheres by dents per commit: medians per moved vertex.": _updates_table(results),
+        "One step that moves every vertex.": _whole_table(results),
+        "Loose spheres, 10 dents per commit: µs per moved vertex (refits / absorbed), and pairs of spheres (median time) "
+        "of a query.": _looseness_table(results),
     }
-
-
-def write_tables(results: Results, page: Path) -> None:
-    """Replaces what stands between `<!-- table: name -->` and `<!-- end -->` on the page."""
-    text = page.read_text(encoding="utf-8")
-    for name, table in tables(results).items():
-        block = re.compile(rf"(<!-- table: {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-        text, count = block.subn(lambda match: match.group(1) + "\n" + table + "\n\n" + match.group(2), text)
-        if count != 1:
-            raise SystemExit(f"{page}: {count} places for the table '{name}' instead of one")
-    page.write_text(text, encoding="utf-8")
+    page = results.folder / "thesis.md"
+    texts = ["# The experiments of the source", *(f"{title}\n\n{table}" for title, table in tables.items())]
+    page.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
+    return page

@@ -57,7 +57,7 @@ struct TreeStats {
 /// Throws   Functions that allocate throw std::bad_alloc when they cannot; the model is then as before the call.
 ///          commit() allocates nothing. A model that has been moved from may be destroyed and assigned to; is_valid()
 ///          and is_committed() are false, every other function throws std::invalid_argument.
-/// Source   docs/algorithms/tree.md, docs/algorithms/maintenance.md.
+/// Source   docs/algorithms/classic_tree.md, docs/algorithms/classic_maintenance.md.
 class Model {
  public:
   /// Cost     O(n log n), single-threaded.
@@ -131,7 +131,7 @@ class Placed {
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
-/// Source   docs/algorithms/queries.md.
+/// Source   docs/algorithms/classic_queries.md.
 LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
@@ -144,7 +144,7 @@ LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
 ///          comments say.
 /// Cost     Output-sensitive in practice, O(n m) at worst.
 /// Threads  Reentrant; any number of calls may share models.
-/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/queries.md.
+/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/classic_queries.md.
 LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 
 /// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.

@@ -62,9 +62,22 @@ inline Vec3 slot_center(const Tree& tree, SlotId id) {
   return node.origin + tree.unit * local_slot_center(node, slot_of(id));
 }
 
+/// Whether the child of a slot is a leaf.
+inline bool has_leaf(const Tree& tree, SlotId id) { return node_of(id) >= tree.first_lowest_node(); }
+/// Whether all triangles below a slot coincided when they were last fitted.
+inline bool is_coincident(const Tree& tree, SlotId id) {
+  return (tree.nodes[node_of(id)].coincident_slots >> slot_of(id) & 1) != 0;
+}
+/// The index of a slot's child: in `leaves` if it has a leaf, else in `nodes`.
+inline std::uint32_t child_of(const Tree& tree, SlotId id) {
+  return tree.nodes[node_of(id)].first_child + slot_of(id);
+}
+/// Pre: has_leaf().
+inline const Leaf& leaf_of(const Tree& tree, SlotId id) { return tree.leaves[child_of(tree, id)]; }
+
 /// The slot of the first leaf below a slot.
 inline SlotId first_leaf_slot(const Tree& tree, SlotId id) {
-  while (node_of(id) < tree.first_lowest_node()) id = (tree.nodes[node_of(id)].first_child + slot_of(id)) * width;
+  while (!has_leaf(tree, id)) id = child_of(tree, id) * width;
   return id;
 }
 

@@ -14,7 +14,7 @@ namespace limber::query {
 
 /// Two slots whose subtrees are still to be compared, or all that a record of a front has not expanded.
 struct NodePair {
-  static constexpr std::uint16_t whole_record = 0xffff;
+  static constexpr std::uint16_t no_record = 0xffff, whole_record = 0xffff;
 
   float bound_sq;  ///< squared lower bound of their distance, in squared units of a's tree; 0 when nothing is proven
   bvh::SlotId slot[2];

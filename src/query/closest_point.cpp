@@ -67,9 +67,7 @@ float ClosestPointSearch::bound_of(double distance) const {
 /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide. With a motion margin they may be
 /// elsewhere than the mark says.
 bool ClosestPointSearch::is_leaf(bvh::SlotId slot) const {
-  const std::uint32_t n = bvh::node_of(slot);
-  const bool is_coincident = (tree_.nodes[n].coincident_slots >> bvh::slot_of(slot) & 1) != 0;
-  return n >= tree_.first_lowest_node() || (is_coincident && tree_.drift == 0);
+  return bvh::has_leaf(tree_, slot) || (bvh::is_coincident(tree_, slot) && tree_.drift == 0);
 }
 
 /// Adds the chance that the slot would have been pruned without the margin, as the traversal of pairs does.
@@ -86,7 +84,7 @@ void ClosestPointSearch::count_margin_cost(const Waiting& slot) {
 }
 
 void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
-  const std::uint32_t n = tree_.nodes[bvh::node_of(slot)].first_child + bvh::slot_of(slot);
+  const std::uint32_t n = bvh::child_of(tree_, slot);
   const bvh::WideNode& node = tree_.nodes[n];
   stats.node_tests += node.child_count;
   simd::ChildrenInOrder found;
@@ -105,7 +103,7 @@ void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
 void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
   const bvh::SlotId leaf_slot = bvh::first_leaf_slot(tree_, slot);
   const bvh::WideNode& node = tree_.nodes[bvh::node_of(leaf_slot)];
-  const bvh::Leaf& leaf = tree_.leaves[node.first_child + bvh::slot_of(leaf_slot)];
+  const bvh::Leaf& leaf = bvh::leaf_of(tree_, leaf_slot);
   simd::TriangleIntervals found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_triangles_along : kernels_.bound_triangles_to_point;
   kernel(node, bvh::slot_of(leaf_slot), leaf.corners, in_frame_, limit_, found);

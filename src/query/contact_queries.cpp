@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The public queries for all pairs, and those of one model with itself: each checks its arguments, and searches with a
-// goal.
+// collector.
 #include <algorithm>
 #include <limits>
 
 #include "core/float_environment.h"
 #include "limber/contacts.h"
+#include "query/collectors/all_intersections.h"
+#include "query/collectors/closest_pairs.h"
+#include "query/collectors/pairs_within.h"
+#include "query/collectors/self_pairs.h"
 #include "query/distance_answer.h"
-#include "query/goals/all_intersections.h"
-#include "query/goals/closest_pairs.h"
-#include "query/goals/pairs_within.h"
-#include "query/goals/self_pairs.h"
 #include "query/options.h"
 #include "query/search.h"
 #include "query/span_filler.h"
@@ -26,53 +26,57 @@ using query::PairsOfTwo;
 /// A model twice in the same place.
 query::PlacedModels with_itself(const Model& model) { return {Placed{model}, Placed{model}}; }
 
-template <typename Goal>
-PairCount count_with(const query::PlacedModels& placed, Goal& goal) {
+template <typename Collector>
+PairCount count_all(const query::PlacedModels& placed, Collector& collector) {
   PairCount result;
-  query::BudgetMeter meter;  // without limits
-  if constexpr (Goal::is_self) {
-    query::search_self(placed, nullptr, goal, meter, result.stats);
-  } else {
-    query::search(placed, nullptr, goal, meter, result.stats);
-  }
-  result.count = goal.count;
+  query::search_all(placed, collector, result.stats);
+  result.count = collector.count;
+  result.is_complete = !collector.is_done();
   return result;
 }
 
 template <typename Pairs>
 PairCount visit_intersections(const query::PlacedModels& placed, const Pairs& pairs, TrianglePairVisitor visit) {
-  query::AllIntersections<Pairs> goal(pairs, visit);
-  PairCount result = count_with(placed, goal);
-  result.is_complete = !goal.is_done();
-  return result;
+  query::AllIntersections<Pairs> collector(pairs, visit);
+  return count_all(placed, collector);
 }
 
 template <typename Pairs>
 PairCount visit_contacts(const query::PlacedModels& placed, const Pairs& pairs, double margin, ContactVisitor visit) {
-  query::PairsWithin<Pairs> goal(pairs, margin, visit);
-  PairCount result = count_with(placed, goal);
-  result.is_complete = !goal.is_done();
-  return result;
+  query::PairsWithin<Pairs> collector(pairs, margin, visit);
+  return count_all(placed, collector);
 }
 
 template <typename Pairs>
 PairCount closest_pairs(const query::PlacedModels& placed, const Pairs& pairs, std::span<Contact> closest) {
-  query::ClosestPairs<Pairs> goal(pairs, closest);
-  const PairCount result = count_with(placed, goal);
-  goal.sort();
+  query::ClosestPairs<Pairs> collector(pairs, closest);
+  PairCount result;
+  if constexpr (Pairs::is_self) {
+    query::search_self(placed, nullptr, collector, result.stats);
+  } else {
+    query::BudgetMeter meter;  // without limits
+    query::search(placed, nullptr, collector, meter, result.stats);
+  }
+  result.count = collector.count;
+  collector.sort();
   return result;
 }
 
 CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache* cache) {
   const core::DefaultFloatEnvironment environment;
   const query::PlacedModels placed = with_itself(model);
-  query::AnySelfContact goal(PairsOfOne(model.mesh(), options));
+  query::AnySelfContact collector(PairsOfOne(model.mesh(), options));
   CollideResult result;
-  query::BudgetMeter meter;
-  query::search_self(placed, cache == nullptr ? nullptr : &cache->impl(), goal, meter, result.stats);
-  if (goal.witness) query::remember(cache, *goal.witness);
-  result.collision = goal.witness.has_value();
-  result.witness = goal.witness;
+  const QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
+  if (query::has_self_pair(last, placed)) {
+    ++result.stats.triangle_tests;
+    collector.compare(query::placed_triangle(placed, query::Side::a, last->triangle_a),
+                      query::placed_triangle(placed, query::Side::b, last->triangle_b));
+  }
+  if (!collector.is_done()) query::search_all(placed, collector, result.stats);
+  if (collector.witness) query::remember(cache, *collector.witness);
+  result.collision = collector.witness.has_value();
+  result.witness = collector.witness;
   return result;
 }
 
@@ -81,12 +85,11 @@ DistanceResult self_distance(const Model& model, const DistanceOptions& distance
   const core::DefaultFloatEnvironment environment;
   query::check_options(distance_options, "limber::self_distance");
   const query::PlacedModels placed = with_itself(model);
-  query::ClosestSelfPair goal(PairsOfOne(model.mesh(), options), distance_options);
+  query::ClosestSelfPair collector(PairsOfOne(model.mesh(), options), distance_options);
   DistanceResult result;
-  query::BudgetMeter meter;
   const QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
-  const query::Unsearched unsearched = query::search_self(placed, last, goal, meter, result.stats);
-  query::set_answer(result, goal.closest, unsearched, distance_options.max_distance);
+  const query::Unsearched unsearched = query::search_self(placed, last, collector, result.stats);
+  query::set_answer(result, collector.closest, unsearched, distance_options.max_distance);
   if (result.witness) query::remember(cache, *result.witness);
   return result;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "query/goals/closest_pair.h"
+#include "query/collectors/closest_pair.h"
 #include "query/search.h"
 
 namespace limber::query {
@@ -17,18 +17,18 @@ inline Status status_of(const DistanceResult& result) {
 }
 
 /// Writes what a search for the closest pair has found.
-inline void set_answer(DistanceResult& result, const ClosestPair& goal, const Unsearched& unsearched,
+inline void set_answer(DistanceResult& result, const ClosestPair& collector, const Unsearched& unsearched,
                        double max_distance) {
   result.stopped_by = unsearched.stopped_by;
-  if ((!goal.witness || goal.upper > max_distance) && unsearched.stopped_by == StoppedBy::nothing) {
+  if ((!collector.witness || collector.upper > max_distance) && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = max_distance;
     result.status = Status::beyond_limit;
     return;
   }
-  result.upper = goal.upper;
-  result.lower = std::min(goal.upper, unsearched.distance);
-  result.witness = goal.witness;
+  result.upper = collector.upper;
+  result.lower = std::min(collector.upper, unsearched.distance);
+  result.witness = collector.witness;
   result.status = status_of(result);
 }
 

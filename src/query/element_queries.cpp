@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The public queries for pairs of elements: each checks its arguments, and searches with one goal.
+// The public queries for pairs of elements: each checks its arguments, and searches with one collector.
 #include <cstddef>
 #include <string>
 
 #include "core/float_environment.h"
 #include "limber/elements.h"
-#include "query/goals/elements_within.h"
+#include "query/collectors/elements_within.h"
 #include "query/options.h"
 #include "query/search.h"
 #include "query/span_filler.h"
@@ -21,12 +21,12 @@ void check_edges(const MeshEdges& edges, const Mesh& mesh, const char* function,
 }
 
 template <bool is_self>
-ElementPairCount count_elements(const query::PlacedModels& placed, query::ElementsWithin<is_self>& goal) {
+ElementPairCount count_elements(const query::PlacedModels& placed, query::ElementsWithin<is_self>& collector) {
   ElementPairCount result;
-  query::search_leaves(placed, goal, result.stats);
-  if (!goal.is_done()) goal.compare_collected();
-  result.vertex_face = goal.vertex_face_count, result.edge_edge = goal.edge_edge_count;
-  result.is_complete = !goal.is_done();
+  query::search_all(placed, collector, result.stats);
+  if (!collector.is_done()) collector.compare_collected();
+  result.vertex_face = collector.vertex_face_count, result.edge_edge = collector.edge_edge_count;
+  result.is_complete = !collector.is_done();
   return result;
 }
 
@@ -40,8 +40,8 @@ ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, 
   const query::PlacedModels placed(a, b);
   check_edges(edges_a, a.model().mesh(), "limber::visit_element_pairs", "edges_a");
   check_edges(edges_b, b.model().mesh(), "limber::visit_element_pairs", "edges_b");
-  query::ElementsWithin<false> goal(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
-  return count_elements(placed, goal);
+  query::ElementsWithin<false> collector(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
+  return count_elements(placed, collector);
 }
 
 ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
@@ -58,8 +58,8 @@ ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& e
   query::check_margin(margin, "limber::visit_self_element_pairs");
   const query::PlacedModels placed(Placed{model}, Placed{model});
   check_edges(edges, model.mesh(), "limber::visit_self_element_pairs", "edges");
-  query::ElementsWithin<true> goal(placed, edges, edges, margin, visit_vertex_face, visit_edge_edge);
-  return count_elements(placed, goal);
+  query::ElementsWithin<true> collector(placed, edges, edges, margin, visit_vertex_face, visit_edge_edge);
+  return count_elements(placed, collector);
 }
 
 ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,

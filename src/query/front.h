@@ -48,7 +48,6 @@ class Front {
     bool expands_a;
     std::uint8_t children[kinds];  ///< of each kind, a bit mask
   };
-  static constexpr std::uint16_t none = 0xffff;
 
   /// The state of the traversal that is recorded, or was interrupted.
   TraversalState& state() { return state_; }
@@ -123,11 +122,11 @@ class Front {
     is_complete_ = is_suspended_ = false;
   }
 
-  /// Records an expansion. Returns `none` when there is no room.
+  /// Records an expansion. Returns `no_record` when there is no room.
   std::uint16_t add(const bvh::SlotId (&slot)[2], Side expanded) {
     if (count_ == capacity) {
       ++without_room_;
-      return none;
+      return NodePair::no_record;
     }
     records_[count_] = {{infinity, infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
     return static_cast<std::uint16_t>(count_++);

@@ -14,7 +14,8 @@
 namespace limber::query {
 namespace {
 
-// A part is flat if its slab is thinner than this part of the other model's radius (docs/design/fast_engine.md).
+// A part is flat if its slab is thinner than this part of the other model's radius (docs/algorithms/traversal.md,
+// "Flat parts").
 constexpr double flat_thickness = 1. / 64;
 // Vertices whose heights differ by this part of the radius are as good as each other: float32 hardly tells them apart.
 constexpr float negligible_height = 0x1p-18F;
@@ -137,8 +138,7 @@ class NearestTriangle {
 
 /// Whether no triangles below a slot need to be told apart.
 bool is_one(const bvh::Tree& tree, bvh::SlotId slot) {
-  const std::uint32_t n = bvh::node_of(slot);
-  return n >= tree.first_lowest_node() || (tree.nodes[n].coincident_slots >> bvh::slot_of(slot) & 1) != 0;
+  return bvh::has_leaf(tree, slot) || bvh::is_coincident(tree, slot);
 }
 
 /// Shows a measure the leaves of a tree, the best first, until none is left that may be better, or there were enough.
@@ -160,10 +160,10 @@ void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
     if (is_one(tree, next.slot)) {
       const bvh::SlotId slot = bvh::first_leaf_slot(tree, next.slot);
       const bvh::WideNode& parent = tree.nodes[bvh::node_of(slot)];
-      measure.compare(parent, bvh::slot_of(slot), tree.leaves[parent.first_child + bvh::slot_of(slot)]);
+      measure.compare(parent, bvh::slot_of(slot), bvh::leaf_of(tree, slot));
       continue;
     }
-    const std::uint32_t n = tree.nodes[bvh::node_of(next.slot)].first_child + bvh::slot_of(next.slot);
+    const std::uint32_t n = bvh::child_of(tree, next.slot);
     const bvh::WideNode& node = tree.nodes[n];
     stats.node_tests += node.child_count;
     simd::ChildrenInOrder found;

@@ -15,6 +15,11 @@ struct PlacedTriangle {
   Triangle corners;
 };
 
+/// Pre: placed.has_triangle(s, t).
+inline PlacedTriangle placed_triangle(const PlacedModels& placed, Side s, TriangleId t) {
+  return {t, placed.triangle(s, t)};
+}
+
 /// The triangles of a leaf in the world, each placed when it is first asked for.
 class PlacedLeaf {
  public:

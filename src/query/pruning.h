@@ -10,7 +10,7 @@
 
 #include "core/check.h"
 #include "core/error_bounds.h"
-#include "query/goals/improvement.h"
+#include "query/collectors/collector.h"
 #include "query/placed_leaf.h"
 #include "query/placed_models.h"
 #include "simd/kernels.h"
@@ -46,14 +46,14 @@ class Pruning {
   /// As the kernels need it, in the frame of either model.
   const simd::PruneLimits& of(Side s) const { return in_frame_[index(s)]; }
 
-  /// Takes over what a goal has learnt.
-  void improve(const Improvement& improvement) {
-    if (improvement.prune_distance < infinity) {
-      set_cutoff(std::min(cutoff_, improvement.prune_distance));
-      best_distance_ = improvement.distance;
-      skips_ties_ = may_skip_ties_ && distance() == improvement.distance;
+  /// Takes over what a collector has learnt.
+  void update(const BoundUpdate& update) {
+    if (update.cutoff < infinity) {
+      set_cutoff(std::min(cutoff_, update.cutoff));
+      best_distance_ = update.distance;
+      skips_ties_ = may_skip_ties_ && distance() == update.distance;
     }
-    aim(improvement.separation);
+    aim(update.separation);
   }
 
   /// Chooses a search direction, from a to b in the world, of any length.

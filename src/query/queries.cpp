@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The public queries: each checks its arguments, and searches with a goal.
+// The public queries: each checks its arguments, and searches with a collector.
 #include <algorithm>
 #include <limits>
 
 #include "core/float_environment.h"
 #include "limber/model.h"
+#include "query/collectors/any_contact.h"
+#include "query/collectors/closest_pair.h"
 #include "query/distance_answer.h"
-#include "query/goals/any_contact.h"
-#include "query/goals/closest_pair.h"
 #include "query/options.h"
 #include "query/search.h"
 
@@ -19,54 +19,56 @@ namespace {
 using query::BudgetMeter;
 
 /// Looks for a contact: there is a witness exactly if one was found.
-StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter meter, QueryCache* cache,
+StoppedBy find_contact(const Placed& a, const Placed& b, BudgetMeter& meter, QueryCache* cache,
                        std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   const query::PlacedModels placed(a, b);
-  query::AnyContact goal;
-  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
-  if (goal.witness) query::remember(cache, *goal.witness);
-  witness = goal.witness;
+  query::AnyContact collector;
+  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats).stopped_by;
+  if (collector.witness) query::remember(cache, *collector.witness);
+  witness = collector.witness;
   return stopped_by;
 }
 
 /// Looks for a pair of points at most so far apart: there is a witness exactly if one was found.
-StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, BudgetMeter meter, QueryCache* cache,
+StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, BudgetMeter& meter, QueryCache* cache,
                       std::optional<Witness>& witness, QueryStats& stats) {
   const core::DefaultFloatEnvironment environment;
   query::check_max_distance(max_distance);
   const query::PlacedModels placed(a, b);
-  query::ClosestPair goal({.max_distance = max_distance}, max_distance);
-  const StoppedBy stopped_by = query::search(placed, cache, goal, meter, stats).stopped_by;
-  if (goal.upper > max_distance) return stopped_by;
-  query::remember(cache, *goal.witness);
-  witness = goal.witness;
+  query::ClosestPair collector({.max_distance = max_distance}, max_distance);
+  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats).stopped_by;
+  if (collector.upper > max_distance) return stopped_by;
+  query::remember(cache, *collector.witness);
+  witness = collector.witness;
   return stopped_by;
 }
 
-DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter meter,
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, BudgetMeter& meter,
                         QueryCache* cache) {
   const core::DefaultFloatEnvironment environment;
   query::check_options(options, "limber::distance");
   const query::PlacedModels placed(a, b);
   DistanceResult result;
-  query::ClosestPair goal(options, 0);
-  const query::Unsearched unsearched = query::search(placed, cache, goal, meter, result.stats);
-  query::set_answer(result, goal, unsearched, options.max_distance);
+  query::ClosestPair collector(options, 0);
+  const query::Unsearched unsearched = query::search(placed, cache, collector, meter, result.stats);
+  query::set_answer(result, collector, unsearched, options.max_distance);
   if (result.witness) query::remember(cache, *result.witness);
   return result;
 }
 
 CollideResult collide(const Placed& a, const Placed& b, QueryCache* cache) {
   CollideResult result;
-  find_contact(a, b, BudgetMeter(), cache, result.witness, result.stats);
+  BudgetMeter meter;
+  find_contact(a, b, meter, cache, result.witness, result.stats);
   result.collision = result.witness.has_value();
   return result;
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache* cache) {
   WithinResult result;
-  find_within(a, b, max_distance, BudgetMeter(), cache, result.witness, result.stats);
+  BudgetMeter meter;
+  find_within(a, b, max_distance, meter, cache, result.witness, result.stats);
   result.within = result.witness.has_value();
   return result;
 }
@@ -78,7 +80,8 @@ Answer answer_of(const BudgetedAnswer& result) {
 
 BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache* cache) {
   BudgetedAnswer result;
-  result.stopped_by = find_contact(a, b, BudgetMeter(budget), cache, result.witness, result.stats);
+  BudgetMeter meter(budget);
+  result.stopped_by = find_contact(a, b, meter, cache, result.witness, result.stats);
   result.answer = answer_of(result);
   return result;
 }
@@ -86,7 +89,8 @@ BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budg
 BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
                       QueryCache* cache) {
   BudgetedAnswer result;
-  result.stopped_by = find_within(a, b, max_distance, BudgetMeter(budget), cache, result.witness, result.stats);
+  BudgetMeter meter(budget);
+  result.stopped_by = find_within(a, b, max_distance, meter, cache, result.witness, result.stats);
   result.answer = answer_of(result);
   return result;
 }
@@ -103,17 +107,21 @@ BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budg
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  return distance(a, b, options, BudgetMeter(), nullptr);
+  BudgetMeter meter;
+  return distance(a, b, options, meter, nullptr);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache) {
-  return distance(a, b, options, BudgetMeter(), &cache);
+  BudgetMeter meter;
+  return distance(a, b, options, meter, &cache);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget) {
-  return distance(a, b, options, BudgetMeter(budget), nullptr);
+  BudgetMeter meter(budget);
+  return distance(a, b, options, meter, nullptr);
 }
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, const QueryBudget& budget,
                         QueryCache& cache) {
-  return distance(a, b, options, BudgetMeter(budget), &cache);
+  BudgetMeter meter(budget);
+  return distance(a, b, options, meter, &cache);
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {

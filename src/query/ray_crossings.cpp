@@ -14,7 +14,7 @@ namespace {
 bool add_leaf(const PlacedModel& model, const AxisRay& ray, bvh::SlotId slot, Surrounding& surrounding,
               QueryStats& stats) {
   const bvh::WideNode& node = model.tree().nodes[bvh::node_of(slot)];
-  const bvh::Leaf& leaf = model.tree().leaves[node.first_child + bvh::slot_of(slot)];
+  const bvh::Leaf& leaf = bvh::leaf_of(model.tree(), slot);
   unsigned crossed = simd::kernels().find_crossed_triangles(node, bvh::slot_of(slot), leaf.corners, ray.in_frame);
   for (; crossed != 0; crossed &= crossed - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(crossed));
@@ -41,11 +41,11 @@ Surrounding surrounding_of(const PlacedModel& model, const Vec3& point, QuerySta
   std::uint32_t waiting_count = 1;
   while (waiting_count > 0) {
     const bvh::SlotId slot = waiting[--waiting_count];
-    if (bvh::node_of(slot) >= tree.first_lowest_node()) {
+    if (bvh::has_leaf(tree, slot)) {
       if (!add_leaf(model, *ray, slot, surrounding, stats)) return {.is_on = true};
       continue;
     }
-    const std::uint32_t n = tree.nodes[bvh::node_of(slot)].first_child + bvh::slot_of(slot);
+    const std::uint32_t n = bvh::child_of(tree, slot);
     stats.node_tests += tree.nodes[n].child_count;
     LIMBER_ASSERT(waiting_count + bvh::width <= stack_capacity);
     unsigned crossed = simd::kernels().find_crossed_children(tree.nodes[n], ray->in_frame);

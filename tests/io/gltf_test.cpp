@@ -62,6 +62,18 @@ TEST_F(Gltf, rotation_of_any_length_turns_without_scaling) {
   EXPECT_NEAR(file->mesh.positions()[1].y, 1, 1e-15);
 }
 
+TEST_F(Gltf, rotation_about_a_slanted_axis_is_that_of_the_quaternion) {
+  GltfParts parts;
+  parts.nodes = R"([{"rotation":[1,2,3,4],"children":[1]},{"mesh":0,"translation":[0,0,1]}])";
+  const Result<MeshFile> file = read("a.gltf", parts.gltf());
+  ASSERT_TRUE(file) << file.error().text;
+  const Vec3 of_x{4, 28, -10}, of_y{-20, 10, 20}, of_z{22, 4, 20};  // thirtieths
+  const std::vector<Vec3>& positions = file->mesh.positions();
+  EXPECT_LT(max_abs(30 * positions[0] - of_z), 1e-13);
+  EXPECT_LT(max_abs(30 * positions[1] - (of_x + of_z)), 1e-13);
+  EXPECT_LT(max_abs(30 * positions[2] - (of_y + of_z)), 1e-13);
+}
+
 TEST_F(Gltf, points_and_lines_are_passed_over) {
   for (const char* mode : {"0", "1", "2", "3"}) {
     GltfParts parts;

@@ -55,6 +55,17 @@ TEST(BucketQueue, IsTakenNearestFirstToWithinABucket) {
   EXPECT_GT(last, 60);
 }
 
+TEST(BucketQueue, UsesTheRoomOfTakenPairsAgain) {
+  const auto queue = std::make_unique<BucketQueue>();
+  queue->focus(0, 64);
+  push(*queue, 63);
+  for (int i = 0; i < 100'000; ++i) {  // more than there is room for
+    push(*queue, 1);
+    ASSERT_TRUE(queue->has_only_ordered()) << i;  // no pair had to go to the stack
+    ASSERT_EQ(queue->pop().bound_sq, 1);
+  }
+}
+
 TEST(BucketQueue, KnowsItsLeastBound) {
   scenes::Rng rng(62);
   for (int i = 0; i < 200; ++i) {

@@ -113,8 +113,8 @@ void expect_sided(const Triangle& a, const Triangle& b, OrientedFaces oriented) 
   EXPECT_EQ(swapped.depth, c.depth);
 }
 
-// Small whole numbers put the angle between two faces at exactly 30 degrees now and then, where rounding decides whether
-// the faces look the same way.
+// Small whole numbers put the angle between two faces at exactly 30 degrees now and then, where rounding decides
+// whether the faces look the same way.
 TEST(ContactSides, OfTrianglesOnALatticeAreSound) {
   Rng rng(7);
   const auto corner = [&rng] {

@@ -247,8 +247,8 @@ TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
   const PlacedModels placed({square}, {ball});
   Front front;
   front.begin(placed, a_from_b(placed));
-  for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), Front::none);
-  for (int i = 0; i < 1024; ++i) ASSERT_EQ(front.add({0, 0}, Side::a), Front::none);
+  for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), query::NodePair::no_record);
+  for (int i = 0; i < 1024; ++i) ASSERT_EQ(front.add({0, 0}, Side::a), query::NodePair::no_record);
   EXPECT_FALSE(front.overflows());
   front.add({0, 0}, Side::a);
   EXPECT_TRUE(front.overflows());

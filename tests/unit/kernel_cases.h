@@ -57,7 +57,7 @@ inline simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_l
 inline query::Pruning pruning_along(const query::PlacedModels& placed, double prune_distance, const Vec3& direction) {
   query::Pruning pruning(placed, prune_distance);
   const double infinity = std::numeric_limits<double>::infinity();
-  pruning.improve({infinity, infinity, direction});
+  pruning.update({infinity, infinity, direction});
   return pruning;
 }
 

@@ -17,7 +17,7 @@
 namespace limber::testing {
 namespace {
 
-using query::Improvement;
+using query::BoundUpdate;
 using query::PlacedLeaf;
 using query::PlacedModels;
 using query::Pruning;
@@ -38,9 +38,9 @@ struct Scene {
     leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   }
 
-  bool is_pruned_after(const Improvement& improvement) {
+  bool is_pruned_after(const BoundUpdate& update) {
     Pruning pruning(placed, 1000);
-    pruning.improve(improvement);
+    pruning.update(update);
     return pruning.prunes(leaf_a, 0, leaf_b, 0);
   }
 };
@@ -74,12 +74,12 @@ TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
   for (const double height : {1.0, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-48}) {
     Scene scene(height);
     Pruning pruning(scene.placed, 1000, query::Ties::compared);
-    pruning.improve({1, 1, {0, 0, 1}});
+    pruning.update({1, 1, {0, 0, 1}});
     EXPECT_FALSE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0)) << height;
   }
   Scene scene(1 + 0x1p-30);
   Pruning pruning(scene.placed, 1000, query::Ties::compared);
-  pruning.improve({1, 1, {0, 0, 1}});
+  pruning.update({1, 1, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0));
 }
 
@@ -97,9 +97,9 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
   leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   Pruning pruning(placed, 2 * distance);
-  pruning.improve({distance, distance, {0, 0, 1}});
+  pruning.update({distance, distance, {0, 0, 1}});
   EXPECT_FALSE(pruning.prunes(leaf_a, 0, leaf_b, 0));
-  pruning.improve({height, height, {0, 0, 1}});
+  pruning.update({height, height, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));
 }
 
@@ -115,12 +115,12 @@ TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
   leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   Pruning pruning(placed, 1000);
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));  // no direction yet
-  pruning.improve({1, 1, {0, 0, 1}});
+  pruning.update({1, 1, {0, 0, 1}});
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
   EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));  // a tie
-  pruning.improve({0.75 + 0x1p-30, 0.75 + 0x1p-30, {0, 0, 1}});
+  pruning.update({0.75 + 0x1p-30, 0.75 + 0x1p-30, {0, 0, 1}});
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
-  pruning.improve({0.75, 0.75, {0, 0, 1}});
+  pruning.update({0.75, 0.75, {0, 0, 1}});
   EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));  // a tie
   pruning.aim({0, 1, 0});
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
@@ -131,7 +131,7 @@ TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
 TEST(Pruning, PrunesNoLeavesThatMayBeAsNearAsTheErrorAllows) {
   Scene scene(1);
   Pruning pruning(scene.placed, 1000);
-  pruning.improve({2, 1, {0, 0, 1}});
+  pruning.update({2, 1, {0, 0, 1}});
   EXPECT_FALSE(prunes(pruning, scene.leaf_a, scene.leaf_b));
 }
 
@@ -145,7 +145,7 @@ TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   PlacedLeaf leaf(placed, Side::a), leaf_b(placed, Side::b);
   leaf_b.take(tree_of(roof).leaves[0]);
   Pruning pruning(placed, 1000);
-  pruning.improve({6, 6, {0, 0, 1}});
+  pruning.update({6, 6, {0, 0, 1}});
   int pruned = 0;
   for (const bvh::Leaf& l : tree_of(stairs).leaves) {
     double most = 0;

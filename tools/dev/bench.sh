@@ -4,6 +4,7 @@
 
 #: bench [name]     run and plot benchmarks (thesis, the default) into bench/results/<machine>/
 #: bench peers [F]  compare with other libraries; F is a folder with stanford-bunny.obj and armadillo.obj
+#: bench mix [F]    a broad mix of scenes next to FCL, with all meshes of F that it knows; --poses N for fewer than 40
 #: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
 #: bench surfaces   distances of surfaces of 7.5 million triangles that run alongside each other; takes 3 GB
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
@@ -67,6 +68,14 @@ bench_peers() {
   build_peers limber_bench_peers
   "$root/build/bench/bench/peers/limber_bench_peers" --out "$results" "${meshes[@]}" </dev/null
   /usr/bin/python3 "$root/bench/plots/plot_peers.py" "$results"
+  bench_mix "$@"
+}
+
+bench_mix() {
+  local meshes=()
+  if (($#)); then meshes=(--meshes "$1"); fi
+  build_peers limber_bench_mix
+  "$root/build/bench/bench/peers/limber_bench_mix" --out "$results" "${meshes[@]}" "${@:2}" </dev/null
 }
 
 # bench_against REV [folder of meshes]: builds that revision with its namespace renamed, so that both can be linked.
@@ -134,7 +143,7 @@ bench_haptics() {
   for rate in 1000 5000; do
     say "one minute at $rate Hz"
     "$root/build/release/apps/limber/limber" haptics --rate "$rate" --seconds 60 --jitter-seconds 10 \
-      --page "$results/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
+      --page "$root/build/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
   done
 }
 
@@ -219,6 +228,7 @@ mkdir -p -- "$results"
 case $name in
   thesis | all) bench_thesis ;;
   peers) bench_peers "${@:2}" ;;
+  mix) bench_mix "${@:2}" ;;
   deforming) bench_deforming "${@:2}" ;;
   surfaces) bench_surfaces "${@:2}" ;;
   deadlines) bench_deadlines "${@:2}" ;;
@@ -231,6 +241,6 @@ case $name in
   cluster) bench_cluster "${@:2}" ;;
   web) bench_web "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, surfaces, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
+    "thesis, peers, mix, surfaces, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
 esac
 say "results are in $results"

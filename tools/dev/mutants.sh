@@ -3,7 +3,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 #: mutants [name...]  break the code in many places, one at a time: the tests must notice each; a name may be a pattern
+#: mutants --random N [file...] [--seed S]  break N places drawn at random, in all sources or in those that fit a pattern;
+#:                  list those that no test notices, which a person has to judge; long
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 need_for_tests mutants
-python3 "$root/tools/mutants.py" --jobs "$jobs" "$@"
+runner=mutants.py
+if [[ ${1-} == --random ]]; then runner=random_mutants.py && shift; fi
+python3 "$root/tools/$runner" --jobs "$jobs" "$@"

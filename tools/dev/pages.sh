@@ -2,12 +2,13 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: pages            build the pages of `limber distance --report`, `limber track --report` and `limber demo`, and the live
-#:                  page, from web/pages, with npm
-#: pages live       compile the engine to WebAssembly and build the pages, the live one with it; otherwise that keeps its own
-#: pages --check    type-check their sources, and compare the committed pages with what the sources give
+#: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
+#:                  from web/pages, with npm
+#: pages live       compile the engine to WebAssembly and build the live page with it: build/limber-live.html
+#: pages --check    type-check the sources of both, and compare the committed viewer with what its sources give
 #: pages test       test pages that the program writes, in a headless browser
 #: pages test --quick  of the program as ./dev test builds it
+#: pages test live  build the live page and test it, in a headless browser
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 #: pages measure    what a frame of the live page costs in a headless browser
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -23,26 +24,32 @@ pages_environment() {
   cp -- "$folder/package-lock.json" "$folder/node_modules/installed"
 }
 
-case ${1:-build} in
-  build | --check)
-    pages_environment
-    script=${1:-build}
-    (cd -- "$root/web/pages" && npm run --silent "${script#--}" </dev/null)
-    ;;
-  live)
-    compile_web
-    pages_environment
-    (cd -- "$root/web/pages" && npm run --silent build -- --engine "$root/build/web/limber3d/limber.wasm" </dev/null)
-    ;;
-  test | pictures | measure)
+# run_script NAME: a script of web/pages/package.json.
+run_script() {
+  pages_environment
+  (cd -- "$root/web/pages" && npm run --silent "$1" </dev/null)
+}
+
+live_page() {
+  compile_web
+  run_script live
+}
+
+script=${*:-build}
+case $script in
+  build | --check) run_script "${script#--}" ;;
+  live) live_page ;;
+  test | 'test --quick' | 'test live' | pictures | measure)
     need build io program pages_tests
-    if [[ $1 == pictures ]]; then need pictures; fi
-    pages_environment
+    if [[ $script == pictures ]]; then need pictures; fi
+    if [[ $script != test* || $script == 'test live' ]]; then live_page; fi
     preset=release options=(-DLIMBER_BUILD_TESTS=OFF)
-    if [[ ${2:-} == --quick ]]; then preset=checked options=(); fi
+    if [[ $script == *--quick ]]; then preset=checked options=(); fi
     configure "$preset" "${options[@]}"
     build "$preset" --target limber_program
-    (cd -- "$root/web/pages" && LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber npm run --silent "$1" </dev/null)
+    export LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber
+    script=${script% --quick}
+    run_script "${script/ /-}"
     ;;
-  *) die "pages has no '$1'; see ./dev help" ;;
+  *) die "pages has no '$script'; see ./dev help" ;;
 esac

@@ -2,17 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Makes the pictures of docs/guide/live_page.md. Run it by ./dev pages pictures.
-import { join } from 'node:path';
 import { photograph } from './picture_file.mjs';
-import { launch, open, pages } from './tests/support.mjs';
+import { launch, livePage, open } from './tests/support.mjs';
 
 const browser = await launch();
 
 async function moment(name, options, prepare) {
-  const page = await open(browser, join(pages, '../../apps/limber/pages/live.html'), {
-    reducedMotion: 'reduce',
-    ...options,
-  });
+  const page = await open(browser, livePage, { reducedMotion: 'reduce', ...options });
   await page.waitForFunction(() => performance.getEntriesByName('limber-first-frame').length > 0);
   await prepare(page);
   await page.waitForTimeout(1500);

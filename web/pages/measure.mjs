@@ -6,12 +6,11 @@
 // tables in Markdown.
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
-import { join } from 'node:path';
 import { gunzipSync } from 'node:zlib';
-import { launch, pages } from './tests/support.mjs';
+import { launch, livePage } from './tests/support.mjs';
 
 const seconds = 7; // more than those that the page's table is about
-const html = readFileSync(join(pages, '../../apps/limber/pages/live.html'));
+const html = readFileSync(livePage);
 const packed = Buffer.from(/id="engine-module">([^<]*)/.exec(html.toString())[1], 'base64');
 const headers = {
   'Content-Type': 'text/html',

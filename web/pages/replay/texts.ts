@@ -3,13 +3,12 @@
 
 /** The answers in words, tiles and tables. */
 
-import { byId, element, fillTable } from '../shared/dom.ts';
+import { byId, fillTable } from '../shared/dom.ts';
 import { grouped, inPage, shown, shownTime } from '../shared/numbers.ts';
 import { percentile } from '../shared/windows.ts';
+import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
 import type { ReplayData } from './data.ts';
 import type { ReplayModel } from './model.ts';
-
-const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
 
 export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
 
@@ -28,22 +27,13 @@ export function shownDistance({ rows }: ReplayData, row: number): string {
   return shownBounds(rows.lower[row], rows.upper[row]);
 }
 
-function shownBounds(lower: number | null, upper: number | null): string {
-  if (upper === null) return lower === null ? 'far apart' : `more than ${shown(lower)}`;
-  return lower === null || lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
-}
-
 const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
 
-export function showTitle({ models: [a, b], rows, stride, max_megabytes, demo }: ReplayData): void {
-  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
-  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
+/** What the program was asked for, and what the frames are. */
+export function showKind({ rows, demo }: ReplayData): void {
   byId('kind').textContent = `limber ${demo === undefined ? 'track' : 'demo'}, ${frames(rows.status.length)}`;
   byId('introduction').hidden = demo === undefined;
   byId('introduction').textContent = demo === undefined ? '' : inPage(demo.introduction);
-  if (stride === 1) return;
-  byId('view-caption').textContent +=
-    ` Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. The charts have all.`;
 }
 
 const median = (values: readonly number[]): number =>
@@ -54,8 +44,6 @@ const median = (values: readonly number[]): number =>
 
 export function showTiles(data: ReplayData): void {
   const { rows, demo } = data;
-  const tile = (number: string, name: string, kind = ''): HTMLElement =>
-    element('div', '', element('b', kind, number), element('span', 'soft', name));
   const contactCount = rows.status.filter((status) => status === 'collision').length;
   const uppers = rows.upper.map((upper) => upper ?? Infinity);
   const least = uppers.reduce((a, b) => Math.min(a, b), Infinity);
@@ -117,18 +105,13 @@ export function showSummary({ demo }: ReplayData): void {
 }
 
 export function showModels(data: ReplayData, models: readonly ReplayModel[]): void {
-  const of = (name: string, text: (model: ReplayModel) => string): string[] => [name, ...models.map(text)];
-  fillTable(byId('models'), [
-    ['', letter('A'), letter('B')],
-    of('Name', ({ data: model }) => model.name),
-    of('Triangles', ({ data: model }) => grouped(model.triangles)),
-    of('Vertices', ({ data: model }) => grouped(model.vertices)),
-    of('Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')),
-    of(
+  fillModels(models, [
+    ['Deforms', ({ deforms }) => (deforms ? 'yes' : 'no')],
+    [
       'Shown within',
       ({ data: { frames, positions } }) =>
         `${shown((frames?.step ?? Math.max(...(positions?.step ?? [0]))) / 2, 2)} in each coordinate`,
-    ),
+    ],
   ]);
   const settings = [`Engine: ${data.engine}.`];
   if (data.relative_error > 0) settings.push(`Allowed relative error: ${data.relative_error}.`);

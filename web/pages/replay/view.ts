@@ -5,13 +5,11 @@
 
 import { byId } from '../shared/dom.ts';
 import { connectDirections } from '../shared/directions.ts';
-import { Marks } from '../shared/marks.ts';
-import { Surface, SurfaceLook } from '../shared/surface.ts';
-import { onThemeChange, tokenRgb } from '../shared/theme.ts';
 import { dot } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
-import { Viewer, framed, usualUp } from '../shared/viewer.ts';
+import { framed } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
+import { ModelsView } from '../viewer/models_view.ts';
 import type { ReplayData } from './data.ts';
 import type { Box, ReplayModel } from './model.ts';
 import { shownDistance } from './texts.ts';
@@ -28,27 +26,8 @@ export function showView(
   frame: Frame,
   bounds: readonly Box[],
 ): ReplayView {
-  const host = byId('view');
-  const viewer = new Viewer(host, usualUp(data.models.map((model) => model.name)));
-  const look = new SurfaceLook();
-  const surfaces = models.map((model) => new Surface(model.mesh, look));
-  const recolor = (): void => {
-    surfaces.forEach((surface, i) => surface.setColor(tokenRgb(`model-${'ab'[i]}`)));
-    viewer.request();
-  };
-  recolor();
-  onThemeChange(recolor);
+  const { viewer, surfaces, marks } = new ModelsView(models);
   for (const { object } of surfaces) object.matrixAutoUpdate = false;
-  viewer.add(...surfaces.map((surface) => surface.object));
-  const marks = new Marks(host, viewer);
-  surfaces.forEach((surface, i) => {
-    const box = byId<HTMLInputElement>(`show-${'ab'[i]}`);
-    marks.addName('AB'[i], 'ab'[i], [0, 0, 0], () => surface.object.visible);
-    box.addEventListener('change', () => {
-      surface.object.visible = box.checked;
-      viewer.request();
-    });
-  });
   let now = { row: 0, shownFrame: 0 };
 
   models.forEach((model, i) => {
@@ -82,6 +61,16 @@ export function showView(
     shade();
     show(now.row, now.shownFrame);
   });
+  byId('view-caption').textContent = captionOf(data);
   const onFrame = connectTraveller(data, models, { marks, viewer, frame, goBack });
   return { show };
+}
+
+function captionOf({ stride, max_megabytes }: ReplayData): string {
+  const caption = 'The red segment joins the closest points.';
+  if (stride === 1) return caption;
+  return (
+    `${caption} Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. ` +
+    'The charts have all.'
+  );
 }

@@ -6,26 +6,15 @@
 import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownPoint, shownTime } from '../shared/numbers.ts';
 import { subtract } from '../shared/vectors.ts';
+import type { Vec3 } from '../shared/vectors.ts';
+import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
 import type { ReportData } from './data.ts';
 import type { ReportModel } from './model.ts';
 
-const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
-
-/** The distance as it stands next to the closest points: one number, or an interval. */
-export function shownDistance(data: ReportData): string {
-  if (data.upper === null) return `more than ${shown(data.lower)}`;
-  if (data.lower === data.upper) return shown(data.upper);
-  return `${shown(data.lower)} to ${shown(data.upper)}`;
-}
-
-export function showTitle({ models: [a, b] }: ReportData): void {
-  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
-  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
-}
+/** The distance as it stands next to the closest points. */
+export const shownDistance = ({ lower, upper }: ReportData): string => shownBounds(lower, upper);
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
-  const tile = (number: string, name: string, kind = ''): HTMLElement =>
-    element('div', '', element('b', kind, number), element('span', 'soft', name));
   const tiles = [];
   if (data.status === 'collision') {
     tiles.push(tile('They collide', `${grouped(data.intersections)} pairs of triangles intersect`, 'bad'));
@@ -38,8 +27,8 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
     else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
   }
   for (const [i, { data: model }] of models.entries()) {
-    const size = subtract(model.high, model.low).map((c) => shown(c, 4));
-    tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${size.join(' \u00d7 ')}`));
+    const size = shownSize(subtract(model.high, model.low), 4);
+    tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${size}`));
   }
   byId('tiles').append(...tiles);
 }
@@ -88,29 +77,22 @@ export function showAnswer(data: ReportData): void {
 }
 
 export function showModels(data: ReportData, models: readonly ReportModel[]): void {
-  const of = (name: string, text: (model: ReportModel) => string): string[] => [name, ...models.map(text)];
-  fillTable(byId('models'), [
-    ['', letter('A'), letter('B')],
-    of('Name', ({ data }) => data.name),
-    of('Triangles', ({ data }) => grouped(data.triangles)),
-    of('Vertices', ({ data }) => grouped(data.vertices)),
-    of('Faces in the file', ({ data }) => grouped(data.faces)),
-    of('Surface', ({ data }) => (data.closed ? 'closed' : 'not closed')),
-    of('Box, low', ({ data }) => shownPoint(data.low)),
-    of('Box, high', ({ data }) => shownPoint(data.high)),
-    of('Box, size', ({ data }) =>
-      subtract(data.high, data.low)
-        .map((c) => shown(c, 8))
-        .join(' \u00d7 '),
-    ),
-    of('Diagonal', ({ diagonal }) => shown(diagonal, 8)),
-    of(
+  fillModels(models, [
+    ['Faces in the file', ({ data }) => grouped(data.faces)],
+    ['Surface', ({ data }) => (data.closed ? 'closed' : 'not closed')],
+    ['Box, low', ({ data }) => shownPoint(data.low)],
+    ['Box, high', ({ data }) => shownPoint(data.high)],
+    ['Box, size', ({ data: { low, high } }) => shownSize(subtract(high, low), 8)],
+    ['Diagonal', ({ diagonal }) => shown(diagonal, 8)],
+    [
       'Distance of its surface from the other',
       ({ nearest, farthest }) => `${shown(Math.min(nearest, data.upper ?? Infinity))} to ${shown(farthest)}`,
-    ),
+    ],
   ]);
   const off = models.map((model) => shown(Math.max(...model.data.positions.step) / 2, 2));
-  byId('precision').textContent =
+  byId('settings').textContent =
     `Its pictures hold coordinates of A within ${off[0]} and of B within ${off[1]}; ` +
     'numbers in tables are the program\u2019s own.';
 }
+
+const shownSize = (size: Vec3, digits: number): string => size.map((c) => shown(c, digits)).join(' \u00d7 ');

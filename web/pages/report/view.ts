@@ -5,15 +5,16 @@
 
 import { byId, element } from '../shared/dom.ts';
 import { connectDirections } from '../shared/directions.ts';
-import { Marks } from '../shared/marks.ts';
+import type { Marks } from '../shared/marks.ts';
 import { shown, ticks } from '../shared/numbers.ts';
 import { mapGradient } from '../shared/palette.ts';
-import { Surface, SurfaceLook } from '../shared/surface.ts';
-import { onThemeChange, tokenRgb } from '../shared/theme.ts';
+import type { SurfaceLook } from '../shared/surface.ts';
+import { tokenRgb } from '../shared/theme.ts';
 import { length, middle, subtract } from '../shared/vectors.ts';
 import type { Vec3 } from '../shared/vectors.ts';
-import { Viewer, framed, usualUp } from '../shared/viewer.ts';
-import type { Frame } from '../shared/viewer.ts';
+import { framed } from '../shared/viewer.ts';
+import type { Frame, Viewer } from '../shared/viewer.ts';
+import { ModelsView } from '../viewer/models_view.ts';
 import { Color } from 'three';
 import type { ReportData } from './data.ts';
 import type { ReportModel } from './model.ts';
@@ -30,24 +31,20 @@ export interface View {
 const smallestRadius = 2e-4;
 
 export function showView(data: ReportData, models: readonly ReportModel[], frame: Frame): View {
-  const host = byId('view');
-  const viewer = new Viewer(host, usualUp(data.models.map((model) => model.name)));
-  const look = new SurfaceLook();
-  const surfaces = models.map((model) => new Surface(model.mesh, look, model.distances));
+  const view = new ModelsView(models);
+  const { viewer, look, surfaces } = view;
   const markColor = { value: new Color() };
   models.forEach((model, i) => surfaces[i].addMarked(model.marked, markColor));
-  const recolor = (): void => {
-    surfaces.forEach((surface, i) => surface.setColor(tokenRgb(`model-${'ab'[i]}`)));
+  view.color(() => {
     look.lineColor.value.setRGB(...tokenRgb('mark'));
     markColor.value.setRGB(...tokenRgb('hit'));
-    viewer.request();
-  };
-  recolor();
-  onThemeChange(recolor);
-  viewer.add(...surfaces.map((surface) => surface.object));
-
-  showMarks(data, frame, viewer, surfaces);
-  connectToggles(data, viewer, look, surfaces);
+  });
+  showMarks(data, frame, view.marks);
+  view.connectBox('cut', false, (isOn) => (look.isCut.value = isOn));
+  view.connectBox('show-map', data.status !== 'collision', (isOn) => {
+    look.isMapped.value = isOn;
+    byId('legend').hidden = !isOn;
+  });
   const boxes = data.models.map(({ low, high }) => [framed(frame, low), framed(frame, high)] as const);
   const onUp: (() => void)[] = [];
   connectDirections(viewer, boxes, () => onUp.forEach((callback) => callback()));
@@ -65,35 +62,12 @@ function captionOf(data: ReportData): string {
   return `${points}Distances are measured at the vertices${divided ? ' and at points that divide long edges' : ''}.`;
 }
 
-function showMarks(data: ReportData, frame: Frame, viewer: Viewer, surfaces: readonly Surface[]): void {
-  const marks = new Marks(byId('view'), viewer);
-  surfaces.forEach((surface, i) => {
-    marks.addName('AB'[i], 'ab'[i], surface.farthestAlong(viewer.up), () => surface.object.visible);
-  });
+function showMarks(data: ReportData, frame: Frame, marks: Marks): void {
   if (data.witness === null) return;
   const [a, b] = [framed(frame, data.witness.point_a), framed(frame, data.witness.point_b)];
   marks.setSegment({ a, b, label: data.status === 'collision' ? 'shared point' : shownDistance(data) });
   if (data.status === 'collision') return;
   marks.setOutlines((data.witness_corners ?? []).map((corners) => corners.map((p) => framed(frame, p))));
-}
-
-function connectToggles(data: ReportData, viewer: Viewer, look: SurfaceLook, surfaces: readonly Surface[]): void {
-  const connect = (id: string, isOn: boolean, set: (isOn: boolean) => void): void => {
-    const box = byId<HTMLInputElement>(id);
-    box.checked = isOn;
-    const apply = (): void => {
-      set(box.checked);
-      viewer.request();
-    };
-    box.addEventListener('change', apply);
-    apply();
-  };
-  surfaces.forEach((surface, i) => connect(`show-${'ab'[i]}`, true, (isOn) => (surface.object.visible = isOn)));
-  connect('cut', false, (isOn) => (look.isCut.value = isOn));
-  connect('show-map', data.status !== 'collision', (isOn) => {
-    look.isMapped.value = isOn;
-    byId('legend').hidden = !isOn;
-  });
 }
 
 /** The closest points, or a shared point, and how much around them is worth a look; the whole without them. */

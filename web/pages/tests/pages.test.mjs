@@ -84,6 +84,25 @@ for (const name of [...reports, ...replays]) {
   }
 }
 
+test('a page has the parts of its kind alone', async () => {
+  const parts = {
+    report: ['legend', 'section', 'answer'],
+    replay: ['introduction', 'play', 'charts', 'now', 'summary'],
+  };
+  for (const [name, kind] of [
+    ['apart', 'report'],
+    ['replay', 'replay'],
+  ]) {
+    const page = await open(browser, path(name));
+    const has = (id) => page.$eval('main', (main, id) => main.querySelector(`#${id}`) !== null, id);
+    for (const [owner, ids] of Object.entries(parts)) {
+      for (const id of ids) assert.equal(await has(id), owner === kind, `${id} of ${name}`);
+    }
+    assert.equal(await page.locator('template').count(), 0);
+    await page.close();
+  }
+});
+
 test('the answer is in tile, picture and table', async () => {
   for (const name of ['apart', 'interval', 'tiny']) {
     const page = await open(browser, path(name));

@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Question  How fast are queries next to FCL's on a broad mix that nobody has tuned to?
+// Workload  mix_scenes.h: pairs of mesh files overlapping and at three gaps; floors, a wall, a room and a maze; FCL's
+//           own test scene; ball over square; linked rings; soups. 40 random poses each, without a cache, and 200 along
+//           a path with one. Collision, exact distance, distance within 10 %.
+// Metric    FCL's time over ours, pose by pose: median, ratio of the sums, least. Both libraries have their turn in
+//           every round; the median of the rounds counts. A turn repeats the query until it takes 30 us; along a path
+//           it is one query. FCL has no cache, and its error is forced in distances within 10 %.
+// Checked   Answers agree, within the error asked for. Where they do not, the classic engine decides: FCL's wrong poses
+//           are counted and not timed; a wrong answer of ours ends the table, and the exit code is 1.
+// Shape     Above 1; least where the bounds of the roots decide, and where few large triangles are near a fine mesh.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/peers/mix_scenes.h"
+#include "bench/peers/peer.h"
+#include "bench/support/report.h"
+#include "bench/support/sampling.h"
+#include "limber/model.h"
+
+namespace limber::bench {
+namespace {
+
+struct MixOptions {
+  Options report;
+  std::filesystem::path meshes;
+  std::size_t poses = 40;
+  int rounds = 7;
+};
+
+constexpr std::pair<Question, const char*> questions[] = {
+    {Question::collide, "collide"}, {Question::exact, "distance"}, {Question::rough, "within 10 %"}};
+
+constexpr const char* path_name = "path with a cache";
+
+struct Answer {
+  double value;  // the distance, 0 in contact; for `collide` 0 or 1: 0 means contact
+  QueryStats stats;
+};
+
+Answer ask(const Model& a, const Model& b, Question question, const Transform& pose, QueryCache* cache) {
+  const Placed pa{a}, pb{b, pose};
+  if (question == Question::collide) {
+    const CollideResult found = cache != nullptr ? collide(pa, pb, *cache) : collide(pa, pb);
+    return {found.collision ? 0.0 : 1.0, found.stats};
+  }
+  const DistanceOptions options{.relative_error = question == Question::rough ? rough_error : 0};
+  const DistanceResult found = cache != nullptr ? distance(pa, pb, options, *cache) : distance(pa, pb, options);
+  return {found.upper, found.stats};
+}
+
+/// Whether two answers can both be right.
+bool agree(Question question, double a, double b, double size) {
+  const double error = question == Question::rough ? rough_error : 0;
+  return a <= b * (1 + error) + 1e-9 * size && b <= a * (1 + error) + 1e-9 * size;
+}
+
+/// Models of one scene in every library.
+class Contest {
+ public:
+  explicit Contest(const PeerScene& scene) : scene_(scene), a_(scene.a), b_(scene.b) {
+    for (const auto& [name, make] : all_peers()) {
+      if (name == "fcl") fcl_ = make(scene.a, scene.b);
+      if (name == "fcl-forced") forced_ = make(scene.a, scene.b);
+    }
+    if (fcl_ == nullptr) throw std::runtime_error("the mix is a comparison with FCL, which was not found");
+    const auto size = [](const Model& model) { return length(model.bounding_box().high - model.bounding_box().low); };
+    size_ = size(a_) + size(b_);
+  }
+
+  Answer ours(Question question, const Transform& pose, QueryCache* cache = nullptr) const {
+    return ask(a_, b_, question, pose, cache);
+  }
+  double theirs(Question question, const Transform& pose) {
+    return (question == Question::rough ? *forced_ : *fcl_).ask(question, pose);
+  }
+
+  /// Whether FCL agrees with our answer. If not, the classic engine decides who is wrong.
+  bool fcl_is_right(Question question, const Transform& pose, double answer, const std::string& row, Checker& checker) {
+    const double fcl = theirs(question, pose);
+    if (agree(question, answer, fcl, size_)) return true;
+    if (classic_ == nullptr) classic_ = make_classic(scene_.a, scene_.b);
+    const double classic = classic_->ask(question, pose);
+    checker.check(agree(question, answer, classic, size_), "{}: {}, not {} as FCL says, or {} as the classic engine",
+                  row, answer, fcl, classic);
+    return false;
+  }
+
+ private:
+  const PeerScene& scene_;
+  Model a_, b_;
+  std::unique_ptr<Peer> fcl_, forced_, classic_;
+  double size_ = 0;
+};
+
+/// What is measured at the poses of one row, those left out that FCL answers wrongly.
+struct Row {
+  std::string scene, situation;
+  Question question;
+  const char* query;
+  std::vector<double> ours_us = {}, theirs_us = {}, ratios = {};
+  std::vector<double> node_tests = {}, triangle_tests = {};
+  int wrong = 0;  // poses that FCL answers wrongly
+
+  std::string name() const { return fmt::format("{}, {}, {}", scene, situation, query); }
+  double ratio_of_sums() const { return mean(theirs_us) / mean(ours_us); }
+
+  void add(double our_us, double their_us, const QueryStats& stats) {
+    ours_us.push_back(our_us), theirs_us.push_back(their_us), ratios.push_back(their_us / our_us);
+    node_tests.push_back(static_cast<double>(stats.node_tests));
+    triangle_tests.push_back(static_cast<double>(stats.triangle_tests));
+  }
+};
+
+void measure_cold(Contest& contest, const std::vector<Transform>& poses, const MixOptions& options, Checker& checker,
+                  Row& row) {
+  for (const Transform& pose : poses) {
+    const Answer answer = contest.ours(row.question, pose);
+    if (!contest.fcl_is_right(row.question, pose, answer.value, row.name(), checker)) {
+      ++row.wrong;
+      continue;
+    }
+    const auto ours = [&] { contest.ours(row.question, pose); };
+    const auto theirs = [&] { contest.theirs(row.question, pose); };
+    const std::size_t our_calls = repetitions_for(mean_us(1, ours)), their_calls = repetitions_for(mean_us(1, theirs));
+    std::vector<double> ours_us, theirs_us;
+    for (int round = 0; round < options.rounds; ++round) {
+      ours_us.push_back(mean_us(our_calls, ours));
+      theirs_us.push_back(mean_us(their_calls, theirs));
+    }
+    row.add(summarize(ours_us).median, summarize(theirs_us).median, answer.stats);
+  }
+}
+
+void measure_path(Contest& contest, const std::vector<Transform>& path, const MixOptions& options, Checker& checker,
+                  Row& row) {
+  std::vector<std::vector<double>> ours_us(path.size()), theirs_us(path.size());
+  std::vector<Answer> answers(path.size());
+  for (int round = 0; round < options.rounds; ++round) {
+    QueryCache cache;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      ours_us[i].push_back(mean_us(1, [&] { answers[i] = contest.ours(row.question, path[i], &cache); }));
+      theirs_us[i].push_back(mean_us(1, [&] { contest.theirs(row.question, path[i]); }));
+    }
+  }
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (contest.fcl_is_right(row.question, path[i], answers[i].value, row.name(), checker)) {
+      row.add(summarize(ours_us[i]).median, summarize(theirs_us[i]).median, answers[i].stats);
+    } else {
+      ++row.wrong;
+    }
+  }
+}
+
+void report(const Row& row, CsvFile& csv, Markdown& table) {
+  if (row.ratios.empty()) {
+    table.line("| {} | {} | {} | FCL wrong in all {} | | | | | | | |", row.scene, row.situation, row.query, row.wrong);
+    return;
+  }
+  const Summary ratio = summarize(row.ratios);
+  const double ours = summarize(row.ours_us).median, theirs = summarize(row.theirs_us).median;
+  const double nodes = summarize(row.node_tests).median, triangles = summarize(row.triangle_tests).median;
+  const std::string wrong = row.wrong > 0 ? fmt::format(", FCL wrong in {} more", row.wrong) : "";
+  table.line("| {} | {} | {} | {}{} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} | {} |", row.scene, row.situation,
+             row.query, row.ratios.size(), wrong, ratio.median, row.ratio_of_sums(), ratio.min, ours, theirs, nodes,
+             triangles);
+  csv.row("{},{},{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}", row.scene, row.situation, row.query,
+          row.ratios.size(), row.wrong, ratio.median, row.ratio_of_sums(), ratio.min, ours, theirs, nodes, triangles);
+}
+
+/// One line for each query: what the rows say together.
+void report_all(const std::vector<Row>& rows, Markdown& table) {
+  table.line("\n## All rows\n");
+  table.line(
+      "| query | rows | median of medians | least median | rows with a median below 1 | poses | below 1 | least |");
+  table.line("|:--|--:|--:|--:|--:|--:|--:|--:|");
+  for (const bool warm : {false, true}) {
+    for (const auto& [question, query] : questions) {
+      std::vector<double> medians, poses;
+      for (const Row& row : rows) {
+        if (row.question != question || row.ratios.empty() || (row.situation == path_name) != warm) continue;
+        medians.push_back(summarize(row.ratios).median);
+        poses.insert(poses.end(), row.ratios.begin(), row.ratios.end());
+      }
+      const auto below_1 = [](const std::vector<double>& ratios) {
+        return std::count_if(ratios.begin(), ratios.end(), [](double ratio) { return ratio < 1; });
+      };
+      const Summary rows_in_all = summarize(medians);
+      table.line("| {}{} | {} | {:.3g} | {:.3g} | {} | {} | {} | {:.3g} |", query, warm ? ", path with a cache" : "",
+                 medians.size(), rows_in_all.median, rows_in_all.min, below_1(medians), poses.size(), below_1(poses),
+                 summarize(poses).min);
+    }
+  }
+}
+
+int run(const MixOptions& options) {
+  report_machine(options.report);
+  Checker checker;
+  std::vector<Row> rows;
+  CsvFile csv(options.report, "peers_mix.csv",
+              "scene,situation,query,poses,fcl_wrong,ratio_median,ratio_of_sums,ratio_least,limber_us,fcl_us,"
+              "node_tests,triangle_tests");
+  Markdown table(options.report, "peers_mix.md");
+  table.line("# A broad mix next to FCL, as printed by `limber_bench_mix`\n");
+  table.line("FCL's time over limber's, pose by pose; microseconds and tests of limber are medians over the poses.\n");
+  table.line(
+      "| scene | situation | query | poses | median ratio | ratio of sums | least ratio | limber us | FCL us | node "
+      "tests "
+      "| triangle tests |");
+  table.line("|:--|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|");
+  for_each_mix_scene(options.meshes, options.poses, [&](const PeerScene& scene) {
+    if (!checker.all_right()) return;
+    Contest contest(scene);
+    const auto measure = [&](const std::string& situation, const std::vector<Transform>& poses, auto how) {
+      for (const auto& [question, query] : questions) {
+        Row row{scene.name, situation, question, query};
+        how(contest, poses, options, checker, row);
+        if (!checker.all_right()) return;
+        report(row, csv, table);
+        rows.push_back(std::move(row));
+      }
+    };
+    for (const Situation& situation : scene.situations) measure(situation.name, situation.poses, measure_cold);
+    measure(path_name, scene.path, measure_path);
+  });
+  if (!checker.all_right()) return 1;
+  report_all(rows, table);
+  return 0;
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App app{"How fast are queries next to FCL's on a broad mix of scenes?"};
+    limber::bench::MixOptions options;
+    app.add_option("--out", options.report.out, "folder for results; default: only the console");
+    app.add_option("--meshes", options.meshes, "folder with mesh files; default: generated scenes only");
+    app.add_option("--poses", options.poses, "random poses of each situation; default: 40")->check(CLI::Range(1, 1000));
+    app.add_option("--rounds", options.rounds, "turns of each library at a pose; default: 7")->check(CLI::Range(1, 99));
+    CLI11_PARSE(app, argc, argv);
+    if (!options.report.out.empty()) std::filesystem::create_directories(options.report.out);
+    return limber::bench::run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/peers/mix_scenes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "limber/io.h"
+#include "limber/model.h"
+#include "scenes/scenes.h"
+
+namespace limber::bench {
+namespace {
+
+constexpr std::uint64_t mesh_seed = 0x5EED0010, pose_seed = 0x5EED0011;
+
+/// The surfaces of boxes along the axes, 12 triangles each.
+Mesh boxes(const std::vector<Box>& all) {
+  constexpr Corners faces[] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  for (const auto& [low, high] : all) {
+    const auto first = static_cast<VertexId>(positions.size());
+    for (const Corners& c : faces) triangles.push_back({first + c[0], first + c[1], first + c[2]});
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      positions.push_back(
+          {(corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y, (corner & 4) != 0 ? high.z : low.z});
+    }
+  }
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+Mesh crate() { return boxes({{{-0.4, -0.3, -0.25}, {0.4, 0.3, 0.25}}}); }
+Mesh floor_slab() { return boxes({{{-5, -5, -0.05}, {5, 5, 0.05}}}); }
+
+/// A slab that stands upright, turned so that nothing is aligned with an axis.
+Mesh turned_wall() {
+  scenes::Rng rng(mesh_seed);
+  const Mesh wall = boxes({{{-0.05, -5, -1.5}, {0.05, 5, 1.5}}});
+  const Mat3 turn = scenes::random_rotation(rng);
+  std::vector<Vec3> positions = wall.positions();
+  for (Vec3& p : positions) p = turn * p;
+  return Mesh::create(std::move(positions), wall.triangles()).value();
+}
+
+/// A room of 4 by 4 by 2.5 with walls, a doorway, a table and a column.
+Mesh room() {
+  return boxes({{{-2.1, -2.1, -1.35}, {2.1, 2.1, -1.25}},
+                {{-2.1, -2.1, 1.25}, {2.1, 2.1, 1.35}},
+                {{-2.1, -2, -1.25}, {-2, 2, 1.25}},
+                {{2, -2, -1.25}, {2.1, 2, 1.25}},
+                {{-2.1, 2, -1.25}, {2.1, 2.1, 1.25}},
+                {{-2.1, -2.1, -1.25}, {-0.5, -2, 1.25}},
+                {{0.5, -2.1, -1.25}, {2.1, -2, 1.25}},
+                {{-0.5, -2.1, 0.8}, {0.5, -2, 1.25}},
+                {{-1.5, 0.2, -0.6}, {0, 1.2, -0.5}},
+                {{1, -0.2, -1.25}, {1.3, 0.1, 1.25}}});
+}
+
+/// A maze of 12 by 12 cells with one way between any two: each cell has a wall at its west or at its south side.
+Mesh maze() {
+  scenes::Rng rng(mesh_seed);
+  constexpr double cell = 1.4, half = 0.05, height = 1.4;
+  constexpr int cells = 12;
+  constexpr double width = cells * cell;
+  std::vector<Box> walls = {{{0, 0, -0.1}, {width, width, 0}},
+                            {{width - half, 0, 0}, {width + half, width, height}},
+                            {{0, width - half, 0}, {width, width + half, height}}};
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      const double x = i * cell, y = j * cell;
+      const bool west = j == 0 || (i > 0 && rng.below(2) == 0);
+      walls.push_back(west ? Box{{x - half, y, 0}, {x + half, y + cell, height}}
+                           : Box{{x, y - half, 0}, {x + cell, y + half, height}});
+    }
+  }
+  return boxes(walls);
+}
+
+/// Legs of 50 frames, each from a pose of the situation: b slides straight on by 1/500 of its size, and turns by 1/200,
+/// from frame to frame.
+std::vector<Transform> path_from(const Situation& situation, const Mesh& b, scenes::Rng& rng) {
+  const Box box = Model(b).bounding_box();
+  const double step = length(box.high - box.low) / 500;
+  std::vector<Transform> path;
+  for (std::size_t leg = 0; leg < std::min<std::size_t>(4, situation.poses.size()); ++leg) {
+    const Transform& start = situation.poses[leg];
+    const Vec3 along = scenes::random_rotation(rng).row0, axis = scenes::random_rotation(rng).row0;
+    for (int frame = 0; frame < 50; ++frame) {
+      const double half_angle = frame / 400.0;
+      const Vec3 v = axis * scenes::sine(half_angle);
+      const Mat3 turn = transform_from_quaternion({}, scenes::cosine(half_angle), v.x, v.y, v.z).value().rotation;
+      path.push_back({start.rotation * turn, start.translation + along * (step * frame)});
+    }
+  }
+  return path;
+}
+
+/// Random turns and directions of b: at gaps, and overlapping, anywhere between the first touch and common centers.
+PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::size_t pose_count) {
+  scenes::Rng rng(pose_seed);
+  const Model model_a(a), model_b(b);
+  PeerScene scene{
+      name, a, b, {{"overlapping", false, {}}, {"0.001", false, {}}, {"0.05", false, {}}, {"1", false, {}}}};
+  for (std::size_t i = 0; i < pose_count; ++i) {
+    const Vec3 outward = scenes::random_rotation(rng).row0;
+    Transform pose{scenes::random_rotation(rng), outward * 20};
+    std::size_t situation = scene.situations.size();
+    for (const double gap : {1.0, 0.05, 0.001}) {
+      pose = at_gap(model_a, model_b, pose, outward, gap);
+      scene.situations[--situation].poses.push_back(pose);
+    }
+    Transform inside = pose;
+    do {
+      inside.translation = pose.translation * rng.uniform();
+    } while (!collide({model_a}, {model_b, inside}).collision);
+    scene.situations[0].poses.push_back(inside);
+  }
+  scene.path = path_from(scene.situations[2], b, rng);
+  return scene;
+}
+
+/// Random poses of b, its origin within the box of a: `pose_count` in which the meshes meet, and as many in which they
+/// are apart.
+PeerScene scattered(const std::string& name, const Mesh& a, const Mesh& b, std::size_t pose_count) {
+  scenes::Rng rng(pose_seed);
+  const Model model_a(a), model_b(b);
+  PeerScene scene{name, a, b, {{"meeting", false, {}}, {"apart", false, {}}}};
+  const auto [low, high] = model_a.bounding_box();
+  while (std::any_of(scene.situations.begin(), scene.situations.end(),
+                     [&](const Situation& s) { return s.poses.size() < pose_count; })) {
+    const Vec3 place{rng.uniform(low.x, high.x), rng.uniform(low.y, high.y), rng.uniform(low.z, high.z)};
+    const Transform pose{scenes::random_rotation(rng), place};
+    Situation& situation = scene.situations[collide({model_a}, {model_b, pose}).collision ? 0 : 1];
+    if (situation.poses.size() < pose_count) situation.poses.push_back(pose);
+  }
+  scene.path = path_from(scene.situations[1], b, rng);
+  return scene;
+}
+
+PeerScene ball_over_square(std::size_t pose_count) {
+  scenes::Rng rng(pose_seed);
+  PeerScene scene = turned_ball_and_square(pose_count);
+  scene.name = "ball over square";
+  std::erase_if(scene.situations, [](const Situation& s) {
+    constexpr std::array kept{"64", "1", "0.01", "-0.1"};
+    return std::find(kept.begin(), kept.end(), s.name) == kept.end();
+  });
+  scene.path = path_from(scene.situations[2], scene.b, rng);
+  return scene;
+}
+
+PeerScene rings(std::size_t pose_count) {
+  scenes::Rng rng(pose_seed);
+  const Mesh ring = scenes::ring(400, 80, 0.1);
+  PeerScene scene{"linked rings", ring, ring, {{"linked", false, {}}}};
+  for (std::uint32_t i = 0; i < pose_count; ++i) scene.situations[0].poses.push_back(scenes::linked_ring(i));
+  scene.path = path_from(scene.situations[0], ring, rng);
+  return scene;
+}
+
+}  // namespace
+
+void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_count,
+                        const std::function<void(const PeerScene&)>& use) {
+  const auto have = [&](const std::string& file) { return !meshes.empty() && exists(meshes / file); };
+  const auto original = [&](const std::string& file) { return load_mesh(meshes / file).value(); };
+  const auto of_size_1 = [&](const std::string& file) { return normalised(original(file)); };
+
+  constexpr std::pair<const char*, const char*> pairs[] = {{"spot.obj", "cow.obj"},
+                                                           {"fandisk.obj", "spot.obj"},
+                                                           {"teapot.obj", "beetle.obj"},
+                                                           {"armadillo.obj", "spot.obj"},
+                                                           {"cloth_ball_92.ply", "cow.obj"},
+                                                           {"armadillo_rollers_326.ply", "fandisk.obj"},
+                                                           {"stanford-bunny.obj", "armadillo.obj"}};
+  for (const auto& [a, b] : pairs) {
+    if (!have(a) || !have(b)) continue;
+    const auto stem = [](const char* file) { return std::filesystem::path(file).stem().string(); };
+    use(at_gaps(fmt::format("{} and {}", stem(a), stem(b)), of_size_1(a), of_size_1(b), pose_count));
+  }
+  if (have("fcl_env.obj") && have("fcl_rob.obj")) {
+    use(scattered("fcl_env and fcl_rob", original("fcl_env.obj"), original("fcl_rob.obj"), pose_count));
+  }
+  use(at_gaps("floor and crate", floor_slab(), crate(), pose_count));
+  if (have("spot.obj")) use(at_gaps("floor and spot", floor_slab(), of_size_1("spot.obj"), pose_count));
+  if (have("armadillo.obj")) use(at_gaps("wall and armadillo", turned_wall(), of_size_1("armadillo.obj"), pose_count));
+  if (have("fandisk.obj")) use(scattered("room and fandisk", room(), of_size_1("fandisk.obj"), pose_count));
+  if (have("cow.obj")) use(scattered("maze and cow", maze(), of_size_1("cow.obj"), pose_count));
+  use(ball_over_square(pose_count));
+  use(rings(pose_count));
+  scenes::Rng rng(mesh_seed);
+  const Mesh soup = normalised(scenes::random_soup(rng, 5000, 0.2));
+  use(at_gaps("soup and soup", soup, soup, pose_count));
+  const Mesh lattice = normalised(scenes::lattice_soup(rng, 300, 8));
+  use(at_gaps("lattice and lattice", lattice, lattice, pose_count));
+}
+
+}  // namespace limber::bench

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "query/placed_models.h"
+
+namespace limber::query {
+
+/// Steps of a traversal that tight bounds would have made unnecessary, as far as can be told; a fraction stands for a
+/// chance. Without a motion margin there are none.
+class MarginCost {
+ public:
+  explicit MarginCost(const PlacedModels& placed) : drift_(placed.drift()) {}
+
+  /// Counts a pair of nodes that is not pruned. `tight_sq` is what the limit would be without the margin.
+  ///
+  /// The pair would have been pruned without the margin if the limit exceeds the margin. Otherwise bounds do not tell:
+  /// the larger the margin is next to the looseness of the bounds, the likelier it is.
+  template <typename Trees>
+  void count_nodes(const Trees& trees, const NodePair& pair, float tight_sq) {
+    if (drift_ == 0 || pair.bound_sq < tight_sq) return;
+    cost_ += tight_sq > 0 ? 1 : drift_ / (drift_ + trees.looseness(Side::a, pair) + trees.looseness(Side::b, pair));
+  }
+  /// Counts two triangles that are compared. `limit` and `bound_sq` are in a unit of which `scale` make a length.
+  void count_triangles(double limit, double bound_sq, double scale) {
+    if (drift_ == 0) return;
+    const double tight = limit - drift_ * scale;
+    if (bound_sq >= tight * tight) cost_ += 1;
+  }
+
+  /// Tells the models.
+  void note(const PlacedModels& placed) const {
+    if (drift_ > 0) placed.add_margin_cost(cost_);
+  }
+
+ private:
+  double drift_;
+  double cost_ = 0;
+};
+
+}  // namespace limber::query
