@@ -15,8 +15,8 @@
 #endif
 // Vectors whose size is not known cannot be members.
 #define LIMBER_UNFIT_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
-#if defined(LIMBER_FEWER_KERNELS)  // of x86, AVX2 and what every processor has; Highway gives better sets lower bits
-#define HWY_DISABLED_TARGETS (LIMBER_UNFIT_TARGETS | (HWY_AVX2 - 1) | HWY_SSE4 | HWY_SSSE3)
+#if defined(LIMBER_FEWER_KERNELS)  // of x86, SSSE3 and AVX2; Highway gives better sets lower bits
+#define HWY_DISABLED_TARGETS (LIMBER_UNFIT_TARGETS | (HWY_AVX2 - 1) | HWY_SSE4)
 #else
 #define HWY_DISABLED_TARGETS LIMBER_UNFIT_TARGETS
 #endif
