@@ -7,7 +7,6 @@
 #: pages live       compile the engine to WebAssembly and build the live page with it: build/limber-live.html
 #: pages --check    type-check the sources of both, and compare the committed viewer with what its sources give
 #: pages test       test pages that the program writes, in a headless browser
-#: pages test --quick  of the program as ./dev test builds it
 #: pages test live  build the live page and test it, in a headless browser
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 #: pages measure    what a frame of the live page costs in a headless browser
@@ -39,16 +38,13 @@ script=${*:-build}
 case $script in
   build | --check) run_script "${script#--}" ;;
   live) live_page ;;
-  test | 'test --quick' | 'test live' | pictures | measure)
+  test | 'test live' | pictures | measure)
     need build io program pages_tests
     if [[ $script == pictures ]]; then need pictures; fi
-    if [[ $script != test* || $script == 'test live' ]]; then live_page; fi
-    preset=release options=(-DLIMBER_BUILD_TESTS=OFF)
-    if [[ $script == *--quick ]]; then preset=checked options=(); fi
-    configure "$preset" "${options[@]}"
-    build "$preset" --target limber_program
-    export LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber
-    script=${script% --quick}
+    if [[ $script != test ]]; then live_page; fi
+    configure release -DLIMBER_BUILD_TESTS=OFF
+    build release --target limber_program
+    export LIMBER_PROGRAM=$root/build/release/apps/limber/limber
     run_script "${script/ /-}"
     ;;
   *) die "pages has no '$script'; see ./dev help" ;;
