@@ -6,8 +6,8 @@
 
 namespace limber::query {
 
-/// Judges a search direction that was chosen before any pair was known to be apart in it: from the normal of a leaf.
-/// One that prunes nothing is given up, and after some of these no other is chosen.
+/// Judges a search direction that is a guess: the normal of a leaf, not the separation of two triangles. One that
+/// prunes nothing is given up, and after some of these no other is chosen.
 class AimedDirection {
  public:
   bool may_choose() const { return wasted_ < most_wasted; }

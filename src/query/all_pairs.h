@@ -58,7 +58,7 @@ class AllPairs {
     while (size_ > 0 && !collector_.is_done()) take(stack_[--size_]);
   }
 
-  /// Compares two leaves, or expands one of two nodes.
+  /// Visits a pair: prunes it, compares two leaves, or expands one of two nodes.
   void take(const NodePair& pair) {
     if (pair.bound_sq >= limits_.of(Side::a)) return;
     if constexpr (Collector::is_self) {
@@ -135,7 +135,7 @@ class AllPairs {
   }
 
   // Every pair taken adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
-  // (2^32 triangles). Of one model, a node has at most 28 pairs of children and 8 leaves.
+  // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves.
   static constexpr std::uint32_t capacity = 256;
 
   Search search_;

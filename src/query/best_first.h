@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 #include <type_traits>
-#include <utility>
 
 #include "core/check.h"
 #include "core/error_bounds.h"
@@ -30,8 +33,8 @@ namespace limber::query {
 /// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
 ///           node at once. Bounds also use the search direction, in which the closest pair so far is apart.
 ///
-/// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. The traversal owns what is
-/// pruned, and nothing else changes while it runs: collectors return bound updates, placed models are constant.
+/// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. While a traversal runs, only
+/// it changes Pruning: collectors return updates and never change it, and placed models are constant.
 template <typename Collector, bool has_front>
 class BestFirst {
  public:
@@ -49,7 +52,8 @@ class BestFirst {
     static_assert(Collector::hits != Hits::all && !(has_front && Collector::hits == Hits::k_closest));
   }
 
-  /// Begins with the two roots, or for one model with its nodes. Pre: the collector is not done.
+  /// Begins with the two roots; for one model, before its last node: step() visits all nodes. Pre: the collector is not
+  /// done.
   void start(double root_bound) {
     state_.clear();
     if (has_front || search_.pruning.has_direction()) state_.leaves.try_some();
@@ -67,9 +71,9 @@ class BestFirst {
     state_.queue.push_first(roots);
   }
 
-  /// Begins with what the front has to have compared again. False if that is so much that a new traversal is cheaper,
-  /// or if the front has no records. Pre: as above.
-  bool start_with_records() {
+  /// Begins with the records of the front whose bounds are below the cutoff. False if these are so many that a new
+  /// traversal is cheaper, or if the front has no records. Pre: the collector is not done.
+  bool start_with_records() requires has_front {
     state_.clear();
     state_.leaves.try_some();
     if constexpr (takes_points) prepare_seed();
@@ -77,13 +81,15 @@ class BestFirst {
   }
   /// Goes on with a state that a traversal with a front has left.
   void take_over(const TraversalState& state) requires(!has_front) { state_ = state; }
-  /// Goes on where the traversal of the front was interrupted. Pre: as above, and the front says that it can.
-  void go_on() {
+  /// Continues the traversal of the front that was interrupted. Pre: the collector is not done, and
+  /// Front::can_continue().
+  void go_on() requires has_front {
     search_.pruning.restore_direction(front_.get().go_on());
     first_step_ = state_.steps;
   }
 
-  /// Takes one more pair, or two. False when none that matters is left, or the budget is spent.
+  /// Processes one pair of the queue, or two side by side. False when no pair that matters is left, or the budget is
+  /// spent.
   bool step() {
     if (search_.meter.is_spent(state_.steps - first_step_) || collector_.is_done()) return false;
     if (state_.queue.empty()) return Collector::is_self && next_node_ > 0 && compare_siblings();
@@ -103,9 +109,9 @@ class BestFirst {
       compare_children(e);
       if (is_expanded) {
         compare_children(second);
-        keep(second, state_.descents.is_descending());
+        keep(second, false);
       }
-      keep(e, state_.descents.is_descending());
+      keep(e, false);
       return true;
     }
     compare_children(e);
@@ -129,7 +135,7 @@ class BestFirst {
     return least;
   }
 
-  /// Pairs of nodes and of leaves that were compared so far.
+  /// Pairs of nodes and of leaves that kernels have compared so far, not those that were pruned before.
   std::uint64_t work() const { return state_.work; }
   const MarginCost& margin_cost() const { return margin_cost_; }
 
@@ -147,9 +153,9 @@ class BestFirst {
 
   // --- order ---
 
-  /// Goes straight down from the nearest pair again. Not with a front, nor after a seed that was close: then a close
-  /// pair is known. Not inlined: it is rare. Called where no bounds of queued pairs overlap: the deepest overlap is
-  /// followed to its leaves anyway.
+  /// Descends from the nearest pair, but not with a front, nor after a seed that was close: a close pair is known then.
+  /// Called when no queued pair overlaps: the deepest overlap is followed to its leaves anyway. Not inlined: it is
+  /// rare.
   [[gnu::noinline]] void descend_again() {
     state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
   }
@@ -158,7 +164,7 @@ class BestFirst {
   /// of the other. Only where it matters little which pair comes first.
   bool takes_two() const { return !state_.descents.is_descending() && state_.queue.has_only_ordered(); }
 
-  /// Brings what is derived from the upper bound up to date.
+  /// Updates the squared limits, and spreads the buckets anew when the range of bounds that matter has halved.
   void update_limits() {
     if (!limits_.update(search_.pruning.distance())) return;
     const float limit_sq = limits_.of(Side::a);
@@ -167,7 +173,8 @@ class BestFirst {
     state_.queue.focus(state_.least_sq, state_.focus_sq);
   }
 
-  /// Puts the children that are kept where they will be taken in the right order.
+  /// Queues the children that are not pruned: those that overlap on the stack, the deepest on top, the others in the
+  /// buckets.
   void keep(const Expansion& e, bool descends) {
     if (e.kept.all == 0) return;
     unsigned overlapping = e.kept.overlapping;
@@ -185,8 +192,8 @@ class BestFirst {
     }
   }
 
-  /// Takes the nearest child next, or at least before its siblings of the same bucket. Not inlined: shorter queries
-  /// should not pay for it.
+  /// Queues the nearest child last: as the next pair, or so that it is taken before its siblings of the same bucket.
+  /// Not inlined: shorter queries should not pay for it.
   [[gnu::noinline]] void push_nearest_last(const Expansion& e, bool is_next) {
     const std::uint32_t nearest = e.first_of(e.kept.all);
     push(e, e.kept.all & ~(1U << nearest));
@@ -232,7 +239,8 @@ class BestFirst {
 
   // --- pairs of nodes ---
 
-  /// Begins with what was taken from the queue. False if it is pruned, or a pair of leaves, which are compared.
+  /// Prepares the expansion of a pair from the queue. True if there are children to compare: a pair that is pruned, and
+  /// two leaves, are finished here.
   bool begin(Expansion& e) {
     return has_front && e.pair.child == NodePair::whole_record ? expand_record(e) : expand(e);
   }
@@ -287,8 +295,9 @@ class BestFirst {
     if (has_front && pruned != 0) front_.settle_children(e, pruned, bound_sq, limits_);
   }
 
-  /// Takes the next node of a model that is compared with itself, from the last to the first: its child slots with each
-  /// other, and leaves with themselves. All nodes together have every pair of triangles once. Always true.
+  /// For one model: compares the child slots of the next node with each other, and its leaves with themselves, from the
+  /// last node to the first. Every pair of triangles has one lowest node above both, so each is visited once. Always
+  /// true.
   bool compare_siblings() {
     LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
     update_limits();
@@ -309,7 +318,7 @@ class BestFirst {
 
   /// Gives a search direction up that has pruned nothing for a while.
   void judge_direction(const Expansion& e, unsigned pruned) {
-    bool has_pruned = false;  // what no other bound has
+    bool has_pruned = false;  // whether it has pruned a child that no other bound has
     for (; pruned != 0; pruned &= pruned - 1) {
       has_pruned |= e.order[std::countr_zero(pruned)] < limits_.of(e.side);
     }
@@ -318,8 +327,8 @@ class BestFirst {
 
   // --- seed ---
 
-  /// Whether to look for a seed. Where all pairs beyond a limit are pruned, a close pair saves nothing until one within
-  /// the limit is found.
+  /// Decides whether to look for a seed. With a finite `max_distance` the cutoff is low already: a seed is of use once
+  /// a pair within it is known.
   void prepare_seed() {
     if (std::isinf(search_.pruning.distance()) || search_.pruning.distance() < collector_.initial_cutoff()) {
       state_.seed.make_due();
@@ -360,12 +369,13 @@ class BestFirst {
       state_.least_sq = std::min(state_.least_sq, bound_sq);
       state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
     }
-    // Those that were open have to be expanded in a new traversal too.
+    // Open records cost the same in a new traversal, so they do not count.
     const double of_no_use = static_cast<double>(count) - static_cast<double>(front.open_count());
     return !records.empty() && of_no_use < worth_resuming * static_cast<double>(records.size());
   }
 
-  /// Expands again what a record has not expanded. False if that is pruned.
+  /// Prepares the children that a record holds, pruned or compared before, to be compared again. False if these are
+  /// beyond the cutoff.
   bool expand_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_.get().records()[record];
@@ -384,9 +394,9 @@ class BestFirst {
   // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
   // than it saves (docs/design/fast_engine.md).
   static constexpr std::uint64_t nearest_last_from_step = 1024;
-  // Expansions of two trees of at most 11 levels each.
+  // Expansions of two trees of at most 11 levels each, and the pair of leaves.
   static constexpr std::uint32_t longest_descent = 23;
-  // A front is resumed if less than this part of it has to be compared again.
+  // A front is resumed if less than this part of its records has to be compared again, open ones not counted.
   static constexpr double worth_resuming = 0.5;
 
   Search search_;
@@ -399,7 +409,7 @@ class BestFirst {
   MarginCost margin_cost_;
   LeafComparison<Collector> leaves_;
   std::uint64_t first_step_ = 0;  // of state_.steps: how many were made before this traversal went on
-  std::uint32_t next_node_ = 0;   // for one model: after the node whose child slots are compared next
+  std::uint32_t next_node_ = 0;   // for one model: one past the node to visit next; counts down to 0
 };
 
 }  // namespace limber::query

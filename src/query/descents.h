@@ -11,8 +11,8 @@ namespace limber::query {
 
 /// Decides when a traversal goes straight down to leaves, to the nearest child of each node, instead of best first.
 ///
-/// Best first comes to leaves late: the limit would be the distance of the first two leaves for long. So a traversal
-/// begins with a descent, and descends again from time to time (docs/design/fast_engine.md).
+/// Best first comes to leaves late, so the upper bound would stay loose for long. So a traversal begins with a descent,
+/// and descends again from time to time (docs/design/fast_engine.md).
 class Descents {
  public:
   bool is_descending() const { return descends_; }
@@ -20,7 +20,7 @@ class Descents {
   /// Whether to descend again.
   bool is_due(std::uint64_t steps) const { return steps >= next_; }
 
-  /// Begins a descent that is due, or lets it be where a close pair is known already.
+  /// Begins a descent that is due; if it is of no use, only puts the next one off.
   void start(std::uint64_t steps, bool is_of_use) {
     descends_ = is_of_use;
     next_ = factor * steps;

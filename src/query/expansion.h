@@ -17,13 +17,15 @@ struct Expansion {
   Side side;  ///< of the slot of `pair` that is expanded
   NodePair pair;
   std::uint32_t node;    ///< the child of that slot: its children are compared with the other slot
-  std::uint16_t record;  ///< in the front: of this expansion, or where there was no room of the one that `pair` is from
-  bool has_record;       ///< whether it is of this expansion
+  std::uint16_t record;  ///< of the front: this expansion's, or that of `pair` where the front is full
+  bool has_record;       ///< whether this expansion has a record of its own
   unsigned children;     ///< to be compared, a bit mask
   simd::KeptSlots kept;  ///< not pruned
-  alignas(32) float order[bvh::width];  ///< squared bounds in the frame of `side`; negative where volumes overlap
+  /// Squared bounds in units of the tree of `side`; negative where volumes overlap.
+  alignas(32) float order[bvh::width];
 
-  /// Begins with a child slot of a node of one model, and those of its `count` child slots that come after it.
+  /// For one model: pairs a slot with each later child slot of the same node, which has `count` children. `node` is
+  /// that node.
   void start_siblings(bvh::SlotId slot, std::uint32_t count) {
     pair = {0, {slot, bvh::root}, NodePair::no_record, 0};
     side = Side::b, node = bvh::node_of(slot);
@@ -54,7 +56,7 @@ struct Expansion {
   /// The deepest overlap, or the nearest child if none overlaps. Pre: a child is kept.
   std::uint32_t first_child() const { return first_of(kept.overlapping != 0 ? kept.overlapping : kept.all); }
 
-  /// The pair of a child and the other node, which is at least that far apart.
+  /// The pair of a child and the other node, with a squared lower bound of their distance.
   NodePair child_pair(std::uint32_t child, float bound_sq) const {
     const bvh::SlotId slot = node * bvh::width + child;
     const bool of_a = side == Side::a;

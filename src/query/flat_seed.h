@@ -20,7 +20,7 @@ class FlatSeed {
   bool was_close() const { return was_close_; }
 
   void make_due() { state_ = State::due; }
-  /// Whether nothing flat has been found so far.
+  /// Whether no pair has been looked for next to a flat part so far.
   bool may_look_near() const { return state_ == State::none; }
   /// Looks again, near two slots. Pre: may_look_near().
   void look_near(bvh::SlotId a, bvh::SlotId b) {
@@ -43,7 +43,8 @@ class FlatSeed {
 
  private:
   enum class State : std::uint8_t { none, due, done };
-  // Room between a flat part and the other model, in radii of the latter, from which on triangles are compared at once.
+  // Least gap between a flat part and the other model, in radii of the latter, to look for a pair before any triangles
+  // have been compared. Negative: the model's bounds may reach through the flat part.
   static constexpr double least_room = -3. / 8;
 
   State state_ = State::none;

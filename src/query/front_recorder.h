@@ -29,7 +29,8 @@ class FrontRecorder {
       return NodePair::no_record;
     }
   }
-  /// A pair is not expanded: what it holds, pruned or compared, is at least `distance` or the cutoff apart.
+  /// A pair is settled: it is not expanded, and what it holds, pruned or compared, is at least max(distance, cutoff)
+  /// apart.
   void settle(const NodePair& pair, double distance) {
     if (!has_front || pair.record == NodePair::no_record) return;
     front_->put(pair.record, 1U << pair.child, kind_of(distance), std::max(distance, pruning_.cutoff()));
@@ -48,8 +49,8 @@ class FrontRecorder {
  private:
   /// The kind of what is settled at that distance.
   Front::Kind kind_of(double distance) const {
-    constexpr double hardly = 1 + 1. / 64;  // (docs/design/real_time.md)
-    return distance < hardly * pruning_.cutoff() ? Front::near : Front::settled;
+    constexpr double near_factor = 1 + 1. / 64;  // (docs/design/real_time.md)
+    return distance < near_factor * pruning_.cutoff() ? Front::near : Front::settled;
   }
 
   Front* front_;

@@ -44,10 +44,10 @@ class LeafComparison {
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
 
-  /// False if the collector or the budget has ended it before all triangles were compared. Otherwise, if `needs_bound`,
-  /// leaves in `apart` a lower bound of their distance, which may be above the cutoff.
+  /// False if the query has ended: the collector is done, or the budget is spent. Otherwise `apart`, which is 0 before,
+  /// may be a lower bound of the distance of the leaves; with `needs_bound` it is one where no candidates were found.
   ///
-  /// `steps` have been made by this call of the query, the one for these leaves included.
+  /// `steps` is the number of steps since this call of the query began, this one included: the budget asks for it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
     const simd::OtherNode leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
@@ -85,7 +85,7 @@ class LeafComparison {
  private:
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
 
-  /// Compares all candidates that may still improve the answer. False as above.
+  /// Compares all candidates that may still improve the answer. False if the query has ended before the last.
   bool compare(simd::Candidates& found, std::uint64_t steps) {
     // The nearest first: it may prune the others.
     std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
@@ -115,8 +115,8 @@ class LeafComparison {
     return is_pruned;
   }
 
-  /// Looks for triangles that intersect in the first two leaves, whose volumes overlap: that takes a fraction of the
-  /// time of finding the closest, and ends the query.
+  /// Looks for triangles that intersect in the first two leaves, whose volumes overlap. A test for intersection is much
+  /// cheaper than one for distance, and a contact ends the query.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_prune_distance;
@@ -132,8 +132,8 @@ class LeafComparison {
     return false;
   }
 
-  /// Where a descent has ended: compares the nearest two triangles, although the allowed error would let them be
-  /// pruned. If they are nearer than the best so far, more can be pruned from now on.
+  /// Compares the nearest two triangles where a descent has ended. Their limit is the best distance, not the cutoff,
+  /// which the allowed error has made smaller: a nearer pair lowers the cutoff further.
   [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
                                      simd::Candidates& found) {
     simd::PruneLimits nearer = search_.pruning.of(Side::a);
@@ -146,7 +146,7 @@ class LeafComparison {
     if (update) search_.pruning.update(*update);
   }
 
-  /// Chooses the normal of the flatter of two leaves that are apart as the search direction: what is near them is
+  /// Chooses the normal of the flatter of two leaves without candidates as the search direction: what is near them is
   /// likely to be apart along it, too. Not inlined: the loop of a query should not pay for it.
   [[gnu::noinline]] void aim(const NodePair& pair) {
     if (search_.pruning.has_direction() || !state_.aim.may_choose()) return;

@@ -14,21 +14,21 @@ class MarginCost {
 
   /// Counts a pair of nodes that is not pruned. `tight_sq` is what the limit would be without the margin.
   ///
-  /// The pair would have been pruned without the margin if the limit exceeds the margin. Otherwise bounds do not tell:
-  /// the larger the margin is next to the looseness of the bounds, the likelier it is.
+  /// If the limit exceeds the margin, the pair would have been pruned without it. Otherwise bounds do not tell; the
+  /// chance is taken to be margin / (margin + looseness of both nodes).
   template <typename Trees>
   void count_nodes(const Trees& trees, const NodePair& pair, float tight_sq) {
     if (drift_ == 0 || pair.bound_sq < tight_sq) return;
     cost_ += tight_sq > 0 ? 1 : drift_ / (drift_ + trees.looseness(Side::a, pair) + trees.looseness(Side::b, pair));
   }
-  /// Counts two triangles that are compared. `limit` and `bound_sq` are in a unit of which `scale` make a length.
+  /// Counts two triangles that are compared. `limit` and the root of `bound_sq` are lengths times `scale`.
   void count_triangles(double limit, double bound_sq, double scale) {
     if (drift_ == 0) return;
     const double tight = limit - drift_ * scale;
     if (bound_sq >= tight * tight) cost_ += 1;
   }
 
-  /// Tells the models.
+  /// Adds the cost to what the models count.
   void note(const PlacedModels& placed) const {
     if (drift_ > 0) placed.add_margin_cost(cost_);
   }

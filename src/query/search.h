@@ -17,12 +17,12 @@ namespace limber::query {
 
 /// What a search has left.
 struct Unsearched {
-  double distance;  ///< all that was not compared is at least that far apart; 0 if the collector is done
+  double distance;  ///< all that was not compared is at least that far apart; of no meaning if the collector is done
   StoppedBy stopped_by = StoppedBy::nothing;
   double work = 0;  ///< pairs of nodes and of leaves that were compared
 };
 
-/// Ends a traversal that has made all its steps.
+/// Ends a traversal that has made all its steps, or as many as its budget allows.
 template <typename Collector, bool has_front>
 Unsearched finish(BestFirst<Collector, has_front>& traversal, const Search& search, double root_bound,
                   const Collector& collector) {
@@ -45,7 +45,7 @@ Unsearched traverse(const Search& search, double root_bound, Collector& collecto
   return finish(traversal, search, root_bound, collector);
 }
 
-/// Runs the rest of a traversal that began at the roots without its front, whose records are forgotten.
+/// Finishes a traversal whose front is full without recording: drops the records.
 template <typename Collector>
 Unsearched traverse_on(const BestFirst<Collector, true>& begun, const Search& search, double root_bound, Front& front,
                        Collector& collector) {
@@ -122,9 +122,9 @@ Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& c
   return left;
 }
 
-/// Offers a collector two vertices if they are close enough. Where the bounds of the roots nearly decide, any two are,
-/// at a small part of the cost of a descent. Their distance is rounded up: that of their triangles, which another query
-/// may compute, is no larger.
+/// Offers a collector two vertices if they are close enough. Where the bound of the roots is almost the answer, any two
+/// vertices may be, at a small part of the cost of a descent. Their distance is rounded up: that of their triangles,
+/// which another query may compute, is no larger.
 template <TakesPoints Collector>
 void try_vertices(const PlacedModels& placed, double root_bound, Collector& collector, Pruning& pruning) {
   const double good_enough = collector.good_enough(root_bound);
@@ -174,7 +174,7 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Collector& coll
   if (tries_pair) {
     compare(last->triangle_a, last->triangle_b, placed, collector, pruning, stats);
   } else if (meter.is_limited()) {
-    // There is an upper bound whatever happens.
+    // So there is an upper bound even if the budget allows no step.
     compare(placed.first_triangle(Side::a), placed.first_triangle(Side::b), placed, collector, pruning, stats);
   }
   if (collector.is_done()) {
@@ -200,7 +200,7 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Collector& coll
   }
 }
 
-/// Whether the pair of the last answer is one of two triangles of a model that stands on both sides.
+/// Whether the pair of the last answer consists of two different triangles of a model that stands on both sides.
 inline bool has_self_pair(const QueryCache::Impl* last, const PlacedModels& placed) {
   return last != nullptr && last->triangle_a != last->triangle_b && placed.has_triangle(Side::a, last->triangle_a) &&
          placed.has_triangle(Side::b, last->triangle_b);

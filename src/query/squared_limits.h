@@ -13,7 +13,7 @@
 
 namespace limber::query {
 
-/// The distance from which on pairs are pruned, squared and in the unit of either tree, as bounds of nodes are.
+/// The distance from which on pairs are pruned, squared and in the units of each tree, as bounds of nodes are.
 class SquaredLimits {
  public:
   explicit SquaredLimits(const PlacedModels& placed) : placed_(placed) {
@@ -37,18 +37,17 @@ class SquaredLimits {
     return true;
   }
 
-  /// In squared units of either tree.
+  /// In squared units of the tree of that side.
   float of(Side s) const { return limit_sq_[index(s)]; }
   /// What the limit would be without a motion margin, in squared units of a.
   float tight() const { return tight_sq_; }
 
-  /// A bound of a child, in squared units of its tree, as that of a pair in those of a: at least the bound of its
-  /// parent.
+  /// Converts the bound of a child from squared units of its tree to those of a, and raises it to that of its parent.
   float bound_of_child(Side s, float order, float parent) const {
-    // Never as large as `no_limit_sq`, which must not prune, even where the product overflows.
+    // Stays below `no_limit_sq` even where the product overflows, so that an infinite limit prunes nothing.
     return std::min(std::max(order * to_a_sq_[index(s)], parent), BucketQueue::largest_bound);
   }
-  /// A bound of a pair as a length, rounded down.
+  /// A bound in squared units of the tree of that side as a length, rounded down.
   double length_of(Side s, float bound_sq) const {
     return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * double{core::squares_down};
   }

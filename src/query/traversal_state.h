@@ -18,7 +18,7 @@ struct TraversalState {
   BucketQueue queue;
   float least_sq = 0, focus_sq = BucketQueue::no_limit_sq;  // the focus of the queue
   std::uint64_t steps = 0;
-  std::uint64_t work = 0;  // kernel calls: with records that were compared again, which are no steps
+  std::uint64_t work = 0;  // pairs that kernels have compared, those of records too, which are no steps
   Descents descents;
   AimedDirection aim;
   WholeLeaves leaves;

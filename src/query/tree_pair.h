@@ -11,7 +11,7 @@
 
 namespace limber::query {
 
-/// The trees of two placed models, as a traversal looks at a pair of their slots.
+/// The trees of two placed models, and what a traversal asks about a pair of their child slots.
 ///
 /// `tells_coincident_apart` is for traversals that need every pair: triangles that coincide are pairs of their own.
 template <bool tells_coincident_apart>
@@ -22,7 +22,7 @@ class TreePair {
   const bvh::Tree& tree(Side s) const { return placed_.tree(s); }
 
   /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
-  /// for it and no bound could tell them apart. With a motion margin, vertices may be elsewhere than the mark says.
+  /// for it and no bound could tell them apart. With a motion margin, vertices may have moved since they coincided.
   bool is_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     const bvh::Tree& tree = placed_.tree(s);
@@ -43,7 +43,7 @@ class TreePair {
     return bvh::leaf_of(placed_.tree(s), leaf_slot(s, pair));
   }
 
-  /// A slot as the kernels take it: with the triangles of its leaf if it is not expanded.
+  /// A slot as the kernels take it, without triangles and with those of its leaf.
   simd::OtherNode as_node(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     return {&placed_.tree(s).nodes[bvh::node_of(slot)], bvh::slot_of(slot), nullptr};
@@ -53,6 +53,7 @@ class TreePair {
     const bvh::Tree& tree = placed_.tree(s);
     return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
   }
+  /// With the triangles of its leaf if the slot is not expanded.
   simd::OtherNode as_other(Side s, const NodePair& pair) const {
     return is_leaf(s, pair) ? as_leaf(s, pair) : as_node(s, pair);
   }
@@ -76,7 +77,7 @@ class TreePair {
     return is_a ? Side::a : Side::b;
   }
 
-  /// The normal of the flatter of two leaves, in the world, from a to b. Pre: are_leaves().
+  /// The normal of the flatter of two leaves, in world coordinates, from a to b. Pre: are_leaves().
   Vec3 normal_between_leaves(const NodePair& pair) const {
     double flatness[2];
     Vec3 normal[2], center[2];
@@ -93,8 +94,8 @@ class TreePair {
     return dot(n, center[1] - center[0]) < 0 ? -n : n;
   }
 
-  /// For one model: whether the triangles below two slots need not be compared, because they have nothing in common but
-  /// what all of them share, as those of a fan or a book. Leaves are too small for this test to pay.
+  /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
+  /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
   bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {
     const bvh::Tree& tree = placed_.tree(Side::a);
     if (bvh::has_leaf(tree, pair.slot[0]) || bvh::has_leaf(tree, pair.slot[1])) return false;

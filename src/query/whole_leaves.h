@@ -12,7 +12,7 @@ class WholeLeaves {
  public:
   bool are_tried() const { return credit_ > 0; }
 
-  /// Begins with the pair of another query.
+  /// A direction is known that may be that of a close pair.
   void try_some() { credit_ = at_first; }
   /// A close pair has been found.
   void try_many() { credit_ = most; }

@@ -19,7 +19,7 @@ enum class Hits {
 
 /// What a collector has learnt from a pair of triangles.
 struct BoundUpdate {
-  double distance;  ///< of the pair; ties with it may be pruned if it equals `cutoff`
+  double distance;  ///< of the pair; if it equals `cutoff`, pairs as far apart up to rounding may be pruned
   double cutoff;    ///< pairs at least that far apart no longer matter; infinite if nothing new can be pruned
   Vec3 separation;  ///< from the closest point of a to that of b
 };
