@@ -47,19 +47,24 @@ class AllPairs {
       const std::size_t nodes = trees_.tree(Side::a).nodes.size();
       for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !collector_.is_done(); --n) compare_siblings(n - 1);
     } else {
-      stack_[size_++] = {limits_.bound_of(root_bound), {bvh::root, bvh::root}, NodePair::no_record, 0};
-      take_all();
+      push({limits_.bound_of(root_bound), {bvh::root, bvh::root}, NodePair::no_record, 0});
+      visit_all();
     }
     margin_cost_.note(search_.placed);
   }
 
  private:
-  void take_all() {
-    while (size_ > 0 && !collector_.is_done()) take(stack_[--size_]);
+  void push(const NodePair& pair) {
+    LIMBER_ASSERT(size_ < capacity);
+    stack_[size_++] = pair;
   }
 
-  /// Visits a pair: prunes it, compares two leaves, or expands one of two nodes.
-  void take(const NodePair& pair) {
+  void visit_all() {
+    while (size_ > 0 && !collector_.is_done()) visit(stack_[--size_]);
+  }
+
+  /// Prunes a pair, compares two leaves, or expands one of two nodes.
+  void visit(const NodePair& pair) {
     if (pair.bound_sq >= limits_.of(Side::a)) return;
     if constexpr (Collector::is_self) {
       const Apart what = ComparesLeaves<Collector> ? Apart::elements : Apart::triangles;
@@ -68,12 +73,8 @@ class AllPairs {
     margin_cost_.count_nodes(trees_, pair, limits_.tight());
     if (trees_.are_leaves(pair)) return compare_leaves(pair);
     Expansion e;
-    e.pair = pair;
-    e.side = trees_.side_to_expand(pair);
-    const bvh::Tree& tree = trees_.tree(e.side);
-    e.node = bvh::child_of(tree, pair.slot[index(e.side)]);
-    e.children = (1U << tree.nodes[e.node].child_count) - 1;
-    e.record = NodePair::no_record, e.has_record = false;
+    const Side side = trees_.side_to_expand(pair);
+    e.start(trees_.tree(side), pair, side);
     expand(e);
   }
 
@@ -83,13 +84,13 @@ class AllPairs {
     const std::uint32_t count = tree.nodes[n].child_count;
     for (std::uint32_t k = 0; k < count; ++k) {
       const bvh::SlotId slot = n * bvh::width + k;
-      if (bvh::has_leaf(tree, slot)) stack_[size_++] = {0, {slot, slot}, NodePair::no_record, 0};
+      if (bvh::has_leaf(tree, slot)) push({0, {slot, slot}, NodePair::no_record, 0});
       if (k + 1 == count) break;
       Expansion e;
       e.start_siblings(slot, count);
       expand(e);
     }
-    take_all();
+    visit_all();
   }
 
   /// Puts the children of a node that are not pruned on the stack.
@@ -102,8 +103,7 @@ class AllPairs {
                                 search_.pruning.of(e.side), limits_.of(e.side), e.order, nullptr);
     for (unsigned rest = kept.all & e.children; rest != 0; rest &= rest - 1) {
       const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
-      LIMBER_ASSERT(size_ < capacity);
-      stack_[size_++] = e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
+      push(e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq)));
     }
   }
 
@@ -134,7 +134,7 @@ class AllPairs {
     }
   }
 
-  // Every pair taken adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
+  // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
   // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves.
   static constexpr std::uint32_t capacity = 256;
 

@@ -267,11 +267,9 @@ class BestFirst {
       }
       return false;
     }
-    e.side = trees_.side_to_expand(pair);
-    const bvh::Tree& tree = trees_.tree(e.side);
-    e.node = bvh::child_of(tree, pair.slot[index(e.side)]);
-    e.children = (1U << tree.nodes[e.node].child_count) - 1;
-    e.record = front_.add(pair, e.side);
+    const Side side = trees_.side_to_expand(pair);
+    e.start(trees_.tree(side), pair, side);
+    e.record = front_.add(pair, side);
     e.has_record = e.record != NodePair::no_record;
     if (!e.has_record) e.record = pair.record;
     return true;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "bvh/tree.h"
 #include "core/check.h"
 #include "query/bucket_queue.h"
 #include "query/placed_models.h"
@@ -23,6 +24,16 @@ struct Expansion {
   simd::KeptSlots kept;  ///< not pruned
   /// Squared bounds in units of the tree of `side`; negative where volumes overlap.
   alignas(32) float order[bvh::width];
+
+  /// The children of one side's slot of a pair; `tree` is that side's. Pre: that slot is expanded, not a leaf.
+  void start(const bvh::Tree& tree, const NodePair& expanded, Side s) {
+    pair = expanded;
+    side = s;
+    node = bvh::child_of(tree, pair.slot[index(side)]);
+    children = (1U << tree.nodes[node].child_count) - 1;
+    record = NodePair::no_record;
+    has_record = false;
+  }
 
   /// For one model: pairs a slot with each later child slot of the same node, which has `count` children. `node` is
   /// that node.

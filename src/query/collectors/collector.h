@@ -9,6 +9,23 @@
 
 namespace limber::query {
 
+// A collector says what a query looks for. A traversal offers it pairs of triangles, and prunes by what it learns.
+//
+// Needs    static constexpr Hits hits;
+//          static constexpr bool is_self;
+//          double initial_cutoff() const;
+//          bool is_done() const;
+//          compare(const PlacedTriangle& a, const PlacedTriangle& b);
+//
+// hits: AllPairs offers a collector of all hits each pair within the cutoff once. BestFirst is for the others; a front
+// is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
+// different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
+// QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter. compare():
+// returns std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a
+// collector of all hits.
+//
+// See      docs/design/adding_a_query.md.
+
 /// Which pairs of triangles a query looks for.
 enum class Hits {
   any,        ///< one that counts
@@ -23,23 +40,6 @@ struct BoundUpdate {
   double cutoff;    ///< pairs at least that far apart no longer matter; infinite if nothing new can be pruned
   Vec3 separation;  ///< from the closest point of a to that of b
 };
-
-/// A collector says what a query looks for. A traversal offers it pairs of triangles, and prunes by what it learns.
-///
-/// Needs    static constexpr Hits hits;
-///          static constexpr bool is_self;
-///          double initial_cutoff() const;
-///          bool is_done() const;
-///          compare(const PlacedTriangle& a, const PlacedTriangle& b);
-///
-/// hits: AllPairs offers a collector of all hits each pair within the cutoff once. BestFirst is for the others; a front
-/// is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
-/// different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
-/// QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter. compare():
-/// returns std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a
-/// collector of all hits.
-///
-/// See      docs/design/adding_a_query.md.
 
 /// Two leaves that are not pruned, as the kernels take them.
 struct LeafPair {
