@@ -378,9 +378,8 @@ class BestFirst {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_.get().records()[record];
     if (front_.get().bound_of(r) >= search_.pruning.cutoff()) return false;
-    e.side = r.expands_a ? Side::a : Side::b;
-    e.pair = {e.pair.bound_sq, {r.slot[0], r.slot[1]}, NodePair::no_record, 0};
-    e.node = bvh::child_of(trees_.tree(e.side), r.slot[index(e.side)]);
+    const Side side = r.expands_a ? Side::a : Side::b;
+    e.start(trees_.tree(side), {e.pair.bound_sq, {r.slot[0], r.slot[1]}, NodePair::no_record, 0}, side);
     e.record = record;
     e.has_record = true;
     e.children = front_.get().take(record, search_.pruning.cutoff());

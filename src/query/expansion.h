@@ -25,7 +25,8 @@ struct Expansion {
   /// Squared bounds in units of the tree of `side`; negative where volumes overlap.
   alignas(32) float order[bvh::width];
 
-  /// The children of one side's slot of a pair; `tree` is that side's. Pre: that slot is expanded, not a leaf.
+  /// Begins the expansion of one slot of a pair: all its children are to be compared, and the front has no record of it
+  /// yet. `tree` is that of side `s`. Pre: the slot has no leaf.
   void start(const bvh::Tree& tree, const NodePair& expanded, Side s) {
     pair = expanded;
     side = s;
