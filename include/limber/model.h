@@ -239,7 +239,7 @@ LIMBER_API BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryB
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
 /// Budget   If it is spent first, the status is `interrupted`; lower and upper keep their promises, and the witness
 ///          attains upper. The next call with the same cache goes on from there, whether or not the models have moved.
-///          While they rest, the interval never becomes wider.
+///          While they rest, the interval never becomes wider; its ends may move back by rounding only.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
@@ -256,9 +256,9 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
-/// Promise  True for a finite `upper` that distance() has returned for the same models, poses and order; for 0 true
-///          exactly when the models meet. Where the distance is closer to `max_distance` than the rounding stated in
-///          query.h, either answer may come; a cache may change it.
+/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as query.h states. A cache or
+///          a motion margin does not change it. So it is true for a finite `upper` that distance() has returned for the
+///          same models, poses and order; for 0 it is true exactly when the models meet.
 /// Budget   As collide().
 /// Cost     As collide(), which is within() of 0.
 LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);

@@ -93,6 +93,16 @@ class Front {
   }
   double odometer() const { return odometer_; }
 
+  /// Notes that the traversal has skipped pairs as far apart as the best, at `distance`, up to rounding.
+  void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
+  /// Whether a pair that is computed to be nearer than `cutoff` may be missing in the records and the bound. Motion is
+  /// rounded up by more than ties differ by, so that this can only be where the models rest.
+  bool may_lack_ties(const PlacedModels& placed, double cutoff) const {
+    if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
+    const double rounding = placed.error() + core::tie_error * tied_distance_;
+    return std::abs(cutoff - tied_distance_) <= 2 * rounding;
+  }
+
   /// Forgets all records, but not the bound of the distance.
   void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
   /// Whether more expansions had no room than there are records: these are hardly of use then.
@@ -119,6 +129,7 @@ class Front {
   void clear() {
     forget_records();
     odometer_ = distance_ = distance_odometer_ = 0;
+    tied_distance_ = infinity;
     is_complete_ = is_suspended_ = false;
   }
 
@@ -172,6 +183,7 @@ class Front {
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (core::sum_up - 1);
     odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
     odometer_ *= core::sum_up;
+    tied_distance_ = infinity;
   }
   bool is_of(const PlacedModels& placed) const {
     return assignment_id_[0] == placed.tree(Side::a).assignment_id &&
@@ -221,6 +233,7 @@ class Front {
   double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
   double odometer_ = 0;
   double distance_ = 0, distance_odometer_ = 0;  // the bound of the models' distance, and when it was found
+  double tied_distance_ = infinity;              // at which ties were skipped since the last motion
   bool is_complete_ = false;
   bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left
   double cutoff_ = 0;          // that of the interrupted traversal

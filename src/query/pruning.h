@@ -42,6 +42,10 @@ class Pruning {
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
+  /// Whether every pair that is computed to be nearer than cutoff() has to be compared.
+  bool compares_ties() const { return !may_skip_ties_; }
+  /// Whether pairs as far apart as the best are skipped now. They may be computed to be a little nearer.
+  bool skips_ties() const { return skips_ties_; }
 
   /// As the kernels need it, in the frame of either model.
   const simd::PruneLimits& of(Side s) const { return in_frame_[index(s)]; }
@@ -97,7 +101,7 @@ class Pruning {
     if (!has_direction()) return false;
     const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
     const bool is_pruned = prunes_gap(gap).value_or(false);
-    if (is_pruned) apart = std::max(cutoff_, gap - core::local_gap_error * placed_.error());
+    if (is_pruned) apart = std::max(cutoff_, gap - 2 * core::local_gap_error * placed_.error());
     return is_pruned;
   }
 

@@ -37,7 +37,8 @@ StoppedBy find_within(const Placed& a, const Placed& b, double max_distance, Bud
   query::check_max_distance(max_distance);
   const query::PlacedModels placed(a, b);
   query::ClosestPair collector({.max_distance = max_distance}, max_distance);
-  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats).stopped_by;
+  // So that the answer is that of comparing all pairs, whatever comes first.
+  const StoppedBy stopped_by = query::search(placed, cache, collector, meter, stats, query::Ties::compared).stopped_by;
   if (collector.upper > max_distance) return stopped_by;
   query::remember(cache, *collector.witness);
   witness = collector.witness;

@@ -94,6 +94,7 @@ template <typename Collector>
 Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
   Front& front = cache.front;
   const PlacedModels& placed = search.placed;
+  if (search.pruning.compares_ties() && front.may_lack_ties(placed, search.pruning.cutoff())) front.clear();
   const bool continues = front.can_continue(placed, search.pruning.cutoff());
   if (!continues && !search.meter.is_limited() && !cache.bound.is_due()) {
     front.clear();
@@ -156,10 +157,10 @@ void compare(TriangleId a, TriangleId b, const PlacedModels& placed, Collector& 
 /// Looks for what a collector wants, first where the last query ended if there is a cache.
 template <typename Collector>
 Unsearched search(const PlacedModels& placed, QueryCache* cache, Collector& collector, BudgetMeter& meter,
-                  QueryStats& stats) {
+                  QueryStats& stats, Ties ties = Ties::skipped) {
   static_assert(!Collector::is_self);
   LIMBER_ASSERT(Collector::hits != Hits::k_closest || cache == nullptr);  // a front skips what was compared before
-  Pruning pruning(placed, collector.initial_cutoff());
+  Pruning pruning(placed, collector.initial_cutoff(), ties);
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return {root_bound};
@@ -192,6 +193,7 @@ Unsearched search(const PlacedModels& placed, QueryCache* cache, Collector& coll
     if (last == nullptr) return traverse(context, root_bound, collector);
     const double at_first = pruning.cutoff();
     const Unsearched left = traverse(context, root_bound, *last, collector);
+    if (pruning.skips_ties()) last->front.note_skipped_ties(pruning.cutoff());
     if (tries_pair && !meter.is_limited()) {
       constexpr double close = 1.25;
       last->judge_pair(at_first < collector.initial_cutoff() && at_first <= close * pruning.cutoff());

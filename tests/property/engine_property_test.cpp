@@ -7,7 +7,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <vector>
 
 #include "limber/model.h"
 #include "simd/kernels.h"
@@ -133,6 +135,40 @@ RC_GTEST_PROP(FastEngine, CachesAreRightAlongAnyMotion, (std::uint64_t seed)) {
         require_witness(s, exact.witness.value(), exact.upper);
       }
     }
+  }
+}
+
+/// Asks for the distance with a cache, and notes what is as far apart as the answer up to rounding.
+void ask_for_ties(Rng& rng, const Placed& a, const Placed& b, QueryCache& cache, std::vector<double>& limits) {
+  const double known = limits.empty() ? infinity : limits[rng.below(limits.size())];
+  const DistanceOptions asked[] = {{},
+                                   {},
+                                   {.relative_error = rng.uniform(0, 5)},
+                                   {.max_distance = known},
+                                   {.relative_error = 5, .max_distance = known}};
+  const double upper = distance(a, b, asked[rng.below(std::size(asked))], cache).upper;
+  if (upper == infinity) return;
+  for (const double limit : {std::nextafter(upper, 0.0), upper, std::nextafter(upper, infinity)})
+    limits.push_back(limit);
+}
+
+RC_GTEST_PROP(FastEngine, WithinIsThatOfComparingAllPairsWithAnyCache, (std::uint64_t seed)) {
+  Rng rng(seed);
+  Scene s = arbitrary_scene(rng);
+  const Model model_a(s.mesh_a), model_b(s.mesh_b);
+  const Transform home = s.pose_b;
+  QueryCache cache;
+  for (int pose = 0; pose < 3; ++pose) {
+    const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+    const double truth = brute_force_distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b});
+    std::vector<double> limits{truth};
+    for (int query = 0; query < 10; ++query) {
+      if (rng.below(2) == 0) ask_for_ties(rng, a, b, cache, limits);
+      const double limit = limits[rng.below(limits.size())];
+      RC_ASSERT(within(a, b, limit, cache).within == (truth <= limit));
+      RC_ASSERT(within(a, b, limit).within == (truth <= limit));
+    }
+    s.pose_b = step_from(rng, s.pose_b, home, s.size);
   }
 }
 
