@@ -136,7 +136,7 @@ def report(mutant: mutants.Mutant, verdict: mutants.Verdict, seconds: float) -> 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Breaks the sources in places drawn at random.")
     parser.add_argument("count", nargs="?", type=int, default=50, help="how many mutations")
-    parser.add_argument("files", nargs="*", help="patterns such as 'src/query/*'; all of src if there is none")
+    parser.add_argument("files", nargs="*", help="patterns such as 'src/pair/*'; all of src if there is none")
     parser.add_argument("--seed", type=int, default=int(time.strftime("%Y%m%d")), help="of the drawing; today's date")
     parser.add_argument("--list", action="store_true", help="only list what is drawn")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of the compiler")

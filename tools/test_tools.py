@@ -54,12 +54,12 @@ class Layers(Repository):
 
     def test_down_is_allowed(self) -> None:
         for path, target in (
-            ("src/geometry/a.cpp", "core/check.h"),
+            ("src/geometry/a.cpp", "base/check.h"),
             ("src/geometry/a.cpp", "geometry/b.h"),
             ("src/classic/a.cpp", "mesh/updates.h"),
             ("src/classic/a.cpp", "limber/classic.h"),
             ("src/io/a.cpp", "limber/io.h"),
-            ("src/io/a.cpp", "core/check.h"),
+            ("src/io/a.cpp", "base/check.h"),
             ("src/io/a.cpp", "<nlohmann/json.hpp>"),
             ("src/io/file_bytes.cpp", "<fcntl.h>"),
             ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
@@ -83,26 +83,26 @@ class Layers(Repository):
 
     def test_everything_else_is_not(self) -> None:
         for path, target in (
-            ("src/core/a.cpp", "math/b.h"),
+            ("src/base/a.cpp", "geometry/b.h"),
             ("src/geometry/a.cpp", "classic/tree.h"),
             ("src/geometry/a.cpp", "limber/classic.h"),
             ("src/classic/a.cpp", "model/placed.h"),
             ("src/classic/a.cpp", "limber/io.h"),
-            ("src/io/a.cpp", "core/rounding.h"),
-            ("src/newcomer/a.cpp", "core/check.h"),
-            ("src/core/a.cpp", "../geometry/b.h"),
-            ("src/core/a.cpp", "neighbour.h"),
-            ("src/core/a.cpp", "<unistd.h>"),
+            ("src/io/a.cpp", "base/rounding.h"),
+            ("src/newcomer/a.cpp", "base/check.h"),
+            ("src/base/a.cpp", "../geometry/b.h"),
+            ("src/base/a.cpp", "neighbour.h"),
+            ("src/base/a.cpp", "<unistd.h>"),
             ("src/geometry/a.cpp", "<boost/rational.hpp>"),
             ("src/geometry/a.cpp", "<CGAL/Point_3.h>"),
             ("src/io/a.cpp", "<CGAL/Point_3.h>"),
             ("src/io/a.cpp", "<sys/stat.h>"),
             ("src/geometry/a.cpp", "<nlohmann/json.hpp>"),
             ("apps/limber/a.cpp", "<CGAL/Point_3.h>"),
-            ("apps/limber/a.cpp", "core/check.h"),
+            ("apps/limber/a.cpp", "base/check.h"),
             ("tests/oracle/a_test.cpp", "classic/tree.h"),
             ("bench/thesis/a.cpp", "classic/tree.h"),
-            ("include/limber/mesh.h", "core/check.h"),
+            ("include/limber/mesh.h", "base/check.h"),
             ("include/limber/mesh.h", "<fmt/format.h>"),
             ("include/limber/mesh.h", "<Eigen/Core>"),
             ("src/model/a.cpp", "limber/eigen.h"),
@@ -120,7 +120,7 @@ class Sizes(Repository):
     def sound(self, lines: int = 10) -> dict[str, str]:
         """Ten files, each with a check in ten lines."""
         text = HEAD + "LIMBER_ASSERT(true);\n" + "\n" * (lines - 3)
-        return {f"src/core/file{i}.cpp": text for i in range(10)}
+        return {f"src/base/file{i}.cpp": text for i in range(10)}
 
     def test_sound(self) -> None:
         self.assert_sound(check_sizes.check, self.sound())
@@ -138,23 +138,23 @@ class Sizes(Repository):
         self.assert_faulty(check_sizes.check, tree, "tests/unit/huge.cpp:802: ")
 
     def test_the_umbrella_is_light(self) -> None:
-        tree = self.sound() | {f"src/core/more{i}.cpp": HEAD + "LIMBER_ASSERT(true);\n" * 5 for i in range(60)}
+        tree = self.sound() | {f"src/base/more{i}.cpp": HEAD + "LIMBER_ASSERT(true);\n" * 5 for i in range(60)}
         tree |= {f"include/limber/h{i}.h": HEAD + "\n" * 390 for i in range(11)}
         tree["include/limber/limber.h"] = HEAD + "".join(f'#include "limber/h{i}.h"\n' for i in range(11))
         self.assert_faulty(check_sizes.check_umbrella, tree, "include/limber/limber.h:1: pulls in 4325 ")
 
     def test_checks_are_required_and_comments_do_not_count(self) -> None:
-        tree = {"src/core/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
+        tree = {"src/base/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
         self.assert_faulty(check_sizes.check, tree, "src:1: 0.0 checks ")
 
     def test_unfinished(self) -> None:
-        for name, text in (("src/core/b.h", HEAD + "// TODO: all\n"), ("docs/a.md", "\n\nFIXME\n")):
+        for name, text in (("src/base/b.h", HEAD + "// TODO: all\n"), ("docs/a.md", "\n\nFIXME\n")):
             with self.subTest(name=name):
                 self.assert_faulty(check_sizes.check, self.sound() | {name: text}, f"{name}:3: ")
-        self.assert_sound(check_sizes.check, self.sound() | {"src/core/b.h": HEAD + "// TODO(#12): that\n"})
+        self.assert_sound(check_sizes.check, self.sound() | {"src/base/b.h": HEAD + "// TODO(#12): that\n"})
 
     def test_wide_comments(self) -> None:
-        name = "src/core/b.h"
+        name = "src/base/b.h"
         self.assert_sound(check_sizes.check, self.sound() | {name: HEAD + "// " + 117 * "a" + "\n"})
         self.assert_faulty(check_sizes.check, self.sound() | {name: HEAD + "// " + 118 * "a" + "\n"}, f"{name}:3: 121 ")
 
@@ -162,11 +162,11 @@ class Sizes(Repository):
         for text in ("std::cout << 1;", "std::cerr << 1;", 'printf("");', "fprintf(stderr, x);", "#include <iostream>",
                      "std::abort();", "exit(1);", "assert(x);"):
             with self.subTest(text=text):
-                tree = self.sound() | {"src/core/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
-                self.assert_faulty(check_sizes.check, tree, "src/core/b.cpp:4: ")
+                tree = self.sound() | {"src/base/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
+                self.assert_faulty(check_sizes.check, tree, "src/base/b.cpp:4: ")
         for text in ("// std::cout", 'f("printf()");', "snprintf(b, n, f);", "static_assert(true);", "ssize_t exit_code();"):
             with self.subTest(text=text):
-                tree = self.sound() | {"src/core/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
+                tree = self.sound() | {"src/base/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
                 self.assert_sound(check_sizes.check, tree)
 
 
@@ -313,14 +313,14 @@ Packet max(Packet a);
 
     def test_a_seed_draws_the_same_mutations_of_the_files_asked_for(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            for name in ("src/query/a.h", "src/io/b.cpp", "src/simd/wasm_c.h", "tests/d.cpp"):
+            for name in ("src/pair/a.h", "src/io/b.cpp", "src/simd/wasm_c.h", "tests/d.cpp"):
                 Path(folder, name).parent.mkdir(parents=True, exist_ok=True)
                 Path(folder, name).write_text(self.SOURCE, encoding="utf-8")
             every = random_mutants.mutations(Path(folder), ["*"])
             self.assertEqual({m.file: m.tests for m in every},
-                             {"src/query/a.h": mutants.DEFAULT_TESTS, "src/io/b.cpp": ("io",)})
+                             {"src/pair/a.h": mutants.DEFAULT_TESTS, "src/io/b.cpp": ("io",)})
             self.assertEqual(len(every), 18)
-            self.assertIn("src/query/a.h:10:9: < becomes <=", [m.name for m in every])
+            self.assertIn("src/pair/a.h:10:9: < becomes <=", [m.name for m in every])
             some = random_mutants.draw(every, 5, 1)
             self.assertEqual(some, random_mutants.draw(every, 5, 1))
             self.assertNotEqual(some, random_mutants.draw(every, 5, 2))

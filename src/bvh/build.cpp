@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/check.h"
+#include "base/parallel.h"
 #include "bvh/partition.h"
 #include "bvh/tree.h"
-#include "core/check.h"
-#include "core/parallel.h"
 
 namespace limber::bvh {
 namespace {
@@ -80,14 +80,14 @@ Tree build(MeshView mesh) {
   const std::size_t count = mesh.triangles.size();
   const auto memory = std::make_unique_for_overwrite<PrimitiveRef[]>(count);
   const std::span<PrimitiveRef> primitives(memory.get(), count);
-  core::parallel_for(count, primitives_per_task, [&, half_per_unit = 0.5 / tree.unit](std::size_t t) {
+  base::parallel_for(count, primitives_per_task, [&, half_per_unit = 0.5 / tree.unit](std::size_t t) {
     primitives[t] = primitive_of(mesh, static_cast<TriangleId>(t), center, half_per_unit);
   });
   partition_into_leaves(primitives, build_range(0, count));
   const std::uint32_t leaves = leaf_count(count);
   create_nodes(tree, leaves);
   tree.leaves.resize(leaves);
-  core::parallel_for(tree.leaves.size(), leaves_per_task,
+  base::parallel_for(tree.leaves.size(), leaves_per_task,
                      [&](std::size_t i) { write_leaf(tree.leaves[i], mesh, primitives_of_leaf(primitives, i)); });
   fit(tree, mesh);
   return tree;

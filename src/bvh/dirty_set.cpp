@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <new>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::bvh {
 namespace {
@@ -32,7 +32,7 @@ bool DirtySet::try_index_vertices(const Tree& tree, std::size_t vertex_count) {
   if (has_vertex_index()) return true;
   try {
     index_.start(vertex_count);
-    core::WorkBudget unlimited = core::WorkBudget::unlimited();
+    base::WorkBudget unlimited = base::WorkBudget::unlimited();
     return index_.build(tree, unlimited);
   } catch (const std::bad_alloc&) {
     return false;

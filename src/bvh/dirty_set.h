@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/check.h"
 #include "bvh/tree.h"
 #include "bvh/vertex_index.h"
-#include "core/check.h"
 #include "limber/mesh.h"
 
 namespace limber::bvh {

@@ -11,8 +11,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/check.h"
-#include "core/parallel.h"
+#include "base/check.h"
+#include "base/parallel.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
@@ -218,7 +218,7 @@ void Split::finish(std::span<PrimitiveRef> primitives) {
   LIMBER_ASSERT(moved == first_count);
 }
 
-bool Split::work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget) {
+bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
   while (step_ != Step::done && !budget.is_spent()) {
     const std::size_t end = std::min(done_ + primitives_at_once, end_);
     const double count = static_cast<double>(end - done_);
@@ -280,7 +280,7 @@ std::array<BuildRange, 2> Split::halves() const {
 
 std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range) {
   Split split(range);
-  core::WorkBudget unlimited = core::WorkBudget::unlimited();
+  base::WorkBudget unlimited = base::WorkBudget::unlimited();
   split.work(primitives, unlimited);
   return split.halves();
 }
@@ -288,7 +288,7 @@ std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildR
 void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range) {
   if (range.children <= 1) return;
   const std::array<BuildRange, 2> halves = split(primitives, range);
-  core::parallel_invoke(
+  base::parallel_invoke(
       range.end - range.begin > worth_a_task, [&] { partition_into_leaves(primitives, halves[0]); },
       [&] { partition_into_leaves(primitives, halves[1]); });
 }
@@ -297,7 +297,7 @@ BoundingBox bounding_box_of(MeshView mesh) {
   const std::size_t count = mesh.triangles.size();
   const std::size_t size = std::max(triangles_per_box, (count + most_boxes - 1) / most_boxes);
   std::array<BoundingBox, most_boxes> boxes;  // no vector: commits must not allocate
-  core::parallel_for_ranges(count, size, [&](std::size_t begin, std::size_t end) {
+  base::parallel_for_ranges(count, size, [&](std::size_t begin, std::size_t end) {
     BoundingBox box;  // a local variable stays in registers
     for (std::size_t t = begin; t < end; ++t) box.add(mesh.triangle(static_cast<TriangleId>(t)));
     boxes[begin / size] = box;

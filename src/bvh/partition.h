@@ -8,8 +8,8 @@
 #include <limits>
 #include <span>
 
+#include "base/work_budget.h"
 #include "bvh/tree.h"
-#include "core/work_budget.h"
 #include "simd/kernels.h"
 
 /// Partitions triangles into the leaves of a tree.
@@ -51,7 +51,7 @@ class Split {
   explicit Split(const BuildRange& range);
 
   /// Goes on within a budget, always with the same primitives. Returns whether the range is split.
-  bool work(std::span<PrimitiveRef> primitives, core::WorkBudget& budget);
+  bool work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget);
   /// Pre: it is split.
   std::array<BuildRange, 2> halves() const;
 

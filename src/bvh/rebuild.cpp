@@ -6,8 +6,8 @@
 #include <bit>
 #include <utility>
 
+#include "base/check.h"
 #include "bvh/refit.h"
-#include "core/check.h"
 
 namespace limber::bvh {
 namespace {
@@ -72,7 +72,7 @@ void Rebuild::stop() {
   if (dirty_) dirty_->clear();
 }
 
-void Rebuild::work(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::work(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   switch (stage_) {
     case Stage::gathering:
       return gather(tree, mesh, budget);
@@ -85,7 +85,7 @@ void Rebuild::work(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
   }
 }
 
-void Rebuild::gather(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   const std::size_t end = std::min(std::size_t{subtree_.end_leaf} * width, mesh.triangles.size());
   const double half_per_unit = 0.5 / unit_;
   while (done_ < end) {
@@ -101,7 +101,7 @@ void Rebuild::gather(const Tree& tree, MeshView mesh, core::WorkBudget& budget) 
   stage_ = Stage::assigning, step_ = Step::partitioning;
 }
 
-void Rebuild::assign(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   while (!budget.is_spent()) {
     switch (step_) {
       case Step::partitioning:
@@ -124,7 +124,7 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, core::WorkBudget& budget) 
   }
 }
 
-void Rebuild::partition(core::WorkBudget& budget) {
+void Rebuild::partition(base::WorkBudget& budget) {
   while (!ranges_.empty() && !budget.is_spent()) {
     const BuildRange range = ranges_.back();
     const std::size_t size = range.end - range.begin;
@@ -146,7 +146,7 @@ void Rebuild::partition(core::WorkBudget& budget) {
   }
 }
 
-void Rebuild::write(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::write(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   while (done_ < next_.leaves.size() && !budget.is_spent()) {
     const std::size_t until = std::min(done_ + leaves_at_once, next_.leaves.size());
     budget.spend(ns_per_leaf * static_cast<double>(until - done_));
@@ -170,7 +170,7 @@ void Rebuild::start_sweep(const Tree& tree) {
   step_ = Step::sweeping, done_ = next_.first_lowest_node();
 }
 
-void Rebuild::fit(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::fit(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   if (step_ == Step::assigned || unit_before_ != tree.unit) start_sweep(tree);
   while (step_ == Step::sweeping) {
     if (budget.is_spent()) return;
@@ -182,7 +182,7 @@ void Rebuild::fit(const Tree& tree, MeshView mesh, core::WorkBudget& budget) {
   refit_some(mesh, budget);
 }
 
-void Rebuild::refit_some(MeshView mesh, core::WorkBudget& budget) {
+void Rebuild::refit_some(MeshView mesh, base::WorkBudget& budget) {
   // Round by round: what becomes dirty again and again is refitted once in each, so a round ends.
   const std::size_t lowest = lowest_level(next_);
   std::size_t level = lowest;

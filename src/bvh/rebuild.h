@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "base/work_budget.h"
 #include "bvh/dirty_set.h"
 #include "bvh/partition.h"
 #include "bvh/subtree.h"
 #include "bvh/tree.h"
-#include "core/work_budget.h"
 
 namespace limber::bvh {
 
@@ -51,7 +51,7 @@ class Rebuild {
   ///
   /// Threads  While assigning this may run beside changes of the positions and refits of `tree`.
   /// Throws   std::bad_alloc while assigning; it is then to be stopped.
-  void work(const Tree& tree, MeshView mesh, core::WorkBudget& budget);
+  void work(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
 
   /// What has moved since its bounds were fitted. Pre: it is fitting.
   DirtySet& dirty() { return *dirty_; }
@@ -76,13 +76,13 @@ class Rebuild {
   enum class Step { partitioning, writing, indexing, assigned, sweeping, refitting };
 
   void allocate(const Tree& tree, MeshView mesh);
-  void gather(const Tree& tree, MeshView mesh, core::WorkBudget& budget);
-  void assign(const Tree& tree, MeshView mesh, core::WorkBudget& budget);
-  void partition(core::WorkBudget& budget);
-  void write(const Tree& tree, MeshView mesh, core::WorkBudget& budget);
-  void fit(const Tree& tree, MeshView mesh, core::WorkBudget& budget);
+  void gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  void assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  void partition(base::WorkBudget& budget);
+  void write(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  void fit(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void start_sweep(const Tree& tree);
-  void refit_some(MeshView mesh, core::WorkBudget& budget);
+  void refit_some(MeshView mesh, base::WorkBudget& budget);
   /// The nodes that are dirty or due in the present round.
   std::size_t dirty_count() const;
 

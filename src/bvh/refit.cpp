@@ -12,18 +12,18 @@
 #include <span>
 #include <utility>
 
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "base/parallel.h"
+#include "base/prefetch.h"
+#include "base/rounding.h"
 #include "bvh/partition.h"
-#include "core/check.h"
-#include "core/error_bounds.h"
-#include "core/parallel.h"
-#include "core/prefetch.h"
-#include "core/rounding.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
 namespace {
 
-using core::outward;
+using base::outward;
 
 // Fewer nodes are not worth a task.
 constexpr std::size_t nodes_per_task = 16;
@@ -46,7 +46,7 @@ struct Volume {
   bool operator==(const Volume&) const = default;
 };
 
-Vec3 to_24_bits(const Vec3& v) { return {core::to_24_bits(v.x), core::to_24_bits(v.y), core::to_24_bits(v.z)}; }
+Vec3 to_24_bits(const Vec3& v) { return {base::to_24_bits(v.x), base::to_24_bits(v.y), base::to_24_bits(v.z)}; }
 
 Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
@@ -68,9 +68,9 @@ double farthest(const Volume& b, const Vec3& d) {
   const double height = dot(b.normal, d), distance_sq = length_sq(d);
   const double along = std::max(std::abs(height + b.low), std::abs(height + b.high));
   const double across =
-      std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * double{core::across_error}) + b.radius;
+      std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * double{base::across_error}) + b.radius;
   return std::min(std::sqrt(distance_sq) + b.radius,
-                  std::sqrt(along * along + across * across) * double{core::squares_up});
+                  std::sqrt(along * along + across * across) * double{base::squares_up});
 }
 
 /// The radius of the root's sphere, fitted to the volumes two levels below the root; `node` has the root's children. A
@@ -96,10 +96,10 @@ void store(WideNode& node, std::uint32_t slot, const Vec3& origin, const Volume&
   // At least the distance of the stored center from the volume's.
   const Vec3 off = center - stored;
   const double shift =
-      (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * core::offset_error;
+      (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * base::offset_error;
   // By more than rounding to float32 takes away.
   const auto grown = [&](double x) {
-    return static_cast<float>(x + shift + (std::abs(x) + shift) * core::storage_error);
+    return static_cast<float>(x + shift + (std::abs(x) + shift) * base::storage_error);
   };
   ChildBounds& n = node.bounds;
   n.center_x[slot] = static_cast<float>(stored.x);
@@ -111,7 +111,7 @@ void store(WideNode& node, std::uint32_t slot, const Vec3& origin, const Volume&
   n.normal_y[slot] = static_cast<float>(b.normal.y);
   n.normal_z[slot] = static_cast<float>(b.normal.z);
   // The slab's heights are rounded relative to the sphere, not to themselves.
-  const double error = b.radius * core::storage_error;
+  const double error = b.radius * base::storage_error;
   n.low[slot] = -grown(error - b.low), n.high[slot] = grown(error + b.high);
 }
 
@@ -120,7 +120,7 @@ void find_radius(WideNode& node) {
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
     radius = std::max(radius, length(local_slot_center(node, k)) + static_cast<double>(node.bounds.radius[k]));
   }
-  node.radius = core::float_up(radius * outward);
+  node.radius = base::float_up(radius * outward);
 }
 
 /// The unit for a model of the size of the root's bounds.
@@ -149,7 +149,7 @@ class Refitter {
   void fit_upper(WideNode& node, bool children_are_lowest) const {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       WideNode& child = tree_.nodes[node.first_child + k];
-      core::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
+      base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
       const Volume volume = children_are_lowest ? fit_lowest(child, leaves_from(child)) : merge(child);
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
@@ -163,7 +163,7 @@ class Refitter {
     if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);
     for (std::size_t level = lowest_level_; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
-      core::parallel_for(end - begin, nodes_per_task,
+      base::parallel_for(end - begin, nodes_per_task,
                          [&](std::size_t i) { fit_upper(tree_.nodes[begin + i], level + 1 == lowest_level_); });
     }
   }
@@ -194,11 +194,11 @@ class Refitter {
     return before != volume_of_slot(parent, slot) || &parent == node_of_root() || was_coincident || is_now;
   }
 
-  /// Prefetches what the nodes after the i-th will need: leaves, then positions. Always inlined, see core::prefetch().
+  /// Prefetches what the nodes after the i-th will need: leaves, then positions. Always inlined, see base::prefetch().
   [[gnu::always_inline]] void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
     constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < nodes.size()) {
-      for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + leaves_ahead]])) core::prefetch(leaf);
+      for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + leaves_ahead]])) base::prefetch(leaf);
     }
     if (i + positions_ahead < nodes.size()) {
       for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + positions_ahead]])) {

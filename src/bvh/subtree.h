@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "base/check.h"
 #include "bvh/tree.h"
-#include "core/check.h"
 
 namespace limber::bvh {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/uninitialized.h"
-#include "layout/wide_node.h"
+#include "base/uninitialized.h"
+#include "bvh/node.h"
 #include "limber/base.h"
 #include "limber/mesh.h"
 
@@ -30,7 +30,7 @@ namespace limber::bvh {
 
 struct Tree {
   std::vector<WideNode> nodes;
-  std::vector<Leaf, core::UninitializedAllocator<Leaf>> leaves;
+  std::vector<Leaf, base::UninitializedAllocator<Leaf>> leaves;
   std::vector<std::uint32_t> level_begin;  // first wide node of each level, and one past the last
   double unit = 1;                         // length of 1 in the nodes, a power of two
   std::uint64_t assignment_id = 0;         // of the assignment of triangles to leaves: changes whenever that does

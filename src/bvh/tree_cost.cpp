@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::bvh {
 namespace {
@@ -111,7 +111,7 @@ void TreeCost::start_survey(const Tree& tree) {
   surveyed_ = 0;
 }
 
-bool TreeCost::survey(const Tree& tree, core::WorkBudget& budget) {
+bool TreeCost::survey(const Tree& tree, base::WorkBudget& budget) {
   while (surveyed_ < expected_.size() && !budget.is_spent()) {
     const std::size_t end = std::min(surveyed_ + nodes_at_once, expected_.size());
     budget.spend(ns_per_node * static_cast<double>(end - surveyed_));
@@ -136,7 +136,7 @@ void TreeCost::start_comparison(const Tree& before, const Tree& after, const Sub
   compare_end_ = lowest_node_of(after, subtree.end_leaf - 1) + 1;
 }
 
-bool TreeCost::compare(const Tree& before, const Tree& after, core::WorkBudget& budget) {
+bool TreeCost::compare(const Tree& before, const Tree& after, base::WorkBudget& budget) {
   while (compared_ < compare_end_ && !budget.is_spent()) {
     const std::uint32_t end = std::min(compared_ + nodes_at_once, compare_end_);
     budget.spend(2 * ns_per_node * (end - compared_));

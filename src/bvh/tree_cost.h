@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/work_budget.h"
 #include "bvh/subtree.h"
 #include "bvh/tree.h"
-#include "core/work_budget.h"
 
 namespace limber::bvh {
 
@@ -37,7 +37,7 @@ class TreeCost {
   /// Begins to compare the present cost with the expected one.
   void start_survey(const Tree& tree);
   /// Goes on within a budget. Returns whether the survey is complete.
-  bool survey(const Tree& tree, core::WorkBudget& budget);
+  bool survey(const Tree& tree, base::WorkBudget& budget);
   /// The subtree to be rebuilt if the tree, or a large part of it, costs more than `tolerated` times what is expected:
   /// the smallest one that has nearly all of the excess. Pre: the survey is complete.
   std::optional<Subtree> most_degraded(const Tree& tree, double tolerated) const;
@@ -47,7 +47,7 @@ class TreeCost {
   /// Begins to compare the cost of a subtree before and after it was rebuilt.
   void start_comparison(const Tree& before, const Tree& after, const Subtree& subtree);
   /// Goes on within a budget, and takes the cost afterwards as the expected one. Returns whether all is compared.
-  bool compare(const Tree& before, const Tree& after, core::WorkBudget& budget);
+  bool compare(const Tree& before, const Tree& after, base::WorkBudget& budget);
   /// The cost before as a multiple of that after. Pre: all is compared.
   double gain() const { return cost_before_ / cost_after_; }
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/error_bounds.h"
 #include "bvh/tree.h"
-#include "core/error_bounds.h"
 
 namespace limber::bvh {
 namespace {
@@ -87,7 +87,7 @@ Result<void> check_quantized(const Tree& tree, const WideNode& node, std::uint32
     for (std::uint32_t i = 0; i < 9; ++i) {
       const Vec3 exact = (mesh.triangle(leaf.triangle[k])[i / 3] - node.origin) * (1 / tree.unit);
       const double stored = local_slot_center(node, slot)[i % 3] + step * leaf.corners.corner[i][k];
-      const double rounding = core::relative_position_error * max_abs(exact);
+      const double rounding = base::relative_position_error * max_abs(exact);
       if (!(std::abs(stored - exact[i % 3]) <= largest_quantization_error * step + rounding))
         return broken(5, "corner of leaf", id);
     }

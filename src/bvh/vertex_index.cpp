@@ -6,7 +6,7 @@
 #include <array>
 #include <new>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::bvh {
 namespace {
@@ -71,7 +71,7 @@ void VertexIndex::fill(const Tree& tree, std::uint32_t node) {
   });
 }
 
-bool VertexIndex::build(const Tree& tree, core::WorkBudget& budget) {
+bool VertexIndex::build(const Tree& tree, base::WorkBudget& budget) {
   LIMBER_ASSERT(step_ != Step::empty);
   const std::size_t vertex_count = last_.size(), node_count = tree.nodes.size() - tree.first_lowest_node();
   while (step_ != Step::complete && !budget.is_spent()) {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "base/work_budget.h"
 #include "bvh/tree.h"
-#include "core/work_budget.h"
 #include "limber/mesh.h"
 
 namespace limber::bvh {
@@ -33,7 +33,7 @@ class VertexIndex {
   /// Pre      It has been started. The assignment of triangles to leaves is what it was then.
   /// Cost     O(triangles + vertices) altogether; allocates 4 to 8 bytes a vertex without reserve().
   /// Throws   std::bad_alloc; the index is then empty.
-  bool build(const Tree& tree, core::WorkBudget& budget);
+  bool build(const Tree& tree, base::WorkBudget& budget);
   void drop() { step_ = Step::empty; }
 
   bool is_complete() const { return step_ == Step::complete; }

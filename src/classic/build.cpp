@@ -11,9 +11,9 @@
 #include <span>
 #include <utility>
 
+#include "base/check.h"
+#include "base/float_environment.h"
 #include "classic/tree.h"
-#include "core/check.h"
-#include "core/float_environment.h"
 #include "geometry/primitives.h"
 
 namespace limber::classic {
@@ -115,7 +115,7 @@ Sphere with_extra_radius(Sphere tight, const Looseness& looseness) {
 }
 
 Tree::Tree(Mesh mesh_to_own, const ModelOptions& model_options) : mesh(std::move(mesh_to_own)), options(model_options) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::classic::Model: the mesh has been moved from");
   LIMBER_REQUIRE(options.looseness.extra_radius >= 0 && options.looseness.extra_radius <= 100,
                  "limber::classic::Model: options.looseness.extra_radius is not between 0 and 100");

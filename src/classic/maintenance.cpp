@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/check.h"
+#include "base/float_environment.h"
 #include "classic/tree.h"
-#include "core/check.h"
-#include "core/float_environment.h"
 #include "mesh/updates.h"
 
 namespace limber::classic {
@@ -93,7 +93,7 @@ void Model::throw_moved_from(const char* function) {
 }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
   if (overlaps(tree_->mesh, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
@@ -105,7 +105,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("move_all");
   if (auto valid = check_update_of_all(tree_->mesh, positions); !valid) return valid;
   for (VertexId v = 0; v < positions.size(); ++v) move_vertex(*tree_, v, positions[v]);
@@ -113,7 +113,7 @@ Result<void> Model::move_all(std::span<const Vec3> positions) {
 }
 
 void Model::commit() {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("commit");
   Tree& tree = *tree_;
   if (tree.options.maintenance == Maintenance::by_depth) {

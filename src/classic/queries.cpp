@@ -11,13 +11,13 @@
 #include <cmath>
 #include <limits>
 
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "base/rounding.h"
 #include "classic/tree.h"
-#include "core/check.h"
-#include "core/float_environment.h"
-#include "core/rounding.h"
 #include "geometry/primitives.h"
-#include "math/rigid.h"
-#include "query/options.h"
+#include "geometry/rigid.h"
 
 namespace limber::classic {
 namespace {
@@ -29,7 +29,7 @@ void check_placed(const Placed& a, const Placed& b) {
   for (const Placed* placed : {&a, &b}) {
     LIMBER_REQUIRE(placed->model().is_committed(),
                    "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
-    LIMBER_REQUIRE(math::is_rigid(placed->pose),
+    LIMBER_REQUIRE(geometry::is_rigid(placed->pose),
                    "limber::classic: a query needs rigid poses; one of a model is not (see is_rigid())");
   }
 }
@@ -117,8 +117,8 @@ class Descent {
   /// At most the distance of the triangles inside; 0 when the spheres meet.
   double lower_bound(const Sphere& a, const Sphere& b) {
     ++stats_.node_tests;
-    const double radius_sum = core::add_up(core::add_up(a.radius, b.radius), error_);
-    return std::max(0.0, (core::distance_down(a.center, b.center) - radius_sum) * (1 - 0x1p-52));
+    const double radius_sum = base::add_up(base::add_up(a.radius, b.radius), error_);
+    return std::max(0.0, (base::distance_down(a.center, b.center) - radius_sum) * (1 - 0x1p-52));
   }
 
   PlacedTree a_, b_;
@@ -172,7 +172,7 @@ struct DistanceQuery {
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   check_placed(a, b);
   CollideResult result;
   CollisionQuery query;
@@ -183,8 +183,8 @@ CollideResult collide(const Placed& a, const Placed& b) {
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_options(options, "limber::distance");
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::distance");
   check_placed(a, b);
   DistanceResult result;
   DistanceQuery query(options, 0);
@@ -207,8 +207,8 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_max_distance(max_distance);
+  const base::DefaultFloatEnvironment environment;
+  base::check_max_distance(max_distance);
   check_placed(a, b);
   WithinResult result;
   DistanceQuery query({.max_distance = max_distance}, max_distance);

@@ -4,9 +4,9 @@
 #include <bit>
 #include <string>
 
+#include "base/check.h"
+#include "base/float_environment.h"
 #include "classic/tree.h"
-#include "core/check.h"
-#include "core/float_environment.h"
 
 namespace limber::classic {
 namespace {
@@ -37,7 +37,7 @@ std::size_t bytes_of(const std::vector<T>& v) {
 }  // namespace
 
 Result<void> Model::validate() const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("validate");
   const Tree& tree = *tree_;
   const std::size_t count = tree.mesh.triangles().size();

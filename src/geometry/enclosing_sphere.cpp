@@ -7,28 +7,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/check.h"
-#include "core/rounding.h"
+#include "base/check.h"
+#include "base/rounding.h"
 #include "geometry/primitives.h"
 
 namespace limber {
 namespace {
 
 double radius_around(const Vec3& center, const Triangle& t) {
-  return std::max({core::distance_up(center, t.v0), core::distance_up(center, t.v1), core::distance_up(center, t.v2)});
+  return std::max({base::distance_up(center, t.v0), base::distance_up(center, t.v1), base::distance_up(center, t.v2)});
 }
 
 double radius_around(const Vec3& center, const Sphere& s) {
-  return core::add_up(core::distance_up(center, s.center), s.radius);
+  return base::add_up(base::distance_up(center, s.center), s.radius);
 }
 
 // Center of the smallest sphere: the middle of the longest edge where the angle opposite to it is right or obtuse, else
 // the circumcenter. Edges are divided by the longest first, so no scale can overflow or underflow their products.
 Vec3 center_of(const Triangle& t) {
   // Rotate the corners so that (a, b) is the longest edge.
-  const double l01 = core::distance_up(t.v0, t.v1);
-  const double l12 = core::distance_up(t.v1, t.v2);
-  const double l20 = core::distance_up(t.v2, t.v0);
+  const double l01 = base::distance_up(t.v0, t.v1);
+  const double l12 = base::distance_up(t.v1, t.v2);
+  const double l20 = base::distance_up(t.v2, t.v0);
   const double longest = std::max({l01, l12, l20});
   if (longest == 0) return t.v0;
   const Vec3& a = longest == l01 ? t.v0 : longest == l12 ? t.v1 : t.v2;
@@ -58,7 +58,7 @@ Sphere geometry::enclosing_sphere(const Sphere& a, const Sphere& b) {
   LIMBER_ASSERT(a.radius >= 0 && b.radius >= 0);
   const Sphere& larger = a.radius >= b.radius ? a : b;
   const Sphere& smaller = a.radius >= b.radius ? b : a;
-  const double gap = core::distance_up(larger.center, smaller.center);
+  const double gap = base::distance_up(larger.center, smaller.center);
   Vec3 center = larger.center;
   if (gap > larger.radius - smaller.radius) {
     const double shift = 0.5 * ((gap - larger.radius) + smaller.radius);  // from the larger center to the new one

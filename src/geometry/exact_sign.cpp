@@ -18,7 +18,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::geometry {
 namespace {

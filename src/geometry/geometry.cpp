@@ -5,13 +5,13 @@
 // calls the library's own. What that returns is settled, because a compiler may inline it.
 #include "limber/geometry.h"
 
-#include "core/check.h"
-#include "core/float_environment.h"
+#include "base/check.h"
+#include "base/float_environment.h"
 #include "geometry/primitives.h"
 
 namespace limber {
 
-using core::DefaultFloatEnvironment;
+using base::DefaultFloatEnvironment;
 
 namespace {
 

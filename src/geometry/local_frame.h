@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "core/rounding.h"
+#include "base/rounding.h"
 #include "geometry/primitives.h"
 
 /// What distances of triangles are computed with.
@@ -42,7 +42,7 @@ class LocalFrame {
 /// Length that stays positive where the square underflows.
 inline double safe_length(const Vec3& v) {
   const double v_sq = length_sq(v);
-  if (v_sq > core::tiny_square) return std::sqrt(v_sq);
+  if (v_sq > base::tiny_square) return std::sqrt(v_sq);
   const double size = max_abs(v);
   return size == 0 ? 0 : size * length(v * (1 / std::max(size, 0x1p-1000)));
 }

@@ -4,7 +4,7 @@
 // Based on  [Shewchuk1997]: the error bound of the first stage, (3 + 16 e) e for areas. Differs as plane_sides.h does.
 #include <cmath>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/exact_sign.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/exact_sign.h"
 #include "limber/math.h"
 

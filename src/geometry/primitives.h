@@ -10,7 +10,7 @@
 
 /// The functions of limber/geometry.h as the library itself calls them. Promises are the same.
 ///
-/// Pre      The thread is in the default floating-point environment (core/float_environment.h). The public functions
+/// Pre      The thread is in the default floating-point environment (base/float_environment.h). The public functions
 ///          and queries see to that once; here it would cost as much as a predicate.
 namespace limber::geometry {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/check.h"
+#include "base/check.h"
 #include "limber/geometry.h"
 
 // Based on  the clamped closest-point iteration of [Ericson2005], section 5.1.9.

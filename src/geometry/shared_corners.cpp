@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/collinear.h"
 #include "geometry/primitives.h"
 

@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/collinear.h"
 #include "geometry/local_frame.h"
 

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
@@ -351,7 +351,7 @@ geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment&
   const Segment from_a{{}, a.p1 - a.p0}, from_b{b.p0 - a.p0, b.p1 - a.p0};
   const Vec3 sums = abs(from_a.p1) + abs(from_b.p0) + abs(from_b.p1);
   const double size = sums.x + sums.y + sums.z;  // 1 to 9 times the extent
-  if (size > core::smallest_unscaled_size && size < core::largest_unscaled_size) return closest(from_a, from_b);
+  if (size > base::smallest_unscaled_size && size < base::largest_unscaled_size) return closest(from_a, from_b);
   const LocalFrame frame(a.p0, {a.p1, b.p0, b.p1});
   PointsOnSegments found = closest(frame.to_local(a), frame.to_local(b));
   found.distance = frame.length_from_local(found.distance);

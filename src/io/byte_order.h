@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/check.h"
+#include "base/check.h"
 
 /// Numbers of binary files in either byte order, whatever the byte order of the machine.
 namespace limber::io {

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::io {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "io/byte_order.h"
 
 namespace limber::io {

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "core/check.h"
+#include "base/check.h"
 
 namespace limber::io {
 namespace {

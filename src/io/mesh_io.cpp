@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/check.h"
-#include "core/float_environment.h"
+#include "base/check.h"
+#include "base/float_environment.h"
 #include "io/file_bytes.h"
 #include "io/parse_mesh.h"
 #include "io/weld.h"
@@ -29,7 +29,7 @@ Error in_file(const fs::path& path, Error error) {
 }
 
 Result<io::Soup> parse_soup(const fs::path& path, std::string_view bytes, const io::BufferSource& external) {
-  const core::DefaultFloatEnvironment environment;  // numbers are read by arithmetic
+  const base::DefaultFloatEnvironment environment;  // numbers are read by arithmetic
   std::string extension = path.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   Result<io::Soup> soup = io::parse_mesh(bytes, extension, external);

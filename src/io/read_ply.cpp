@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "io/byte_order.h"
 #include "io/ply_header.h"
 #include "io/readers.h"

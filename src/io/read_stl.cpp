@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "io/byte_order.h"
 #include "io/readers.h"
 #include "io/text_scan.h"

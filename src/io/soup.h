@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "limber/base.h"
 #include "limber/math.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "simd/kernels.h"
 
 namespace limber {

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/check.h"
-#include "core/error_bounds.h"
-#include "core/float_environment.h"
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "base/float_environment.h"
 #include "mesh/updates.h"
 #include "model/model_impl.h"
 
@@ -30,7 +30,7 @@ void check(const Mesh& mesh, const ModelOptions& options) {
                  "limber::Model: options.rebuild_budget_us is neither a time nor automatic");
 }
 
-update::TreeUpdater& updater_of(Model::Impl& impl) {
+model::TreeUpdater& updater_of(Model::Impl& impl) {
   if (!impl.updater) impl.updater.emplace(impl.tree, impl.mesh, impl.options);
   return *impl.updater;
 }
@@ -40,14 +40,14 @@ double rounding(const bvh::Tree& tree, bvh::SlotId id) {
   const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
   const double radius = static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
   const double extent = tree.unit * (static_cast<double>(node.radius) + radius);
-  return core::offset_error * (max_abs(node.origin) + extent) + std::numeric_limits<double>::min();
+  return base::offset_error * (max_abs(node.origin) + extent) + std::numeric_limits<double>::min();
 }
 
 /// The sphere of a slot, around all that is below it.
 Sphere slot_sphere(const bvh::Tree& tree, bvh::SlotId id) {
   const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
   const double radius = tree.unit * static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
-  return {bvh::slot_center(tree, id), (radius + tree.drift + rounding(tree, id)) * core::outward};
+  return {bvh::slot_center(tree, id), (radius + tree.drift + rounding(tree, id)) * base::outward};
 }
 
 /// validate() for builds with checks; says nothing where there is no memory for it.
@@ -62,7 +62,7 @@ Sphere slot_sphere(const bvh::Tree& tree, bvh::SlotId id) {
 }  // namespace
 
 Model::Model(Mesh mesh, const ModelOptions& options) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   check(mesh, options);
   impl_ = std::make_unique<Impl>(std::move(mesh), options);
   LIMBER_VALIDATE(validate_if_possible(*this));
@@ -87,7 +87,7 @@ const ModelOptions& Model::options() const {
 }
 
 Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
   Impl& impl = *impl_;
   if (overlaps(impl.mesh, positions)) {
@@ -102,7 +102,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
 }
 
 Result<void> Model::move_all(std::span<const Vec3> positions) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("move_all");
   Impl& impl = *impl_;
   const Result<double> farthest_sq = check_displacements(impl.mesh, positions);
@@ -123,7 +123,7 @@ Result<void> Model::move_all(const PositionsView& positions) {
 }
 
 void Model::commit() {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("commit");
   if (!impl_->updater) return;
   impl_->updater->commit(impl_->mesh, impl_->stats);
@@ -133,14 +133,14 @@ void Model::commit() {
 bool Model::is_committed() const { return is_valid() && (!impl_->updater || impl_->updater->is_up_to_date()); }
 
 void Model::rebuild() {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("rebuild");
   updater_of(*impl_).rebuild_all(impl_->mesh);
   commit();
 }
 
 void Model::set_motion_margin(std::optional<double> motion_margin) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("set_motion_margin");
   LIMBER_REQUIRE(is_automatic_or_length(motion_margin),
                  "limber::Model::set_motion_margin: the margin is neither a length nor automatic");
@@ -170,7 +170,7 @@ TreeStats Model::tree_stats() const {
 }
 
 Box Model::bounding_box() const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("bounding_box");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_box: the model has moves that are not committed");
   const bvh::Tree& tree = impl_->tree;
@@ -182,14 +182,14 @@ Box Model::bounding_box() const {
 }
 
 Sphere Model::bounding_sphere() const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("bounding_sphere");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
   return environment.settled(slot_sphere(impl_->tree, bvh::root));
 }
 
 std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("node_spheres");
   LIMBER_REQUIRE(is_committed(), "limber::Model::node_spheres: the model has moves that are not committed");
   const bvh::Tree& tree = impl_->tree;
@@ -204,7 +204,7 @@ std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {
 }
 
 Result<void> Model::validate() const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   require_valid("validate");
   const Impl& impl = *impl_;
   if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);

@@ -9,7 +9,7 @@
 
 #include "bvh/tree.h"
 #include "limber/model.h"
-#include "update/tree_updater.h"
+#include "model/tree_updater.h"
 
 namespace limber {
 
@@ -23,7 +23,7 @@ struct Model::Impl {
   Mesh mesh;
   ModelOptions options;
   bvh::Tree tree;
-  std::optional<update::TreeUpdater> updater;  // once a vertex has moved
+  std::optional<model::TreeUpdater> updater;  // once a vertex has moved
   MaintenanceStats stats;
   std::vector<Vec3> scratch;
 

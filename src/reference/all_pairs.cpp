@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/float_environment.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "geometry/shared_corners.h"
 #include "limber/reference.h"
-#include "query/options.h"
 #include "reference/place.h"
 
 namespace limber::reference {
@@ -67,7 +67,7 @@ std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
 }  // namespace
 
 std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   std::vector<TrianglePair> pairs;
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
@@ -80,8 +80,8 @@ std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
 
 std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
                               std::optional<OrientedFaces> oriented_faces) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_margin(margin, "limber::reference::contacts");
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::contacts");
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   const OrientedFaces oriented = oriented_faces.value_or(closed_ones(a.mesh, b.mesh));
   std::vector<Contact> found;
@@ -95,7 +95,7 @@ std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
 }
 
 std::vector<TrianglePair> self_intersections(MeshView mesh) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   std::vector<TrianglePair> pairs;
   for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
     if (meet(mesh, i, j)) pairs.push_back({i, j});
@@ -104,8 +104,8 @@ std::vector<TrianglePair> self_intersections(MeshView mesh) {
 }
 
 std::vector<Contact> self_contacts(MeshView mesh, double margin, std::optional<OrientedFaces> oriented_faces) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_margin(margin, "limber::reference::self_contacts");
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::self_contacts");
   const OrientedFaces of_all = oriented_faces.value_or(closed_ones(mesh, mesh));
   std::vector<Contact> found;
   for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {

@@ -3,10 +3,10 @@
 #include <limits>
 #include <vector>
 
-#include "core/float_environment.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "limber/reference.h"
-#include "query/options.h"
 #include "reference/place.h"
 
 namespace limber::reference {
@@ -17,7 +17,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   CollideResult result;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
@@ -34,8 +34,8 @@ CollideResult collide(const Placed& a, const Placed& b) {
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_options(options, "limber::distance");
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::distance");
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
@@ -60,8 +60,8 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 }
 
 WithinResult within(const Placed& a, const Placed& b, double max_distance) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_max_distance(max_distance);
+  const base::DefaultFloatEnvironment environment;
+  base::check_max_distance(max_distance);
   WithinResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;

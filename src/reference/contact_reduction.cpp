@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/float_environment.h"
+#include "base/float_environment.h"
 #include "limber/reference.h"
 
 namespace limber::reference {
@@ -72,7 +72,7 @@ void append_manifold(const std::vector<Placing>& region, const ReductionOptions&
 }  // namespace
 
 std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   std::vector<Placing> sorted;
   for (const Contact& c : contacts) sorted.push_back(placing_of(c));
   std::sort(sorted.begin(), sorted.end(), comes_before);

@@ -5,11 +5,11 @@
 #include <set>
 #include <vector>
 
-#include "core/float_environment.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
 #include "geometry/primitives.h"
+#include "geometry/rigid.h"
 #include "limber/reference.h"
-#include "math/rigid.h"
-#include "query/options.h"
 #include "reference/place.h"
 
 namespace limber::reference {
@@ -67,15 +67,15 @@ void add_edge_edge(const Elements& a, const Elements& b, double margin, bool is_
 }
 
 void check_pose(const Placed& placed) {
-  LIMBER_REQUIRE(math::is_rigid(placed.pose),
+  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
                  "limber::reference: a query needs rigid poses; one of a mesh is not (see is_rigid())");
 }
 
 }  // namespace
 
 ElementPairs element_pairs(const Placed& a, const Placed& b, double margin) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_margin(margin, "limber::reference::element_pairs");
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::element_pairs");
   check_pose(a), check_pose(b);
   const Elements of_a(a), of_b(b);
   ElementPairs found;
@@ -86,8 +86,8 @@ ElementPairs element_pairs(const Placed& a, const Placed& b, double margin) {
 }
 
 ElementPairs self_element_pairs(MeshView mesh, double margin) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_margin(margin, "limber::reference::self_element_pairs");
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::self_element_pairs");
   const Elements elements({mesh});
   ElementPairs found;
   add_vertex_face(elements, elements, margin, false, true, found.vertex_face);

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
 
-#include "core/float_environment.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
 #include "limber/reference.h"
-#include "query/options.h"
 
 namespace limber::reference {
 
 std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max_distance) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_max_distance(max_distance);
+  const base::DefaultFloatEnvironment environment;
+  base::check_max_distance(max_distance);
   std::vector<ObjectPair> pairs;
   for (ObjectId a = 0; a < objects.size(); ++a) {
     for (ObjectId b = a + 1; b < objects.size(); ++b) {
@@ -21,8 +21,8 @@ std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max
 }
 
 ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_options(options, "limber::reference::closest_objects");
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::reference::closest_objects");
   ClosestObjects closest;
   closest.result.status = Status::beyond_limit;
   closest.result.lower = options.max_distance;

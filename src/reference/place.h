@@ -4,15 +4,15 @@
 
 #include <vector>
 
-#include "core/check.h"
+#include "base/check.h"
+#include "geometry/rigid.h"
 #include "limber/reference.h"
-#include "math/rigid.h"
 
 namespace limber::reference {
 
 /// The triangles of a mesh in the world, each rounded once.
 inline std::vector<Triangle> place(const Placed& placed) {
-  LIMBER_REQUIRE(math::is_rigid(placed.pose),
+  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
                  "limber::reference: a query needs rigid poses; one of a mesh is not (see is_rigid())");
   std::vector<Triangle> triangles;
   triangles.reserve(placed.mesh.triangles.size());

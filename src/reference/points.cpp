@@ -3,20 +3,20 @@
 #include <numbers>
 #include <vector>
 
-#include "core/float_environment.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 #include "geometry/winding.h"
 #include "limber/reference.h"
-#include "query/options.h"
 #include "reference/place.h"
 
 namespace limber::reference {
 
 PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOptions& options) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_options(options, "limber::reference::closest_point");
-  query::check_point(point, "limber::reference::closest_point");
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::reference::closest_point");
+  base::check_point(point, "limber::reference::closest_point");
   PointResult result;
   const std::vector<Triangle> triangles = place(mesh);
   for (TriangleId t = 0; t < triangles.size(); ++t) {
@@ -32,8 +32,8 @@ PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOpti
 }
 
 bool contains(const Placed& mesh, const Vec3& point) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_point(point, "limber::reference::contains");
+  const base::DefaultFloatEnvironment environment;
+  base::check_point(point, "limber::reference::contains");
   int winding_number = 0;
   for (const Triangle& triangle : place(mesh)) {
     if (geometry::lies_on(point, triangle)) return true;
@@ -43,8 +43,8 @@ bool contains(const Placed& mesh, const Vec3& point) {
 }
 
 double winding_number(const Placed& mesh, const Vec3& point) {
-  const core::DefaultFloatEnvironment environment;
-  query::check_point(point, "limber::reference::winding_number");
+  const base::DefaultFloatEnvironment environment;
+  base::check_point(point, "limber::reference::winding_number");
   double sum = 0;
   for (const Triangle& triangle : place(mesh)) sum += geometry::half_solid_angle(point, triangle);
   return environment.settled(sum * (0.5 * std::numbers::inv_pi));

@@ -6,7 +6,7 @@
 #include <bit>
 #include <limits>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "simd/kernels.h"
 
 namespace limber::scene {
@@ -62,7 +62,7 @@ constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
 
 /// Whether a length may be at most another one, by their squares. Those below 2^-900 may be anything.
 bool may_be_at_most(double length_sq, double limit) {
-  return length_sq * squares_down <= limit * limit + core::tiny_square;
+  return length_sq * squares_down <= limit * limit + base::tiny_square;
 }
 
 }  // namespace
@@ -114,9 +114,9 @@ double BoxTree::lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
   const Sphere &a = spheres_[rank_a], &b = spheres_[rank_b];
   const Box box_a = box_of(boxes_[rank_a / width], rank_a % width);
   const Box box_b = box_of(boxes_[rank_b / width], rank_b % width);
-  const double of_spheres = core::distance_down(a.center, b.center) - (a.radius + b.radius) * (1 + 0x1p-50);
-  const double of_boxes = core::distance_down({}, gaps(box_a, box_b));
-  return std::max(of_spheres, of_boxes) * (1 - core::scene_distance_error);
+  const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * (1 + 0x1p-50);
+  const double of_boxes = base::distance_down({}, gaps(box_a, box_b));
+  return std::max(of_spheres, of_boxes) * (1 - base::scene_distance_error);
 }
 
 bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,

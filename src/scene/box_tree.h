@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "layout/wide_boxes.h"
+#include "bvh/boxes.h"
 #include "limber/function_ref.h"
 #include "scene/spatial_order.h"
 #include "scene/world_bounds.h"

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "core/check.h"
-#include "core/float_environment.h"
-#include "core/parallel.h"
-#include "query/options.h"
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "base/parallel.h"
 #include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
 
@@ -80,7 +80,7 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   results_.resize(round.size());
   std::span<QueryCache* const> caches;
   if (cache_ != nullptr) caches = cache_->impl().caches_of(pairs_);
-  core::parallel_for(round.size(), 1, [&](std::size_t i) {
+  base::parallel_for(round.size(), 1, [&](std::size_t i) {
     const Placed &a = scene_.placed(pairs_[i].a), &b = scene_.placed(pairs_[i].b);
     QueryCache* const cache = caches.empty() ? nullptr : caches[i];
     results_[i] = cache != nullptr ? distance(a, b, options, *cache) : distance(a, b, options);
@@ -153,11 +153,11 @@ ClosestObjects ClosestSearch::run() {
 
 ClosestObjects Scene::closest_objects(const DistanceOptions& options, const ObjectPairOptions& pair_options,
                                       SceneCache* cache) const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_objects");
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::closest_objects: objects or models have changed since the last commit");
-  query::check_options(options, "limber::Scene::closest_objects");
+  base::check_options(options, "limber::Scene::closest_objects");
   return ClosestSearch(scene, options, pair_options, cache).run();
 }
 

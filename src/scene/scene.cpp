@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <string>
 
-#include "core/float_environment.h"
-#include "core/parallel.h"
-#include "math/rigid.h"
-#include "query/options.h"
+#include "base/arguments.h"
+#include "base/float_environment.h"
+#include "base/parallel.h"
+#include "geometry/rigid.h"
 #include "scene/scene_impl.h"
 
 namespace limber {
@@ -26,18 +26,18 @@ Scene::~Scene() = default;
 
 const Scene::Impl& Scene::impl(const char* function) const {
   if (impl_ != nullptr) return *impl_;
-  core::throw_invalid_argument((std::string("limber::Scene::") + function + ": the scene has been moved from").c_str());
+  base::throw_invalid_argument((std::string("limber::Scene::") + function + ": the scene has been moved from").c_str());
 }
 Scene::Impl& Scene::impl(const char* function) { return const_cast<Impl&>(std::as_const(*this).impl(function)); }
 
 // --- objects ---
 
 ObjectId Scene::add(const Placed& object) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("add");
   LIMBER_REQUIRE(object.model().is_committed(),
                  "limber::Scene::add: the model has moves that are not committed, or has been moved from");
-  LIMBER_REQUIRE(math::is_rigid(object.pose), "limber::Scene::add: the pose is not rigid (see is_rigid())");
+  LIMBER_REQUIRE(geometry::is_rigid(object.pose), "limber::Scene::add: the pose is not rigid (see is_rigid())");
   if (!scene.free_ids.empty()) {
     const ObjectId id = scene.free_ids.back();
     scene.objects[id] = {object};
@@ -61,21 +61,22 @@ void Scene::remove(ObjectId id) {
 }
 
 void Scene::set_pose(ObjectId id, const Transform& world_from_model) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("set_pose");
   LIMBER_REQUIRE(scene.contains(id), "limber::Scene::set_pose: id names no object of the scene");
-  LIMBER_REQUIRE(math::is_rigid(world_from_model), "limber::Scene::set_pose: the pose is not rigid (see is_rigid())");
+  LIMBER_REQUIRE(geometry::is_rigid(world_from_model),
+                 "limber::Scene::set_pose: the pose is not rigid (see is_rigid())");
   scene.objects[id].placed.pose = world_from_model;
   scene.objects[id].is_moved = scene.is_changed = true;
 }
 
 void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses) {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("set_poses");
   LIMBER_REQUIRE(ids.size() == poses.size(), "limber::Scene::set_poses: there are not as many poses as ids");
   for (std::size_t i = 0; i < ids.size(); ++i) {
     LIMBER_REQUIRE(scene.contains(ids[i]), "limber::Scene::set_poses: one of the ids names no object of the scene");
-    LIMBER_REQUIRE(math::is_rigid(poses[i]),
+    LIMBER_REQUIRE(geometry::is_rigid(poses[i]),
                    "limber::Scene::set_poses: one of the poses is not rigid (see is_rigid())");
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -127,7 +128,7 @@ void Scene::Impl::update_bounds(ObjectId id) {
 }
 
 void Scene::commit() {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("commit");
   for (const Impl::Object& object : scene.objects) {
     LIMBER_REQUIRE(!object.exists || object.placed.model().is_committed(),
@@ -139,7 +140,7 @@ void Scene::commit() {
   for (ObjectId id = 0; id < scene.objects.size(); ++id) {
     if (scene.objects[id].exists) scene.ids.push_back(id);
   }
-  core::parallel_for(scene.ids.size(), worth_a_task, [&](std::size_t i) { scene.update_bounds(scene.ids[i]); });
+  base::parallel_for(scene.ids.size(), worth_a_task, [&](std::size_t i) { scene.update_bounds(scene.ids[i]); });
   scene.tree.build(scene.ids, scene.bounds);
   scene.is_changed = false;
 }
@@ -147,9 +148,9 @@ void Scene::commit() {
 // --- candidate pairs ---
 
 PairCount Scene::visit_candidate_pairs(double margin, ObjectPairVisitor visit, const ObjectPairOptions& options) const {
-  const core::DefaultFloatEnvironment environment;
+  const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("visit_candidate_pairs");
-  LIMBER_REQUIRE(query::is_finite_and_not_negative(margin),
+  LIMBER_REQUIRE(base::is_finite_and_not_negative(margin),
                  "limber::Scene::candidate_pairs: margin must be finite and at least 0");
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::candidate_pairs: objects or models have changed since the last commit");

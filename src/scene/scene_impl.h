@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "limber/scene.h"
 #include "scene/box_tree.h"
 #include "scene/world_bounds.h"

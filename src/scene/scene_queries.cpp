@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Queries of pairs of objects, on all threads.
-#include "core/check.h"
-#include "core/parallel.h"
-#include "query/options.h"
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/parallel.h"
 #include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
 
@@ -29,7 +29,7 @@ template <typename Ask>
 void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, SceneCache* cache, const Ask& ask) {
   std::span<QueryCache* const> caches;
   if (cache != nullptr) caches = cache->impl().caches_of(pairs);
-  core::parallel_for(pairs.size(), pairs_per_task, [&](std::size_t i) {
+  base::parallel_for(pairs.size(), pairs_per_task, [&](std::size_t i) {
     ask(i, scene.placed(pairs[i].a), scene.placed(pairs[i].b), caches.empty() ? nullptr : caches[i]);
   });
 }
@@ -48,7 +48,7 @@ void Scene::within(std::span<const ObjectPair> pairs, double max_distance, std::
                    SceneCache* cache) const {
   const Impl& scene = impl("within");
   check_pairs(scene, pairs, results.size());
-  query::check_max_distance(max_distance);
+  base::check_max_distance(max_distance);
   ask_each(scene, pairs, cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* of_pair) {
     results[i] = of_pair != nullptr ? limber::within(a, b, max_distance, *of_pair) : limber::within(a, b, max_distance);
   });
@@ -58,7 +58,7 @@ void Scene::distance(std::span<const ObjectPair> pairs, const DistanceOptions& o
                      std::span<DistanceResult> results, SceneCache* cache) const {
   const Impl& scene = impl("distance");
   check_pairs(scene, pairs, results.size());
-  query::check_options(options, "limber::Scene::distance");
+  base::check_options(options, "limber::Scene::distance");
   ask_each(scene, pairs, cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* of_pair) {
     results[i] = of_pair != nullptr ? limber::distance(a, b, options, *of_pair) : limber::distance(a, b, options);
   });

@@ -7,7 +7,7 @@
 #include <bit>
 #include <utility>
 
-#include "layout/wide_node.h"
+#include "bvh/node.h"
 
 namespace limber::scene {
 namespace {

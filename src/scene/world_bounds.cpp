@@ -18,7 +18,7 @@ double farthest_in(const bvh::WideNode& node, std::uint32_t slot, const Vec3& or
   const Vec3 corner = abs(d) + Vec3{n.half_x[slot], n.half_y[slot], n.half_z[slot]};
   const double height = dot(Vec3{n.normal_x[slot], n.normal_y[slot], n.normal_z[slot]}, d);
   const double along = std::max(std::abs(height + n.low[slot]), std::abs(height + n.high[slot]));
-  const double across_sq = std::max(d_sq - height * height, 0.0) + d_sq * core::across_error;
+  const double across_sq = std::max(d_sq - height * height, 0.0) + d_sq * base::across_error;
   const double across = std::sqrt(across_sq) + radius;
   return std::min({std::sqrt(d_sq) + radius, length(corner), std::sqrt(along * along + across * across)});
 }
@@ -60,7 +60,7 @@ LocalBounds local_bounds(const Model& model) {
   // Vertices that no triangle names may be anywhere.
   const bool is_small = model.mesh().positions().size() <= most_vertices;
   const double about = is_small ? farthest_vertex(model.mesh(), tree.unit, c) : farthest_node(tree, c) + tree.drift;
-  const double enlarged = about * (1 + core::root_error) + core::offset_error * magnitude;
+  const double enlarged = about * (1 + base::root_error) + base::offset_error * magnitude;
   return {c, max(box.high - c, c - box.low), std::min(sphere.radius, enlarged), magnitude};
 }
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/error_bounds.h"
-#include "core/rounding.h"
+#include "base/error_bounds.h"
+#include "base/rounding.h"
 #include "limber/geometry.h"
 #include "limber/model.h"
 #include "model/model_impl.h"
@@ -51,8 +51,8 @@ inline WorldBounds world_bounds(const LocalBounds& local, const Transform& pose)
   const Mat3& r = pose.rotation;
   const Vec3 t = abs(pose.translation);
   const double error =
-      core::scene_bounds_error * (t.x + t.y + t.z + local.magnitude) + std::numeric_limits<double>::min();
-  const double radius = local.radius * (1 + core::rigidity_error) + error;
+      base::scene_bounds_error * (t.x + t.y + t.z + local.magnitude) + std::numeric_limits<double>::min();
+  const double radius = local.radius * (1 + base::rigidity_error) + error;
   const auto extent = [&](const Vec3& row) { return std::min(dot(abs(row), local.half) + error, radius); };
   const Vec3 center = pose(local.center), half{extent(r.row0), extent(r.row1), extent(r.row2)};
   return {{center - half, center + half}, {center, radius}};
@@ -60,7 +60,7 @@ inline WorldBounds world_bounds(const LocalBounds& local, const Transform& pose)
 
 /// A margin with room for the rounding of distances that is in proportion to them.
 inline double margin_with_error(double margin) {
-  return std::min(margin * (1 + core::scene_distance_error), std::numeric_limits<double>::max());
+  return std::min(margin * (1 + base::scene_distance_error), std::numeric_limits<double>::max());
 }
 
 /// The distance of two intervals, 0 if they meet.

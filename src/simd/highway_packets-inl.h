@@ -14,7 +14,7 @@
 
 #include <cstdint>
 
-#include "layout/wide_node.h"
+#include "bvh/node.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {

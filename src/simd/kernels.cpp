@@ -25,20 +25,20 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "simd/bound_children-inl.h"
-#include "simd/bound_far_point-inl.h"
-#include "simd/bound_point-inl.h"
-#include "simd/compare_segments-inl.h"
-#include "simd/compare_triangles-inl.h"
-#include "simd/extend_box-inl.h"
-#include "simd/find_candidates-inl.h"
-#include "simd/find_close_elements-inl.h"
-#include "simd/find_crossed-inl.h"
-#include "simd/fit_leaves-inl.h"
-#include "simd/least_of_few-inl.h"
-#include "simd/max_displacement-inl.h"
-#include "simd/merge_bounds-inl.h"
-#include "simd/overlapping_boxes-inl.h"
+#include "kernels/bound_children-inl.h"
+#include "kernels/bound_far_point-inl.h"
+#include "kernels/bound_point-inl.h"
+#include "kernels/compare_segments-inl.h"
+#include "kernels/compare_triangles-inl.h"
+#include "kernels/extend_box-inl.h"
+#include "kernels/find_candidates-inl.h"
+#include "kernels/find_close_elements-inl.h"
+#include "kernels/find_crossed-inl.h"
+#include "kernels/fit_leaves-inl.h"
+#include "kernels/least_of_few-inl.h"
+#include "kernels/max_displacement-inl.h"
+#include "kernels/merge_bounds-inl.h"
+#include "kernels/overlapping_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
-#include "layout/wide_boxes.h"
-#include "layout/wide_node.h"
+#include "bvh/boxes.h"
+#include "bvh/node.h"
 #include "limber/geometry.h"
 
 /// The SIMD kernels: bounds, and what they prune. Numbers that reach the user come from float64 routines.

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "layout/wide_node.h"
+#include "bvh/node.h"
 
 namespace limber::simd::scalar {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "layout/wide_node.h"
+#include "bvh/node.h"
 
 #define LIMBER_WASM inline __attribute__((always_inline))
 

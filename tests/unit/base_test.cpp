@@ -6,8 +6,8 @@
 
 #include <memory>
 
-#include "core/check.h"
-#include "core/rounding.h"
+#include "base/check.h"
+#include "base/rounding.h"
 
 namespace limber::testing {
 namespace {
@@ -47,25 +47,25 @@ TEST(AssertHandler, IsCalledWithTheExpressionAndCanBeReplaced) {
   static const char* seen = nullptr;
   const AssertHandler previous =
       set_assert_handler([](const char* expression, const char*, int) { seen = expression; });
-  core::report_violation("1 == 2", "file.cpp", 3);
+  base::report_violation("1 == 2", "file.cpp", 3);
   set_assert_handler(previous);
   EXPECT_STREQ(seen, "1 == 2");
 }
 
 TEST(AssertHandler, ThrowsByDefault) {
-  EXPECT_THROW(core::report_violation("1 == 2", "file.cpp", 3), std::logic_error);
+  EXPECT_THROW(base::report_violation("1 == 2", "file.cpp", 3), std::logic_error);
 }
 
 TEST(Rounding, SumsAndDistancesErrOnTheirSide) {
-  EXPECT_EQ(core::add_up(0, 3), 3);
-  EXPECT_GT(core::add_up(1, 0x1p-60), 1);
+  EXPECT_EQ(base::add_up(0, 3), 3);
+  EXPECT_GT(base::add_up(1, 0x1p-60), 1);
   const Vec3 a{1, 1, 1}, b{2, 2, 2};
-  EXPECT_GT(core::distance_up(a, b), std::sqrt(3.0));
-  EXPECT_LT(core::distance_down(a, b), std::sqrt(3.0));
-  EXPECT_EQ(core::distance_up(a, a), 0);
-  EXPECT_GE(core::distance_up({0, 0, 0}, {1e-200, 1e-200, 1e-200}), 1.7e-200);
-  EXPECT_EQ(core::distance_down({0, 0, 0}, {1e-200, 0, 0}), 0);
-  EXPECT_LE(core::distance_down({0, 0, 0}, {1.72e-162, 0, 0}), 1.72e-162);  // the square rounds up to a subnormal
+  EXPECT_GT(base::distance_up(a, b), std::sqrt(3.0));
+  EXPECT_LT(base::distance_down(a, b), std::sqrt(3.0));
+  EXPECT_EQ(base::distance_up(a, a), 0);
+  EXPECT_GE(base::distance_up({0, 0, 0}, {1e-200, 1e-200, 1e-200}), 1.7e-200);
+  EXPECT_EQ(base::distance_down({0, 0, 0}, {1e-200, 0, 0}), 0);
+  EXPECT_LE(base::distance_down({0, 0, 0}, {1.72e-162, 0, 0}), 1.72e-162);  // the square rounds up to a subnormal
 }
 
 }  // namespace

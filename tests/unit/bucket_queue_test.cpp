@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "query/bucket_queue.h"
+#include "pair/bucket_queue.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 namespace limber::testing {
 namespace {
 
-using query::BucketQueue;
-using query::NodePair;
+using pair::BucketQueue;
+using pair::NodePair;
 
 NodePair pair_with(float bound_sq) { return {bound_sq, {0, 0}, 0, 0}; }
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "geometry/primitives.h"
-#include "query/frames.h"
-#include "query/placed_models.h"
+#include "pair/frames.h"
+#include "pair/placed_pair.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 #include "unit/kernel_cases.h"
@@ -20,7 +20,7 @@
 namespace limber::testing {
 namespace {
 
-using query::Side;
+using pair::Side;
 using ElementIds = std::pair<int, int>;
 
 template <typename List>
@@ -82,8 +82,8 @@ TEST(CloseElements, ContainEveryPairThatMatters) {
   int left_out = 0, kept = 0, close = 0;
   for (int i = 0; i < 1500; ++i) {
     const KernelCase c(rng);
-    const query::PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    query::Frames frames(placed);
+    const pair::PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    pair::Frames frames(placed);
     const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
     const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
@@ -99,7 +99,7 @@ TEST(CloseElements, ContainEveryPairThatMatters) {
       if (which-- == 0) prune_distance = distance * (1 + 1e-9) + 1e-12;
     });
     if (prune_distance == 0) prune_distance = rng.uniform(0, 2) + 1e-12;
-    const query::Pruning pruning(placed, prune_distance);
+    const pair::Pruning pruning(placed, prune_distance);
     simd::ElementCandidates found, again;
     const auto find = [&](const simd::Kernels& set, simd::ElementCandidates& candidates) {
       set.find_close_elements(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a), pruning.of(Side::a),

@@ -12,8 +12,8 @@
 
 #include "geometry/primitives.h"
 #include "limber/model.h"
-#include "query/collectors/collector.h"
-#include "query/search.h"
+#include "pair/collectors/collector.h"
+#include "pair/search.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
 #include "unit/kernel_cases.h"
@@ -24,7 +24,7 @@ namespace {
 /// How many pairs of triangles are at most a given distance apart.
 class PairsWithin {
  public:
-  static constexpr query::Hits hits = query::Hits::all;
+  static constexpr pair::Hits hits = pair::Hits::all;
   static constexpr bool is_self = false;
 
   explicit PairsWithin(double max_distance) : max_distance_(max_distance) {}
@@ -33,7 +33,7 @@ class PairsWithin {
   double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
   bool is_done() const { return false; }
 
-  void compare(const query::PlacedTriangle& a, const query::PlacedTriangle& b) {
+  void compare(const pair::PlacedTriangle& a, const pair::PlacedTriangle& b) {
     if (geometry::closest_points(a.corners, b.corners).distance <= max_distance_) ++count;
   }
 
@@ -44,10 +44,10 @@ class PairsWithin {
 };
 
 std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance) {
-  const query::PlacedModels placed(a, b);
+  const pair::PlacedPair placed(a, b);
   PairsWithin collector(max_distance);
   QueryStats stats;
-  query::search_all(placed, collector, stats);
+  pair::search_all(placed, collector, stats);
   return collector.count;
 }
 

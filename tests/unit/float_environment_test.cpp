@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/float_environment.h"
+#include "base/float_environment.h"
 
 #include <gtest/gtest.h>
 

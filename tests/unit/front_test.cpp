@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "query/front.h"
+#include "pair/front.h"
 
 #include <gtest/gtest.h>
 
@@ -10,20 +10,20 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/frames.h"
-#include "query/query_cache_impl.h"
+#include "pair/frames.h"
+#include "pair/query_cache_impl.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
 namespace {
 
-using query::Frames;
-using query::Front;
-using query::PlacedModels;
-using query::Side;
+using pair::Frames;
+using pair::Front;
+using pair::PlacedPair;
+using pair::Side;
 
-Transform a_from_b(const PlacedModels& placed) { return Frames(placed).a_from_b(); }
+Transform a_from_b(const PlacedPair& placed) { return Frames(placed).a_from_b(); }
 
 TEST(Front, BoundsTheChangeOfDistanceByAnyMotion) {
   Rng rng(300);
@@ -35,7 +35,7 @@ TEST(Front, BoundsTheChangeOfDistanceByAnyMotion) {
     const Vec3 axis = step * uniform_point(rng);
     const Transform turn = transform_from_quaternion({}, 1, axis.x, axis.y, axis.z).value();
     const Transform after{turn.rotation * before.rotation, before.translation + step * uniform_point(rng)};
-    const PlacedModels first({a, pose_a}, {b, before}), second({a, pose_a}, {b, after});
+    const PlacedPair first({a, pose_a}, {b, before}), second({a, pose_a}, {b, after});
     const double bound = second.max_displacement(a_from_b(first), first.error(), a_from_b(second));
     for (int k = 0; k < 20; ++k) {
       const Vec3& on_a = a.mesh().positions()[rng.below(a.mesh().positions().size())];
@@ -153,7 +153,7 @@ TEST(Front, BoundsTheChangeOfDistanceByPosesThatAreNotQuiteRigid) {
     const double from = rng.uniform(-1, 1), to = rng.uniform(-1, 1);
     const Transform a_before = stretched(pose_a, from), a_after = stretched(pose_a, to);
     const Transform b_before = stretched(pose_b, from), b_after = stretched(pose_b, to);
-    const PlacedModels first({a, a_before}, {b, b_before}), second({a, a_after}, {b, b_after});
+    const PlacedPair first({a, a_before}, {b, b_before}), second({a, a_after}, {b, b_after});
     const double bound = second.max_displacement(a_from_b(first), first.error(), a_from_b(second));
     for (int k = 0; k < 20; ++k) {
       const Vec3& p = a.mesh().positions()[rng.below(a.mesh().positions().size())];
@@ -194,7 +194,7 @@ TEST(Front, RemembersHowFarApartLeavesAreThatWereCompared) {
 
 TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
+  const PlacedPair here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
   Front front;
   front.begin(here, a_from_b(here));
   const std::uint16_t record = front.add({1, 2}, Side::b);
@@ -220,7 +220,7 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
 
 TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball()), twin(scenes::thesis_ball());
-  const PlacedModels placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
+  const PlacedPair placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
   Front front;
   const auto fill = [&] {
     front.clear();
@@ -231,7 +231,7 @@ TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
   front.finish(1);
   front.begin(placed, a_from_b(placed));
   EXPECT_EQ(front.records().size(), 1U);
-  for (const PlacedModels* models : {&other, &turned}) {
+  for (const PlacedPair* models : {&other, &turned}) {
     fill();
     front.finish(1);
     front.begin(*models, a_from_b(*models));
@@ -244,11 +244,11 @@ TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
 
 TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  const PlacedModels placed({square}, {ball});
+  const PlacedPair placed({square}, {ball});
   Front front;
   front.begin(placed, a_from_b(placed));
-  for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), query::NodePair::no_record);
-  for (int i = 0; i < 1024; ++i) ASSERT_EQ(front.add({0, 0}, Side::a), query::NodePair::no_record);
+  for (int i = 0; i < 1024; ++i) ASSERT_NE(front.add({0, 0}, Side::a), pair::NodePair::no_record);
+  for (int i = 0; i < 1024; ++i) ASSERT_EQ(front.add({0, 0}, Side::a), pair::NodePair::no_record);
   EXPECT_FALSE(front.overflows());
   front.add({0, 0}, Side::a);
   EXPECT_TRUE(front.overflows());
@@ -256,7 +256,7 @@ TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
 
 TEST(Front, LetsAnInterruptedTraversalGoOnOnlyWhereItStoppedAndIfNoMoreIsAsked) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  const PlacedModels here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
+  const PlacedPair here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
   Front front;
   const auto interrupt = [&] {
     front.begin(here, a_from_b(here));

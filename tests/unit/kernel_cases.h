@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/placed_models.h"
-#include "query/pruning.h"
+#include "pair/placed_pair.h"
+#include "pair/pruning.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"
@@ -54,8 +54,8 @@ inline simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_l
 }
 
 /// Prunes by a distance, and along a direction unless that is 0.
-inline query::Pruning pruning_along(const query::PlacedModels& placed, double prune_distance, const Vec3& direction) {
-  query::Pruning pruning(placed, prune_distance);
+inline pair::Pruning pruning_along(const pair::PlacedPair& placed, double prune_distance, const Vec3& direction) {
+  pair::Pruning pruning(placed, prune_distance);
   const double infinity = std::numeric_limits<double>::infinity();
   pruning.update({infinity, infinity, direction});
   return pruning;

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/frames.h"
-#include "query/placed_models.h"
-#include "query/pruning.h"
+#include "pair/frames.h"
+#include "pair/placed_pair.h"
+#include "pair/pruning.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"
@@ -23,10 +23,10 @@
 namespace limber::testing {
 namespace {
 
-using query::Frames;
-using query::PlacedModels;
-using query::Pruning;
-using query::Side;
+using pair::Frames;
+using pair::PlacedPair;
+using pair::Pruning;
+using pair::Side;
 
 /// Points, each of them a leaf of equal triangles.
 Mesh points(Rng& rng, std::size_t count) {
@@ -41,7 +41,7 @@ Mesh points(Rng& rng, std::size_t count) {
 /// Two placed models whose lowest nodes are compared.
 struct Comparison {
   Placed a, b;
-  PlacedModels placed;
+  PlacedPair placed;
   Frames frames;
   std::vector<Triangle> world_a, world_b;
 

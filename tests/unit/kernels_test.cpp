@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/frames.h"
-#include "query/placed_models.h"
+#include "pair/frames.h"
+#include "pair/placed_pair.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 #include "unit/kernel_cases.h"
@@ -21,10 +21,10 @@ namespace limber::testing {
 namespace {
 
 using bvh::WideNode;
-using query::Frames;
-using query::PlacedModels;
-using query::Pruning;
-using query::Side;
+using pair::Frames;
+using pair::PlacedPair;
+using pair::Pruning;
+using pair::Side;
 
 TEST(Kernels, ScalarIsAmongThemAndLast) {
   const auto sets = simd::all_kernels();
@@ -38,7 +38,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
   int tight_bounds = 0;
   for (int i = 0; i < 3000; ++i) {
     const KernelCase c(rng);
-    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.a).nodes[1];
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
@@ -66,7 +66,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
   int pruned_count = 0, sharper = 0;
   for (int i = 0; i < 3000; ++i) {
     const KernelCase c(rng);
-    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.a).nodes[1];
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
@@ -104,7 +104,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   int not_candidates = 0, beyond = 0;
   for (int i = 0; i < 3000; ++i) {
     const KernelCase c(rng);
-    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
     const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
@@ -149,7 +149,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   const auto sets = simd::all_kernels();
   for (int i = 0; i < 2000; ++i) {
     const KernelCase c(rng);
-    const PlacedModels placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
     const WideNode& node = tree_of(c.b).nodes[1];
     const auto slot = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Where one model is flat, the closest triangles are guessed.
-#include "query/likely_pair.h"
+#include "pair/seeds/likely_pair.h"
 
 #include <gtest/gtest.h>
 
@@ -20,9 +20,9 @@
 namespace limber::testing {
 namespace {
 
-using query::FlatPart;
-using query::PlacedModels;
-using query::Side;
+using pair::FlatPart;
+using pair::PlacedPair;
+using pair::Side;
 
 struct Guess {
   std::optional<FlatPart> part;
@@ -33,9 +33,9 @@ struct Guess {
 
 /// What is guessed about two models near two slots.
 Guess guess(const Placed& a, const Placed& b, bvh::SlotId near_a = bvh::root, bvh::SlotId near_b = bvh::root) {
-  const PlacedModels placed(a, b);
-  Guess g{query::flat_part(placed, near_a, near_b), {}, std::numeric_limits<double>::infinity(), {}};
-  if (g.part) g.pair = query::likely_pair(placed, *g.part, g.stats);
+  const PlacedPair placed(a, b);
+  Guess g{pair::flat_part(placed, near_a, near_b), {}, std::numeric_limits<double>::infinity(), {}};
+  if (g.part) g.pair = pair::likely_pair(placed, *g.part, g.stats);
   if (g.pair) {
     EXPECT_TRUE(placed.has_triangle(Side::a, g.pair->a) && placed.has_triangle(Side::b, g.pair->b));
     g.distance = closest_points(placed.triangle(Side::a, g.pair->a), placed.triangle(Side::b, g.pair->b)).distance;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "update/margin_tuner.h"
+#include "model/margin_tuner.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace limber::testing {
 namespace {
 
-using update::MarginTuner;
+using model::MarginTuner;
 
 /// The mean cost of a commit while all vertices move in one direction, by `step` in each commit. A refit of the whole
 /// tree costs `refit_cost` whenever the vertices have used up the margin. Queries cost `price` for each unit of their

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "update/motion_margin.h"
+#include "model/motion_margin.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace limber::testing {
 namespace {
 
 using bvh::DirtySet;
-using update::MotionMargin;
+using model::MotionMargin;
 
 struct MovingSheet {
   MovingSheet() { dirty.try_index_vertices(tree, mesh.positions().size()); }

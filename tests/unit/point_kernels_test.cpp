@@ -13,7 +13,7 @@
 
 #include "geometry/primitives.h"
 #include "limber/points.h"
-#include "query/placed_model.h"
+#include "point/placed_model.h"
 #include "simd/kernels.h"
 #include "support/random_points.h"
 #include "unit/internals.h"
@@ -22,7 +22,7 @@
 namespace limber::testing {
 namespace {
 
-using query::PlacedModel;
+using point::PlacedModel;
 
 /// A model of a few leaves, flat or thin or points, and a point near it or far away.
 struct PointCase {

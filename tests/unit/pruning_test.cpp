@@ -1,32 +1,32 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "query/pruning.h"
+#include "pair/pruning.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
-#include "core/error_bounds.h"
+#include "base/error_bounds.h"
 #include "limber/model.h"
-#include "query/placed_leaf.h"
-#include "query/placed_models.h"
+#include "pair/placed_leaf.h"
+#include "pair/placed_pair.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"
 
 namespace limber::testing {
 namespace {
 
-using query::BoundUpdate;
-using query::PlacedLeaf;
-using query::PlacedModels;
-using query::Pruning;
-using query::Side;
+using pair::BoundUpdate;
+using pair::PlacedLeaf;
+using pair::PlacedPair;
+using pair::Pruning;
+using pair::Side;
 
 /// A triangle below another one. Both poses shift them, so placing might round, though here it does not.
 struct Scene {
   Model a, b;
-  PlacedModels placed;
+  PlacedPair placed;
   PlacedLeaf leaf_a, leaf_b;
 
   explicit Scene(double height)
@@ -73,12 +73,12 @@ TEST(Pruning, PrunesTiesOnlyWhereTheDistanceItselfIsLookedFor) {
 TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
   for (const double height : {1.0, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-48}) {
     Scene scene(height);
-    Pruning pruning(scene.placed, 1000, query::Ties::compared);
+    Pruning pruning(scene.placed, 1000, pair::Ties::compared);
     pruning.update({1, 1, {0, 0, 1}});
     EXPECT_FALSE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0)) << height;
   }
   Scene scene(1 + 0x1p-30);
-  Pruning pruning(scene.placed, 1000, query::Ties::compared);
+  Pruning pruning(scene.placed, 1000, pair::Ties::compared);
   pruning.update({1, 1, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0));
 }
@@ -92,8 +92,8 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   ASSERT_TRUE(b.move_all(std::vector<Vec3>{{0, 0, height}, {1, 0, height}, {0, 1, height}}));
   b.commit();
   ASSERT_GE(tree_of(b).drift, far / 2);
-  const PlacedModels placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
-  ASSERT_LT(distance - height, core::usual_part * core::local_gap_error * placed.error());
+  const PlacedPair placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
+  ASSERT_LT(distance - height, base::usual_part * base::local_gap_error * placed.error());
   PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
   leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   Pruning pruning(placed, 2 * distance);
@@ -110,7 +110,7 @@ TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
     return t;
   };
   const Model a(soup({flat, hill})), b(soup({at(flat, 1), at(flat, 2), at(flat, 3)}));
-  const PlacedModels placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
+  const PlacedPair placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
   PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
   leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   Pruning pruning(placed, 1000);
@@ -141,7 +141,7 @@ TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   for (int k = 0; k < 64; ++k)
     triangles.push_back({{3.0 * k, 0, 0.1 * k}, {3.0 * k + 1, 0, 0.1 * k}, {3.0 * k, 1, 0.1 * k}});
   const Model stairs(soup(triangles)), roof(soup({{{0, 0, 10}, {200, 0, 10}, {0, 1, 10}}}));
-  const PlacedModels placed({stairs, {{}, {1, 2, 3}}}, {roof, {{}, {1, 2, 3}}});
+  const PlacedPair placed({stairs, {{}, {1, 2, 3}}}, {roof, {{}, {1, 2, 3}}});
   PlacedLeaf leaf(placed, Side::a), leaf_b(placed, Side::b);
   leaf_b.take(tree_of(roof).leaves[0]);
   Pruning pruning(placed, 1000);

@@ -10,7 +10,7 @@
 
 #include "bvh/subtree.h"
 #include "limber/model.h"
-#include "query/query_cache_impl.h"
+#include "pair/query_cache_impl.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"
@@ -70,8 +70,8 @@ TEST(QueryCache, RecordsOnlyDistancesThatWhatIsNotExpandedIsApart) {
     QueryBudget budget;
     if (i % 2 == 1) budget.max_steps = rng.below(100);  // then some records have open pairs
     const double found = distance({a}, {b, pose}, {}, budget, cache).upper;
-    const query::Front& front = cache.impl().front;
-    for (const query::Front::Record& record : front.records()) {
+    const pair::Front& front = cache.impl().front;
+    for (const pair::Front::Record& record : front.records()) {
       const bvh::SlotId expanded = record.slot[record.expands_a ? 0 : 1];
       const bvh::Tree& tree = tree_of(record.expands_a ? a : b);
       const std::uint32_t node = tree.nodes[bvh::node_of(expanded)].first_child + bvh::slot_of(expanded);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "update/rebuild_scheduler.h"
+#include "model/rebuild_scheduler.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 namespace limber::testing {
 namespace {
 
-using update::RebuildScheduler;
+using model::RebuildScheduler;
 
 /// A tree whose triangles have changed places since it was built, and what rebuilds it.
 struct Degraded {

@@ -15,8 +15,8 @@
 namespace limber::testing {
 namespace {
 
+using base::WorkBudget;
 using bvh::Rebuild;
-using core::WorkBudget;
 using Stage = Rebuild::Stage;
 
 /// A tree over vertices that move between the steps of a rebuild.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
-#include "query/query_cache_impl.h"
+#include "pair/query_cache_impl.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"

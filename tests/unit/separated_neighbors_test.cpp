@@ -10,8 +10,8 @@
 
 #include "geometry/shared_corners.h"
 #include "limber/contacts.h"
-#include "query/frames.h"
-#include "query/placed_models.h"
+#include "pair/frames.h"
+#include "pair/placed_pair.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 #include "unit/kernel_cases.h"
@@ -19,7 +19,7 @@
 namespace limber::testing {
 namespace {
 
-using query::Side;
+using pair::Side;
 
 /// Two triangles that share an edge or a corner, and meet elsewhere or nearly do; others beside them, so that the leaf
 /// is larger than the two. What they miss each other by is around the quantization of leaves.
@@ -91,9 +91,9 @@ struct PairCounts {
 void expect_that_meeting_pairs_are_candidates(const Model& model, const simd::Kernels& set, PairCounts& counts) {
   const Mesh& mesh = model.mesh();
   const bvh::Tree& tree = tree_of(model);
-  const query::PlacedModels placed(Placed{model}, Placed{model});
-  query::Frames frames(placed);
-  const query::Pruning pruning(placed, std::numeric_limits<double>::min());
+  const pair::PlacedPair placed(Placed{model}, Placed{model});
+  pair::Frames frames(placed);
+  const pair::Pruning pruning(placed, std::numeric_limits<double>::min());
   for (std::uint32_t k = 0; k < tree.leaves.size(); ++k) {
     for (std::uint32_t l = k; l < tree.leaves.size(); ++l) {
       const simd::SelfPair self{tree.leaves[k], tree.leaves[l]};

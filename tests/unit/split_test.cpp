@@ -96,7 +96,7 @@ TEST(Split, FindsTheMedianOfAnyCoordinatesInStepsOfAnySize) {
         bvh::Split split(range);
         std::size_t steps = 0;
         for (bool is_done = false; !is_done; ++steps) {
-          core::WorkBudget least(1e-3);
+          base::WorkBudget least(1e-3);
           is_done = split.work(in_steps, least);
           ASSERT_LT(least.spent_ns(), 6000);
           ASSERT_LT(steps, 30 * (1 + count / 1000));

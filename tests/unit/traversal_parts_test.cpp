@@ -10,20 +10,20 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "query/aimed_direction.h"
-#include "query/descents.h"
-#include "query/expansion.h"
-#include "query/squared_limits.h"
-#include "query/whole_leaves.h"
+#include "pair/aimed_direction.h"
+#include "pair/descents.h"
+#include "pair/expansion.h"
+#include "pair/squared_limits.h"
+#include "pair/whole_leaves.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
 namespace {
 
-using query::Side;
+using pair::Side;
 
 TEST(Descents, BeginWithOneThatEndsAtTheFirstLeaves) {
-  query::Descents descents;
+  pair::Descents descents;
   EXPECT_TRUE(descents.is_descending());
   EXPECT_FALSE(descents.has_reached_leaves());
   EXPECT_FALSE(descents.is_due(1'000'000));
@@ -34,7 +34,7 @@ TEST(Descents, BeginWithOneThatEndsAtTheFirstLeaves) {
 }
 
 TEST(Descents, AreDueAfterStepsWithoutLeavesAndAtThreeTimesTheStepOfTheLast) {
-  query::Descents descents;
+  pair::Descents descents;
   descents.end_at_leaves(5);
   EXPECT_FALSE(descents.is_due(13));
   EXPECT_TRUE(descents.is_due(14));
@@ -52,7 +52,7 @@ TEST(Descents, AreDueAfterStepsWithoutLeavesAndAtThreeTimesTheStepOfTheLast) {
 }
 
 TEST(WholeLeaves, AreTriedWhileThatPrunes) {
-  query::WholeLeaves leaves;
+  pair::WholeLeaves leaves;
   EXPECT_FALSE(leaves.are_tried());
   leaves.try_some();
   for (int i = 0; i < 8; ++i) {
@@ -71,7 +71,7 @@ TEST(WholeLeaves, AreTriedWhileThatPrunes) {
 }
 
 TEST(AimedDirection, IsGivenUpWhenIdleAndNotChosenForEver) {
-  query::AimedDirection aim;
+  pair::AimedDirection aim;
   EXPECT_FALSE(aim.is_chosen());
   for (int direction = 0; direction < 2; ++direction) {
     ASSERT_TRUE(aim.may_choose());
@@ -88,7 +88,7 @@ TEST(AimedDirection, IsGivenUpWhenIdleAndNotChosenForEver) {
 }
 
 TEST(AimedDirection, ThatIsReplacedIsNotJudged) {
-  query::AimedDirection aim;
+  pair::AimedDirection aim;
   aim.choose();
   aim.replace();
   EXPECT_FALSE(aim.is_chosen());
@@ -100,8 +100,8 @@ TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {
   std::vector<Vec3> positions(small.mesh().positions().begin(), small.mesh().positions().end());
   for (Vec3& p : positions) p = 1000 * p;
   const Model large(Mesh::create(positions, small.mesh().triangles()).value());
-  const query::PlacedModels placed({small}, {large});
-  query::SquaredLimits limits(placed);
+  const pair::PlacedPair placed({small}, {large});
+  pair::SquaredLimits limits(placed);
   EXPECT_TRUE(limits.update(3));
   EXPECT_FALSE(limits.update(3));
   for (const Side s : {Side::a, Side::b}) {
@@ -113,26 +113,26 @@ TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {
   EXPECT_GT(limits.of(Side::a), 0);
   EXPECT_GT(limits.of(Side::b), 0);
   EXPECT_TRUE(limits.update(std::numeric_limits<double>::infinity()));
-  EXPECT_EQ(limits.of(Side::b), query::BucketQueue::no_limit_sq);
+  EXPECT_EQ(limits.of(Side::b), pair::BucketQueue::no_limit_sq);
 }
 
 TEST(SquaredLimits, RoundBoundsDown) {
   const Model model(scenes::ball(8, 6));
-  const query::PlacedModels placed({model}, {model});
-  const query::SquaredLimits limits(placed);
+  const pair::PlacedPair placed({model}, {model});
+  const pair::SquaredLimits limits(placed);
   for (const double length : {0.0, 1e-15, 0.1, 1.0, 12345.678}) {
     const double back = limits.length_of(Side::a, limits.bound_of(length));
     EXPECT_LE(back, length);
     EXPECT_GE(back, length * (1 - 1e-5));
   }
-  EXPECT_EQ(limits.bound_of(std::numeric_limits<double>::max()), query::BucketQueue::largest_bound);
+  EXPECT_EQ(limits.bound_of(std::numeric_limits<double>::max()), pair::BucketQueue::largest_bound);
   EXPECT_EQ(limits.bound_of_child(Side::a, 2, 3), 3);
   EXPECT_EQ(limits.bound_of_child(Side::a, 4, 3), 4);
-  EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), query::BucketQueue::no_limit_sq);
+  EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), pair::BucketQueue::no_limit_sq);
 }
 
 TEST(Expansion, FindsTheChildrenToTakeFirstAndLast) {
-  query::Expansion e{};
+  pair::Expansion e{};
   const float order[bvh::width] = {5, -1, 2, -3, 2, 9, -3, 7};
   std::copy(order, order + bvh::width, e.order);
   EXPECT_EQ(e.first_of(0xff), 3U);  // of equal ones the first

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "query/trial.h"
+#include "pair/trial.h"
 
 #include <gtest/gtest.h>
 
 namespace limber::testing {
 namespace {
 
-using query::Trial;
+using pair::Trial;
 
 /// How many of 1000 queries try what changes the time of each by `gain`.
 int tries(Trial& trial, double gain) {

@@ -14,8 +14,8 @@
 namespace limber::testing {
 namespace {
 
+using base::WorkBudget;
 using bvh::VertexIndex;
-using core::WorkBudget;
 
 /// The nodes at each vertex, found without an index.
 std::vector<std::set<std::uint32_t>> nodes_at_vertices(const bvh::Tree& tree, std::size_t vertex_count) {

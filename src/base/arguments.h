@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+
+#include "base/check.h"
+#include "limber/points.h"
+#include "limber/query.h"
+
+/// What every engine requires of the options of a query. Comparisons with NaN are false, so NaN is refused too.
+namespace limber::base {
+
+inline bool is_finite_and_not_negative(double x) { return x >= 0 && x <= std::numeric_limits<double>::max(); }
+
+inline void check_options(const DistanceOptions& options, const char* function) {
+  const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
+  LIMBER_REQUIRE(is_finite_and_not_negative(options.relative_error),
+                 text("relative_error must be finite and at least 0").c_str());
+  LIMBER_REQUIRE(is_finite_and_not_negative(options.absolute_error),
+                 text("absolute_error must be finite and at least 0").c_str());
+  LIMBER_REQUIRE(options.max_distance >= 0, text("max_distance must be at least 0, or infinite").c_str());
+}
+
+inline void check_options(const PointOptions& options, const char* function) {
+  LIMBER_REQUIRE(options.max_distance >= 0,
+                 (std::string(function) + ": max_distance must be at least 0, or infinite").c_str());
+}
+
+inline void check_point(const Vec3& point, const char* function) {
+  LIMBER_REQUIRE(is_finite(point) && max_abs(point) <= max_coordinate,
+                 (std::string(function) + ": a coordinate of the point is not finite, or above 2^200").c_str());
+}
+
+/// Of a query about many points.
+inline void check_points(std::span<const Vec3> points, std::size_t result_count, const char* function) {
+  LIMBER_REQUIRE(points.size() == result_count,
+                 (std::string(function) + ": there must be as many results as points").c_str());
+  for (const Vec3& point : points) check_point(point, function);
+}
+
+inline void check_max_distance(double max_distance) {
+  LIMBER_REQUIRE(is_finite_and_not_negative(max_distance),
+                 "limber::within: max_distance must be finite and at least 0");
+}
+
+inline void check_margin(double margin, const char* function) {
+  LIMBER_REQUIRE(is_finite_and_not_negative(margin),
+                 (std::string(function) + ": margin must be finite and at least 0").c_str());
+}
+
+}  // namespace limber::base

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The error budget of the fast engine: every constant by which a bound is made safe against rounding. Each is derived
+/// in docs/algorithms/numerics.md, section "Error budget", which also names the test that fails when it is made
+/// smaller.
+namespace limber::base {
+
+// --- float32, in kernels ---
+
+/// Relative error of a squared length formed by at most ten operations.
+inline constexpr float squared_error = 0x1p-20F;
+inline constexpr float squares_up = 1 + squared_error, squares_down = 1 - squared_error;
+
+/// Error of |v|^2 - (n . v)^2, the squared length of the part of v across a stored normal n, as a part of |v|^2.
+inline constexpr float across_error = 0x1.4p-20F;
+
+/// At least the square root of 2 * across_error: the error of a sine whose square is off by that.
+inline constexpr float sine_error = 0.0016F;
+
+/// What projecting a node or a direction changes a length by, as a part of the magnitudes involved: some 20 roundings
+/// of 2^-24 each.
+inline constexpr float projection_error = 0x1p-19F;
+
+/// What comparing a node or a leaf with a point changes a length by, as a part of the magnitudes involved: at most 10
+/// roundings of 2^-24 each.
+inline constexpr float point_error = 0x1p-20F;
+
+/// What placing a corner relative to another, and the few operations that follow, change a length by, as a part of the
+/// leaf's extent.
+inline constexpr float corner_error = 0x1p-21F;
+/// The same in any case, in units: lengths below this have no square in float32.
+inline constexpr float smallest_corner_error = 0x1p-60F;
+
+/// What quantization moves a corner by, in steps: a coordinate by at most 0.52, so a corner by sqrt(3) * 0.52.
+inline constexpr double quantization_error = 0.91;
+
+/// What quantization, and the rounding of a few operations, change a coordinate of the difference of two corners by, in
+/// steps: 2 * 0.52 and some 0.02.
+inline constexpr float corner_difference_error = 1.08F;
+inline constexpr float root_of_3 = 1.7321F;  // rounded up
+
+/// What rounding changes the cross product of two vectors in a plane by, as a part of the product of the largest
+/// coordinates of the corners that they lead to: 8 products of half of theirs, each with 2 u.
+inline constexpr float sector_rounding_error = 0x1p-19F;
+
+/// What rounding changes ee * pq - ep * eq by, formed from the inner products of three vectors, as a part of
+/// ee * (pp + qq): 12.5 u.
+inline constexpr float edge_plane_error = 0x1p-20F;
+
+/// What all of float32 changes a gap between two triangles of a pair of leaves by, scaled so that all numbers are about
+/// 1 or less.
+inline constexpr float leaf_pair_error = 0x1p-17F;
+
+/// Relative rounding of a number to float32, with room.
+inline constexpr double storage_error = 0x1p-22;
+
+/// Added to errors in units, so that none is 0.
+inline constexpr float smallest_error_units = 0x1p-100F;
+
+/// Beyond this many units a node is treated as if it were everywhere: float32 could not square its numbers.
+inline constexpr double max_units = 0x1p60;
+
+// --- float64 ---
+
+/// What subtracting two nearby points and scaling the difference changes a length by, as a part of the difference.
+inline constexpr double offset_error = 0x1p-50;
+/// The same as a part of the distance from the origin, for one difference.
+inline constexpr double relative_position_error = 0x1p-51;
+
+/// Covers the rounding of lengths, of sums of a few of them, and of everything computed while bounds are fitted.
+inline constexpr double outward = 1 + 0x1p-40;
+/// Covers the rounding of one addition in a sum of many.
+inline constexpr double sum_up = 1 + 0x1p-50;
+
+/// Placing a vertex in the world, and going from there to the other model's frame, changes a length by at most this
+/// part of the magnitude of the query.
+inline constexpr double placement_error = 0x1p-45;
+/// Covers that the root's sphere is about another point than the origin of its node, and rounding.
+inline constexpr double magnitude_up = 1.001;
+
+/// Float32 normals of the roots, rotations that are only nearly orthonormal, and rounding, as a part of the lengths
+/// involved.
+inline constexpr double root_error = 0x1p-20;
+
+/// Rotations that are orthonormal to 1e-9 only, in the poses of both models before and after a motion, and rounding, as
+/// a part of the lengths involved.
+inline constexpr double rigidity_error = 4e-8;
+
+/// The computed distance of two triangles exceeds that of any two of their vertices by at most this part of four times
+/// that distance and the largest extent of both.
+inline constexpr double triangle_distance_error = 0x1p-46;
+
+/// Rounding of the height of a vertex over a plane through another vertex, as a part of the largest coordinate of their
+/// difference.
+inline constexpr double fan_error = 0x1p-48;
+
+// --- scenes: bounds of placed models ---
+
+/// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum
+/// of its translation, its coordinates and twice its radius.
+inline constexpr double scene_bounds_error = 0x1p-44;
+
+/// What rounding makes of distances between models, as a part of them.
+inline constexpr double scene_distance_error = 0x1p-43;
+
+// --- ties: pairs of triangles that are as far apart as the closest pair, up to rounding ---
+
+/// The error of a gap along the search direction that is computed before triangles are placed, as a part of
+/// placement_error times the magnitude.
+inline constexpr double local_gap_error = 0x1p-4;
+
+/// What rounding can make of a gap between placed triangles, and of the distance it is compared with, as a part of
+/// their extent: with u = 2^-53, heights are off by 7 u each (four roundings, a length of sqrt(3)), a direction whose
+/// length is 1 up to 5 u adds 9 u, and closest_points() is off by at most 8 u.
+inline constexpr double gap_error = 0x1p-47;
+
+/// What rounding usually makes of the gap of a pair with the same closest features as the best one: as a part of the
+/// extent, and as a part of local_gap_error. Pairs whose gap is off by more are compared, which costs time only.
+inline constexpr double usual_gap_error = 0x1p-51, usual_part = 0x1p-3;
+
+/// Rounding of this part of the distance may decide which of many pairs that are equally close is the answer.
+inline constexpr double tie_error = 0x1p-45;
+
+}  // namespace limber::base

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Kernels::bound_children_to_point and Kernels::bound_triangles_to_point.
+
+#if defined(LIMBER_SIMD_BOUND_POINT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_BOUND_POINT_INL_H
+#undef LIMBER_SIMD_BOUND_POINT_INL_H
+#else
+#define LIMBER_SIMD_BOUND_POINT_INL_H
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error_bounds.h"
+#include "base/rounding.h"
+#include "kernels/order_children-inl.h"
+#include "kernels/slab_sphere-inl.h"
+#include "simd/kernels.h"
+#include "simd/packets-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+// Against a division by 0.
+inline constexpr float smallest_sphere = 0x1p-100F;
+
+/// Squared lower bounds of the distances from a point to the children `i` and following; `position` is relative to the
+/// origin of their node. Where they are 0, how deep the point is inside the sphere, as a fraction of its radius,
+/// negative. Leaves in `farthest` the distances of the spheres' farthest points.
+LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, const Packet3& position, Packet error,
+                                 Packet& farthest) {
+  const Packet3 d{position.x - Packet::load(n.center_x + i), position.y - Packet::load(n.center_y + i),
+                  position.z - Packet::load(n.center_z + i)};
+  const Packet radius = Packet::load(n.radius + i);
+  const Packet d_sq = dot(d, d), distance = sqrt(d_sq);
+  const Packet sphere_gap = distance - radius;
+  farthest = distance + radius;
+  // The box.
+  const Packet x = max(abs(d.x) - Packet::load(n.half_x + i) - error, zero());
+  const Packet y = max(abs(d.y) - Packet::load(n.half_y + i) - error, zero());
+  const Packet z = max(abs(d.z) - Packet::load(n.half_z + i) - error, zero());
+  // Along the slab's normal, together with the sphere across it.
+  const Packet3 normal{Packet::load(n.normal_x + i), Packet::load(n.normal_y + i), Packet::load(n.normal_z + i)};
+  const Packet height = dot(d, normal);
+  const Packet along = max(height - Packet::load(n.high + i), Packet::load(n.low + i) - height) - error;
+  const Packet rounding = d_sq * Packet::set(base::across_error);
+  const Packet across = sqrt(max(d_sq - height * height - rounding, zero())) - radius - error;
+  const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(along, across));
+  const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_sphere)), zero());
+  return select(best > zero(), best * Packet::set(base::squares_down), depth);
+}
+
+LIMBER_KERNEL void bound_children_to_point(const bvh::WideNode& node, const QueryPoint& point, float limit,
+                                           ChildrenInOrder& children) {
+  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
+  alignas(16) float position[4];
+  double size = 0;
+  for (int j = 0; j < 4; ++j) {
+    const double units = (point.position[j] - origin[j]) * point.per_unit;
+    size += std::abs(units);
+    position[j] = static_cast<float>(units);
+  }
+  // Not less than: true also where the error is infinite.
+  if (!(size + static_cast<double>(point.error_units) < base::max_units)) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      of_children(zero(), i, node.child_count).store(children.bound + i);
+    }
+    children.upper = std::numeric_limits<float>::infinity();
+    return order_children(limit, children);
+  }
+  const float magnitude = std::abs(position[0]) + std::abs(position[1]) + std::abs(position[2]) + node.radius;
+  const float error = magnitude * base::point_error + point.error_units;
+  const Packet3 at = broadcast(position);
+  Packet least = Packet::set(far_off);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    Packet farthest = zero();
+    const Packet bound = bound_point(node.bounds, i, at, Packet::set(error), farthest);
+    of_children(bound, i, node.child_count).store(children.bound + i);
+    least = min(least, of_children(farthest, i, node.child_count));
+  }
+  children.upper = (error - largest(zero() - least)) * base::squares_up;
+  order_children(limit, children);
+}
+
+/// The triangles of the slots from `i` on, and a point, in quantization steps.
+struct PointTriangles {
+  Packet3 to_corner, edge_b, edge_c;  // from the point to the first corner, and from there to the others
+};
+
+LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, std::uint32_t i, const Packet3& point) {
+  const auto corner = [&](int k) {
+    return Packet3{Packet::from_int16(t.corner[3 * k] + i), Packet::from_int16(t.corner[3 * k + 1] + i),
+                   Packet::from_int16(t.corner[3 * k + 2] + i)};
+  };
+  const Packet3 a = corner(0);
+  return {a - point, corner(1) - a, corner(2) - a};
+}
+
+/// A point of each triangle near the closest one, relative to the query point. It is on the triangle whatever rounding
+/// does to its weights.
+LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
+  const Packet one = Packet::set(1), least = Packet::set(0x1p-60F);
+  const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
+  const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
+  const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
+  // On the three edges; of squared distances, less that of the first corner, half.
+  const Packet half = Packet::set(0.5F);
+  const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
+  const Packet far_sq = bb - bc - bc + cc;
+  const Packet at_far = clamped((along_c - along_b + bb - bc) / max(far_sq, least));
+  const Packet from_far = one - at_far;
+  const Packet sq_b = at_b * (at_b * half * bb - along_b), sq_c = at_c * (at_c * half * cc - along_c);
+  const Packet sq_far =
+      from_far * (from_far * half * bb + at_far * bc - along_b) + at_far * (at_far * half * cc - along_c);
+  const Mask c_is_nearer = sq_c < sq_b;
+  Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
+  const Mask far_is_nearest = sq_far < min(sq_b, sq_c);
+  weight_b = select(far_is_nearest, from_far, weight_b), weight_c = select(far_is_nearest, at_far, weight_c);
+  // On the face.
+  const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
+  const Packet area = bb * cc - bc * bc, area_a = area - area_b - area_c;
+  const Mask is_inside = (area_a > zero()) & (area_b > zero()) & (area_c > zero());
+  const Packet per_area = one / max(area_a + area_b + area_c, least);
+  weight_b = select(is_inside, area_b * per_area, weight_b), weight_c = select(is_inside, area_c * per_area, weight_c);
+  return t.to_corner + t.edge_b * weight_b + t.edge_c * weight_c;
+}
+
+/// How far the triangles are at least from the point along a direction, times its length. Negative if the point's
+/// height is among those of the triangle.
+LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& direction) {
+  const Packet height = dot(t.to_corner, direction);
+  const Packet b = dot(t.edge_b, direction), c = dot(t.edge_c, direction);
+  return max(height + min(min(b, c), zero()), zero() - height - max(max(b, c), zero()));
+}
+
+LIMBER_KERNEL void bound_triangles_to_point(const bvh::WideNode& node, std::uint32_t slot,
+                                            const bvh::QuantizedTriangles& triangles, const QueryPoint& point,
+                                            double limit, TriangleIntervals& intervals) {
+  const bvh::ChildBounds& n = node.bounds;
+  intervals.step = static_cast<double>(n.radius[slot]) * point.unit / static_cast<double>(bvh::max_quantized);
+  const double per_step = 1 / intervals.step;
+  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
+  const double center[4] = {n.center_x[slot], n.center_y[slot], n.center_z[slot], 0};
+  alignas(16) float position[4];
+  double size = 0;
+  for (int j = 0; j < 4; ++j) {
+    const double steps = ((point.position[j] - origin[j]) - center[j] * point.unit) * per_step;
+    size += std::abs(steps);
+    position[j] = static_cast<float>(steps);
+  }
+  constexpr double most_steps = 0x1p40, leaf_size = static_cast<double>(bvh::max_quantized) + 1;
+  const double error =
+      point.error * per_step + base::quantization_error + (size + leaf_size) * static_cast<double>(base::point_error);
+  // Not less than: true also where the error is infinite.
+  if (!(size + error < most_steps)) {
+    std::fill(intervals.lower, intervals.lower + width, 0.0F);
+    intervals.upper = std::numeric_limits<float>::infinity();
+    intervals.kept = (1U << width) - 1;
+    return;
+  }
+  const Packet3 at = broadcast(position);
+  const Packet off = Packet::set(base::float_up(error)), shortest = Packet::set(0x1p-60F);
+  Packet least = Packet::set(std::numeric_limits<float>::infinity());
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const PointTriangles t = point_triangles(triangles, i, at);
+    const Packet3 near = nearly_closest(t);
+    const Packet near_length = sqrt(dot(near, near));
+    const Packet3 normal = cross(t.edge_b, t.edge_c);
+    const Packet normal_length = sqrt(dot(normal, normal));
+    const Packet along = gap_times_length(t, near) / max(near_length, shortest);
+    const Packet above = gap_times_length(t, normal) / max(normal_length, shortest);
+    (max(along, above) - off).store(intervals.lower + i);
+    least = min(least, near_length);
+  }
+  intervals.upper = -largest(zero() - least) + base::float_up(error);
+  const Packet farthest = Packet::set(std::min(intervals.upper, base::float_up(std::min(limit * per_step, 0x1p60))));
+  intervals.kept = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    intervals.kept |= bits(Packet::load(intervals.lower + i) <= farthest) << i;
+  }
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

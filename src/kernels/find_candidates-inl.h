@@ -1,0 +1,305 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Kernels::find_candidates.
+
+#if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#undef LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#else
+#define LIMBER_SIMD_FIND_CANDIDATES_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "kernels/leaf_support-inl.h"
+#include "kernels/pair_list-inl.h"
+#include "kernels/project-inl.h"
+#include "kernels/separated_neighbors-inl.h"
+#include "simd/kernels.h"
+#include "simd/packets-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+// Directions shorter than the root of this have lost too many digits.
+inline constexpr float smallest_direction_sq = 1e-20F;
+
+inline constexpr float infinite = std::numeric_limits<float>::infinity();
+
+/// The interval of three numbers, one for each corner.
+struct Interval {
+  Packet low, high;
+};
+LIMBER_KERNEL Interval interval(Packet x, Packet y, Packet z) { return {min(min(x, y), z), max(max(x, y), z)}; }
+
+/// Squared gap of two triangles along a direction of squared length `w_sq`, times `w_sq`.
+LIMBER_KERNEL Packet gap_along_sq(const Interval& a, const Interval& b) {
+  const Packet gap = max(max(b.low - a.high, a.low - b.high), zero());
+  return gap * gap;
+}
+
+/// Whether such a gap prunes a pair. Directions too short for float32 prune nothing.
+LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
+  return (gap >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
+}
+
+/// Compares triangles of two leaves. Returns those of the `wanted` lanes that are not pruned, and leaves in `bound_sq`
+/// the best bounds that were computed: of these, and with `bounds_rest` of those that are pruned.
+template <bool bounds_rest>
+LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
+                                     Packet& bound_sq) {
+  // Along the line of the centroids: best where the triangles are small next to their distance.
+  const Packet3 w{b[0].x + b[1].x + b[2].x - (a[0].x + a[1].x + a[2].x),
+                  b[0].y + b[1].y + b[2].y - (a[0].y + a[1].y + a[2].y),
+                  b[0].z + b[1].z + b[2].z - (a[0].z + a[1].z + a[2].z)};
+  const Packet w_sq = dot(w, w);
+  const Packet gap_w = gap_along_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])),
+                                    interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
+  const Packet least = Packet::set(smallest_direction_sq);
+  const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
+  if (bounds_rest) bound_sq = gap_w / max(w_sq, least);
+  unsigned kept = wanted & ~bits(is_pruned_w);
+  if (kept == 0) return 0;
+  // Along the normal of either triangle, from a corner of a so that the numbers are small.
+  const Packet3 r0[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
+  const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0];
+  const Packet3 n = cross(e1, e2);
+  const Packet n_sq = dot(n, n);
+  const Packet gap_n =
+      gap_along_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
+  const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
+  const Packet m_sq = dot(m, m);
+  const Packet gap_m =
+      gap_along_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
+  kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
+  const Packet best_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
+  // What the first direction has pruned keeps its bound, whatever else is in the packet.
+  bound_sq = bounds_rest ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
+  return kept;
+}
+
+LIMBER_KERNEL float smallest(Packet p) {
+  alignas(64) float x[Packet::lanes];
+  p.store(x);
+  return *std::min_element(x, x + Packet::lanes);
+}
+
+/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
+/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the prune distance.
+template <bool bounds_rest>
+LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
+                                       const ProjectedLeaves& pair, const PruneLimits& pruning, float& beyond) {
+  alignas(64) float high[width];
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
+  }
+  std::uint64_t wanted = 0;
+  const Packet gap = Packet::set(pair.gap), far = Packet::set(base::max_units);
+  Packet least = far;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet other = farthest_corners(b, i, broadcast(pruning.other_normal)) * Packet::set(pair.step_b);
+    for (std::uint32_t row = 0; row < width; ++row) {
+      const Packet sum = Packet::set(high[row]) + other;
+      const Mask is_wanted = sum > gap;
+      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
+      if (bounds_rest) least = min(least, select(is_wanted, far, gap - sum));
+    }
+  }
+  if (bounds_rest) beyond = smallest(least);
+  return wanted;
+}
+
+/// The bounding boxes of the triangles of a leaf.
+struct alignas(64) Boxes {
+  float low[3][width], high[3][width];
+};
+
+LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 p = c.at(0, i), q = c.at(1, i), r = c.at(2, i);
+    const Interval x = interval(p.x, q.x, r.x), y = interval(p.y, q.y, r.y), z = interval(p.z, q.z, r.z);
+    x.low.store(boxes.low[0] + i), x.high.store(boxes.high[0] + i);
+    y.low.store(boxes.low[1] + i), y.high.store(boxes.high[1] + i);
+    z.low.store(boxes.low[2] + i), z.high.store(boxes.high[2] + i);
+  }
+}
+
+/// How far the boxes of slots from `i` on are apart from that of a slot of the other leaf, along each axis; negative
+/// where they overlap.
+LIMBER_KERNEL Packet3 box_gaps(const Boxes& a, std::uint32_t row, const Boxes& b, std::uint32_t i) {
+  const auto gap = [&](int axis) {
+    const Packet above = Packet::load(b.low[axis] + i) - Packet::set(a.high[axis][row]);
+    const Packet below = Packet::set(a.low[axis][row]) - Packet::load(b.high[axis] + i);
+    return max(above, below);
+  };
+  return {gap(0), gap(1), gap(2)};
+}
+
+/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
+/// the others' boxes.
+template <bool bounds_rest>
+LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  const Packet far = Packet::set(infinite);
+  Packet least = far;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      const Packet3 out{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
+      const Packet sum = dot(out, out);
+      const Mask is_wanted = sum < limit_sq;
+      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
+      if (bounds_rest) least = min(least, select(is_wanted, far, sum));
+    }
+  }
+  if (bounds_rest) apart_sq = smallest(least);
+  return wanted;
+}
+
+/// The pairs whose bounding boxes are closer than `limit` along every axis. That prunes less and takes less, and is as
+/// good where the limit is small next to the triangles.
+LIMBER_KERNEL std::uint64_t near_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (8 * row + i);
+    }
+  }
+  return wanted;
+}
+
+/// The corners of a leaf about its center; or in the frame and about the center of the other leaf.
+LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, LeafCorners& c) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::from_int16(leaf.corner[k] + i) * Packet::set(step)).store(c.v[k] + i);
+  }
+}
+LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const FrameTransform& transform,
+                          const float* offset, LeafCorners& c) {
+  const Packet3 x = broadcast(transform.rotation[0]), y = broadcast(transform.rotation[1]),
+                z = broadcast(transform.rotation[2]);
+  const Packet3 shift = broadcast(offset);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; k += 3) {
+      const Packet px = Packet::from_int16(leaf.corner[k] + i) * Packet::set(step);
+      const Packet py = Packet::from_int16(leaf.corner[k + 1] + i) * Packet::set(step);
+      const Packet pz = Packet::from_int16(leaf.corner[k + 2] + i) * Packet::set(step);
+      (x.x * px + y.x * py + z.x * pz + shift.x).store(c.v[k] + i);
+      (x.y * px + y.y * py + z.y * pz + shift.y).store(c.v[k + 1] + i);
+      (x.z * px + y.z * py + z.z * pz + shift.z).store(c.v[k + 2] + i);
+    }
+  }
+}
+
+/// The corners of a leaf moved by `offset`.
+LIMBER_KERNEL void move(const LeafCorners& from, const float* offset, LeafCorners& to) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    for (int k = 0; k < 9; ++k) (Packet::load(from.v[k] + i) + Packet::set(offset[k % 3])).store(to.v[k] + i);
+  }
+}
+
+/// The two axes across which the triangles of a slot are seen best.
+LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axis)[2]) {
+  const float x = std::abs(bounds.normal_x[slot]), y = std::abs(bounds.normal_y[slot]);
+  const float z = std::abs(bounds.normal_z[slot]);
+  const int along = z >= std::max(x, y) ? 2 : static_cast<int>(y >= x);
+  axis[0] = along == 0 ? 1 : 0, axis[1] = along == 2 ? 1 : 2;
+}
+
+template <bool bounds_rest, bool is_self>
+LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
+  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
+  candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
+  candidates.apart = infinite;
+  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
+  std::uint64_t wanted = is_self && &self->a == &self->b ? later : ~std::uint64_t{0};
+  if (pruning.has_direction) {
+    float beyond = 0;
+    wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
+    if (bounds_rest) candidates.apart = (pair.prune_distance + beyond) * base::squares_down;
+    if (wanted == 0) return;
+  }
+  LeafCorners ca, cb, own_b;  // of b also about its own center
+  unpack(*a.triangles, pair.step_a, ca);
+  if (is_self) {
+    unpack(*b.triangles, pair.step_b, own_b);
+    move(own_b, pair.offset, cb);
+  } else {
+    unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
+  }
+
+  const float limit = pair.prune_distance + pair.error;
+  const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
+  // Boxes prune something only where triangles that matter are closer than they are large.
+  float apart_sq = infinite;
+  if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
+    wanted &= is_self ? near_along_axes(ca, cb, Packet::set(limit * base::squares_up))
+                      : near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+  }
+  PairList pairs;
+  pairs.add(wanted);
+  if (is_self) {
+    const float away = base::float_up(transform.error * pair.scale);
+    int axis[2];
+    find_wide_axes(a.node->bounds, a.slot, axis);
+    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
+                               LeafOfMesh(self->b, own_b, pair.step_b, away), axis, pairs);
+  }
+  pairs.fill_last_packet();
+  for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
+    const unsigned lanes = pairs.lanes_at(i);
+    const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
+    const Packet3 corners_a[3] = {ca.at(0, in_a), ca.at(1, in_a), ca.at(2, in_a)};
+    const Packet3 corners_b[3] = {cb.at(0, in_b), cb.at(1, in_b), cb.at(2, in_b)};
+    Packet bound_sq = zero();
+    unsigned kept = compare_pairs<bounds_rest>(corners_a, corners_b, limit_sq, lanes, bound_sq);
+    alignas(64) float bounds[Packet::lanes];
+    bound_sq.store(bounds);
+    for (unsigned pruned = bounds_rest ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
+      apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
+    }
+    for (; kept != 0; kept &= kept - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(kept));
+      const std::uint8_t slots = pairs.pair[i + lane];
+      candidates.pairs[candidates.count++] = {bounds[lane], static_cast<std::uint8_t>(slots / width),
+                                              static_cast<std::uint8_t>(slots % width)};
+    }
+  }
+  if (bounds_rest) {
+    candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * base::squares_down) - pair.error);
+  }
+}
+
+LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+                                   Candidates& candidates) {
+  if (self != nullptr) {
+    LIMBER_ASSERT(!bounds_rest);
+    find_candidates<false, true>(a, b, transform, pruning, self, candidates);
+  } else if (bounds_rest) {
+    find_candidates<true, false>(a, b, transform, pruning, self, candidates);
+  } else {
+    find_candidates<false, false>(a, b, transform, pruning, self, candidates);
+  }
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Projects nodes and leaves of one tree into the frame of the other.
+
+#if defined(LIMBER_SIMD_PROJECT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_PROJECT_INL_H
+#undef LIMBER_SIMD_PROJECT_INL_H
+#else
+#define LIMBER_SIMD_PROJECT_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/error_bounds.h"
+#include "base/rounding.h"
+#include "kernels/leaf_support-inl.h"
+#include "simd/kernels.h"
+#include "simd/packets-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+// Plain loops over four numbers, which compilers turn into one instruction each. Float64 finds where a center lies
+// relative to the local origin it is compared at; from there on float32 resolves everything that matters, however far
+// the models are from the world's origin. All errors on the way are added to the bounds of the projected node.
+
+/// A node in the frame and unit of the node it is compared with, relative to that node's origin; enlarged by rounding
+/// errors and by how far vertices of both models are from their fitted positions.
+struct ProjectedNode {
+  alignas(16) float center[4];
+  alignas(16) float half[4];  // along the axes of that frame
+  float own_half[3];          // along the axes of its own
+  alignas(16) float normal[4];
+  float radius, low, high;
+};
+
+/// The search direction, for the children of one node and a projected node. A child whose support along `normal`,
+/// measured from the node's origin, is at most `gap` is pruned.
+struct ProjectedDirection {
+  const float* normal;
+  float gap;
+  float prune_distance;  // in units
+};
+
+/// Two leaves in the frame of a, about the center of a, scaled so that all numbers are about 1 or less.
+struct ProjectedLeaves {
+  float step_a, step_b;  // lengths of one quantization step
+  float offset[4];       // from the center of a to that of b
+  float error;           // more than rounding and quantization can change any gap by
+  float prune_distance;
+  float gap;     // triangles whose supports towards each other together are at most that are pruned
+  double scale;  // from lengths
+};
+
+/// The center of a slot in the frame that `transform` leads to, relative to `origin`, in lengths; the fourth number is
+/// 0.
+LIMBER_KERNEL void project_center(const bvh::WideNode& node, std::uint32_t slot, const FrameTransform& transform,
+                                  const Vec3& origin, double* projected) {
+  const double x = node.origin.x + transform.other_unit * static_cast<double>(node.bounds.center_x[slot]);
+  const double y = node.origin.y + transform.other_unit * static_cast<double>(node.bounds.center_y[slot]);
+  const double z = node.origin.z + transform.other_unit * static_cast<double>(node.bounds.center_z[slot]);
+  const auto& columns = transform.from_other;
+  // Number by number: processors wait when a vector is read where single numbers have just been written.
+  const auto along = [&](int j) { return columns[0][j] * x + columns[1][j] * y + columns[2][j] * z + columns[3][j]; };
+  projected[0] = along(0) - origin.x, projected[1] = along(1) - origin.y, projected[2] = along(2) - origin.z;
+  projected[3] = 0;
+}
+
+/// The matrix with these columns times (x, y, z).
+LIMBER_KERNEL void multiply(const float (&columns)[3][4], float x, float y, float z, float* out) {
+  for (int j = 0; j < 4; ++j) out[j] = columns[0][j] * x + columns[1][j] * y + columns[2][j] * z;
+}
+
+LIMBER_KERNEL double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Radius of the circle in which a plane at that height over its center cuts a sphere; 0 where it does not.
+LIMBER_KERNEL float rim_radius(float radius, float height) {
+  return std::sqrt(std::max(0.0F, radius * radius - height * height));
+}
+
+/// `center` is what project_center() gives relative to the origin of `node`.
+LIMBER_KERNEL ProjectedNode project_node(const bvh::WideNode& node, const OtherNode& other,
+                                         const FrameTransform& transform, const double* center) {
+  const bvh::ChildBounds& n = other.node->bounds;
+  const std::uint32_t k = other.slot;
+  double units[3];
+  for (int j = 0; j < 3; ++j) units[j] = center[j] * transform.per_unit;
+  const float radius = n.radius[k] * transform.ratio;
+  // Not less than: true also where radius or error are infinite, or the product of 0 and infinity.
+  const double size = static_cast<double>(radius) + static_cast<double>(transform.error_units);
+  if (!(std::abs(units[0]) + std::abs(units[1]) + std::abs(units[2]) + size < base::max_units)) {
+    constexpr auto everywhere = static_cast<float>(4 * base::max_units);
+    const float all = everywhere;
+    return {{}, {all, all, all}, {all, all, all}, {1, 0, 0}, all, -all, all};
+  }
+  ProjectedNode p;
+  for (int j = 0; j < 3; ++j) p.center[j] = static_cast<float>(units[j]);
+  p.center[3] = 0;
+  multiply(transform.rotation, n.normal_x[k], n.normal_y[k], n.normal_z[k], p.normal);
+  multiply(transform.rotation_abs, n.half_x[k], n.half_y[k], n.half_z[k], p.half);
+  const float magnitude = std::abs(p.center[0]) + std::abs(p.center[1]) + std::abs(p.center[2]);
+  const float error = (magnitude + node.radius + radius) * base::projection_error + transform.error_units;
+  for (float& half : p.half) half = std::min(half * transform.ratio, radius) + error;
+  const auto own_half = [&](float half) { return std::min(half * transform.ratio, radius) + error; };
+  p.own_half[0] = own_half(n.half_x[k]), p.own_half[1] = own_half(n.half_y[k]), p.own_half[2] = own_half(n.half_z[k]);
+  p.radius = radius + error;
+  p.low = n.low[k] * transform.ratio - error;
+  p.high = n.high[k] * transform.ratio + error;
+  return p;
+}
+
+/// The support of a node or leaf along a direction of its own frame, about its center, rounded up, in its own units.
+LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
+  const bvh::ChildBounds& n = other.node->bounds;
+  const std::uint32_t k = other.slot;
+  const float radius = n.radius[k];
+  if (other.triangles != nullptr) {
+    const float step = radius * (1 / bvh::max_quantized);
+    return leaf_support(*other.triangles, direction) * step + static_cast<float>(base::quantization_error) * step +
+           radius * base::projection_error;
+  }
+  const float x = n.normal_x[k], y = n.normal_y[k], z = n.normal_z[k];
+  const float cosine = direction[0] * x + direction[1] * y + direction[2] * z, cosine_abs = std::abs(cosine);
+  const float height = cosine > 0 ? n.high[k] : -n.low[k];
+  const float u = y * direction[2] - z * direction[1], v = z * direction[0] - x * direction[2],
+              w = x * direction[1] - y * direction[0];
+  const float sine = std::sqrt(u * u + v * v + w * w);
+  const float sphere = radius * cosine_abs > height ? height * cosine_abs + rim_radius(radius, height) * sine : radius;
+  const float box = std::abs(direction[0]) * n.half_x[k] + std::abs(direction[1]) * n.half_y[k] +
+                    std::abs(direction[2]) * n.half_z[k];
+  return std::min(sphere, box) + radius * base::projection_error;
+}
+
+/// `center` as for project_node(). Pre: there is a search direction.
+LIMBER_KERNEL ProjectedDirection project_direction(const bvh::WideNode& node, const OtherNode& other,
+                                                   const FrameTransform& transform, const PruneLimits& pruning,
+                                                   const double* center) {
+  const double other_support = static_cast<double>(support(other, pruning.other_normal)) * transform.other_unit;
+  const double gap = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
+  const double units = std::clamp(gap * transform.per_unit, -base::max_units, base::max_units);
+  return {pruning.normal, base::float_down(units) - node.radius * base::projection_error,
+          base::float_up(std::min(pruning.distance * transform.per_unit, base::max_units))};
+}
+
+/// The power of two that brings a size to 1 or more, but below 2. Pre: 2^-1000 < size < 2^1000.
+LIMBER_KERNEL double scale_to_one(double size) {
+  return std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
+}
+
+LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+                                             const PruneLimits& pruning) {
+  constexpr double smallest_size = 0x1p-900, largest_size = 0x1p900;
+  const bvh::ChildBounds &na = a.node->bounds, &nb = b.node->bounds;
+  const Vec3 center_a =
+      a.node->origin + transform.unit * Vec3{na.center_x[a.slot], na.center_y[a.slot], na.center_z[a.slot]};
+  alignas(32) double offset[4];
+  project_center(*b.node, b.slot, transform, center_a, offset);
+  const double radius_a = transform.unit * static_cast<double>(na.radius[a.slot]);
+  const double radius_b = transform.other_unit * static_cast<double>(nb.radius[b.slot]);
+  const double size =
+      std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]) + radius_a + radius_b + transform.error;
+  ProjectedLeaves p;
+  const double scale = scale_to_one(std::clamp(size, smallest_size, largest_size));
+  p.scale = scale;
+  const double step_a = radius_a * scale / static_cast<double>(bvh::max_quantized);
+  const double step_b = radius_b * scale / static_cast<double>(bvh::max_quantized);
+  p.step_a = static_cast<float>(step_a), p.step_b = static_cast<float>(step_b);
+  for (int j = 0; j < 4; ++j) p.offset[j] = static_cast<float>(offset[j] * scale);
+  const double steps = base::quantization_error * (step_a + step_b);
+  p.error = base::float_up(steps + transform.error * scale) + base::leaf_pair_error;
+  p.prune_distance = base::float_up(std::min(pruning.distance * scale, base::max_units));
+  p.gap = 0;
+  if (pruning.has_direction) {
+    const double rounding = (radius_a + radius_b) * static_cast<double>(base::projection_error);
+    const double gap =
+        (dot3(pruning.direction, offset) - pruning.distance - transform.error - rounding) * scale - steps;
+    p.gap = base::float_down(std::clamp(gap, -base::max_units, base::max_units));
+  }
+  return p;
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

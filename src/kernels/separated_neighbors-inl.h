@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Triangles of one mesh that share vertices: which of them certainly have nothing else in common.
+
+#if defined(LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
+#ifdef LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
+#undef LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
+#else
+#define LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
+#endif
+
+#include <cstdint>
+
+#include "base/error_bounds.h"
+#include "kernels/pair_list-inl.h"
+#include "kernels/project-inl.h"
+#include "simd/kernels.h"
+#include "simd/packets-inl.h"
+
+LIMBER_BEFORE_KERNELS;
+namespace limber::simd::LIMBER_TARGET {
+namespace {
+
+/// A leaf of a mesh that is compared with itself: the vertices of its triangles, [corner][slot]; their corners, each
+/// leaf about its own center, so that differences of two corners are good to a few quantization steps.
+struct LeafOfMesh {
+  alignas(64) VertexId id[3][width];
+  const LeafCorners& corners;
+  float extent;  // of all coordinates
+  float error;   // of a coordinate of the difference of two corners
+
+  /// `away` is the most that a corner may be away from where the leaf says it is, beside quantization.
+  LIMBER_KERNEL LeafOfMesh(const bvh::Leaf& leaf, const LeafCorners& leaf_corners, float step, float away)
+      : corners(leaf_corners),
+        extent(bvh::max_quantized * step),
+        error((base::corner_difference_error * step + 2 * away) * base::squares_up) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      deinterleave(leaf.vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
+    }
+  }
+};
+
+/// Which corners of two triangles are the same vertex.
+struct SharedCorners {
+  Mask a[3], b[3];    // corner k of one is a corner of the other
+  unsigned one, two;  // lanes: as many corners are shared
+};
+
+LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_a, const LeafOfMesh& b,
+                                           const Slots& in_b) {
+  Mask same[3][3];
+  const Ids of_b[3] = {pick(b.id[0], in_b), pick(b.id[1], in_b), pick(b.id[2], in_b)};
+  for (int k = 0; k < 3; ++k) {
+    const Ids of_a = pick(a.id[k], in_a);
+    for (int l = 0; l < 3; ++l) same[k][l] = of_a == of_b[l];
+  }
+  SharedCorners s;
+  for (int k = 0; k < 3; ++k) {
+    s.a[k] = same[k][0] | same[k][1] | same[k][2];
+    s.b[k] = same[0][k] | same[1][k] | same[2][k];
+  }
+  // Three shared corners are both one and several, and nothing is beyond them. Where a triangle names a vertex more
+  // than once, edges between its corners have no length and prove nothing.
+  const auto is_odd = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
+  const auto is_several = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
+  s.one = bits(is_odd(s.a) & is_odd(s.b));
+  s.two = bits(is_several(s.a) & is_several(s.b));
+  return s;
+}
+
+/// A triangle with a shared corner in the plane of two axes, seen from there. If two corners are shared, the first is
+/// the other one.
+struct Sector {
+  Packet x[2], y[2];  // of the first and second other corner
+
+  LIMBER_KERNEL Sector(const Mask (&is_shared)[3], const LeafCorners& c, const Slots& slots, const int (&axis)[2]) {
+    // Of one shared corner or two: the first, the first of those that are not, and the one that is left.
+    const Mask is_middle_left = is_shared[0] ^ is_shared[1];
+    Packet* const to[2] = {x, y};
+    for (int k = 0; k < 2; ++k) {
+      const Packet p0 = pick(c.v[axis[k]], slots), p1 = pick(c.v[3 + axis[k]], slots);
+      const Packet p2 = pick(c.v[6 + axis[k]], slots);
+      const Packet at = select(is_shared[0], p0, select(is_shared[1], p1, p2));
+      to[k][0] = select(is_middle_left, p2, p1) - at;
+      to[k][1] = select(is_shared[0], select(is_shared[1], p2, p1), p0) - at;
+    }
+  }
+};
+
+/// The largest errors of cross products of sectors.
+struct SectorErrors {
+  Packet aa, ab, bb;
+};
+
+/// Lanes in which a line through the shared corner, along an edge of one of the triangles, separates their images along
+/// an axis: the triangles have only the shared corner in common, or the shared edge.
+LIMBER_KERNEL unsigned separated_along_axis(const SharedCorners& shared, const Sector& a, const Sector& b,
+                                            const SectorErrors& error) {
+  const auto turn = [](const Sector& p, int i, const Sector& q, int j) { return p.x[i] * q.y[j] - p.y[i] * q.x[j]; };
+  const Packet turn_a = turn(a, 0, a, 1), turn_b = turn(b, 0, b, 1);
+  const Packet t00 = turn(a, 0, b, 0), t01 = turn(a, 0, b, 1), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
+  // Signs as if either triangle turned left.
+  const Packet a00 = flipped_as(t00, turn_a), a01 = flipped_as(t01, turn_a), a10 = flipped_as(t10, turn_a),
+               a11 = flipped_as(t11, turn_a);
+  const Packet b00 = flipped_as(t00, turn_b), b01 = flipped_as(t01, turn_b), b10 = flipped_as(t10, turn_b),
+               b11 = flipped_as(t11, turn_b);
+  const Mask is_a = abs(turn_a) > error.aa, is_b = abs(turn_b) > error.bb;
+  // b is to the right of the first edge of a, or to the left of its second; and the other way round.
+  const Packet beyond_a = max(zero() - max(a00, a01), min(a10, a11));
+  const Packet beyond_b = max(min(b00, b10), zero() - max(b01, b11));
+  const Mask is_one = (is_a & (beyond_a > error.ab)) | (is_b & (beyond_b > error.ab));
+  // The first edges are the shared one: the other corners are on different sides of it.
+  const Mask is_two = is_a & (zero() - a01 > error.ab);
+  return (bits(is_one) & shared.one) | (bits(is_two) & shared.two);
+}
+
+/// Errors of the difference of two corners of a triangle: of each coordinate, and of its length.
+struct CornerError {
+  Packet coordinate, length;
+};
+
+/// Lanes in which a plane through the one shared corner separates the triangles.
+///
+/// The plane is across the sum of the edges of b from that corner less those of a. Whatever it is: if the other corners
+/// are on different sides of it, strictly, the triangles have only the shared corner in common.
+LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
+                                           const CornerError& error_a, const CornerError& error_b) {
+  const Packet3 at_a = select(shared.a[0], a[0], select(shared.a[1], a[1], a[2]));
+  const Packet3 at_b = select(shared.b[0], b[0], select(shared.b[1], b[1], b[2]));
+  const Packet3 p[3] = {a[0] - at_a, a[1] - at_a, a[2] - at_a}, q[3] = {b[0] - at_b, b[1] - at_b, b[2] - at_b};
+  const Packet3 m = (q[0] + q[1] + q[2]) - (p[0] + p[1] + p[2]);
+  const Packet far = Packet::set(far_off);
+  Packet nearest_a = far, nearest_b = far;
+  for (int k = 0; k < 3; ++k) {
+    nearest_a = min(nearest_a, select(shared.a[k], far, zero() - dot(m, p[k])));
+    nearest_b = min(nearest_b, select(shared.b[k], far, dot(m, q[k])));
+  }
+  const Packet sum = abs(m.x) + abs(m.y) + abs(m.z);
+  return bits((nearest_a > sum * error_a.coordinate) & (nearest_b > sum * error_b.coordinate));
+}
+
+/// Inner products of three vectors.
+struct EdgeProducts {
+  Packet ee, ep, eq, pq, pp, qq;
+};
+
+/// Whether (e x p) . (e x q) is certainly negative: p and q are on different sides of the plane along e that is
+/// perpendicular to the plane of e and p (docs/algorithms/intersection.md).
+LIMBER_KERNEL Mask point_apart(const EdgeProducts& d, Packet error_e, Packet error_p, Packet error_q) {
+  const Packet across = d.ee * d.pq - d.ep * d.eq;
+  const Packet e = sqrt(d.ee), p = sqrt(d.pp), q = sqrt(d.qq), most_e = e + error_e;
+  // What errors of the three change the product by, and what rounding does.
+  const Packet changed = most_e * most_e * (p + error_p) * (q + error_q) * Packet::set(base::squares_up) -
+                         d.ee * p * q * Packet::set(base::squares_down);
+  const Packet rounding = d.ee * (d.pp + d.qq) * Packet::set(base::edge_plane_error);
+  return across + changed + rounding < zero();
+}
+
+/// Lanes in which a plane through the shared edge separates the triangles.
+LIMBER_KERNEL unsigned separated_at_edge(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
+                                         const CornerError& error_a, const CornerError& error_b) {
+  // The corner of a that is not shared, and those of the edge.
+  const Packet3 apex_a = select(shared.a[0], select(shared.a[1], a[2], a[1]), a[0]);
+  const Packet3 v = select(shared.a[0], a[0], a[1]);
+  const Packet3 w = select(shared.a[0], select(shared.a[1], a[1], a[2]), a[2]);
+  const Packet3 apex_b = select(shared.b[0], select(shared.b[1], b[2], b[1]), b[0]);
+  const Packet3 e = w - v, p = apex_a - v, q = apex_b - select(shared.b[0], b[0], b[1]);
+  return bits(point_apart({dot(e, e), dot(e, p), dot(e, q), dot(p, q), dot(p, p), dot(q, q)}, error_a.length,
+                          error_a.length, error_b.length));
+}
+
+/// The same for one shared corner, with the planes along the edges of `a` from there, perpendicular to that triangle: b
+/// is beyond one of them.
+LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Packet3 (&a)[3], Packet error_a,
+                                             const Mask (&shared_b)[3], const Packet3 (&b)[3], Packet error_b) {
+  const Packet3 at_a = select(shared_a[0], a[0], select(shared_a[1], a[1], a[2]));
+  const Packet3 at_b = select(shared_b[0], b[0], select(shared_b[1], b[1], b[2]));
+  const Packet3 p1 = select(shared_a[0], a[1], a[0]) - at_a, p2 = select(shared_a[2], a[1], a[2]) - at_a;
+  const Packet3 q1 = select(shared_b[0], b[1], b[0]) - at_b, q2 = select(shared_b[2], b[1], b[2]) - at_b;
+  const Packet p11 = dot(p1, p1), p12 = dot(p1, p2), p22 = dot(p2, p2), q11 = dot(q1, q1), q22 = dot(q2, q2);
+  const Packet p1q1 = dot(p1, q1), p1q2 = dot(p1, q2), p2q1 = dot(p2, q1), p2q2 = dot(p2, q2);
+  const auto apart = [&](const EdgeProducts& d) { return point_apart(d, error_a, error_a, error_b); };
+  return bits((apart({p11, p12, p1q1, p2q1, p22, q11}) & apart({p11, p12, p1q2, p2q2, p22, q22})) |
+              (apart({p22, p12, p2q1, p1q1, p11, q11}) & apart({p22, p12, p2q2, p1q2, p11, q22})));
+}
+
+/// Lanes in which a plane separates the triangles beyond the corner or the edge that they share.
+LIMBER_KERNEL unsigned separated_by_plane(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
+                                          const CornerError& error_a, const CornerError& error_b) {
+  unsigned apart = 0;
+  if (shared.one != 0) {
+    apart |= shared.one & separated_at_corner(shared, a, b, error_a, error_b);
+    if ((shared.one & ~apart) != 0) {
+      apart |= shared.one & (separated_along_edges(shared.a, a, error_a.length, shared.b, b, error_b.length) |
+                             separated_along_edges(shared.b, b, error_b.length, shared.a, a, error_a.length));
+    }
+  }
+  if (shared.two != 0) apart |= shared.two & separated_at_edge(shared, a, b, error_a, error_b);
+  return apart;
+}
+
+/// Removes those pairs from a list that share one vertex or one edge and certainly have nothing else in common. Those
+/// that share vertices and are kept go to its end. `axis` are two axes that triangles are looked at in.
+LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfMesh& b, const int (&axis)[2],
+                                              PairList& pairs) {
+  // Coordinates of differences are at most twice the extent.
+  const auto error_of = [](const LeafOfMesh& p, const LeafOfMesh& q) {
+    const float crossed = 4 * (p.extent * q.error + q.extent * p.error) + 2 * p.error * q.error;
+    const float rounding = base::sector_rounding_error * p.extent * q.extent;
+    return Packet::set((crossed + rounding) * base::squares_up);
+  };
+  const SectorErrors errors{error_of(a, a), error_of(a, b), error_of(b, b)};
+  PairList open;
+  std::uint32_t kept = 0;
+  pairs.fill_last_packet();
+  for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
+    const unsigned lanes = pairs.lanes_at(i);
+    const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
+    const SharedCorners shared = shared_corners(a, in_a, b, in_b);
+    const unsigned are_neighbors = shared.one | shared.two;
+    unsigned apart = 0;
+    if ((are_neighbors & lanes) != 0) {
+      apart = separated_along_axis(shared, Sector(shared.a, a.corners, in_a, axis),
+                                   Sector(shared.b, b.corners, in_b, axis), errors);
+    }
+    open.add(pairs, i, lanes & are_neighbors & ~apart);
+    // In place: as many have been read.
+    for (unsigned rest = lanes & ~are_neighbors; rest != 0; rest &= rest - 1) {
+      pairs.pair[kept++] = pairs.pair[i + static_cast<std::uint32_t>(std::countr_zero(rest))];
+    }
+  }
+  pairs.count = kept;
+  if (open.count == 0) return;
+  const auto corner_error = [](const LeafOfMesh& leaf) {
+    return CornerError{Packet::set(leaf.error), Packet::set(leaf.error * base::root_of_3)};
+  };
+  const CornerError error_a = corner_error(a), error_b = corner_error(b);
+  open.fill_last_packet();
+  for (std::uint32_t i = 0; i < open.count; i += Packet::lanes) {
+    const Slots in_a = Slots::first_of(open.pair + i), in_b = Slots::second_of(open.pair + i);
+    const Packet3 corners_a[3] = {a.corners.at(0, in_a), a.corners.at(1, in_a), a.corners.at(2, in_a)};
+    const Packet3 corners_b[3] = {b.corners.at(0, in_b), b.corners.at(1, in_b), b.corners.at(2, in_b)};
+    const unsigned apart = separated_by_plane(shared_corners(a, in_a, b, in_b), corners_a, corners_b, error_a, error_b);
+    pairs.add(open, i, open.lanes_at(i) & ~apart);
+  }
+}
+
+}  // namespace
+}  // namespace limber::simd::LIMBER_TARGET
+LIMBER_AFTER_KERNELS;
+
+#endif

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/neighbor_rings.h"
+
+#include <algorithm>
+#include <span>
+
+#include "base/check.h"
+
+namespace limber {
+namespace {
+
+/// Which triangles each vertex belongs to.
+class TrianglesOfVertices {
+ public:
+  explicit TrianglesOfVertices(const Mesh& mesh)
+      : begin_(mesh.positions().size() + 2, 0), triangles_(3 * mesh.triangles().size()) {
+    // begin_[v + 2] counts, then begin_[v + 1] is where the next triangle of v goes; in the end that is the end of v.
+    for (const Corners& corners : mesh.triangles()) {
+      for (const VertexId v : corners) ++begin_[v + std::size_t{2}];
+    }
+    for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
+    for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+      for (const VertexId v : mesh.triangles()[t]) triangles_[begin_[v + std::size_t{1}]++] = t;
+    }
+  }
+
+  std::span<const TriangleId> of(VertexId v) const {
+    return std::span(triangles_).subspan(begin_[v], begin_[v + std::size_t{1}] - begin_[v]);
+  }
+
+ private:
+  std::vector<std::size_t> begin_;
+  std::vector<TriangleId> triangles_;
+};
+
+/// Breadth-first search over the vertices of a mesh, from one triangle after the other.
+class RingSearch {
+ public:
+  explicit RingSearch(const Mesh& mesh)
+      : mesh_(mesh),
+        triangles_of_(mesh),
+        vertex_seen_by_(mesh.positions().size(), no_id),
+        triangle_seen_by_(mesh.triangles().size(), no_id) {}
+
+  /// Appends the triangles near `from` that have larger ids, ascending.
+  void append_near(TriangleId from, std::uint32_t edges, std::vector<TriangleId>& near) {
+    LIMBER_ASSERT(from < mesh_.triangles().size());
+    const std::size_t first = near.size();
+    next_.clear();
+    triangle_seen_by_[from] = from;
+    see_vertices_of(from, from);
+    for (std::uint32_t ring = 0;; ++ring) {
+      std::swap(ring_, next_);
+      next_.clear();
+      for (const VertexId v : ring_) {
+        for (const TriangleId t : triangles_of_.of(v)) {
+          if (triangle_seen_by_[t] == from) continue;
+          triangle_seen_by_[t] = from;
+          if (t > from) near.push_back(t);
+          see_vertices_of(t, from);
+        }
+      }
+      if (ring == edges || next_.empty()) break;
+    }
+    std::sort(near.begin() + static_cast<std::ptrdiff_t>(first), near.end());
+  }
+
+ private:
+  void see_vertices_of(TriangleId t, TriangleId from) {
+    for (const VertexId v : mesh_.triangles()[t]) {
+      if (vertex_seen_by_[v] == from) continue;
+      vertex_seen_by_[v] = from;
+      next_.push_back(v);
+    }
+  }
+
+  const Mesh& mesh_;
+  TrianglesOfVertices triangles_of_;
+  std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the last search that has come by
+  std::vector<VertexId> ring_, next_;  // as many edges away as the search has come, and one more
+};
+
+}  // namespace
+
+NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
+  LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::NeighborRings: the mesh has been moved from");
+  RingSearch search(mesh);
+  begin_.reserve(mesh.triangles().size() + 1);
+  begin_.push_back(0);
+  std::vector<TriangleId> near;
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    search.append_near(t, edges, near);
+    begin_.push_back(near.size());
+  }
+  near_.assign(near.begin(), near.end());  // without the room that it grew by
+}
+
+bool NeighborRings::are_near(TriangleId a, TriangleId b) const {
+  LIMBER_REQUIRE(a < triangle_count() && b < triangle_count(), "limber::NeighborRings: the mesh has no such triangle");
+  if (a == b) return true;
+  const TriangleId smaller = std::min(a, b);
+  const std::span<const TriangleId> larger =
+      std::span(near_).subspan(begin_[smaller], begin_[smaller + std::size_t{1}] - begin_[smaller]);
+  return std::binary_search(larger.begin(), larger.end(), std::max(a, b));
+}
+
+}  // namespace limber

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/motion_margin.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "simd/kernels.h"
+
+namespace limber::model {
+namespace {
+
+/// The squared distance of two points up to rounding, but at least `smallest_square` unless they are equal: squares of
+/// tiny distances may underflow.
+double floored_distance_sq(const Vec3& p, const Vec3& q) {
+  const double d_sq = length_sq(p - q);
+  return d_sq >= smallest_square || p == q ? d_sq : smallest_square;
+}
+
+}  // namespace
+
+void MotionMargin::start(std::span<const Vec3> positions) {
+  fitted_.assign(positions.begin(), positions.end());
+  farthest_sq_ = 0;
+  moves_since_exact_ = 0;
+}
+
+double MotionMargin::largest_displacement() const { return std::sqrt(farthest_sq_) * base::outward; }
+
+void MotionMargin::refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty) {
+  fitted_[vertex] = mesh.positions()[vertex];
+  dirty.add(vertex);
+  ++refitted_;
+}
+
+void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
+  dirty.add_all();
+  if (!is_on()) return;
+  LIMBER_ASSERT(fitted_.size() == mesh.positions().size());
+  std::copy(mesh.positions().begin(), mesh.positions().end(), fitted_.begin());
+  farthest_sq_ = 0;
+}
+
+void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty,
+                          bool notes_avoided) {
+  for (const VertexId id : ids) {
+    const double displacement_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
+    if (displacement_sq > margin * margin) {
+      refit(mesh, id, dirty);
+      continue;
+    }
+    farthest_sq_ = std::max(farthest_sq_, displacement_sq);
+    ++absorbed_;
+    if (notes_avoided) dirty.add_avoided(id);
+  }
+  moves_since_exact_ += ids.size();
+}
+
+std::size_t MotionMargin::absorb_all(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty) {
+  const std::vector<Vec3>& positions = mesh.positions();
+  const double margin_sq = margin * margin;
+  moves_since_exact_ = 0;
+  farthest_sq_ =
+      simd::kernels().max_displacement(fitted_.data(), positions.data(), positions.size(), max_coordinate).farthest_sq;
+  if (smallest_square <= farthest_sq_ && farthest_sq_ <= margin_sq) return 0;
+  farthest_sq_ = 0;
+  std::size_t far_count = 0;
+  for (VertexId v = 0; v < positions.size(); ++v) {
+    const double displacement_sq = floored_distance_sq(positions[v], fitted_[v]);
+    if (displacement_sq <= margin_sq) {
+      farthest_sq_ = std::max(farthest_sq_, displacement_sq);
+      continue;
+    }
+    ++far_count;
+    if (dirty.try_index_vertices(tree, positions.size())) {
+      refit(mesh, v, dirty);
+    } else {
+      ++refitted_;
+      dirty.add_all();
+    }
+    if (!dirty.covers_most_of(tree)) continue;
+    refit_all(mesh, dirty);  // costs nothing: the whole tree is going to be fitted
+    return positions.size();
+  }
+  return far_count;
+}
+
+}  // namespace limber::model

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bvh/dirty_set.h"
+#include "bvh/tree.h"
+#include "limber/mesh.h"
+
+namespace limber::model {
+
+/// Squared displacements below this have lost digits, or have become 0.
+inline constexpr double smallest_square = 0x1p-960;
+
+/// Lets vertices move a little before the bounds that hold them are refitted, like the margin of a fat bounding box.
+///
+/// Based on  the thesis this engine follows: loose bounds absorb small motions.
+/// Differs   The bounds are not enlarged. They are computed for fitted positions, one for each vertex. A vertex may be
+///           a given margin away from its fitted position; queries allow for the largest distance that occurs.
+///
+/// States   Off: the bounds hold the vertices themselves. On, from start() to stop(): they hold the fitted positions. A
+///          vertex that is absorbed is within the margin and keeps its fitted position; one that is refitted gets its
+///          present position as the fitted one, and its nodes become dirty.
+class MotionMargin {
+ public:
+  bool is_on() const { return !fitted_.empty(); }
+
+  /// Makes room, so that start() allocates nothing. Throws std::bad_alloc.
+  void reserve(std::size_t vertex_count) { fitted_.reserve(vertex_count); }
+
+  /// Takes the present positions as fitted. Throws std::bad_alloc; the margin is then off.
+  void start(std::span<const Vec3> positions);
+  void stop() { fitted_.clear(); }
+
+  /// The mesh that the bounds are computed for.
+  MeshView fitted(const Mesh& mesh) const { return is_on() ? MeshView{fitted_, mesh.triangles()} : mesh.view(); }
+
+  /// At least the distance of any vertex from its fitted position.
+  double largest_displacement() const;
+
+  /// Absorbs or refits vertices that have moved. Notes the refits that absorbing has avoided if asked to.
+  ///
+  /// Pre      is_on(), dirty.has_vertex_index().
+  void absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty, bool notes_avoided);
+
+  /// Absorbs or refits every vertex. If all can be absorbed, none is refitted; once refits have made most of the tree
+  /// dirty, all are. Afterwards largest_displacement() is exact up to rounding. Returns how many were refitted.
+  ///
+  /// Pre      is_on().
+  std::size_t absorb_all(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty);
+
+  /// Refits every vertex: makes the whole tree dirty.
+  void refit_all(const Mesh& mesh, bvh::DirtySet& dirty);
+
+  /// Whether vertices have moved back so often that largest_displacement() may have become far too large.
+  bool is_stale() const { return is_on() && moves_since_exact_ > fitted_.size(); }
+
+  /// Since the last call of clear_counts(): moves that were absorbed, and moves that were not.
+  std::uint64_t absorbed_count() const { return absorbed_; }
+  std::uint64_t refitted_count() const { return refitted_; }
+  void count_absorbed(std::size_t moves) { absorbed_ += moves; }
+  void count_refitted(std::size_t moves) { refitted_ += moves; }
+  void clear_counts() { absorbed_ = refitted_ = 0; }
+
+ private:
+  void refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty);
+
+  std::vector<Vec3> fitted_;  // empty while the margin is off
+  double farthest_sq_ = 0;    // from its fitted position
+  std::size_t moves_since_exact_ = 0;
+  std::uint64_t absorbed_ = 0, refitted_ = 0;
+};
+
+}  // namespace limber::model

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "pair/collectors/collector.h"
+#include "pair/expansion.h"
+#include "pair/leaf_comparison.h"
+#include "pair/margin_cost.h"
+#include "pair/placed_leaf.h"
+#include "pair/search_context.h"
+#include "pair/squared_limits.h"
+#include "pair/tree_pair.h"
+
+namespace limber::pair {
+
+/// The loop of queries that need every pair of triangles within a cutoff: depth first, with a stack. The cutoff stays
+/// what it is, and there is no search direction.
+///
+/// Based on  [Larsen1999]: pairs of nodes of two trees.
+/// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
+///           node at once. A model is compared with itself node by node: the child slots of each with each other.
+template <typename Collector>
+class AllPairs {
+ public:
+  AllPairs(const Search& search, Collector& collector)
+      : search_(search),
+        collector_(collector),
+        kernels_(simd::kernels()),
+        trees_(search.placed),
+        limits_(search.placed),
+        margin_cost_(search.placed),
+        a_(search.placed, Side::a),
+        b_(search.placed, Side::b) {
+    static_assert(Collector::hits == Hits::all);
+    limits_.update(search.pruning.distance());
+  }
+
+  /// Offers the collector all pairs, until it is done. The models are at least `root_bound` apart.
+  void run(double root_bound) {
+    if constexpr (Collector::is_self) {
+      const std::size_t nodes = trees_.tree(Side::a).nodes.size();
+      for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !collector_.is_done(); --n) compare_siblings(n - 1);
+    } else {
+      push({limits_.bound_of(root_bound), {bvh::root, bvh::root}, NodePair::no_record, 0});
+      visit_all();
+    }
+    margin_cost_.note(search_.placed);
+  }
+
+ private:
+  void push(const NodePair& pair) {
+    LIMBER_ASSERT(size_ < capacity);
+    stack_[size_++] = pair;
+  }
+
+  void visit_all() {
+    while (size_ > 0 && !collector_.is_done()) visit(stack_[--size_]);
+  }
+
+  /// Prunes a pair, compares two leaves, or expands one of two nodes.
+  void visit(const NodePair& pair) {
+    if (pair.bound_sq >= limits_.of(Side::a)) return;
+    if constexpr (Collector::is_self) {
+      const Apart what = ComparesLeaves<Collector> ? Apart::elements : Apart::triangles;
+      if (trees_.share_and_are_apart(pair, what, search_.pruning.distance())) return;
+    }
+    margin_cost_.count_nodes(trees_, pair, limits_.tight());
+    if (trees_.are_leaves(pair)) return compare_leaves(pair);
+    Expansion e;
+    const Side side = trees_.side_to_expand(pair);
+    e.start(trees_.tree(side), pair, side);
+    expand(e);
+  }
+
+  /// Compares the child slots of a node of one model with each other, and its leaves with themselves.
+  void compare_siblings(std::uint32_t n) {
+    const bvh::Tree& tree = trees_.tree(Side::a);
+    const std::uint32_t count = tree.nodes[n].child_count;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const bvh::SlotId slot = n * bvh::width + k;
+      if (bvh::has_leaf(tree, slot)) push({0, {slot, slot}, NodePair::no_record, 0});
+      if (k + 1 == count) break;
+      Expansion e;
+      e.start_siblings(slot, count);
+      expand(e);
+    }
+    visit_all();
+  }
+
+  /// Puts the children of a node that are not pruned on the stack.
+  void expand(Expansion& e) {
+    LIMBER_ASSERT(e.children != 0);
+    const bvh::WideNode& node = trees_.tree(e.side).nodes[e.node];
+    search_.stats.node_tests += node.child_count;
+    const simd::KeptSlots kept =
+        kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair), search_.frames.of(e.side),
+                                search_.pruning.of(e.side), limits_.of(e.side), e.order, nullptr);
+    for (unsigned rest = kept.all & e.children; rest != 0; rest &= rest - 1) {
+      const auto child = static_cast<std::uint32_t>(std::countr_zero(rest));
+      push(e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq)));
+    }
+  }
+
+  void compare_leaves(const NodePair& pair) requires ComparesLeaves<Collector> {
+    const LeafPair leaves{trees_.as_leaf(Side::a, pair), trees_.as_leaf(Side::b, pair), trees_.leaf(Side::a, pair),
+                          trees_.leaf(Side::b, pair),    search_.frames.of(Side::a),    search_.pruning.of(Side::a)};
+    collector_.compare_leaves(leaves, search_.stats);
+  }
+
+  void compare_leaves(const NodePair& pair) requires(!ComparesLeaves<Collector>) {
+    const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
+    simd::Candidates found;
+    kernels_.find_candidates(trees_.as_leaf(Side::a, pair), trees_.as_leaf(Side::b, pair), search_.frames.of(Side::a),
+                             search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
+    if (found.count == 0) return;
+    a_.take(self.a), b_.take(self.b);
+    const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
+    // The nearest first: it may end the query.
+    std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
+    for (std::uint32_t i = 0; i < found.count && !collector_.is_done(); ++i) {
+      const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
+      if (bound_sq >= limit * limit * double{base::squares_up}) continue;
+      margin_cost_.count_triangles(limit, bound_sq, found.scale);
+      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
+      ++search_.stats.triangle_tests;
+      collector_.compare(a_.at(slot_a), b_.at(slot_b));
+    }
+  }
+
+  // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
+  // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves.
+  static constexpr std::uint32_t capacity = 256;
+
+  Search search_;
+  Collector& collector_;
+  const simd::Kernels& kernels_;
+  TreePair<true> trees_;
+  SquaredLimits limits_;
+  MarginCost margin_cost_;
+  PlacedLeaf a_, b_;  // of the leaves that were compared last
+  NodePair stack_[capacity];
+  std::uint32_t size_ = 0;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,412 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "pair/collectors/collector.h"
+#include "pair/expansion.h"
+#include "pair/front.h"
+#include "pair/front_recorder.h"
+#include "pair/leaf_comparison.h"
+#include "pair/margin_cost.h"
+#include "pair/search_context.h"
+#include "pair/squared_limits.h"
+#include "pair/traversal_state.h"
+#include "pair/tree_pair.h"
+
+namespace limber::pair {
+
+/// The loop of queries that look for the best: pairs that overlap are taken first, then the nearest.
+///
+/// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
+///           expanded.
+/// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
+///           node at once. Bounds also use the search direction, in which the closest pair so far is apart.
+///
+/// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. While a traversal runs, only
+/// it changes Pruning: collectors return updates and never change it, and placed models are constant.
+template <typename Collector, bool has_front>
+class BestFirst {
+ public:
+  /// `front` is null without one.
+  BestFirst(const Search& search, Collector& collector, Front* front)
+      : search_(search),
+        collector_(collector),
+        state_(state_of(front)),
+        front_(front, search.pruning),
+        kernels_(simd::kernels()),
+        trees_(search.placed),
+        limits_(search.placed),
+        margin_cost_(search.placed),
+        leaves_(search, trees_, collector, state_, margin_cost_) {
+    static_assert(Collector::hits != Hits::all && !(has_front && Collector::hits == Hits::k_closest));
+  }
+
+  /// Begins with the two roots; for one model, before its last node: step() visits all nodes. Pre: the collector is not
+  /// done.
+  void start(double root_bound) {
+    state_.clear();
+    if (has_front || search_.pruning.has_direction()) state_.leaves.try_some();
+    if constexpr (Collector::is_self) {
+      static_assert(!has_front);
+      next_node_ = static_cast<std::uint32_t>(trees_.tree(Side::a).nodes.size());
+      return;
+    }
+    if constexpr (takes_points) prepare_seed();
+    state_.least_sq = limits_.bound_of(root_bound);
+    const NodePair roots{state_.least_sq, {bvh::root, bvh::root}, NodePair::no_record, 0};
+    if constexpr (!has_front && !needs_several) {
+      if (!search_.meter.is_limited()) return descend_first(roots);
+    }
+    state_.queue.push_first(roots);
+  }
+
+  /// Begins with the records of the front whose bounds are below the cutoff. False if these are so many that a new
+  /// traversal is cheaper, or if the front has no records. Pre: the collector is not done.
+  bool start_with_records() requires has_front {
+    state_.clear();
+    state_.leaves.try_some();
+    if constexpr (takes_points) prepare_seed();
+    return push_records();
+  }
+  /// Goes on with a state that a traversal with a front has left.
+  void take_over(const TraversalState& state) requires(!has_front) { state_ = state; }
+  /// Continues the traversal of the front that was interrupted. Pre: the collector is not done, and
+  /// Front::can_continue().
+  void go_on() requires has_front {
+    search_.pruning.restore_direction(front_.get().go_on());
+    first_step_ = state_.steps;
+  }
+
+  /// Processes one pair of the queue, or two side by side. False when no pair that matters is left, or the budget is
+  /// spent.
+  bool step() {
+    if (search_.meter.is_spent(state_.steps - first_step_) || collector_.is_done()) return false;
+    if (state_.queue.empty()) return Collector::is_self && next_node_ > 0 && compare_siblings();
+    update_limits();
+    Expansion e;
+    e.pair = state_.queue.pop();
+    if constexpr (takes_points) {
+      if (state_.seed.is_due() && e.pair.bound_sq < limits_.of(Side::a)) compare_seed();
+      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_again();
+    }
+    if (!begin(e)) return true;
+    if (takes_two()) {
+      Expansion second;
+      second.pair = state_.queue.pop();
+      const bool is_expanded = begin(second);
+      update_limits();  // leaves may have been compared
+      compare_children(e);
+      if (is_expanded) {
+        compare_children(second);
+        keep(second, false);
+      }
+      keep(e, false);
+      return true;
+    }
+    compare_children(e);
+    keep(e, state_.descents.is_descending());
+    return true;
+  }
+
+  /// Ends the traversal, wherever it is. Returns a lower bound of the distance of all that is left, infinite if nothing
+  /// is. With a front, what is left stays in the queue for the next traversal, unless the collector is done.
+  double finish() {
+    double least = state_.queue.empty() ? std::numeric_limits<double>::infinity()
+                                        : limits_.length_of(Side::a, state_.queue.least_bound_sq());
+    if constexpr (has_front) {
+      if (state_.queue.empty() || collector_.is_done()) {
+        front_.get().finish(trees_.tree(Side::a).unit);
+      } else {
+        front_.get().suspend(search_.pruning.cutoff(), search_.pruning.direction());
+      }
+    }
+    if (Collector::is_self && next_node_ > 0) least = 0;  // siblings overlap
+    return least;
+  }
+
+  /// Pairs of nodes and of leaves that kernels have compared so far, not those that were pruned before.
+  std::uint64_t work() const { return state_.work; }
+  const MarginCost& margin_cost() const { return margin_cost_; }
+
+ private:
+  static constexpr bool needs_several = Collector::hits == Hits::k_closest;
+  static constexpr bool takes_points = TakesPoints<Collector>;
+
+  static decltype(auto) state_of(Front* front) {
+    if constexpr (has_front) {
+      return (front->state());
+    } else {
+      return TraversalState();
+    }
+  }
+
+  // --- order ---
+
+  /// Descends from the nearest pair, but not with a front, nor after a seed that was close: a close pair is known then.
+  /// Called when no queued pair overlaps: the deepest overlap is followed to its leaves anyway. Not inlined: it is
+  /// rare.
+  [[gnu::noinline]] void descend_again() {
+    state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
+  }
+
+  /// Whether to expand two pairs side by side. The processor then compares the children of one while it waits for those
+  /// of the other. Only where it matters little which pair comes first.
+  bool takes_two() const { return !state_.descents.is_descending() && state_.queue.has_only_ordered(); }
+
+  /// Updates the squared limits, and spreads the buckets anew when the range of bounds that matter has halved.
+  void update_limits() {
+    if (!limits_.update(search_.pruning.distance())) return;
+    const float limit_sq = limits_.of(Side::a);
+    if (limit_sq - state_.least_sq > worth_refocusing * (state_.focus_sq - state_.least_sq)) return;
+    state_.focus_sq = limit_sq;
+    state_.queue.focus(state_.least_sq, state_.focus_sq);
+  }
+
+  /// Queues the children that are not pruned: those that overlap on the stack, the deepest on top, the others in the
+  /// buckets.
+  void keep(const Expansion& e, bool descends) {
+    if (e.kept.all == 0) return;
+    unsigned overlapping = e.kept.overlapping;
+    if (overlapping == 0) {
+      const bool is_long = state_.steps >= nearest_last_from_step;
+      if (Collector::hits != Hits::any && (descends || is_long)) return push_nearest_last(e, descends);
+      return push(e, e.kept.all);
+    }
+    push(e, e.kept.all & ~overlapping);
+    // The deepest overlap last, so that it is taken first.
+    while (overlapping != 0) {
+      const std::uint32_t shallowest = e.last_of(overlapping);
+      overlapping &= ~(1U << shallowest);
+      state_.queue.push_first(child_pair(e, shallowest));
+    }
+  }
+
+  /// Queues the nearest child last: as the next pair, or so that it is taken before its siblings of the same bucket.
+  /// Not inlined: shorter queries should not pay for it.
+  [[gnu::noinline]] void push_nearest_last(const Expansion& e, bool is_next) {
+    const std::uint32_t nearest = e.first_of(e.kept.all);
+    push(e, e.kept.all & ~(1U << nearest));
+    const NodePair pair = child_pair(e, nearest);
+    is_next ? state_.queue.push_first(pair) : state_.queue.push(pair);
+  }
+
+  void push(const Expansion& e, unsigned children) {
+    for (; children != 0; children &= children - 1) {
+      state_.queue.push(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
+    }
+  }
+
+  NodePair child_pair(const Expansion& e, std::uint32_t child) const {
+    return e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
+  }
+
+  /// Straight down from the roots to the first two leaves. What is left on the way is queued only if these do not end
+  /// the query, as they often do where models intersect.
+  void descend_first(const NodePair& roots) {
+    update_limits();
+    if constexpr (takes_points) {
+      if (state_.seed.is_due() && roots.bound_sq < limits_.of(Side::a)) compare_seed();
+    }
+    if (!state_.descents.is_descending()) return state_.queue.push_first(roots);
+    NodePair pair = roots;
+    Expansion way[longest_descent];
+    std::uint32_t length = 0;
+    for (;; ++length) {
+      LIMBER_ASSERT(length < longest_descent);
+      Expansion& e = way[length];
+      e.pair = pair;
+      if (!expand(e)) break;
+      compare_children(e);
+      if (e.kept.all == 0) break;
+      const std::uint32_t child = e.first_child();
+      pair = child_pair(e, child);
+      e.kept.all &= ~(1U << child), e.kept.overlapping &= ~(1U << child);
+    }
+    if (collector_.is_done()) return;
+    for (std::uint32_t i = 0; i < length; ++i) keep(way[i], false);
+  }
+
+  // --- pairs of nodes ---
+
+  /// Prepares the expansion of a pair from the queue. True if there are children to compare: a pair that is pruned, and
+  /// two leaves, are finished here.
+  bool begin(Expansion& e) {
+    return has_front && e.pair.child == NodePair::whole_record ? expand_record(e) : expand(e);
+  }
+  bool expand(Expansion& e) {
+    const NodePair& pair = e.pair;
+    const float limit_sq = limits_.of(Side::a);
+    if (pair.bound_sq >= limit_sq) {
+      front_.settle(pair, limits_.length_of(Side::a, pair.bound_sq));
+      // With a front, each remaining pair has to be settled on its own.
+      if (!has_front && !state_.queue.empty() && state_.queue.all_beyond(limit_sq)) state_.queue.clear();
+      return false;
+    }
+    if constexpr (Collector::is_self) {
+      if (trees_.share_and_are_apart(pair, Apart::triangles, search_.pruning.distance())) return false;
+    }
+    ++state_.steps;
+    margin_cost_.count_nodes(trees_, pair, limits_.tight());
+    if (trees_.are_leaves(pair)) {
+      double apart = 0;
+      if (leaves_.compare(pair, state_.steps - first_step_, has_front, apart)) {
+        front_.settle(pair, apart);
+      } else {
+        state_.queue.push_first(pair);
+      }
+      return false;
+    }
+    const Side side = trees_.side_to_expand(pair);
+    e.start(trees_.tree(side), pair, side);
+    e.record = front_.add(pair, side);
+    e.has_record = e.record != NodePair::no_record;
+    if (!e.has_record) e.record = pair.record;
+    return true;
+  }
+
+  /// Compares the children of the expanded node with the other node.
+  void compare_children(Expansion& e) {
+    LIMBER_ASSERT(e.children != 0);
+    ++state_.work;
+    const bvh::WideNode& node = trees_.tree(e.side).nodes[e.node];
+    search_.stats.node_tests += node.child_count;
+    alignas(32) float bound_sq[bvh::width];
+    const simd::KeptSlots kept = kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair),
+                                                         search_.frames.of(e.side), search_.pruning.of(e.side),
+                                                         limits_.of(e.side), e.order, has_front ? bound_sq : nullptr);
+    // In variables of their own: GCC would combine the masks in memory, where the processor waits for them.
+    const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
+    e.kept = {all, overlapping};
+    const unsigned pruned = e.children & ~e.kept.all;
+    if (state_.aim.is_chosen()) judge_direction(e, pruned);
+    if (has_front && pruned != 0) front_.settle_children(e, pruned, bound_sq, limits_);
+  }
+
+  /// For one model: compares the child slots of the next node with each other, and its leaves with themselves, from the
+  /// last node to the first. Every pair of triangles has one lowest node above both, so each is visited once. Always
+  /// true.
+  bool compare_siblings() {
+    LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
+    update_limits();
+    ++state_.steps;
+    const bvh::Tree& tree = trees_.tree(Side::a);
+    const std::uint32_t n = --next_node_, count = tree.nodes[n].child_count;
+    for (std::uint32_t k = 0; k < count && !collector_.is_done(); ++k) {
+      const bvh::SlotId slot = n * bvh::width + k;
+      if (bvh::has_leaf(tree, slot)) state_.queue.push_first({0, {slot, slot}, NodePair::no_record, 0});
+      if (k + 1 == count) break;
+      Expansion e;
+      e.start_siblings(slot, count);
+      compare_children(e);
+      keep(e, state_.descents.is_descending());
+    }
+    return true;
+  }
+
+  /// Gives a search direction up that has pruned nothing for a while.
+  void judge_direction(const Expansion& e, unsigned pruned) {
+    bool has_pruned = false;  // whether it has pruned a child that no other bound has
+    for (; pruned != 0; pruned &= pruned - 1) {
+      has_pruned |= e.order[std::countr_zero(pruned)] < limits_.of(e.side);
+    }
+    if (state_.aim.gives_up(has_pruned)) search_.pruning.forget_direction();
+  }
+
+  // --- seed ---
+
+  /// Decides whether to look for a seed. With a finite `max_distance` the cutoff is low already: a seed is of use once
+  /// a pair within it is known.
+  void prepare_seed() {
+    if (std::isinf(search_.pruning.distance()) || search_.pruning.distance() < collector_.initial_cutoff()) {
+      state_.seed.make_due();
+    }
+  }
+
+  /// Compares two triangles that are likely to be the closest, where one model is flat.
+  [[gnu::noinline]] void compare_seed() {
+    const std::optional<TrianglePair> likely = state_.seed.find(search_.placed, search_.stats);
+    if (!likely) return;
+    state_.descents.stop();
+    ++search_.stats.triangle_tests;
+    const PlacedTriangle a = placed_triangle(search_.placed, Side::a, likely->a);
+    const PlacedTriangle b = placed_triangle(search_.placed, Side::b, likely->b);
+    if (const auto update = collector_.compare(a, b)) {
+      search_.pruning.update(*update);
+      state_.seed.note_close();
+      state_.leaves.try_many();
+    }
+    update_limits();
+  }
+
+  // --- front ---
+
+  /// Queues what has to be compared again. False if that is so much that a new traversal is cheaper, or if there are no
+  /// records.
+  bool push_records() {
+    const Front& front = front_.get();
+    const std::span<const Front::Record> records = front.records();
+    state_.descents.stop();
+    std::size_t count = 0;
+    state_.least_sq = BucketQueue::largest_bound;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const double bound = front.bound_of(records[i]);
+      if (bound >= search_.pruning.cutoff()) continue;
+      ++count;
+      const float bound_sq = limits_.bound_of(bound);
+      state_.least_sq = std::min(state_.least_sq, bound_sq);
+      state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
+    }
+    // Open records cost the same in a new traversal, so they do not count.
+    const double of_no_use = static_cast<double>(count) - static_cast<double>(front.open_count());
+    return !records.empty() && of_no_use < worth_resuming * static_cast<double>(records.size());
+  }
+
+  /// Prepares the children that a record holds, pruned or compared before, to be compared again. False if these are
+  /// beyond the cutoff.
+  bool expand_record(Expansion& e) {
+    const std::uint16_t record = e.pair.record;
+    const Front::Record& r = front_.get().records()[record];
+    if (front_.get().bound_of(r) >= search_.pruning.cutoff()) return false;
+    const Side side = r.expands_a ? Side::a : Side::b;
+    e.start(trees_.tree(side), {e.pair.bound_sq, {r.slot[0], r.slot[1]}, NodePair::no_record, 0}, side);
+    e.record = record;
+    e.has_record = true;
+    e.children = front_.get().take(record, search_.pruning.cutoff());
+    return true;
+  }
+
+  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
+  static constexpr float worth_refocusing = 0.5F;
+  // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
+  // than it saves (docs/design/fast_engine.md).
+  static constexpr std::uint64_t nearest_last_from_step = 1024;
+  // Expansions of two trees of at most 11 levels each, and the pair of leaves.
+  static constexpr std::uint32_t longest_descent = 23;
+  // A front is resumed if less than this part of its records has to be compared again, open ones not counted.
+  static constexpr double worth_resuming = 0.5;
+
+  Search search_;
+  Collector& collector_;
+  std::conditional_t<has_front, TraversalState&, TraversalState> state_;  // the front's, or our own
+  FrontRecorder<has_front> front_;
+  const simd::Kernels& kernels_;
+  TreePair<needs_several> trees_;
+  SquaredLimits limits_;
+  MarginCost margin_cost_;
+  LeafComparison<Collector> leaves_;
+  std::uint64_t first_step_ = 0;  // of state_.steps: how many were made before this traversal went on
+  std::uint32_t next_node_ = 0;   // for one model: one past the node to visit next; counts down to 0
+};
+
+}  // namespace limber::pair

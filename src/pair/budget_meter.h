@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+#include "limber/query.h"
+
+namespace limber::pair {
+
+/// Tells a search when its budget is spent.
+///
+/// Promise  Unless it is cancelled or may make no steps, every search makes one, so that whoever asks again and again
+///          gets an answer, however short the time.
+class BudgetMeter {
+ public:
+  /// Without limits.
+  BudgetMeter() = default;
+  explicit BudgetMeter(const QueryBudget& budget)
+      : budget_(budget),
+        is_limited_(budget.deadline || budget.cancel != nullptr ||
+                    budget.max_steps < std::numeric_limits<std::uint64_t>::max()) {}
+
+  bool is_limited() const { return is_limited_; }
+
+  /// To be asked before every step. `steps` is how many have been made.
+  bool is_spent(std::uint64_t steps) {
+    if (!is_limited_) return false;
+    if (steps >= budget_.max_steps) {
+      stopped_by_ = StoppedBy::max_steps;
+    } else {
+      look(steps > 0 || calls_ > most_calls_without_step);
+    }
+    return stopped_by_ != StoppedBy::nothing;
+  }
+  /// Whether a long step should not be finished; `steps` as before, this one included. The first step always is.
+  bool cuts_short(std::uint64_t steps) {
+    if (!is_limited_ || steps <= 1) return false;
+    look(true);
+    return stopped_by_ != StoppedBy::nothing;
+  }
+
+  /// Why it was spent, if it was.
+  StoppedBy stopped_by() const { return stopped_by_; }
+
+ private:
+  void look(bool minds_deadline) {
+    if (budget_.cancel != nullptr && budget_.cancel->load(std::memory_order_relaxed)) {
+      stopped_by_ = StoppedBy::cancel;
+    } else if (budget_.deadline && ++calls_ % calls_per_look == 0 && minds_deadline &&
+               std::chrono::steady_clock::now() >= *budget_.deadline) {
+      stopped_by_ = StoppedBy::deadline;
+    }
+  }
+
+  // Looking at the clock takes a fifth of a step.
+  static constexpr std::uint64_t calls_per_look = 2;
+  // What a front has to be compared again is no step.
+  static constexpr std::uint64_t most_calls_without_step = 64;
+
+  QueryBudget budget_;
+  bool is_limited_ = false;
+  std::uint64_t calls_ = 0;
+  StoppedBy stopped_by_ = StoppedBy::nothing;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "base/check.h"
+#include "geometry/primitives.h"
+#include "limber/elements.h"
+#include "pair/collectors/collector.h"
+
+namespace limber::pair {
+
+/// The collector of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
+/// edges, that are at most a margin apart.
+///
+/// Only the owner of an element offers it. Elements within the margin have owners within the margin, and these are
+/// different triangles unless the elements share a vertex. So each pair comes once.
+template <bool self>
+class ElementsWithin {
+ public:
+  static constexpr Hits hits = Hits::all;
+  static constexpr bool is_self = self;
+  static constexpr bool compares_leaves = true;
+
+  ElementsWithin(const PlacedPair& placed, const MeshEdges& edges_a, const MeshEdges& edges_b, double margin,
+                 VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge)
+      : placed_(placed),
+        edges_{&edges_a, &edges_b},
+        margin_(margin),
+        visit_vertex_face_(visit_vertex_face),
+        visit_edge_edge_(visit_edge_edge),
+        kernels_(simd::kernels()) {}
+
+  /// Just above the margin: a pair exactly that far apart counts.
+  double initial_cutoff() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  bool is_done() const { return is_stopped_; }
+
+  void compare_leaves(const LeafPair& pair, QueryStats& stats) {
+    simd::ElementCandidates found;
+    const simd::SelfPair both{pair.a, pair.b};
+    kernels_.find_close_elements(pair.node_a, pair.node_b, pair.transform, pair.pruning, owned(Side::a, pair.a),
+                                 owned(Side::b, pair.b), is_self ? &both : nullptr, found);
+    const std::uint32_t count = found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
+    if (count == 0) return;
+    stats.triangle_tests += count;
+    for (std::uint32_t i = 0; i < found.vertex_face.count && !is_stopped_; ++i) {
+      const auto [vertex, face] = found.vertex_face.pairs[i];
+      compare_vertex_face({Side::a, pair.a, vertex}, {Side::b, pair.b, face});
+    }
+    for (std::uint32_t i = 0; i < found.face_vertex.count && !is_stopped_; ++i) {
+      const auto [face, vertex] = found.face_vertex.pairs[i];
+      compare_vertex_face({Side::b, pair.b, vertex}, {Side::a, pair.a, face});
+    }
+    for (std::uint32_t i = 0; i < found.edge_edge.count && !is_stopped_; ++i) {
+      const auto [edge_a, edge_b] = found.edge_edge.pairs[i];
+      collect_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
+    }
+  }
+
+  /// Compares the pairs of edges that have been collected. To be called at the end, too.
+  void compare_collected() {
+    simd::ClosestOfSegments found;
+    kernels_.compare_segments(segments_, found);
+    const std::uint32_t count = std::exchange(collected_, 0);
+    for (std::uint32_t i = 0; i < count && !is_stopped_; ++i) {
+      geometry::PointsOnSegments closest{found.distance[i], found.s[i], found.t[i]};
+      if ((found.are_ordinary >> i & 1) == 0) {
+        closest = geometry::closest_on(Segment{segments_.start_a[i], segments_.end_a[i]},
+                                       Segment{segments_.start_b[i], segments_.end_b[i]});
+      }
+      if (!(closest.distance <= margin_)) continue;
+      ++edge_edge_count;
+      const auto [a, b] = collected_edges_[i];
+      is_stopped_ = !visit_edge_edge_({a, b, closest.distance, closest.s, closest.t});
+    }
+  }
+
+  std::size_t vertex_face_count = 0, edge_edge_count = 0;
+
+ private:
+  /// An element of a leaf, as simd::ElementCandidate has it.
+  struct Element {
+    Side side;
+    const bvh::Leaf& leaf;
+    std::uint32_t code;
+
+    std::size_t corner() const { return code / bvh::width; }
+    TriangleId triangle() const { return leaf.triangle[code % bvh::width]; }
+    const Corners& vertices() const { return leaf.vertices[code % bvh::width]; }
+  };
+  /// From the smaller vertex id to the larger.
+  static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
+    const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::after[e.corner()]];
+    return {std::min(from, to), std::max(from, to)};
+  }
+
+  /// In the world; of one model in its own frame.
+  Vec3 position(Side s, VertexId v) const { return is_self ? placed_.local_position(s, v) : placed_.position(s, v); }
+
+  simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
+    constexpr std::uint64_t is_in_use = 0x40;
+    std::uint64_t of_slots = 0;
+    for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
+      if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
+      of_slots |= (is_in_use | edges_[index(s)]->owned_by(leaf.triangle[slot])) << (8 * slot);
+    }
+    return {of_slots};
+  }
+
+  void compare_vertex_face(const Element& of_vertex, const Element& of_face) {
+    const VertexId vertex = of_vertex.vertices()[of_vertex.corner()];
+    const Corners& corners = of_face.vertices();
+    const Triangle face{position(of_face.side, corners[0]), position(of_face.side, corners[1]),
+                        position(of_face.side, corners[2])};
+    const geometry::PointOnTriangle closest = geometry::closest_on(face, position(of_vertex.side, vertex));
+    if (!(closest.distance <= margin_)) return;
+    ++vertex_face_count;
+    const bool is_vertex_of_b = !is_self && of_vertex.side == Side::b;
+    is_stopped_ = !visit_vertex_face_({vertex, of_face.triangle(), is_vertex_of_b, closest.distance, closest.weights});
+  }
+
+  void collect_edges(const Element& of_a, const Element& of_b) {
+    const EdgeId id_a = edges_[0]->of_triangles()[of_a.triangle()][of_a.corner()];
+    const EdgeId id_b = edges_[1]->of_triangles()[of_b.triangle()][of_b.corner()];
+    const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
+    LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
+    const std::uint32_t i = collected_++;
+    // The answer to the bit depends on the order, so that is by id and not by where the leaves are. Selects, because
+    // branches would not be predicted.
+    const bool swaps = is_self && id_b < id_a;
+    collected_edges_[i] = {swaps ? id_b : id_a, swaps ? id_a : id_b};
+    segments_.start_a[i] = position(Side::a, swaps ? b[0] : a[0]);
+    segments_.end_a[i] = position(Side::a, swaps ? b[1] : a[1]);
+    segments_.start_b[i] = position(Side::b, swaps ? a[0] : b[0]);
+    segments_.end_b[i] = position(Side::b, swaps ? a[1] : b[1]);
+    if (collected_ == simd::SegmentPairs::room) compare_collected();
+  }
+
+  const PlacedPair& placed_;
+  const MeshEdges* edges_[2];
+  double margin_;
+  VertexFaceVisitor visit_vertex_face_;
+  EdgeEdgeVisitor visit_edge_edge_;
+  const simd::Kernels& kernels_;
+  bool is_stopped_ = false;
+  // Pairs of edges that are compared together.
+  std::uint32_t collected_ = 0;
+  std::array<EdgeId, 2> collected_edges_[simd::SegmentPairs::room];
+  simd::SegmentPairs segments_;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/check.h"
+#include "geometry/primitives.h"
+#include "geometry/shared_corners.h"
+#include "limber/contacts.h"
+#include "pair/placed_leaf.h"
+
+namespace limber::pair {
+
+/// The pairs of triangles of two models, as collectors that need several see them.
+class PairsOfTwo {
+ public:
+  static constexpr bool is_self = false;
+
+  PairsOfTwo(const Mesh& a, const Mesh& b, const PairOptions& options)
+      : filter_(options.filter), oriented_(options.oriented_faces.value_or(closed(a, b))) {}
+
+  bool counts(const PlacedTriangle& a, const PlacedTriangle& b) const { return !filter_ || (*filter_)(a.id, b.id); }
+  /// Whether the pair shares a vertex, so that only what it has in common beyond that matters.
+  bool are_neighbors(const PlacedTriangle&, const PlacedTriangle&) const { return false; }
+  bool meet(const PlacedTriangle& a, const PlacedTriangle& b) const {
+    return geometry::intersects(a.corners, b.corners);
+  }
+  /// Whole only if they are at most `farthest` apart.
+  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool /*are_neighbors*/, double farthest) const {
+    return {geometry::contact(a.corners, b.corners, oriented_, farthest), a.id, b.id};
+  }
+
+ private:
+  static OrientedFaces closed(const Mesh& a, const Mesh& b) {
+    if (a.is_closed()) return b.is_closed() ? OrientedFaces::both : OrientedFaces::of_a;
+    return b.is_closed() ? OrientedFaces::of_b : OrientedFaces::none;
+  }
+
+  const std::optional<TrianglePairFilter>& filter_;
+  OrientedFaces oriented_;
+};
+
+/// The pairs of triangles of one model.
+class PairsOfOne {
+ public:
+  static constexpr bool is_self = true;
+
+  PairsOfOne(const Mesh& mesh, const PairOptions& options)
+      : mesh_(mesh),
+        filter_(options.filter),
+        is_oriented_(options.oriented_faces ? *options.oriented_faces != OrientedFaces::none : mesh.is_closed()) {}
+
+  bool counts(const PlacedTriangle& a, const PlacedTriangle& b) const { return !filter_ || (*filter_)(a.id, b.id); }
+  bool are_neighbors(const PlacedTriangle& a, const PlacedTriangle& b) const {
+    LIMBER_ASSERT(a.id != b.id);
+    const Corners &ids_a = mesh_.triangles[a.id], &ids_b = mesh_.triangles[b.id];
+    for (const VertexId v : ids_a) {
+      if (v == ids_b[0] || v == ids_b[1] || v == ids_b[2]) return true;
+    }
+    return false;
+  }
+  bool meet(const PlacedTriangle& a, const PlacedTriangle& b) const {
+    return geometry::meets_elsewhere(a.corners, mesh_.triangles[a.id], b.corners, mesh_.triangles[b.id]);
+  }
+  /// Whole only if they are at most `farthest` apart. Neighbors that meet have been folded, so their outsides do not
+  /// tell how to part them.
+  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool are_neighbors, double farthest) const {
+    const bool are_oriented = is_oriented_ && !are_neighbors;
+    const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
+    return {geometry::contact(a.corners, b.corners, oriented, farthest), a.id, b.id};
+  }
+
+ private:
+  MeshView mesh_;
+  const std::optional<TrianglePairFilter>& filter_;
+  bool is_oriented_;
+};
+
+}  // namespace limber::pair

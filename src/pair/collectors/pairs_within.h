@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+#include "base/check.h"
+#include "geometry/primitives.h"
+#include "limber/contacts.h"
+#include "pair/collectors/collector.h"
+
+namespace limber::pair {
+
+/// The collector of visit_contacts(): all pairs of triangles that meet or are at most a margin apart. `Pairs` is
+/// PairsOfTwo or PairsOfOne.
+template <typename Pairs>
+class PairsWithin {
+ public:
+  static constexpr Hits hits = Hits::all;
+  static constexpr bool is_self = Pairs::is_self;
+
+  PairsWithin(const Pairs& pairs, double margin, ContactVisitor visit)
+      : pairs_(pairs), margin_(margin), visit_(visit) {}
+
+  /// Just above the margin: a pair exactly that far apart counts.
+  double initial_cutoff() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  bool is_done() const { return is_stopped_; }
+
+  void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
+    if (is_self && b.id < a.id) return compare(b, a);
+    if (!pairs_.counts(a, b)) return;
+    const bool are_neighbors = pairs_.are_neighbors(a, b);
+    if (are_neighbors && !pairs_.meet(a, b)) return;
+    const Contact contact = pairs_.contact(a, b, are_neighbors, margin_);
+    LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
+    if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
+  }
+
+  std::size_t count = 0;
+
+ private:
+  Pairs pairs_;
+  double margin_;
+  ContactVisitor visit_;
+  bool is_stopped_ = false;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "pair/placed_pair.h"
+#include "pair/traversal_state.h"
+
+namespace limber::pair {
+
+/// What a traversal has not expanded, pruned or still open, and how far the models may move before that has to be
+/// compared again.
+///
+/// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
+/// Differs   The front is not compared as a whole. odometer() sums up all motion, as an upper bound of what two
+///           points can have come closer by; a pair is not compared again until that sum has used up its distance.
+///
+/// A record is one expansion: the wide node that was expanded, the slot of the other tree that its children were
+/// compared with, the children that were not expanded in turn, and a lower bound of their distance. The other children
+/// have records of their own, so all records together account for every pair of triangles. Where there is no room for
+/// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
+///
+/// The queue of an interrupted traversal stays in the front. A traversal that asks for no more goes on with it, and
+/// does no step again (docs/design/real_time.md). Where the models have moved, or more is asked, its pairs go to the
+/// records.
+///
+/// States   Complete or not. begin() starts a traversal; finish() or suspend() ends it and completes the front. An
+///          exception leaves it incomplete, and only a complete front is used again.
+class Front {
+ public:
+  /// Children that are not expanded: pruned or compared, some of them hardly beyond the prune distance; or still open
+  /// when the traversal was interrupted. Each kind is compared again as a whole.
+  enum Kind { settled, near, open };
+  static constexpr std::size_t kinds = 3;
+  struct Record {
+    double distance[kinds];  ///< lower bounds for the children of each kind, when the odometer stood at `odometer`
+    double odometer;
+    bvh::SlotId slot[2];
+    bool expands_a;
+    std::uint8_t children[kinds];  ///< of each kind, a bit mask
+  };
+
+  /// The state of the traversal that is recorded, or was interrupted.
+  TraversalState& state() { return state_; }
+
+  /// Whether the last traversal was interrupted, and one that leaves out only what is at least `cutoff` apart can go on
+  /// where it stopped: the models rest, and nothing was left out that is closer.
+  bool can_continue(const PlacedPair& placed, double cutoff) const {
+    return is_suspended_ && is_complete_ && is_of(placed) && is_at_rest(placed) && has_units_of(placed) &&
+           cutoff <= cutoff_;
+  }
+  /// Goes on with an interrupted traversal. Returns the search direction that it had. Pre: can_continue().
+  std::optional<Vec3> go_on() {
+    LIMBER_ASSERT(is_complete_ && is_suspended_);
+    is_complete_ = is_suspended_ = false;
+    return direction_;
+  }
+  /// Begins a traversal: with the records and the bound of the last one if it was one of these models, less the motion
+  /// since, and with none otherwise.
+  void begin(const PlacedPair& placed, const Transform& a_from_b) {
+    if (!is_complete_ || !is_of(placed)) {
+      clear();
+      for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
+    } else {
+      if (is_suspended_) open_pairs_ = put_back_queue(unit_[0]);  // in which its bounds are
+      if (!is_at_rest(placed)) add_motion(placed, a_from_b);
+    }
+    without_room_ = 0;
+    set_place(placed, a_from_b);
+    is_complete_ = is_suspended_ = false;
+  }
+  /// Interrupts a traversal: what it has left is in the queue of state(), all else is at least `cutoff` apart.
+  void suspend(double cutoff, const std::optional<Vec3>& direction) {
+    LIMBER_ASSERT(!is_complete_ && cutoff > 0);
+    is_complete_ = is_suspended_ = true;
+    cutoff_ = cutoff;
+    direction_ = direction;
+  }
+  /// Ends a traversal: all that it has left is put back to the records.
+  void finish(double unit_a) {
+    put_back_queue(unit_a);
+    open_pairs_ = 0;
+    is_complete_ = true;
+  }
+  double odometer() const { return odometer_; }
+
+  /// Notes that the traversal has skipped pairs as far apart as the best, at `distance`, up to rounding.
+  void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
+  /// Whether a pair that is computed to be nearer than `cutoff` may be missing in the records and the bound. Motion is
+  /// rounded up by more than ties differ by, so that this can only be where the models rest.
+  bool may_lack_ties(const PlacedPair& placed, double cutoff) const {
+    if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
+    const double rounding = placed.error() + base::tie_error * tied_distance_;
+    return std::abs(cutoff - tied_distance_) <= 2 * rounding;
+  }
+
+  /// Forgets all records, but not the bound of the distance.
+  void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
+  /// Whether more expansions had no room than there are records: these are hardly of use then.
+  bool overflows() const { return without_room_ > capacity; }
+  /// How many pairs were open where the last traversal was interrupted.
+  std::size_t open_count() const { return open_pairs_; }
+
+  /// A lower bound of the distance of what a record has not expanded.
+  double bound_of(const Record& record) const {
+    return remaining(std::min({record.distance[settled], record.distance[near], record.distance[open]}),
+                     record.odometer);
+  }
+  /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
+  double bound() const { return remaining(distance_, distance_odometer_); }
+  /// The lower bound that bound() will give after begin(), if the models are where they were; else 0.
+  double bound_at_rest(const PlacedPair& placed) const {
+    return is_complete_ && is_of(placed) && is_at_rest(placed) ? bound() : 0;
+  }
+  /// Notes a lower bound of the distance of the models as they are placed now.
+  void improve_bound(double distance) {
+    if (distance > bound()) distance_ = distance, distance_odometer_ = odometer_;
+  }
+
+  void clear() {
+    forget_records();
+    odometer_ = distance_ = distance_odometer_ = 0;
+    tied_distance_ = infinity;
+    is_complete_ = is_suspended_ = false;
+  }
+
+  /// Records an expansion. Returns `no_record` when there is no room.
+  std::uint16_t add(const bvh::SlotId (&slot)[2], Side expanded) {
+    if (count_ == capacity) {
+      ++without_room_;
+      return NodePair::no_record;
+    }
+    records_[count_] = {{infinity, infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
+    return static_cast<std::uint16_t>(count_++);
+  }
+
+  /// Gives children to a record, being at least `distance` from what they were compared with.
+  void put(std::uint16_t record, unsigned children, Kind kind, double distance) {
+    LIMBER_ASSERT(record < count_ && distance >= 0);
+    Record& r = up_to_date(record);
+    r.children[kind] = static_cast<std::uint8_t>(r.children[kind] | children);
+    r.distance[kind] = std::min(r.distance[kind], distance);
+  }
+
+  /// Takes from a record the children of a kind that may be closer than `distance`, to be compared again.
+  unsigned take(std::uint16_t record, double distance) {
+    LIMBER_ASSERT(record < count_);
+    Record& r = up_to_date(record);
+    unsigned children = 0;
+    for (const Kind kind : {settled, near, open}) {
+      if (r.distance[kind] >= distance) continue;
+      children |= r.children[kind];
+      r.children[kind] = 0;
+      r.distance[kind] = infinity;
+    }
+    return children;
+  }
+
+  std::span<const Record> records() const { return {records_, count_}; }
+
+ private:
+  /// Gives all pairs of the queue to the records that they come from. Returns how many these are.
+  std::size_t put_back_queue(double unit_a) {
+    std::size_t count = 0;
+    for (; !state_.queue.empty(); ++count) {
+      const NodePair pair = state_.queue.pop();
+      if (pair.child == NodePair::whole_record || pair.record >= count_) continue;
+      const double bound = std::sqrt(static_cast<double>(pair.bound_sq)) * unit_a * double{base::squares_down};
+      put(pair.record, 1U << pair.child, open, bound);
+    }
+    return count;
+  }
+  void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
+    const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (base::sum_up - 1);
+    odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    odometer_ *= base::sum_up;
+    tied_distance_ = infinity;
+  }
+  bool is_of(const PlacedPair& placed) const {
+    return assignment_id_[0] == placed.tree(Side::a).assignment_id &&
+           assignment_id_[1] == placed.tree(Side::b).assignment_id;
+  }
+  /// At least what all vertices of both models together have moved within their models.
+  static double deformation_of(const PlacedPair& placed) {
+    return placed.tree(Side::a).displacement + placed.tree(Side::b).displacement;
+  }
+  bool is_at_rest(const PlacedPair& placed) const {
+    return pose_[0] == placed.pose(Side::a) && pose_[1] == placed.pose(Side::b) &&
+           displacement_[0] == placed.tree(Side::a).displacement &&
+           displacement_[1] == placed.tree(Side::b).displacement;
+  }
+  bool has_units_of(const PlacedPair& placed) const {
+    return unit_[0] == placed.tree(Side::a).unit && unit_[1] == placed.tree(Side::b).unit;
+  }
+  void set_place(const PlacedPair& placed, const Transform& a_from_b) {
+    for (const Side s : {Side::a, Side::b}) {
+      pose_[index(s)] = placed.pose(s);
+      displacement_[index(s)] = placed.tree(s).displacement;
+      unit_[index(s)] = placed.tree(s).unit;
+    }
+    deformation_ = deformation_of(placed);
+    a_from_b_ = a_from_b;
+    error_ = placed.error();
+  }
+  /// What is left of a distance, rounded down; all of it if nothing has moved since.
+  double remaining(double distance, double odometer) const {
+    constexpr double down = 2 - base::sum_up;
+    return odometer == odometer_ ? distance : std::max(0.0, ((distance + odometer) * down - odometer_) * down);
+  }
+  Record& up_to_date(std::uint16_t record) {
+    Record& r = records_[record];
+    for (double& distance : r.distance) distance = remaining(distance, r.odometer);
+    r.odometer = odometer_;
+    return r;
+  }
+
+  static constexpr std::uint32_t capacity = 1024;
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  std::uint64_t assignment_id_[2] = {0, 0};
+  // Where the models were in the last traversal.
+  Transform pose_[2], a_from_b_;
+  double error_ = 0, deformation_ = 0, displacement_[2] = {0, 0};
+  double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
+  double odometer_ = 0;
+  double distance_ = 0, distance_odometer_ = 0;  // the bound of the models' distance, and when it was found
+  double tied_distance_ = infinity;              // at which ties were skipped since the last motion
+  bool is_complete_ = false;
+  bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left
+  double cutoff_ = 0;          // that of the interrupted traversal
+  std::optional<Vec3> direction_;
+  std::uint32_t count_ = 0, without_room_ = 0;
+  std::size_t open_pairs_ = 0;
+  Record records_[capacity];
+  TraversalState state_;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "geometry/primitives.h"
+#include "pair/collectors/collector.h"
+#include "pair/margin_cost.h"
+#include "pair/placed_leaf.h"
+#include "pair/search_context.h"
+#include "pair/traversal_state.h"
+#include "pair/tree_pair.h"
+
+namespace limber::pair {
+
+/// The candidate with the least bound. Pre: there are candidates.
+inline std::uint32_t nearest_of(const simd::Candidates& found) {
+  LIMBER_ASSERT(found.count > 0);
+  std::uint32_t nearest = 0;
+  for (std::uint32_t i = 1; i < found.count; ++i) {
+    if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
+  }
+  return nearest;
+}
+
+/// Compares the triangles of two leaves, for a collector that looks for the best.
+template <typename Collector>
+class LeafComparison {
+ public:
+  using Trees = TreePair<Collector::hits == Hits::k_closest>;
+
+  LeafComparison(const Search& search, const Trees& trees, Collector& collector, TraversalState& state,
+                 MarginCost& margin_cost)
+      : search_(search),
+        trees_(trees),
+        collector_(collector),
+        state_(state),
+        margin_cost_(margin_cost),
+        kernels_(simd::kernels()),
+        a_(search.placed, Side::a),
+        b_(search.placed, Side::b) {}
+
+  /// False if the query has ended: the collector is done, or the budget is spent. Otherwise `apart`, which is 0 before,
+  /// may be a lower bound of the distance of the leaves; with `needs_bound` it is one where no candidates were found.
+  ///
+  /// `steps` is the number of steps since this call of the query began, this one included: the budget asks for it.
+  bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
+    const simd::OtherNode leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
+    const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
+    a_.take(self.a), b_.take(self.b);
+    const bool is_first = !state_.descents.has_reached_leaves();
+    const bool has_descended = state_.descents.end_at_leaves(state_.steps);
+    simd::Candidates found;
+    if constexpr (TakesPoints<Collector>) {
+      if (state_.leaves.are_tried() && prunes_whole_leaves(apart)) return true;
+      if (is_first && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
+      if (has_descended && search_.pruning.has_error()) {
+        look_nearer(leaf_a, leaf_b, found);
+        if (collector_.is_done()) return false;
+      }
+    }
+    kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), search_.pruning.of(Side::a),
+                             Collector::is_self ? &self : nullptr, needs_bound, found);
+    ++state_.work;
+    if (found.count == 0) {
+      if constexpr (!needs_several) aim(pair);
+      if (needs_bound) apart = static_cast<double>(found.apart) / found.scale;
+      return true;
+    }
+    if (!compare(found, steps)) return false;
+    if constexpr (TakesPoints<Collector>) {
+      const bool has_found_any =
+          search_.pruning.has_direction() && search_.pruning.distance() < collector_.initial_cutoff();
+      if (has_found_any && state_.seed.may_look_near()) {
+        state_.seed.look_near(trees_.leaf_slot(Side::a, pair), trees_.leaf_slot(Side::b, pair));
+      }
+    }
+    return !collector_.is_done();
+  }
+
+ private:
+  static constexpr bool needs_several = Collector::hits == Hits::k_closest;
+
+  /// Compares all candidates that may still improve the answer. False if the query has ended before the last.
+  bool compare(simd::Candidates& found, std::uint64_t steps) {
+    // The nearest first: it may prune the others.
+    std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
+    for (std::uint32_t i = 0; i < found.count; ++i) {
+      if (collector_.is_done()) return false;
+      const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
+      const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
+      if (bound_sq >= limit * limit * double{base::squares_up}) continue;
+      margin_cost_.count_triangles(limit, bound_sq, found.scale);
+      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) continue;
+      if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) continue;
+      ++search_.stats.triangle_tests;
+      if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) {
+        search_.pruning.update(*update);
+        state_.aim.replace();
+      }
+      if (search_.meter.cuts_short(steps)) return false;
+    }
+    return true;
+  }
+
+  /// Whether the search direction prunes the two leaves as a whole.
+  bool prunes_whole_leaves(double& apart) {
+    const bool is_pruned = search_.pruning.prunes(a_, b_, apart);
+    state_.leaves.note(is_pruned);
+    return is_pruned;
+  }
+
+  /// Looks for triangles that intersect in the first two leaves, whose volumes overlap. A test for intersection is much
+  /// cheaper than one for distance, and a contact ends the query.
+  bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
+    simd::PruneLimits contact{};
+    contact.distance = simd::smallest_prune_distance;
+    kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
+    for (std::uint32_t i = 0; i < found.count; ++i) {
+      const PlacedTriangle &a = a_.at(found.pairs[i].slot_a), &b = b_.at(found.pairs[i].slot_b);
+      ++search_.stats.triangle_tests;
+      if (!geometry::intersects(a.corners, b.corners)) continue;
+      const Vec3 shared = geometry::shared_point(a.corners, b.corners);
+      if (const auto update = collector_.take(0, {shared, shared, a.id, b.id})) search_.pruning.update(*update);
+      return true;
+    }
+    return false;
+  }
+
+  /// Compares the nearest two triangles where a descent has ended. Their limit is the best distance, not the cutoff,
+  /// which the allowed error has made smaller: a nearer pair lowers the cutoff further.
+  [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
+                                     simd::Candidates& found) {
+    simd::PruneLimits nearer = search_.pruning.of(Side::a);
+    nearer.distance = search_.pruning.best_distance();
+    kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), nearer, nullptr, false, found);
+    if (found.count == 0) return;
+    const std::uint32_t i = nearest_of(found);
+    ++search_.stats.triangle_tests;
+    const auto update = collector_.compare(a_.at(found.pairs[i].slot_a), b_.at(found.pairs[i].slot_b));
+    if (update) search_.pruning.update(*update);
+  }
+
+  /// Chooses the normal of the flatter of two leaves without candidates as the search direction: what is near them is
+  /// likely to be apart along it, too. Not inlined: the loop of a query should not pay for it.
+  [[gnu::noinline]] void aim(const NodePair& pair) {
+    if (search_.pruning.has_direction() || !state_.aim.may_choose()) return;
+    search_.pruning.aim(trees_.normal_between_leaves(pair));
+    if (search_.pruning.has_direction()) state_.aim.choose();
+  }
+
+  Search search_;
+  const Trees& trees_;
+  Collector& collector_;
+  TraversalState& state_;
+  MarginCost& margin_cost_;
+  const simd::Kernels& kernels_;
+  PlacedLeaf a_, b_;  // of the leaves that were compared last
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pair/placed_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "base/rounding.h"
+#include "bvh/root_bounds.h"
+#include "geometry/local_frame.h"
+#include "geometry/rigid.h"
+#include "model/model_impl.h"
+
+namespace limber::pair {
+namespace {
+
+// Vertices that are outside of the bounds by at most this part of the magnitude cannot make it much too large.
+constexpr double small_drift = 1. / 16;
+
+}  // namespace
+
+PlacedPair::PlacedPair(const Placed& a, const Placed& b)
+    : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
+  LIMBER_REQUIRE(a.model().is_committed(),
+                 "limber: a query needs committed models; model a has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(b.model().is_committed(),
+                 "limber: a query needs committed models; model b has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(geometry::is_rigid(a.pose),
+                 "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
+  LIMBER_REQUIRE(geometry::is_rigid(b.pose),
+                 "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
+  const Model::Impl &model_a = a.model().impl(), &model_b = b.model().impl();
+  sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
+  sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
+  const double size = bvh::magnitude(model_a.tree, a.pose) + bvh::magnitude(model_b.tree, b.pose);
+  error_ = base::placement_error * size;
+  is_error_tight_ = !is_placed_exactly_ && drift() <= small_drift * size;
+}
+
+Triangle PlacedPair::placed(Side s, const Triangle& local) const {
+  if (is_placed_exactly_) return local;
+  const Transform& pose = at(s).pose;
+  return {pose(local.v0), pose(local.v1), pose(local.v2)};
+}
+
+double PlacedPair::root_bound() const {
+  const PlacedTree &a = at(Side::a), &b = at(Side::b);
+  const Vec3 between = b.pose(bvh::slot_center(*b.tree, bvh::root)) - a.pose(bvh::slot_center(*a.tree, bvh::root));
+  const double radius_a = bvh::root_radius(*a.tree), radius_b = bvh::root_radius(*b.tree);
+  double best = geometry::safe_length(between) - radius_a - radius_b;
+  // The sphere of one next to the box and the slab of the other.
+  best = std::max(best, bvh::root_gap(*a.tree, transpose(a.pose.rotation) * between) - radius_b);
+  best = std::max(best, bvh::root_gap(*b.tree, transpose(b.pose.rotation) * -between) - radius_a);
+  const double rounding = (bvh::sum_of_coordinates(between) + radius_a + radius_b) * base::root_error + error_;
+  return std::max(0.0, best - rounding);
+}
+
+void PlacedPair::add_margin_cost(double steps) const {
+  for (const Side s : {Side::a, Side::b}) {
+    const bvh::Tree& t = tree(s);
+    if (t.margin_cost == nullptr || t.drift == 0) continue;
+    const double share = steps * (t.drift / drift());
+    t.margin_cost->fetch_add(static_cast<std::uint64_t>(share / bvh::margin_cost_unit), std::memory_order_relaxed);
+  }
+}
+
+double PlacedPair::max_displacement(const Transform& before, double error_before, const Transform& after) const {
+  const bvh::Tree &a = tree(Side::a), &b = tree(Side::b);
+  const Vec3 center = bvh::slot_center(b, bvh::root), center_a = bvh::slot_center(a, bvh::root);
+  const Mat3 &from = before.rotation, &to = after.rotation;
+  const Vec3 center_before = before(center), center_after = after(center);
+  // The difference of two rotations stretches a vector by at most its Frobenius norm over the root of 2.
+  const double turned = std::sqrt(
+      0.5 * (length_sq(to.row0 - from.row0) + length_sq(to.row1 - from.row1) + length_sq(to.row2 - from.row2)));
+  const double size = geometry::safe_length(center_before - center_a) + geometry::safe_length(center_after - center_a) +
+                      bvh::sum_of_coordinates(center) + bvh::root_radius(a) + bvh::root_radius(b);
+  return base::distance_up(center_before, center_after) + turned * bvh::root_radius(b) + base::rigidity_error * size +
+         2 * (error_before + error_);
+}
+
+}  // namespace limber::pair

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "pair/collectors/collector.h"
+#include "pair/placed_leaf.h"
+#include "pair/placed_pair.h"
+#include "simd/kernels.h"
+
+namespace limber::pair {
+
+/// What is done with pairs that are as far apart as the best one, up to rounding: skipped, or compared, so that the
+/// answer is the least distance to the bit, whatever pair comes first.
+enum class Ties { skipped, compared };
+
+/// What a query prunes: pairs at least the prune distance apart. Once two triangles have been compared, it knows the
+/// direction in which they are apart, the search direction; most pairs are at least as far apart along it.
+///
+/// States   The prune distance only shrinks. There is a search direction once a pair that is apart has been compared.
+class Pruning {
+ public:
+  Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped)
+      : placed_(placed), may_skip_ties_(ties == Ties::skipped) {
+    in_frame_[0].has_direction = in_frame_[1].has_direction = false;
+    set_cutoff(cutoff);
+  }
+
+  /// Everything that is pruned, and everything that has been compared, is at least so far apart.
+  double cutoff() const { return cutoff_; }
+  /// Bounds are compared with this: the cutoff, or for tiny models a larger distance that float32 resolves.
+  double distance() const { return in_frame_[0].distance; }
+  /// Of the best pair so far that allows to prune others; 0 if there is none.
+  double best_distance() const { return best_distance_; }
+  /// Whether pairs nearer than the best are pruned, because an error is allowed.
+  bool has_error() const { return best_distance_ > distance(); }
+  bool has_direction() const { return in_frame_[0].has_direction; }
+  /// Whether every pair that is computed to be nearer than cutoff() has to be compared.
+  bool compares_ties() const { return !may_skip_ties_; }
+  /// Whether pairs as far apart as the best are skipped now. They may be computed to be a little nearer.
+  bool skips_ties() const { return skips_ties_; }
+
+  /// As the kernels need it, in the frame of either model.
+  const simd::PruneLimits& of(Side s) const { return in_frame_[index(s)]; }
+
+  /// Takes over what a collector has learnt.
+  void update(const BoundUpdate& update) {
+    if (update.cutoff < infinity) {
+      set_cutoff(std::min(cutoff_, update.cutoff));
+      best_distance_ = update.distance;
+      skips_ties_ = may_skip_ties_ && distance() == update.distance;
+    }
+    aim(update.separation);
+  }
+
+  /// Chooses a search direction, from a to b in the world, of any length.
+  void aim(const Vec3& direction) {
+    const double length = limber::length(direction);
+    if (length > shortest_separation) set_direction(direction * (1 / length));
+  }
+
+  /// Goes on without a search direction.
+  void forget_direction() { in_frame_[0].has_direction = in_frame_[1].has_direction = false; }
+
+  /// The search direction, if there is one.
+  std::optional<Vec3> direction() const { return has_direction() ? std::optional(direction_) : std::nullopt; }
+  /// Goes on with what direction() has returned before.
+  void restore_direction(const std::optional<Vec3>& direction) {
+    if (direction) {
+      set_direction(*direction);
+    } else {
+      forget_direction();
+    }
+  }
+
+  /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
+  /// pruned.
+  ///
+  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the
+  /// best up to rounding. They are many, and can improve the answer by no more than that, so where the distance itself
+  /// is looked for they are pruned. A pair that may be within a limit is always compared.
+  bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
+    if (!has_direction()) return false;
+    // Negative where they overlap. It is computed from the vertices before they are placed, and off by at most
+    // local_gap_error times the error of placing.
+    const double gap =
+        offset_ - a.support(slot_a, out_of_a_, direction_number_) - b.support(slot_b, out_of_b_, direction_number_);
+    if (const std::optional<bool> is_pruned = prunes_gap(gap)) return *is_pruned;
+    return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
+  }
+  /// Whether no pair of triangles of two leaves need be compared, for the same reasons. May miss it. If so, leaves in
+  /// `apart` a lower bound of their distance, or the cutoff if that is larger.
+  bool prunes(PlacedLeaf& a, PlacedLeaf& b, double& apart) const {
+    if (!has_direction()) return false;
+    const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
+    const bool is_pruned = prunes_gap(gap).value_or(false);
+    if (is_pruned) apart = std::max(cutoff_, gap - 2 * base::local_gap_error * placed_.error());
+    return is_pruned;
+  }
+
+ private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  // A shorter one has no direction.
+  static constexpr double shortest_separation = 0x1p-500;
+
+  void set_cutoff(double cutoff) {
+    cutoff_ = std::max(cutoff, std::numeric_limits<double>::min());  // contacts are never pruned
+    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_prune_distance);
+  }
+
+  /// `direction` has length 1, in the world, from a to b.
+  void set_direction(const Vec3& direction) {
+    LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 0x1p-40);
+    direction_ = direction;
+    ++direction_number_;
+    out_of_a_ = transpose(placed_.pose(Side::a).rotation) * direction;
+    out_of_b_ = transpose(placed_.pose(Side::b).rotation) * -direction;
+    simd::PruneLimits &a = in_frame_[0], &b = in_frame_[1];
+    a.has_direction = b.has_direction = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      a.direction[k] = out_of_a_[k], b.direction[k] = out_of_b_[k];
+      a.normal[k] = b.other_normal[k] = static_cast<float>(out_of_a_[k]);
+      b.normal[k] = a.other_normal[k] = static_cast<float>(out_of_b_[k]);
+    }
+    offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
+  }
+
+  /// Whether a gap along the search direction prunes; nullopt if rounding could change that.
+  std::optional<bool> prunes_gap(double gap) const {
+    const double rounding = base::local_gap_error * placed_.error();
+    // Where ties are compared, what is pruned must not even be computed to be nearer.
+    if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
+    if (gap < distance() - rounding) return false;
+    // As far apart as the best, or as the limit allows.
+    const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, base::tie_error * distance());
+    if (skips_ties_ && rounding <= tolerated && gap >= distance() - base::usual_part * rounding) return gap > rounding;
+    return std::nullopt;
+  }
+
+  /// The same as prunes() for placed triangles, relative to a corner of one of them: an offset that they share costs no
+  /// precision.
+  bool prunes_placed(const Triangle& a, const Triangle& b) const {
+    const Vec3& d = direction_;
+    const Vec3 a1 = a.v1 - a.v0, a2 = a.v2 - a.v0, b0 = b.v0 - a.v0, b1 = b.v1 - a.v0, b2 = b.v2 - a.v0;
+    const double gap = std::min({dot(d, b0), dot(d, b1), dot(d, b2)}) - std::max({0.0, dot(d, a1), dot(d, a2)});
+    const double extent = max_abs(max(max(max(abs(a1), abs(a2)), max(abs(b0), abs(b1))), abs(b2)));
+    const double rounding = base::gap_error * extent;
+    return gap > rounding && gap >= (skips_ties_ ? distance() - base::usual_gap_error * extent : distance() + rounding);
+  }
+
+  const PlacedPair& placed_;
+  double cutoff_;
+  simd::PruneLimits in_frame_[2];
+  double best_distance_ = 0;
+  bool may_skip_ties_;
+  bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
+  Vec3 direction_, out_of_a_, out_of_b_;
+  std::uint32_t direction_number_ = 0;
+  double offset_ = 0;  // of b's origin from a's along the search direction
+};
+
+}  // namespace limber::pair

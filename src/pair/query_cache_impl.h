@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+
+#include "limber/model.h"
+#include "pair/front.h"
+#include "pair/trial.h"
+
+namespace limber {
+
+struct QueryCache::Impl {
+  TriangleId triangle_a = no_id, triangle_b = no_id;  // the last answer
+  pair::Front front;
+  pair::Trial pair;        // to compare these triangles first
+  pair::Trial bound;       // to keep the bound of the last query, less the motion since
+  pair::Trial recording;   // to record a front
+  double work_of_new = 0;  // of the last traversal from the roots, in pairs of nodes that are compared
+
+  /// Judges whether comparing the triangles first has helped a query.
+  void judge_pair(bool has_helped) { judge(pair, has_helped, cost_of_pair); }
+  /// Judges whether the bound has ended a query.
+  void judge_bound(bool has_ended) { judge(bound, has_ended, cost_of_bound); }
+  /// Judges a traversal from the roots that has recorded a front.
+  void judge_new_front(double work) {
+    work_of_new = work;
+    recording.add_gain(-cost_of_recording);
+  }
+  /// Judges a traversal that started with the records of a front. The work of a new one may have become less since it
+  /// was counted; so that this is noticed, less and less is assumed.
+  void judge_front(double work) {
+    const double gain = 1 - cost_of_resumed_work * work / std::max(work_of_new, 1.0);
+    work_of_new *= 1 - 1. / 64;
+    recording.add_gain(gain);
+    if (gain < 0) front.forget_records();
+  }
+
+ private:
+  // (bench/realtime/caches.cpp)
+  static constexpr double cost_of_pair = 4, cost_of_bound = 2;                   // in pairs of nodes
+  static constexpr double cost_of_recording = 0.25, cost_of_resumed_work = 1.6;  // as parts of a new traversal's
+
+  void judge(pair::Trial& trial, bool has_helped, double cost) {
+    trial.add_gain(((has_helped ? work_of_new : 0) - cost) / (work_of_new + cost));
+  }
+};
+
+}  // namespace limber

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "geometry/local_frame.h"
+#include "limber/model.h"
+#include "pair/all_pairs.h"
+#include "pair/best_first.h"
+#include "pair/query_cache_impl.h"
+#include "pair/search_context.h"
+
+namespace limber::pair {
+
+/// What a search has left.
+struct Unsearched {
+  double distance;  ///< all that was not compared is at least that far apart; of no meaning if the collector is done
+  StoppedBy stopped_by = StoppedBy::nothing;
+  double work = 0;  ///< pairs of nodes and of leaves that were compared
+};
+
+/// Ends a traversal that has made all its steps, or as many as its budget allows.
+template <typename Collector, bool has_front>
+Unsearched finish(BestFirst<Collector, has_front>& traversal, const Search& search, double root_bound,
+                  const Collector& collector) {
+  const double open = traversal.finish();
+  traversal.margin_cost().note(search.placed);
+  Unsearched left{0, StoppedBy::nothing, static_cast<double>(traversal.work())};
+  if (collector.is_done()) return left;
+  left.distance = std::max(root_bound, std::min(open, search.pruning.cutoff()));
+  if (open < search.pruning.cutoff()) left.stopped_by = search.meter.stopped_by();
+  return left;
+}
+
+/// Runs a traversal from the roots, without a front.
+template <typename Collector>
+Unsearched traverse(const Search& search, double root_bound, Collector& collector) {
+  BestFirst<Collector, false> traversal(search, collector, nullptr);
+  traversal.start(root_bound);
+  while (traversal.step()) {
+  }
+  return finish(traversal, search, root_bound, collector);
+}
+
+/// Finishes a traversal whose front is full without recording: drops the records.
+template <typename Collector>
+Unsearched traverse_on(const BestFirst<Collector, true>& begun, const Search& search, double root_bound, Front& front,
+                       Collector& collector) {
+  begun.margin_cost().note(search.placed);
+  front.forget_records();
+  BestFirst<Collector, false> traversal(search, collector, nullptr);
+  traversal.take_over(front.state());
+  while (traversal.step()) {
+  }
+  const Unsearched left = finish(traversal, search, root_bound, collector);
+  front.finish(search.placed.tree(Side::a).unit);
+  return left;
+}
+
+/// Runs a traversal that records a front: goes on with the one that was interrupted, or starts with the records of the
+/// last one, or from the roots if that promises to be cheaper.
+template <typename Collector>
+Unsearched traverse_recording(const Search& search, double root_bound, bool continues, QueryCache::Impl& cache,
+                              Collector& collector) {
+  Front& front = cache.front;
+  BestFirst<Collector, true> traversal(search, collector, &front);
+  bool is_new = false;
+  if (continues) {
+    traversal.go_on();
+  } else if (!traversal.start_with_records()) {
+    front.forget_records();
+    traversal.start(root_bound);
+    is_new = true;
+  }
+  const bool gives_up = is_new && !search.meter.is_limited();
+  while (!(gives_up && front.overflows()) && traversal.step()) {
+  }
+  const Unsearched left = gives_up && front.overflows() ? traverse_on(traversal, search, root_bound, front, collector)
+                                                        : finish(traversal, search, root_bound, collector);
+  if (search.meter.is_limited() || continues) return left;
+  if (is_new) {
+    cache.judge_new_front(left.work);
+  } else {
+    cache.judge_front(left.work);
+  }
+  return left;
+}
+
+/// Runs a traversal with a cache: with its bound and its front where these pay, else without.
+template <typename Collector>
+Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
+  Front& front = cache.front;
+  const PlacedPair& placed = search.placed;
+  if (search.pruning.compares_ties() && front.may_lack_ties(placed, search.pruning.cutoff())) front.clear();
+  const bool continues = front.can_continue(placed, search.pruning.cutoff());
+  if (!continues && !search.meter.is_limited() && !cache.bound.is_due()) {
+    front.clear();
+    const Unsearched left = traverse(search, root_bound, collector);
+    cache.work_of_new = left.work;
+    return left;
+  }
+  if (!continues) front.begin(placed, search.frames.a_from_b());
+  if (front.bound() >= search.pruning.cutoff()) {
+    cache.judge_bound(true);
+    if (!continues) front.finish(placed.tree(Side::a).unit);
+    return {std::max(root_bound, front.bound())};
+  }
+  Unsearched left{0};
+  if (continues || search.meter.is_limited() || cache.recording.is_due()) {
+    left = traverse_recording(search, root_bound, continues, cache, collector);
+  } else {
+    front.forget_records();
+    left = traverse(search, root_bound, collector);
+    front.finish(placed.tree(Side::a).unit);
+    cache.work_of_new = left.work;
+    cache.judge_bound(false);
+  }
+  left.distance = std::max(left.distance, front.bound());
+  front.improve_bound(left.distance);
+  return left;
+}
+
+/// Offers a collector two vertices if they are close enough. Where the bound of the roots is almost the answer, any two
+/// vertices may be, at a small part of the cost of a descent. Their distance is rounded up: that of their triangles,
+/// which another query may compute, is no larger.
+template <TakesPoints Collector>
+void try_vertices(const PlacedPair& placed, double root_bound, Collector& collector, Pruning& pruning) {
+  const double good_enough = collector.good_enough(root_bound);
+  if (good_enough <= root_bound) return;
+  const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
+  const double distance = geometry::safe_length(q - p);
+  if (distance <= root_bound || distance > good_enough || distance < simd::smallest_prune_distance) return;
+  const Corners &corners_a = placed.first_corners(Side::a), &corners_b = placed.first_corners(Side::b);
+  double extent = max_abs(q - p);
+  for (std::size_t k = 1; k < 3; ++k) {
+    extent = std::max(extent, max_abs(placed.position(Side::a, corners_a[k]) - p));
+    extent = std::max(extent, max_abs(placed.position(Side::b, corners_b[k]) - p));
+  }
+  const double upper = distance + base::triangle_distance_error * (4 * distance + extent);
+  if (upper > good_enough) return;
+  const Witness points{p, q, placed.first_triangle(Side::a), placed.first_triangle(Side::b)};
+  if (const auto update = collector.take(upper, points)) pruning.update(*update);
+}
+
+/// Offers a collector two triangles.
+template <typename Collector>
+void compare(TriangleId a, TriangleId b, const PlacedPair& placed, Collector& collector, Pruning& pruning,
+             QueryStats& stats) {
+  ++stats.triangle_tests;
+  const auto update = collector.compare(placed_triangle(placed, Side::a, a), placed_triangle(placed, Side::b, b));
+  if (update) pruning.update(*update);
+}
+
+/// Looks for what a collector wants, first where the last query ended if there is a cache.
+template <typename Collector>
+Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collector, BudgetMeter& meter,
+                  QueryStats& stats, Ties ties = Ties::skipped) {
+  static_assert(!Collector::is_self);
+  LIMBER_ASSERT(Collector::hits != Hits::k_closest || cache == nullptr);  // a front skips what was compared before
+  Pruning pruning(placed, collector.initial_cutoff(), ties);
+  ++stats.node_tests;
+  const double root_bound = placed.root_bound();
+  if (root_bound >= pruning.distance()) return {root_bound};
+  if constexpr (TakesPoints<Collector>) {
+    if (!meter.is_limited()) try_vertices(placed, root_bound, collector, pruning);
+    if (collector.is_done() || root_bound >= pruning.distance()) return {root_bound};
+  }
+  QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
+  const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&
+                        placed.has_triangle(Side::b, last->triangle_b);
+  const bool tries_pair = has_pair && (meter.is_limited() || last->pair.is_due());
+  if (tries_pair) {
+    compare(last->triangle_a, last->triangle_b, placed, collector, pruning, stats);
+  } else if (meter.is_limited()) {
+    // So there is an upper bound even if the budget allows no step.
+    compare(placed.first_triangle(Side::a), placed.first_triangle(Side::b), placed, collector, pruning, stats);
+  }
+  if (collector.is_done()) {
+    if (tries_pair) last->judge_pair(true);
+    return {pruning.cutoff()};
+  }
+  if (root_bound >= pruning.distance()) {
+    return {std::max(root_bound, last == nullptr ? 0 : last->front.bound_at_rest(placed))};
+  }
+  Frames frames(placed);
+  const Search context{placed, frames, pruning, meter, stats};
+  if constexpr (Collector::hits == Hits::k_closest) {
+    return traverse(context, root_bound, collector);
+  } else {
+    if (last == nullptr) return traverse(context, root_bound, collector);
+    const double at_first = pruning.cutoff();
+    const Unsearched left = traverse(context, root_bound, *last, collector);
+    if (pruning.skips_ties()) last->front.note_skipped_ties(pruning.cutoff());
+    if (tries_pair && !meter.is_limited()) {
+      constexpr double close = 1.25;
+      last->judge_pair(at_first < collector.initial_cutoff() && at_first <= close * pruning.cutoff());
+    }
+    return left;
+  }
+}
+
+/// Whether the pair of the last answer consists of two different triangles of a model that stands on both sides.
+inline bool has_self_pair(const QueryCache::Impl* last, const PlacedPair& placed) {
+  return last != nullptr && last->triangle_a != last->triangle_b && placed.has_triangle(Side::a, last->triangle_a) &&
+         placed.has_triangle(Side::b, last->triangle_b);
+}
+
+/// Looks for the best among the triangles of one model, which stands on both sides. If there is a cache, the pair of
+/// the last answer is compared first, whatever model it was of: it is one of the pairs of this model as well.
+template <typename Collector>
+Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, Collector& collector,
+                       QueryStats& stats) {
+  static_assert(Collector::is_self);
+  LIMBER_ASSERT(&placed.tree(Side::a) == &placed.tree(Side::b) && placed.is_placed_exactly());
+  BudgetMeter meter;  // without limits
+  Pruning pruning(placed, collector.initial_cutoff(), Ties::compared);
+  if (has_self_pair(last, placed)) {
+    compare(last->triangle_a, last->triangle_b, placed, collector, pruning, stats);
+    if (collector.is_done()) return {pruning.cutoff()};
+  }
+  Frames frames(placed);
+  return traverse({placed, frames, pruning, meter, stats}, 0, collector);
+}
+
+/// Offers a collector all pairs of triangles, or of leaves, that may count: of two models, or of one that stands on
+/// both sides.
+template <typename Collector>
+void search_all(const PlacedPair& placed, Collector& collector, QueryStats& stats) {
+  BudgetMeter meter;  // without limits
+  Pruning pruning(placed, collector.initial_cutoff());
+  double root_bound = 0;
+  if constexpr (!Collector::is_self) {
+    ++stats.node_tests;
+    root_bound = placed.root_bound();
+    if (root_bound >= pruning.distance()) return;
+  }
+  Frames frames(placed);
+  const Search context{placed, frames, pruning, meter, stats};
+  AllPairs<Collector>(context, collector).run(root_bound);
+}
+
+/// Notes an answer for the next query.
+inline void remember(QueryCache* cache, const Witness& witness) {
+  if (cache == nullptr) return;
+  cache->impl().triangle_a = witness.triangle_a;
+  cache->impl().triangle_b = witness.triangle_b;
+}
+
+}  // namespace limber::pair

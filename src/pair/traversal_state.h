@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "pair/aimed_direction.h"
+#include "pair/bucket_queue.h"
+#include "pair/descents.h"
+#include "pair/seeds/flat_seed.h"
+#include "pair/whole_leaves.h"
+
+namespace limber::pair {
+
+/// What a best-first traversal carries from one step to the next, apart from what it prunes by. A traversal that is
+/// interrupted and finds its state again does the steps that it would have done without the interruption.
+struct TraversalState {
+  BucketQueue queue;
+  float least_sq = 0, focus_sq = BucketQueue::no_limit_sq;  // the focus of the queue
+  std::uint64_t steps = 0;
+  std::uint64_t work = 0;  // pairs that kernels have compared, those of records too, which are no steps
+  Descents descents;
+  AimedDirection aim;
+  WholeLeaves leaves;
+  FlatSeed seed;
+
+  TraversalState() {}  // NOLINT: a defaulted one would let callers clear the queue's memory
+
+  /// Starts a traversal. The queue's memory is not written.
+  void clear() {
+    queue.clear();
+    least_sq = 0, focus_sq = BucketQueue::no_limit_sq;
+    steps = work = 0;
+    descents = {}, aim = {}, leaves = {}, seed = {};
+  }
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/check.h"
+#include "bvh/tree.h"
+#include "pair/bucket_queue.h"
+#include "pair/common_vertices.h"
+#include "pair/placed_pair.h"
+#include "simd/kernels.h"
+
+namespace limber::pair {
+
+/// The trees of two placed models, and what a traversal asks about a pair of their child slots.
+///
+/// `tells_coincident_apart` is for traversals that need every pair: triangles that coincide are pairs of their own.
+template <bool tells_coincident_apart>
+class TreePair {
+ public:
+  explicit TreePair(const PlacedPair& placed) : placed_(placed) {}
+
+  const bvh::Tree& tree(Side s) const { return placed_.tree(s); }
+
+  /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
+  /// for it and no bound could tell them apart. With a motion margin, vertices may have moved since they coincided.
+  bool is_leaf(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = pair.slot[index(s)];
+    const bvh::Tree& tree = placed_.tree(s);
+    if constexpr (tells_coincident_apart) {
+      return bvh::has_leaf(tree, slot);
+    } else {
+      return bvh::has_leaf(tree, slot) || (bvh::is_coincident(tree, slot) && tree.drift == 0);
+    }
+  }
+  bool are_leaves(const NodePair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
+
+  /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
+  bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
+    LIMBER_ASSERT(is_leaf(s, pair));
+    return bvh::first_leaf_slot(placed_.tree(s), pair.slot[index(s)]);
+  }
+  const bvh::Leaf& leaf(Side s, const NodePair& pair) const {
+    return bvh::leaf_of(placed_.tree(s), leaf_slot(s, pair));
+  }
+
+  /// A slot as the kernels take it, without triangles and with those of its leaf.
+  simd::OtherNode as_node(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = pair.slot[index(s)];
+    return {&placed_.tree(s).nodes[bvh::node_of(slot)], bvh::slot_of(slot), nullptr};
+  }
+  simd::OtherNode as_leaf(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = leaf_slot(s, pair);
+    const bvh::Tree& tree = placed_.tree(s);
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
+  }
+  /// With the triangles of its leaf if the slot is not expanded.
+  simd::OtherNode as_other(Side s, const NodePair& pair) const {
+    return is_leaf(s, pair) ? as_leaf(s, pair) : as_node(s, pair);
+  }
+
+  /// How loose the bound of a slot makes a pair: half the thickness of its slab, and a little of its radius. The looser
+  /// of two nodes is expanded.
+  double looseness(Side s, const NodePair& pair) const {
+    const bvh::SlotId slot = pair.slot[index(s)];
+    const bvh::Tree& tree = placed_.tree(s);
+    const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
+    const std::uint32_t k = bvh::slot_of(slot);
+    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + share_of_radius * n.radius[k]);
+  }
+
+  /// The side whose node is expanded: the looser one, if it can be. Pre: are_leaves() is false.
+  Side side_to_expand(const NodePair& pair) const {
+    const bool is_looser = looseness(Side::a, pair) >= looseness(Side::b, pair);
+    // Bitwise: branches here would be mispredicted.
+    const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
+    const bool is_a = (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
+    return is_a ? Side::a : Side::b;
+  }
+
+  /// The normal of the flatter of two leaves, in world coordinates, from a to b. Pre: are_leaves().
+  Vec3 normal_between_leaves(const NodePair& pair) const {
+    double flatness[2];
+    Vec3 normal[2], center[2];
+    for (const Side s : {Side::a, Side::b}) {
+      const bvh::SlotId slot = leaf_slot(s, pair);
+      const bvh::Tree& tree = placed_.tree(s);
+      const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
+      const std::uint32_t k = bvh::slot_of(slot);
+      flatness[index(s)] = static_cast<double>(n.high[k] - n.low[k]) * tree.unit;
+      normal[index(s)] = placed_.pose(s).rotation * Vec3{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
+      center[index(s)] = placed_.pose(s)(bvh::slot_center(tree, slot));
+    }
+    const Vec3 n = flatness[0] <= flatness[1] ? normal[0] : normal[1];
+    return dot(n, center[1] - center[0]) < 0 ? -n : n;
+  }
+
+  /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
+  /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
+  bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {
+    const bvh::Tree& tree = placed_.tree(Side::a);
+    if (bvh::has_leaf(tree, pair.slot[0]) || bvh::has_leaf(tree, pair.slot[1])) return false;
+    return pair::share_and_are_apart(placed_, pair.slot[0], pair.slot[1], what, margin);
+  }
+
+ private:
+  static constexpr float share_of_radius = 0.01F;  // (docs/algorithms/traversal.md)
+
+  const PlacedPair& placed_;
+};
+
+}  // namespace limber::pair

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "point/closest_point.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "base/rounding.h"
+#include "geometry/local_frame.h"
+#include "geometry/primitives.h"
+
+namespace limber::point {
+namespace {
+
+// More than any bound of a child.
+constexpr float most_bound = 3e38F;
+
+}  // namespace
+
+ClosestPointSearch::ClosestPointSearch(const PlacedModel& model)
+    : model_(model), tree_(model.tree()), kernels_(simd::kernels()) {}
+
+std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double max_distance, QueryStats& stats) {
+  point_ = point;
+  in_frame_ = model_.in_frame(point);
+  max_distance_ = max_distance;
+  best_.reset();
+  set_limit(max_distance);
+  candidate_count_ = 0;
+  waiting_count_ = 1;
+  waiting_[0] = {limit_bound_, bvh::root, 0};
+  while (waiting_count_ > 0) {
+    const Waiting next = waiting_[waiting_count_ - 1];
+    if (next.bound > limit_bound_) {
+      waiting_count_ = next.siblings;  // which are no nearer
+      continue;
+    }
+    --waiting_count_;
+    if (tree_.drift > 0) count_margin_cost(next);
+    is_leaf(next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
+  }
+  compare_candidates(stats);
+  return best_;
+}
+
+void ClosestPointSearch::set_limit(double limit) {
+  limit_ = limit;
+  limit_bound_ = bound_of(limit);
+  tight_bound_ = bound_of(std::max(0.0, limit - tree_.drift));
+}
+
+/// A distance in the measure of the kernels, rounded up, a square to the nearest: bounds of children are lower by more
+/// than that (base::point_error). It never prunes what has a bound of 0.
+float ClosestPointSearch::bound_of(double distance) const {
+  const simd::QueryPoint& p = in_frame_;
+  if (p.is_far) {
+    return base::float_up(std::clamp((distance - p.height) * p.per_unit, -base::max_units, base::max_units));
+  }
+  const double units = distance * p.per_unit;
+  const auto squared = static_cast<float>(std::min(units * units, double{most_bound}));
+  return std::max(squared, std::numeric_limits<float>::min());
+}
+
+/// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide. With a motion margin they may be
+/// elsewhere than the mark says.
+bool ClosestPointSearch::is_leaf(bvh::SlotId slot) const {
+  return bvh::has_leaf(tree_, slot) || (bvh::is_coincident(tree_, slot) && tree_.drift == 0);
+}
+
+/// Adds the chance that the slot would have been pruned without the margin, as the traversal of pairs does.
+void ClosestPointSearch::count_margin_cost(const Waiting& slot) {
+  if (slot.bound < tight_bound_) return;
+  if (limit_ > tree_.drift) {
+    margin_cost_ += 1;
+    return;
+  }
+  const bvh::ChildBounds& n = tree_.nodes[bvh::node_of(slot.slot)].bounds;
+  const std::uint32_t k = bvh::slot_of(slot.slot);
+  const double loose = tree_.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F);
+  margin_cost_ += tree_.drift / (tree_.drift + loose);
+}
+
+void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
+  const std::uint32_t n = bvh::child_of(tree_, slot);
+  const bvh::WideNode& node = tree_.nodes[n];
+  stats.node_tests += node.child_count;
+  simd::ChildrenInOrder found;
+  const auto kernel = in_frame_.is_far ? kernels_.bound_children_along : kernels_.bound_children_to_point;
+  kernel(node, in_frame_, limit_bound_, found);
+  const double upper = static_cast<double>(found.upper) * in_frame_.unit;
+  if (upper < limit_) set_limit(upper);
+  const std::uint32_t first = waiting_count_;
+  LIMBER_ASSERT(first + bvh::width <= stack_capacity);
+  for (std::uint32_t k = 0; k < bvh::width; ++k) {
+    waiting_[first + found.place_of(k)] = {found.bound[k], n * bvh::width + k, first};
+  }
+  waiting_count_ += static_cast<std::uint32_t>(std::popcount(found.kept));
+}
+
+void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
+  const bvh::SlotId leaf_slot = bvh::first_leaf_slot(tree_, slot);
+  const bvh::WideNode& node = tree_.nodes[bvh::node_of(leaf_slot)];
+  const bvh::Leaf& leaf = bvh::leaf_of(tree_, leaf_slot);
+  simd::TriangleIntervals found;
+  const auto kernel = in_frame_.is_far ? kernels_.bound_triangles_along : kernels_.bound_triangles_to_point;
+  kernel(node, bvh::slot_of(leaf_slot), leaf.corners, in_frame_, limit_, found);
+  if (candidate_count_ + bvh::width > candidate_capacity) compare_candidates(stats);
+  for (; found.kept != 0; found.kept &= found.kept - 1) {
+    const auto k = static_cast<std::uint32_t>(std::countr_zero(found.kept));
+    candidates_[candidate_count_++] = {static_cast<double>(found.lower[k]) * found.step, &leaf, k};
+    for (const VertexId v : leaf.vertices[k]) __builtin_prefetch(&model_.mesh().positions[v]);
+  }
+  const double upper = static_cast<double>(found.upper) * found.step;
+  if (upper < limit_) set_limit(upper);
+  // The leaf itself does not tell how near its triangles are.
+  if (in_frame_.is_far) compare_candidates(stats);
+}
+
+/// Compares all triangles that may be the closest one, the likeliest first.
+void ClosestPointSearch::compare_candidates(QueryStats& stats) {
+  Candidate* const end = candidates_ + candidate_count_;
+  candidate_count_ = 0;
+  Candidate* const nearest =
+      std::min_element(candidates_, end, [](const Candidate& a, const Candidate& b) { return a.lower < b.lower; });
+  if (nearest == end) return;
+  std::swap(*nearest, candidates_[0]);
+  for (const Candidate* candidate = candidates_; candidate != end; ++candidate) compare(*candidate, stats);
+}
+
+void ClosestPointSearch::compare(const Candidate& candidate, QueryStats& stats) {
+  if (candidate.lower > limit_) return;
+  ++stats.triangle_tests;
+  const Triangle triangle = model_.triangle(candidate.leaf->vertices[candidate.slot]);
+  const TriangleId id = candidate.leaf->triangle[candidate.slot];
+  const geometry::PointOnTriangle closest = geometry::closest_on(triangle, point_);
+  if (closest.distance > max_distance_) return;
+  if (best_) {
+    if (closest.distance > best_->distance) return;
+    if (closest.distance == best_->distance && id >= best_->triangle) return;
+  }
+  const Vec3& w = closest.weights;
+  best_ = SurfacePoint{closest.distance, geometry::point_at(triangle, w), id, {w.x, w.y, w.z}, geometry::feature_of(w)};
+  if (closest.distance < limit_) set_limit(closest.distance);
+}
+
+}  // namespace limber::point

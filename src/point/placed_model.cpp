@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "point/placed_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error_bounds.h"
+#include "base/rounding.h"
+#include "bvh/root_bounds.h"
+#include "geometry/local_frame.h"
+#include "geometry/rigid.h"
+#include "model/model_impl.h"
+
+namespace limber::point {
+namespace {
+
+// From that many radii on, float32 tells triangles apart by their heights better than by their distances.
+constexpr double far_radii = 1024;
+// Its square is a normal number.
+constexpr double smallest_far_distance = 0x1p-450;
+
+void store(const Vec3& v, double (&to)[3]) {
+  for (std::size_t k = 0; k < 3; ++k) to[k] = v[k];
+}
+
+}  // namespace
+
+PlacedModel::PlacedModel(const Placed& placed) : pose_(placed.pose) {
+  LIMBER_REQUIRE(placed.model().is_committed(),
+                 "limber: a query needs a committed model; this one has moved vertices, or has been moved from");
+  LIMBER_REQUIRE(geometry::is_rigid(pose_),
+                 "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
+  const Model::Impl& model = placed.model().impl();
+  tree_ = &model.tree;
+  mesh_ = model.mesh;
+  to_frame_ = geometry::inverse_of(pose_.rotation);
+  magnitude_ = bvh::magnitude(*tree_, pose_);
+  center_ = bvh::slot_center(*tree_, bvh::root);
+  far_distance_ = std::max(far_radii * bvh::root_radius(*tree_), smallest_far_distance);
+}
+
+simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
+  simd::QueryPoint in;
+  const Vec3 local = to_frame_ * (point - pose_.translation);
+  for (std::size_t k = 0; k < 3; ++k) in.position[k] = local[k];
+  in.position[3] = 0;
+  in.unit = tree_->unit, in.per_unit = 1 / tree_->unit;
+  const double from_origin = std::abs(point.x) + std::abs(point.y) + std::abs(point.z);
+  in.error = base::placement_error * (magnitude_ + from_origin) + tree_->drift;
+  in.error_units = base::float_up(base::or_infinite(in.error * in.per_unit)) + base::smallest_error_units;
+  const Vec3 up = point - pose_(center_);
+  const double distance = geometry::safe_length(up);
+  in.is_far = distance > far_distance_;
+  if (in.is_far) {
+    const Vec3 world_direction = up * (1 / distance), direction = transpose(pose_.rotation) * world_direction;
+    store(direction, in.direction), store(center_, in.base);
+    in.height = dot(world_direction, point - pose_.translation) - dot(direction, center_);
+    for (std::size_t k = 0; k < 3; ++k) in.normal[k] = static_cast<float>(direction[k]);
+  }
+  return in;
+}
+
+std::optional<AxisRay> PlacedModel::ray_from(const Vec3& point) const {
+  const simd::QueryPoint in = in_frame(point);
+  const bvh::ChildBounds& n = tree_->nodes[0].bounds;
+  const Vec3 half = tree_->unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
+  const Vec3 to_center = pose_(center_) - point;
+  const Vec3 rows[3] = {pose_.rotation.row0, pose_.rotation.row1, pose_.rotation.row2};
+  AxisRay ray{point, 0, true, {}};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double support = dot(abs(rows[k]), half) * (1 + base::root_error) + in.error;
+    if (std::abs(to_center[k]) > support) return std::nullopt;
+    for (const bool is_upward : {true, false}) {
+      const double left = support + (is_upward ? to_center[k] : -to_center[k]);
+      if (left < least) least = left, ray.axis = k, ray.is_upward = is_upward;
+    }
+  }
+  simd::QueryRay& r = ray.in_frame;
+  std::copy(in.position, in.position + 4, r.origin);
+  r.unit = in.unit, r.per_unit = in.per_unit, r.error = in.error, r.error_units = in.error_units;
+  const auto store = [](const Vec3& v, float(&to)[3]) {
+    for (std::size_t k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
+  };
+  store(ray.is_upward ? rows[ray.axis] : -rows[ray.axis], r.forward);
+  store(rows[(ray.axis + 1) % 3], r.left), store(rows[(ray.axis + 2) % 3], r.up);
+  return ray;
+}
+
+void PlacedModel::add_margin_cost(double steps) const {
+  if (tree_->margin_cost == nullptr || tree_->drift == 0) return;
+  tree_->margin_cost->fetch_add(static_cast<std::uint64_t>(steps / bvh::margin_cost_unit), std::memory_order_relaxed);
+}
+
+}  // namespace limber::point

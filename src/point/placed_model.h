@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "base/check.h"
+#include "bvh/tree.h"
+#include "limber/model.h"
+#include "simd/kernels.h"
+
+namespace limber::point {
+
+/// A ray along an axis of the world.
+struct AxisRay {
+  Vec3 origin;
+  std::size_t axis;
+  bool is_upward;
+  simd::QueryRay in_frame;
+};
+
+/// The model of a query about points, and where it is. Constant while the query runs.
+class PlacedModel {
+ public:
+  /// Throws   std::invalid_argument unless the model is committed and the pose is rigid.
+  explicit PlacedModel(const Placed& placed);
+
+  const bvh::Tree& tree() const { return *tree_; }
+  const MeshView& mesh() const { return mesh_; }
+
+  /// A triangle in the world.
+  Triangle triangle(const Corners& corners) const {
+    LIMBER_ASSERT(std::max({corners[0], corners[1], corners[2]}) < mesh_.positions.size());
+    const auto& positions = mesh_.positions;
+    return {pose_(positions[corners[0]]), pose_(positions[corners[1]]), pose_(positions[corners[2]])};
+  }
+
+  /// A point of the world as the kernels need it.
+  simd::QueryPoint in_frame(const Vec3& point) const;
+
+  /// The ray from a point of the world that is soonest beyond the model; none if the point is outside of a box around
+  /// the model.
+  std::optional<AxisRay> ray_from(const Vec3& point) const;
+
+  /// Notes traversal steps that the motion margin has added.
+  void add_margin_cost(double steps) const;
+
+ private:
+  const bvh::Tree* tree_;
+  MeshView mesh_;
+  Transform pose_;
+  Mat3 to_frame_;        // the inverse rotation
+  double magnitude_;     // at least the distance of any point of the placed model from the world's origin
+  Vec3 center_;          // of the root's sphere, in the model's frame
+  double far_distance_;  // points farther from it are far
+};
+
+}  // namespace limber::point
