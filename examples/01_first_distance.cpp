@@ -25,5 +25,5 @@ int main() {
     const limber::Vec3& p = hit.witness->point_a;
     std::printf("touching at (%g, %g, %g)\n", p.x, p.y, p.z);
   }
-  return near.upper == 2 && !apart.collision && hit.collision ? 0 : 1;
+  return near.upper == 2 && !apart.is_yes() && hit.is_yes() ? 0 : 1;
 }

@@ -20,7 +20,7 @@ int main() {
               static_cast<unsigned long long>(rough.stats.node_tests));
 
   // "Is anything closer than ...?" is cheaper than the distance: it ends at the first such pair.
-  const bool within_a_half = limber::within(a, b, 0.5).within, within_a_fifth = limber::within(a, b, 0.2).within;
+  const bool within_a_half = limber::within(a, b, 0.5).is_yes(), within_a_fifth = limber::within(a, b, 0.2).is_yes();
 
   // The distance, if it is at most 0.2; otherwise only `beyond_limit`.
   const limber::DistanceResult limited = limber::distance(a, b, {.max_distance = 0.2});

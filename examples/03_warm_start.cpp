@@ -18,7 +18,7 @@ int main() {
     const double t = 0.002 * frame;
     const limber::Transform pose =
         limber::transform_from_quaternion({std::cos(3 * t), std::sin(3 * t), 2 - 0.4 * t}, 1, t, 0, t).value();
-    const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {}, cache);
+    const limber::DistanceResult warm = limber::distance({sheet}, {ball, pose}, {.cache = &cache});
     const limber::DistanceResult cold = limber::distance({sheet}, {ball, pose});
     nearest = std::min(nearest, warm.upper);
     largest_difference = std::max(largest_difference, std::abs(warm.upper - cold.upper));

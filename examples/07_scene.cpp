@@ -35,13 +35,13 @@ int main() {
     }
     distances.resize(found.count);
     const std::span<const limber::ObjectPair> candidates(pairs.data(), found.count);
-    scene.distance(candidates, {.max_distance = 0.1}, distances, &cache);  // on all threads
+    scene.distance(candidates, distances, {.max_distance = 0.1, .cache = &cache});  // on all threads
     for (const limber::DistanceResult& d : distances) contacts += d.status == limber::Status::collision ? 1 : 0;
     pairs_asked += found.count;
   }
 
   const auto with_floor = [&](limber::ObjectId a, limber::ObjectId b) { return a == floor || b == floor; };
-  const limber::ClosestObjects nearest = scene.closest_objects({}, {.filter = with_floor});
+  const limber::ClosestObjects nearest = scene.closest_objects({.filter = with_floor});
   std::printf("%zu of %zu candidate pairs touch; body %u is nearest to the floor, %.4f above it\n", contacts,
               pairs_asked, nearest.objects.b, nearest.result.upper);
   return contacts > 0 && nearest.objects.a == floor && std::abs(nearest.result.upper - 0.05) < 0.01 ? 0 : 1;

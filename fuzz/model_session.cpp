@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fuzz/model_session.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fuzz/byte_reader.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace limber::fuzz {

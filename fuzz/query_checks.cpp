@@ -75,25 +75,27 @@ Truth truth_about(const Placed& a, const Placed& b) {
   const double size = size_of(a) + size_of(b);
   const Truth truth{reference::distance(plain_a, plain_b).upper, size,
                     std::max(relative_tolerance * size, least_tolerance)};
-  require(reference::collide(plain_a, plain_b).collision == (truth.distance == 0),
+  require(reference::collide(plain_a, plain_b).is_yes() == (truth.distance == 0),
           "by brute force, models collide exactly when their distance is 0");
   return truth;
 }
 
 void check_collide(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache) {
-  const CollideResult found =
-      in_environment(environment, [&] { return cache != nullptr ? collide(a, b, *cache) : collide(a, b); });
-  require(found.collision == (truth.distance == 0),
+  const CollideResult found = in_environment(environment, [&] { return collide(a, b, {.cache = cache}); });
+  require(found.is_yes() == (truth.distance == 0),
           cache != nullptr ? "collide() with a cache is exact" : "collide() is exact",
           numbers(truth.distance, 0, 0, truth.tolerance));
-  require(found.witness.has_value() == found.collision, "collide() has a witness exactly when models collide");
+  require(found.witness.has_value() == found.is_yes(), "collide() has a witness exactly when models collide");
   if (found.witness) check_contact(a, b, *found.witness, truth);
 }
 
 void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                     const DistanceOptions& options) {
-  const DistanceResult found = in_environment(
-      environment, [&] { return cache != nullptr ? distance(a, b, options, *cache) : distance(a, b, options); });
+  const DistanceResult found = in_environment(environment, [&] {
+    DistanceOptions asked = options;
+    asked.cache = cache;
+    return distance(a, b, asked);
+  });
   const double tolerance = truth.tolerance;
   const std::string detail = numbers(truth.distance, found.lower, found.upper, tolerance);
   require(!std::isnan(found.lower) && !std::isnan(found.upper), "bounds are numbers");
@@ -126,16 +128,15 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
 
 void check_within(const Placed& a, const Placed& b, const Truth& truth, std::uint8_t environment, QueryCache* cache,
                   double max_distance) {
-  const WithinResult found = in_environment(
-      environment, [&] { return cache != nullptr ? within(a, b, max_distance, *cache) : within(a, b, max_distance); });
+  const CollideResult found = in_environment(environment, [&] { return within(a, b, max_distance, {.cache = cache}); });
   const std::string detail = numbers(truth.distance, max_distance, max_distance, truth.tolerance);
   if (truth.distance <= max_distance - truth.tolerance || truth.distance == 0) {
-    require(found.within, "within() finds models that are close", detail);
+    require(found.is_yes(), "within() finds models that are close", detail);
   }
   if (truth.distance > max_distance + truth.tolerance || (max_distance == 0 && truth.distance > 0)) {
-    require(!found.within, "within() denies models that are far apart", detail);
+    require(!found.is_yes(), "within() denies models that are far apart", detail);
   }
-  require(found.witness.has_value() == found.within, "within() has a witness exactly when models are close");
+  require(found.witness.has_value() == found.is_yes(), "within() has a witness exactly when models are close");
   if (!found.witness) return;
   if (do_meet(a, b, *found.witness)) return check_contact(a, b, *found.witness, truth);
   const double between = distance_between(found.witness->point_a, found.witness->point_b);

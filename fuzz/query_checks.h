@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 
 /// Queries of two models, compared with brute force.

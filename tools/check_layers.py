@@ -31,16 +31,16 @@ PRIVATE = {
 
 # Folder of src -> the public headers it may include; None: every one but io.h, which only io may, and eigen.h.
 PUBLIC: dict[str, tuple[str, ...] | None] = {
-    "base": ("base.h", "math.h", "query.h", "points.h"),
+    "base": ("base.h", "math.h", "distance.h", "points.h"),
     "geometry": ("base.h", "math.h", "geometry.h"),
-    "mesh": ("base.h", "math.h", "geometry.h", "mesh.h", "elements.h", "neighbor_rings.h"),
+    "mesh": ("base.h", "math.h", "geometry.h", "mesh.h", "contacts.h", "elements.h"),
     "simd": ("base.h", "math.h", "geometry.h"),
     "kernels": ("base.h", "math.h", "geometry.h"),
     "bvh": ("base.h", "math.h", "geometry.h", "mesh.h"),
     "model": None,
     "point": None,
     "pair": None,
-    "contacts": ("base.h", "math.h", "contact_reduction.h", "contacts.h"),
+    "contacts": ("base.h", "math.h", "contacts.h"),
     "scene": None,
     "classic": None,
     "reference": None,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "limber/distance.h"
 #include "models.h"
 #include "output.h"
 

@@ -14,20 +14,20 @@ ExitCode run(const PairArguments& arguments) {
   const Pair pair(arguments);
   const auto [result, elapsed_us] = ask(pair.a(), pair.b(), [](const auto& a, const auto& b) { return collide(a, b); });
   const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
-  const Nesting nesting = result.collision ? Nesting::none : nesting_of(pair.a(), pair.b());
+  const Nesting nesting = result.is_yes() ? Nesting::none : nesting_of(pair.a(), pair.b());
   if (arguments.json) {
-    Json json = {{"query", "collide"}, {"collision", result.collision}};
+    Json json = {{"query", "collide"}, {"collision", result.is_yes()}};
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
-    write_line("collision {}", result.collision ? "yes" : "no");
+    write_line("collision {}", result.is_yes() ? "yes" : "no");
     write_lines(witness);
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
   warn_about(nesting, "collide");
-  return arguments.exit_code && result.collision ? ExitCode::found : ExitCode::answered;
+  return arguments.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "deforming_model.h"
+#include "limber/distance.h"
 
 #include <fmt/format.h>
 

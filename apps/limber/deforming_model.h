@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "limber/classic.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace CLI {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "deforming_model.h"
+#include "limber/distance.h"
 
 /// The demonstration without its output: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {

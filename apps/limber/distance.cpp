@@ -8,6 +8,7 @@
 #include "distance_answer.h"
 #include "distance_pairs.h"
 #include "distance_report.h"
+#include "limber/distance.h"
 #include "options.h"
 #include "pair_arguments.h"
 #include "text.h"

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "distance_answer.h"
+#include "limber/distance.h"
 
 namespace limber::program {
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "answers.h"
+#include "limber/distance.h"
 #include "verb.h"
 
 /// What `limber distance` asks about each pair of models, and what it finds.

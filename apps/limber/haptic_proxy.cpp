@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic_proxy.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "limber/query.h"
+#include "limber/distance.h"
 
 namespace limber::program {
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic_scene.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,8 +50,9 @@ void HapticScene::tick(std::uint64_t number, TickSample& sample) {
   const TickClock::time_point committed = TickClock::now();
 
   const Transform tool_pose{device_pose.rotation, proxy_.place()};
-  const QueryBudget budget{.deadline = start + options_.tick_budget - kept_for_force};
-  const DistanceResult found = distance({model_}, {tool_, tool_pose}, query_, budget, cache_);
+  DistanceOptions options = query_;
+  options.cache = &cache_, options.budget = {.deadline = start + options_.tick_budget - kept_for_force};
+  const DistanceResult found = distance({model_}, {tool_, tool_pose}, options);
   const TickClock::time_point asked = TickClock::now();
   const Vec3 force = proxy_.follow(device_pose.translation, found);
   const TickClock::time_point done = TickClock::now();

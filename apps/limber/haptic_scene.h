@@ -7,6 +7,7 @@
 
 #include "haptic_proxy.h"
 #include "haptic_tissue.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "tick_loop.h"
 

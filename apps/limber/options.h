@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "limber/query.h"
+#include "limber/distance.h"
 
 /// Options whose errors are all reported in the same form. Targets hold the defaults and outlive the parsing.
 namespace limber::program {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "limber/query.h"
+#include "limber/distance.h"
 
 /// All output of the program goes through these functions.
 namespace limber::program {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/distance.h"
 #include "position_frames.h"
 #include "track_row.h"
 

@@ -8,6 +8,7 @@
 #include "answers.h"
 #include "contact_answers.h"
 #include "contact_arguments.h"
+#include "limber/distance.h"
 #include "text.h"
 #include "verb.h"
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <span>
 
-#include "limber/query.h"
+#include "limber/distance.h"
 
 /// A loop at a fixed rate, and what it notes about each of its ticks.
 namespace limber::program {

@@ -13,6 +13,7 @@
 
 #include "bad_input.h"
 #include "deforming_model.h"
+#include "limber/distance.h"
 #include "options.h"
 #include "output.h"
 #include "pose_text.h"

@@ -9,6 +9,7 @@
 
 #include "answers.h"
 #include "deforming_model.h"
+#include "limber/distance.h"
 #include "track_contacts.h"
 
 /// What `limber track` says about each frame.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "answers.h"
+#include "limber/distance.h"
 #include "options.h"
 #include "pair_arguments.h"
 #include "text.h"
@@ -19,10 +20,10 @@ struct WithinArguments {
 };
 
 /// Models that are close enough may meet, and then none is inside the other.
-Nesting nesting_unless_they_meet(const WithinResult& result, const Pair& pair) {
-  const auto meet = [](const auto& a, const auto& b) { return collide(a, b).collision; };
+Nesting nesting_unless_they_meet(const CollideResult& result, const Pair& pair) {
+  const auto meet = [](const auto& a, const auto& b) { return collide(a, b).is_yes(); };
   const Nesting nesting = nesting_of(pair.a(), pair.b());
-  const bool may_meet = result.within && nesting != Nesting::none;
+  const bool may_meet = result.is_yes() && nesting != Nesting::none;
   return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
 }
 
@@ -33,19 +34,19 @@ ExitCode run(const WithinArguments& arguments) {
   const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
   const Nesting nesting = nesting_unless_they_meet(result, pair);
   if (arguments.pair.json) {
-    Json json = {{"query", "within"}, {"within", result.within}, {"max_distance", arguments.max_distance}};
+    Json json = {{"query", "within"}, {"within", result.is_yes()}, {"max_distance", arguments.max_distance}};
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
-    write_line("within    {}", result.within ? "yes" : "no");
+    write_line("within    {}", result.is_yes() ? "yes" : "no");
     write_line("limit     {}", to_text(arguments.max_distance));
     write_lines(witness);
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
   warn_about(nesting, "within");
-  return arguments.pair.exit_code && result.within ? ExitCode::found : ExitCode::answered;
+  return arguments.pair.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <bit>
 #include <utility>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace {
@@ -38,15 +39,15 @@ class ThisEngine : public against::Engine {
     const limber::Placed a{a_}, b{b_, transform(pose)};
     switch (question) {
       case against::Question::collide:
-        return collide(a, b).collision ? 1 : 0;
+        return collide(a, b).is_yes() ? 1 : 0;
       case against::Question::exact:
         return distance(a, b).upper;
       case against::Question::within_10_percent:
         return distance(a, b, {.relative_error = 0.1}).upper;
       case against::Question::within_limit:
-        return within(a, b, 0.01).within ? 1 : 0;
+        return within(a, b, 0.01).is_yes() ? 1 : 0;
       case against::Question::warm_exact:
-        return distance(a, b, {}, cache_).upper;
+        return distance(a, b, {.cache = &cache_}).upper;
     }
     return 0;
   }

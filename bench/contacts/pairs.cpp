@@ -56,7 +56,7 @@ void ContactBench::one_mesh(const std::string& name, const Mesh& mesh) {
   const std::vector<Vec3> there = waved(mesh);
   Model model(mesh);
   const IdPairs met = self_pairs(model), close = self_pairs_within(model, margin);
-  checker_.check(self_collide(model).collision == !met.empty(), "{}: self_collide and self_intersections differ", name);
+  checker_.check(self_collide(model).is_yes() == !met.empty(), "{}: self_collide and self_intersections differ", name);
   const DistanceResult distance = self_distance(model);
   checker_.check((distance.upper == 0) == !met.empty(), "{}: self_distance and self_intersections differ", name);
   checker_.check(std::includes(close.begin(), close.end(), met.begin(), met.end()), "{}: not all that meets is close",

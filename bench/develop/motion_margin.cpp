@@ -18,6 +18,7 @@
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/motions.h"
 
@@ -86,7 +87,7 @@ void run_variant(const Scene& scene, Variant& variant, int steps, bool uses_cach
     const Transform pose = ball_pose(scene, step);
     const Stopwatch asking;
     const DistanceResult found =
-        uses_cache ? distance({deforming}, {ball, pose}, {}, cache) : distance({deforming}, {ball, pose});
+        uses_cache ? distance({deforming}, {ball, pose}, {.cache = &cache}) : distance({deforming}, {ball, pose});
     query_us += asking.us();
     variant.distances.push_back(done ? found.upper : -1);
     variant.update_us = update_us / step, variant.query_us = query_us / step;

@@ -22,6 +22,7 @@
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/motions.h"
 

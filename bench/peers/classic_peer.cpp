@@ -12,7 +12,7 @@ class ClassicPeer : public Peer {
   bool answers(Question) const override { return true; }
   double ask(Question question, const Transform& pose_b) override {
     const classic::Placed a{a_}, b{b_, pose_b};
-    if (question == Question::collide) return classic::collide(a, b).collision ? 0 : 1;
+    if (question == Question::collide) return classic::collide(a, b).is_yes() ? 0 : 1;
     return classic::distance(a, b, {.relative_error = question == Question::rough ? rough_error : 0}).upper;
   }
 

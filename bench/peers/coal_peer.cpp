@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "bench/peers/peer.h"
+#include "limber/distance.h"
 
 namespace limber::bench {
 namespace {

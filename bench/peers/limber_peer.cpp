@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/peers/peer.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace limber::bench {
@@ -24,7 +25,7 @@ class LimberPeer : public Peer {
       case Question::collide:
         break;
     }
-    return collide({a_}, {b_, pose_b}).collision ? 0 : 1;
+    return collide({a_}, {b_, pose_b}).is_yes() ? 0 : 1;
   }
 
  private:

@@ -24,6 +24,7 @@
 #include "bench/peers/peer.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace limber::bench {
@@ -49,11 +50,11 @@ struct Answer {
 Answer ask(const Model& a, const Model& b, Question question, const Transform& pose, QueryCache* cache) {
   const Placed pa{a}, pb{b, pose};
   if (question == Question::collide) {
-    const CollideResult found = cache != nullptr ? collide(pa, pb, *cache) : collide(pa, pb);
-    return {found.collision ? 0.0 : 1.0, found.stats};
+    const CollideResult found = collide(pa, pb, {.cache = cache});
+    return {found.is_yes() ? 0.0 : 1.0, found.stats};
   }
-  const DistanceOptions options{.relative_error = question == Question::rough ? rough_error : 0};
-  const DistanceResult found = cache != nullptr ? distance(pa, pb, options, *cache) : distance(pa, pb, options);
+  const DistanceOptions options{.relative_error = question == Question::rough ? rough_error : 0, .cache = cache};
+  const DistanceResult found = distance(pa, pb, options);
   return {found.upper, found.stats};
 }
 

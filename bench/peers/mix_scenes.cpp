@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
@@ -121,7 +122,7 @@ PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::si
     Transform inside = pose;
     do {
       inside.translation = pose.translation * rng.uniform();
-    } while (!collide({model_a}, {model_b, inside}).collision);
+    } while (!collide({model_a}, {model_b, inside}).is_yes());
     scene.situations[0].poses.push_back(inside);
   }
   scene.path = path_from(scene.situations[2], b, rng);
@@ -139,7 +140,7 @@ PeerScene scattered(const std::string& name, const Mesh& a, const Mesh& b, std::
                      [&](const Situation& s) { return s.poses.size() < pose_count; })) {
     const Vec3 place{rng.uniform(low.x, high.x), rng.uniform(low.y, high.y), rng.uniform(low.z, high.z)};
     const Transform pose{scenes::random_rotation(rng), place};
-    Situation& situation = scene.situations[collide({model_a}, {model_b, pose}).collision ? 0 : 1];
+    Situation& situation = scene.situations[collide({model_a}, {model_b, pose}).is_yes() ? 0 : 1];
     if (situation.poses.size() < pose_count) situation.poses.push_back(pose);
   }
   scene.path = path_from(scene.situations[1], b, rng);

@@ -11,6 +11,7 @@
 #include "bench/peers/peer.h"
 #include "bench/peers/scenes_of_peers.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
@@ -45,13 +46,13 @@ struct Question {
 double ask_along(const Model& a, const Model& b, const std::vector<Transform>& poses, const Question& question,
                  QueryCache* cache) {
   double sum = 0;
-  const DistanceOptions options{.relative_error = std::max(question.error, 0.0)};
+  const DistanceOptions options{.relative_error = std::max(question.error, 0.0), .cache = cache};
   for (const Transform& pose : poses) {
     const Placed pa{a}, pb{b, pose};
     if (question.error < 0) {
-      sum += (cache != nullptr ? collide(pa, pb, *cache) : collide(pa, pb)).collision ? 1 : 0;
+      sum += collide(pa, pb, {.cache = cache}).is_yes() ? 1 : 0;
     } else {
-      sum += (cache != nullptr ? distance(pa, pb, options, *cache) : distance(pa, pb, options)).upper;
+      sum += distance(pa, pb, options).upper;
     }
   }
   return sum;

@@ -10,6 +10,7 @@
 #include <map>
 #include <utility>
 
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"

@@ -18,6 +18,7 @@
 #include "bench/realtime/real_time_scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 
 namespace limber::bench {
 namespace {
@@ -32,15 +33,13 @@ double ask(Question question, const Placed& a, const Placed& b, double first, Qu
   const auto limit = first * (question == Question::closer_than_0_9 ? 0.9 : 1.1);
   switch (question) {
     case Question::exact:
-      return (cache != nullptr ? distance(a, b, {}, *cache) : distance(a, b)).upper;
+      return distance(a, b, {.cache = cache}).upper;
     case Question::within_10_percent:
-      return (cache != nullptr ? distance(a, b, {.relative_error = 0.1}, *cache)
-                               : distance(a, b, {.relative_error = 0.1}))
-          .upper;
+      return distance(a, b, {.relative_error = 0.1, .cache = cache}).upper;
     case Question::collide:
-      return (cache != nullptr ? collide(a, b, *cache) : collide(a, b)).collision ? 1 : 0;
+      return collide(a, b, {.cache = cache}).is_yes() ? 1 : 0;
     default:
-      return (cache != nullptr ? within(a, b, limit, *cache) : within(a, b, limit)).within ? 1 : 0;
+      return within(a, b, limit, {.cache = cache}).is_yes() ? 1 : 0;
   }
 }
 

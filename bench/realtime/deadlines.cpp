@@ -20,6 +20,7 @@
 #include "bench/support/percentiles.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 
@@ -53,7 +54,7 @@ void time_first_intervals(const std::vector<Scene>& scenes, Checker& checker, Ma
     for (std::size_t i = 0; i < count; ++i) {
       const Transform& pose = scene.poses[i % scene.poses.size()];
       const auto start = Clock::now();
-      const DistanceResult found = distance({scene.a}, {scene.b, pose}, {}, {.max_steps = 0});
+      const DistanceResult found = distance({scene.a}, {scene.b, pose}, {.budget = {.max_steps = 0}});
       times.push_back(us_since(start));
       if (i < scene.poses.size()) check_interval(checker, scene.name, found, scene.exact(pose).upper);
     }
@@ -85,7 +86,7 @@ void time_overruns(const std::vector<Scene>& scenes, Checker& checker, Markdown&
     for (std::size_t i = 0; i < count / scenes.size(); ++i) {
       const std::size_t k = i % scene.poses.size();
       const auto deadline = a_deadline();
-      const DistanceResult found = distance({scene.a}, {scene.b, scene.poses[k]}, {}, {.deadline = deadline});
+      const DistanceResult found = distance({scene.a}, {scene.b, scene.poses[k]}, {.budget = {.deadline = deadline}});
       if (found.status == Status::interrupted) late.push_back(us_since(deadline));
       check_interval(checker, scene.name, found, truths[k]);
     }
@@ -106,12 +107,12 @@ void measure_widths(const std::vector<Scene>& scenes, Markdown& text) {
         // The least number of steps that is enough.
         std::uint64_t low = 0, high = 1;
         const auto is_enough = [&](std::uint64_t steps) {
-          return distance({scene.a}, {scene.b, pose}, {}, {.max_steps = steps}).status != Status::interrupted;
+          return distance({scene.a}, {scene.b, pose}, {.budget = {.max_steps = steps}}).status != Status::interrupted;
         };
         while (!is_enough(high)) low = high, high *= 2;
         while (high - low > 1) (is_enough((low + high) / 2) ? high : low) = (low + high) / 2;
         const auto steps = static_cast<std::uint64_t>(part * static_cast<double>(high));
-        const DistanceResult found = distance({scene.a}, {scene.b, pose}, {}, {.max_steps = steps});
+        const DistanceResult found = distance({scene.a}, {scene.b, pose}, {.budget = {.max_steps = steps}});
         widths.push_back(found.lower > 0 ? found.upper / found.lower - 1 : 1e9);
       }
       const double width = summarize(widths).median;

@@ -15,6 +15,7 @@
 
 #include "bench/realtime/real_time_scenes.h"
 #include "bench/support/report.h"
+#include "limber/distance.h"
 
 namespace limber::bench {
 namespace {
@@ -44,7 +45,9 @@ std::string ask_to_the_end(const RealTimeScene& scene, const DistanceOptions& op
   std::uint64_t calls = 0, tests = 0;
   const std::uint64_t most_tests = 2 * whole.stats.node_tests + 16;
   do {
-    const DistanceResult found = distance(a, b, options, limit.budget(), cache);
+    DistanceOptions limited = options;
+    limited.cache = &cache, limited.budget = limit.budget();
+    const DistanceResult found = distance(a, b, limited);
     tests += found.stats.node_tests;
     ++calls;
     checker.check(found.lower <= truth + tolerance && found.upper >= truth - tolerance, "{}: [{}, {}] without {}",

@@ -20,6 +20,7 @@
 
 #include "bench/support/percentiles.h"
 #include "bench/support/report.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 

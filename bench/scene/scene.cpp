@@ -24,6 +24,7 @@
 #include "bench/scene/manager.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
+#include "limber/distance.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {
@@ -184,29 +185,31 @@ void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& c
     const std::span<const ObjectPair> found(pairs.data(), count);
     pair_count += static_cast<double>(count) / frames;
     collide_us.push_back(mean_us(1, [&] { scene.collide(found, std::span(collisions).first(count)); }));
-    const DistanceOptions options{.max_distance = margin};
-    cold_us.push_back(mean_us(1, [&] { scene.distance(found, options, std::span(cold).first(count)); }));
-    warm_us.push_back(mean_us(1, [&] { scene.distance(found, options, std::span(warm).first(count), &cache); }));
+    cold_us.push_back(
+        mean_us(1, [&] { scene.distance(found, std::span(cold).first(count), {.max_distance = margin}); }));
+    warm_us.push_back(mean_us(
+        1, [&] { scene.distance(found, std::span(warm).first(count), {.max_distance = margin, .cache = &cache}); }));
     ClosestObjects closest, again;
     // Bodies that meet are no news here: the closest two that do not.
     const std::set<std::pair<ObjectId, ObjectId>> meeting = [&] {
       std::set<std::pair<ObjectId, ObjectId>> all;
       for (std::size_t i = 0; i < count; ++i) {
-        if (collisions[i].collision) all.emplace(pairs[i].a, pairs[i].b);
+        if (collisions[i].is_yes()) all.emplace(pairs[i].a, pairs[i].b);
       }
       return all;
     }();
     const auto are_apart = [&](ObjectId a, ObjectId b) { return !meeting.contains({a, b}); };
-    closest_us.push_back(mean_us(1, [&] { closest = scene.closest_objects({}, {.filter = are_apart}); }));
+    closest_us.push_back(mean_us(1, [&] { closest = scene.closest_objects({.filter = are_apart}); }));
     warm_closest_us.push_back(
-        mean_us(1, [&] { again = scene.closest_objects({}, {.filter = are_apart}, &closest_cache); }));
+        mean_us(1, [&] { again = scene.closest_objects({.filter = are_apart, .cache = &closest_cache}); }));
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < count; ++i) {
-      const DistanceResult alone = distance(scene.object(pairs[i].a), scene.object(pairs[i].b), options);
+      const DistanceResult alone =
+          distance(scene.object(pairs[i].a), scene.object(pairs[i].b), {.max_distance = margin});
       checker.check(cold[i].upper == alone.upper, "{} instead of {}", cold[i].upper, alone.upper);
       checker.check(warm[i].status == alone.status && !(std::abs(warm[i].upper - alone.upper) > 1e-13),
                     "{} instead of {} with a cache", warm[i].upper, alone.upper);
-      checker.check(collisions[i].collision == (alone.upper == 0), "collision and distance differ");
+      checker.check(collisions[i].is_yes() == (alone.upper == 0), "collision and distance differ");
       if (alone.upper > 0) least = std::min(least, alone.upper);
     }
     checker.check(std::abs(closest.result.upper - least) <= 1e-13 && std::abs(again.result.upper - least) <= 1e-13,

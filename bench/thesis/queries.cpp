@@ -62,7 +62,7 @@ Answer ask(const Scene& scene, const Query& query, const Transform& pose) {
   Answer answer;
   if (query.is_collision()) {
     const CollideResult result = classic::collide(square, ball);
-    answer.collision = result.collision;
+    answer.collision = result.is_yes();
     answer.distance.stats = result.stats;
   } else {
     answer.distance = classic::distance(square, ball, {.relative_error = query.relative_error});
@@ -143,7 +143,7 @@ void check_by_brute_force(Checker& checker, const Scene& scene, const std::vecto
     const Transform pose = scenes::ball_over_square(scene.ball.mesh(), separation, 0);
     const reference::Placed square{scene.square.mesh()}, ball{scene.ball.mesh(), pose};
     const double truth = reference::distance(square, ball).upper;
-    checker.check(reference::collide(square, ball).collision == (truth == 0), "brute force contradicts itself");
+    checker.check(reference::collide(square, ball).is_yes() == (truth == 0), "brute force contradicts itself");
     for (const Case& c : cases) {
       if (c.separation == separation) check_against(checker, c, truth, true);
     }

@@ -31,6 +31,7 @@
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/classic.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"

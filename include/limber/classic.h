@@ -5,9 +5,9 @@
 #include <memory>
 #include <span>
 
+#include "limber/distance.h"
 #include "limber/geometry.h"
 #include "limber/mesh.h"
-#include "limber/query.h"
 
 /// The sphere tree of flexible models as it was first described: binary, one sphere per triangle, repaired in three
 /// ways, optionally loose. Baseline of every benchmark and second oracle of every test.
@@ -152,6 +152,6 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
 /// Cost     As distance().
-LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
+LIMBER_API CollideResult within(const Placed& a, const Placed& b, double max_distance);
 
 }  // namespace limber::classic

@@ -4,18 +4,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "limber/base.h"
-#include "limber/function_ref.h"
+#include "limber/distance.h"
 #include "limber/geometry.h"
+#include "limber/mesh.h"
 #include "limber/model.h"
-#include "limber/query.h"
 
 /// All pairs of triangles that intersect or are close: of two models, and of one model with itself.
 ///
-/// Triangles are as query.h says: surfaces, closed sets, compared as placed. Whether two of them intersect is exact;
+/// Triangles are as distance.h says: surfaces, closed sets, compared as placed. Whether two of them intersect is exact;
 /// distances are rounded as stated there, so a pair whose distance equals the margin up to that rounding may be in or
 /// out.
 ///
@@ -105,6 +107,22 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 // triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
 // take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.
 
+/// Alias    As PairOptions.
+struct SelfQueryOptions {
+  std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
+  QueryCache* cache = nullptr;                              ///< of the last answer; null for none
+};
+
+/// How good the answer of self_distance() must be, as DistanceOptions says, and which pairs count.
+///
+/// Alias    As PairOptions.
+struct SelfDistanceOptions {
+  double relative_error = 0, absolute_error = 0;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
+  QueryCache* cache = nullptr;                              ///< of the last answer; null for none
+};
+
 /// Whether a model meets itself; stops at the first such pair found.
 ///
 /// Promise  Decided exactly. The witness names a pair that meets, in the model's own frame.
@@ -117,8 +135,7 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 ///          edge; O(n^2) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
-LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& options = {});
-LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache);
+LIMBER_API CollideResult self_collide(const Model& model, const SelfQueryOptions& options = {});
 
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
@@ -130,10 +147,7 @@ LIMBER_API CollideResult self_collide(const Model& model, const PairOptions& opt
 /// Throws   As self_collide(); also unless the options are what DistanceOptions says.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
-LIMBER_API DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options = {},
-                                        const PairOptions& options = {});
-LIMBER_API DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options,
-                                        const PairOptions& options, QueryCache& cache);
+LIMBER_API DistanceResult self_distance(const Model& model, const SelfDistanceOptions& options = {});
 
 /// All pairs of triangles that meet.
 ///
@@ -165,5 +179,78 @@ LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<
 /// Threads  Reentrant.
 LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> closest,
                                         const PairOptions& options = {});
+
+/// Which triangles of a mesh are near each other along the surface: a TrianglePairFilter for self-queries, which widens
+/// the exclusion of neighbors.
+///
+///   const limber::NeighborRings rings(cloth.mesh(), 2);
+///   limber::self_contacts(cloth, 0.002, found, {.filter = rings});
+///
+/// Two triangles are near if a vertex of one and a vertex of the other are joined by a path of at most `edges` edges of
+/// triangles; with 0 edges, if they share a vertex. Vertices are told apart by their ids. Near triangles do not count,
+/// not even where they intersect.
+///
+/// Threads  Const functions may run concurrently.
+class NeighborRings {
+ public:
+  /// Connectivity alone matters, so one object serves all shapes that a model takes.
+  ///
+  /// Throws   std::invalid_argument if the mesh has been moved from; std::bad_alloc.
+  /// Cost     Time in proportion to the pairs of near triangles, 4 bytes for each of them: about 80 bytes a triangle of
+  ///          a regular mesh with 1 edge, 150 with 2, 250 with 3. O(n^2) where a vertex belongs to many triangles.
+  LIMBER_API NeighborRings(const Mesh& mesh, std::uint32_t edges);
+
+  /// Whether two triangles are near. Every triangle is near itself.
+  ///
+  /// Throws   std::invalid_argument unless the mesh had both triangles.
+  /// Cost     O(log of the triangles near one).
+  LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
+
+  /// Whether a pair counts: the filter.
+  bool operator()(TriangleId a, TriangleId b) const { return !are_near(a, b); }
+
+  /// Of the mesh; 0 if the object has been moved from.
+  std::size_t triangle_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+  /// Pairs of different triangles that are near, each once.
+  std::size_t pair_count() const { return near_.size(); }
+
+ private:
+  std::vector<std::size_t> begin_;  // of each triangle's part of near_, and the end
+  std::vector<TriangleId> near_;    // those with larger ids, ascending
+};
+
+// --- fewer contacts, for solvers of rigid bodies ---
+
+struct ReductionOptions {
+  double radius = 0;           ///< of a region, in the length unit of the meshes; finite, above 0: there is no default
+  double max_angle = 0.5;      ///< between normals of one region, in radians; from 0 to pi
+  std::size_t max_points = 4;  ///< contacts that are kept of a region; at least 1
+};
+
+/// Keeps a few contacts of each region, and moves them to the front.
+///
+/// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the
+/// middle of its two points. A contact joins the deepest region whose first contact is at most `radius` away and has a
+/// normal within `max_angle`; if there is none, it is the first of a new region. Of each region the first contact is
+/// kept, then one at a time the one that is farthest from those kept, as seen along the normal of the first. That ends
+/// where there are max_points, or where all others are within a quarter of the radius of one that is kept.
+///
+/// Shape    `contacts` as contacts() and self_contacts() write them, of any number of pairs of models. Returns how many
+///          are kept. They are in front, region by region, the deepest region and the first of a region first. The
+///          removed ones are behind them, the deepest first. regions[i] becomes the number of the region of contact i,
+///          from 0, for the kept contacts that there is room for.
+/// Promise  Each removed contact is at most `radius` away from a kept one that is at least as deep and whose normal is
+///          within `max_angle`, up to rounding. First contacts of regions are farther apart than that.
+///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
+/// Throws   std::invalid_argument unless the options are what their comments say, and all numbers of the contacts are
+///          finite; std::bad_alloc. The contacts are then as they were.
+/// Cost     O(n log n) for n contacts wherever they are, times at most the number of regions that fit around one point:
+///          about 16 / max_angle^2, and never more than some thousand, where normals differ so much there. Allocates
+///          O(n), in five pieces.
+/// Threads  Reentrant.
+/// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
+///          docs/algorithms/contacts.md.
+LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
+                                       std::span<std::uint32_t> regions = {});
 
 }  // namespace limber

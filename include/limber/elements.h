@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "limber/base.h"
-#include "limber/function_ref.h"
+#include "limber/distance.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
-#include "limber/query.h"
 
 /// Pairs of elements that are close, as solvers with one constraint for each take them: vertices with faces, and edges
 /// with edges, of two models and of one model with itself.

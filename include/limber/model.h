@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "limber/mesh.h"
-#include "limber/query.h"
 
 /// The engine: models and the queries between them.
 namespace limber {
@@ -191,80 +190,5 @@ class Placed {
  private:
   const Model* model_;
 };
-
-/// What a query of two models has found, for the next query of the same two to start from: the triangles it ended with,
-/// the pairs of nodes that it pruned, which stay pruned while the models have moved little, and those that were open
-/// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
-/// by other models only costs time, and little of that. Self-queries (contacts.h) use and leave the triangles alone.
-///
-/// Cost     90 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
-/// Threads  One call at a time.
-/// Source   docs/algorithms/traversal.md, "Warm start".
-class QueryCache {
- public:
-  LIMBER_API QueryCache();
-  LIMBER_API QueryCache(QueryCache&&) noexcept;
-  LIMBER_API QueryCache& operator=(QueryCache&&) noexcept;
-  LIMBER_API ~QueryCache();
-
-  /// Makes the next query start from nothing.
-  LIMBER_API void clear();
-
-  /// For the library's own use: allocated when it is first asked for.
-  struct Impl;
-  Impl& impl();
-
- private:
-  std::unique_ptr<Impl> impl_;
-};
-
-/// Whether two placed models meet; stops at the first intersecting pair found.
-///
-/// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
-/// Budget   With one, the answer is unknown if the budget is spent before there is a contact or a proof that there is
-///          none. The next call with the same cache goes on from there, whether or not the models have moved.
-/// Threads  Reentrant; any number of calls may share models.
-/// Source   docs/algorithms/traversal.md.
-LIMBER_API CollideResult collide(const Placed& a, const Placed& b);
-LIMBER_API CollideResult collide(const Placed& a, const Placed& b, QueryCache& cache);
-LIMBER_API BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget);
-LIMBER_API BudgetedAnswer collide(const Placed& a, const Placed& b, const QueryBudget& budget, QueryCache& cache);
-
-/// Shortest distance between two placed models, with a pair of points that attains it.
-///
-/// Promise  lower <= true distance <= upper, each up to the rounding that query.h states. upper is within either of the
-///          asked errors. Contacts are found at every setting.
-/// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
-/// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
-/// Budget   If it is spent first, the status is `interrupted`; lower and upper keep their promises, and the witness
-///          attains upper. The next call with the same cache goes on from there, whether or not the models have moved.
-///          While they rest, the interval never becomes wider; its ends may move back by rounding only.
-/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
-///          >= 0, and max_distance is >= 0 or infinite.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
-/// Threads  Reentrant; any number of calls may share models.
-/// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
-LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
-LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options, QueryCache& cache);
-LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options,
-                                   const QueryBudget& budget);
-LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options,
-                                   const QueryBudget& budget, QueryCache& cache);
-
-/// Whether two placed models are at most `max_distance` apart; stops at the first such pair of triangles found.
-///
-/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
-///          and >= 0.
-/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as query.h states. A cache or
-///          a motion margin does not change it. So it is true for a finite `upper` that distance() has returned for the
-///          same models, poses and order; for 0 it is true exactly when the models meet.
-/// Budget   As collide().
-/// Cost     As collide(), which is within() of 0.
-LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
-LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance, QueryCache& cache);
-LIMBER_API BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget);
-LIMBER_API BudgetedAnswer within(const Placed& a, const Placed& b, double max_distance, const QueryBudget& budget,
-                                 QueryCache& cache);
 
 }  // namespace limber

@@ -8,10 +8,10 @@
 #include <span>
 
 #include "limber/base.h"
+#include "limber/distance.h"
 #include "limber/geometry.h"
 #include "limber/math.h"
 #include "limber/model.h"
-#include "limber/query.h"
 
 /// Points and models: the closest point of a model, what it lies on, and whether a closed model has the point inside.
 namespace limber {

@@ -6,12 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "limber/contact_reduction.h"
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/mesh.h"
 #include "limber/points.h"
-#include "limber/query.h"
 #include "limber/scene.h"
 
 /// Brute-force twins of every query: each triangle of one mesh against each of the other, no tree and no tricks.
@@ -41,7 +40,7 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 /// Whether the meshes are at most `max_distance` apart, with the closest pair.
 ///
 /// Cost     O(n m).
-LIMBER_API WithinResult within(const Placed& a, const Placed& b, double max_distance);
+LIMBER_API CollideResult within(const Placed& a, const Placed& b, double max_distance);
 
 /// All pairs of contacts.h, in the order of ids: first of the triangles of a, then of those of b.
 ///

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,6 +67,26 @@ class SceneCache {
  private:
   std::size_t max_pairs_;
   std::unique_ptr<Impl> impl_;
+};
+
+/// How many pairs are asked the same question of yes or no.
+struct SceneQueryOptions {
+  SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
+};
+
+/// How good distances must be, as DistanceOptions says.
+struct SceneDistanceOptions {
+  double relative_error = 0, absolute_error = 0;
+  double max_distance = std::numeric_limits<double>::infinity();
+  SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
+};
+
+/// How good the distance of the closest objects must be, as DistanceOptions says, and which pairs count.
+struct ClosestObjectsOptions {
+  double relative_error = 0, absolute_error = 0;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
+  SceneCache* cache = nullptr;                            ///< what the last frame has found, to start from
 };
 
 /// Many models, each with a pose.
@@ -159,11 +180,11 @@ class Scene {
   ///          counts.
   /// Cost     That of the queries, on the threads of the calling oneTBB arena. A cache adds some 100 ns a pair.
   LIMBER_API void collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results,
-                          SceneCache* cache = nullptr) const;
-  LIMBER_API void within(std::span<const ObjectPair> pairs, double max_distance, std::span<WithinResult> results,
-                         SceneCache* cache = nullptr) const;
-  LIMBER_API void distance(std::span<const ObjectPair> pairs, const DistanceOptions& options,
-                           std::span<DistanceResult> results, SceneCache* cache = nullptr) const;
+                          const SceneQueryOptions& options = {}) const;
+  LIMBER_API void within(std::span<const ObjectPair> pairs, double max_distance, std::span<CollideResult> results,
+                         const SceneQueryOptions& options = {}) const;
+  LIMBER_API void distance(std::span<const ObjectPair> pairs, std::span<DistanceResult> results,
+                           const SceneDistanceOptions& options = {}) const;
 
   /// The clearance of the scene: the shortest distance of any two objects that the filter lets through.
   ///
@@ -173,9 +194,7 @@ class Scene {
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.
-  LIMBER_API ClosestObjects closest_objects(const DistanceOptions& options = {},
-                                            const ObjectPairOptions& pair_options = {},
-                                            SceneCache* cache = nullptr) const;
+  LIMBER_API ClosestObjects closest_objects(const ClosestObjectsOptions& options = {}) const;
 
   /// For the library's own use.
   struct Impl;

@@ -72,7 +72,7 @@ int main() {
     for (int i = 0; i < calls; ++i) sum += limber::distance({a}, {b, poses[i]}).upper;
   });
   const double collide_us = fastest_us(20, [&] {
-    for (int i = 0; i < calls; ++i) sum += limber::collide({a}, {b, poses[i]}).collision;
+    for (int i = 0; i < calls; ++i) sum += limber::collide({a}, {b, poses[i]}).is_yes();
   });
 
   const limber::Mesh mesh = sheet(316);

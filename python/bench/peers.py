@@ -62,7 +62,7 @@ def ask_limber(a: Mesh, b: Mesh, turns: Any, shifts: Any) -> tuple[Ask, Ask]:
     one, other = limber3d.Model(*a), limber3d.Model(*b)
     poses = list(zip(turns, shifts))
     return (
-        lambda i: limber3d.collide(one, other, None, poses[i]).collision,
+        lambda i: limber3d.collide(one, other, None, poses[i]),
         lambda i: limber3d.distance(one, other, None, poses[i]).upper,
     )
 
@@ -150,7 +150,7 @@ def main() -> int:
     turns, shifts = random_poses(arguments.poses)
 
     batch = limber3d.Model(*a), limber3d.Model(*b)
-    expected_hits = limber3d.collide_many(*batch, poses_b=(turns, shifts))["collision"]
+    expected_hits = limber3d.collide_many(*batch, poses_b=(turns, shifts))["is_yes"]
     expected = limber3d.distance_many(*batch, poses_b=(turns, shifts))["upper"]
     everywhere, apart = range(arguments.poses), numpy.flatnonzero(~expected_hits).tolist()
 

@@ -87,7 +87,7 @@ def ask_limber3d(scene: trimesh.Scene, tool: trimesh.Trimesh, path: FloatArray) 
     }
     moved = limber3d.Model(tool)
     distances = {node: limber3d.distance(moved, model, path[0], pose).upper for node, (model, pose) in parts.items()}
-    hits = {node: limber3d.collide_many(moved, model, path, pose)["collision"] for node, (model, pose) in parts.items()}
+    hits = {node: limber3d.collide_many(moved, model, path, pose)["is_yes"] for node, (model, pose) in parts.items()}
     nearest = min(distances, key=lambda node: distances[node])
     touched = [{node for node, hit in hits.items() if hit[step]} for step in range(len(path))]
     return Answers(colliding, distances[nearest], nearest, touched)

@@ -29,7 +29,6 @@ from . import typing as typing
 from ._core import (
     Answer,
     Box,
-    BudgetedAnswer,
     BusyError,
     CancelFlag,
     ClosedSurface,
@@ -59,13 +58,12 @@ from ._core import (
     StoppedBy,
     SurfacePoint,
     TreeStats,
-    WithinResult,
     Witness,
     closest_pairs,
     closest_point,
     closest_points,
     collide,
-    collision_dtype,
+    collide_dtype,
     contact_dtype,
     contacts,
     distance,
@@ -88,7 +86,6 @@ from ._core import (
     vertex_face_dtype,
     winding_number,
     within,
-    within_dtype,
 )
 from ._core import version as __version__
 from .collision_manager import CollisionManager
@@ -100,7 +97,6 @@ __all__ = [
     "Answer",
     "BatchInterrupted",
     "Box",
-    "BudgetedAnswer",
     "BusyError",
     "CancelFlag",
     "ClosedSurface",
@@ -135,7 +131,6 @@ __all__ = [
     "SurfacePoint",
     "TreeStats",
     "UnreadableFileError",
-    "WithinResult",
     "Witness",
     "__version__",
     "batch",
@@ -144,7 +139,7 @@ __all__ = [
     "closest_points",
     "collide",
     "collide_many",
-    "collision_dtype",
+    "collide_dtype",
     "contact_dtype",
     "contacts",
     "contacts_many",
@@ -172,6 +167,5 @@ __all__ = [
     "vertex_face_dtype",
     "winding_number",
     "within",
-    "within_dtype",
     "within_many",
 ]

@@ -95,7 +95,7 @@ class _World:
     def collisions(self) -> list[_Pair]:
         """The pairs of objects that meet."""
         pairs = self.scene.candidate_pairs(0.0, filter=self._filter())
-        hits = pairs[self.scene.collide(pairs)["collision"]]
+        hits = pairs[self.scene.collide(pairs)["is_yes"]]
         return [self._ordered(int(a), int(b)) for a, b in hits]
 
     def contacts(self, hits: list[_Pair]) -> list[ContactData]:

@@ -26,7 +26,7 @@ translation in the meshes' length unit, quaternion of any length; CSV may leave 
 file of one pose holds for all; otherwise two files have as many poses each.
 
 The answer is a folder with one Parquet file for each partition, a row for each pose in their order: row counts from 0;
-lower, upper and status of distance; collision or within, 0 or 1, of the others; points and triangles of a witness.
+lower, upper and status of distance; is_yes, 0 or 1, of the others; points and triangles of a witness.
 limber3d.batch.read(FOLDER) reads it, and so does whatever reads folders of Parquet files. status is 0 exact,
 1 within_error, 2 collision, 3 beyond_limit.
 

@@ -124,10 +124,10 @@ def collide_many(
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
-    """collide() for many poses: an array of records, limber3d.collision_dtype. Everything else is as distance_many()
+    """collide() for many poses: an array of records, limber3d.collide_dtype. Everything else is as distance_many()
     says."""
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-    return _records(batch, _core.collision_dtype, progress, batch.collide)
+    return _records(batch, _core.collide_dtype, progress, batch.collide)
 
 
 def within_many(
@@ -140,14 +140,14 @@ def within_many(
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
-    """within() for many poses: an array of records, limber3d.within_dtype. Everything else is as distance_many()
+    """within() for many poses: an array of records, limber3d.collide_dtype. Everything else is as distance_many()
     says."""
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
 
     def ask(records: RecordArray, begin: int, end: int) -> None:
         batch.within(records, begin, end, max_distance)
 
-    return _records(batch, _core.within_dtype, progress, ask)
+    return _records(batch, _core.collide_dtype, progress, ask)
 
 
 def contacts_many(

@@ -152,12 +152,12 @@ void run_distance_at(Batch& batch, nb::handle records, std::size_t i, double rel
 }
 
 void run_collide(Batch& batch, nb::handle records, std::size_t begin, std::size_t end) {
-  batch.run<WitnessRecord>(records, begin, end,
+  batch.run<CollideRecord>(records, begin, end,
                            [](const Placed& a, const Placed& b) { return record_of(limber::collide(a, b)); });
 }
 
 void run_within(Batch& batch, nb::handle records, std::size_t begin, std::size_t end, double max_distance) {
-  batch.run<WitnessRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
+  batch.run<CollideRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
     return record_of(limber::within(a, b, max_distance));
   });
 }

@@ -84,21 +84,19 @@ nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size
 // --- one model with itself ---
 
 CollideResult self_collide_of(ModelObject& model, nb::handle filter, CacheObject* cache) {
-  const Reading guard = reading(model);
+  const Reading reading_model = reading(model);
   const TriangleFilter which(filter);
-  const auto ask = [&](auto&... used) { return self_collide(model.model, PairOptions{which.get()}, used...); };
-  return with_cache(cache, ask, which.needs_gil());
+  const Used used(cache);
+  return without_gil_unless(which.needs_gil(), [&] { return self_collide(model.model, {which.get(), used.get()}); });
 }
 
 DistanceResult self_distance_of(ModelObject& model, double relative_error, double absolute_error, double max_distance,
                                 nb::handle filter, CacheObject* cache) {
-  const Reading guard = reading(model);
+  const Reading reading_model = reading(model);
   const TriangleFilter which(filter);
-  const DistanceOptions options{relative_error, absolute_error, max_distance};
-  const auto ask = [&](auto&... used) {
-    return self_distance(model.model, options, PairOptions{which.get()}, used...);
-  };
-  return with_cache(cache, ask, which.needs_gil());
+  const Used used(cache);
+  const SelfDistanceOptions options{relative_error, absolute_error, max_distance, which.get(), used.get()};
+  return without_gil_unless(which.needs_gil(), [&] { return self_distance(model.model, options); });
 }
 
 nb::object self_intersections_of(ModelObject& model, nb::handle filter, std::optional<std::size_t> max_count) {

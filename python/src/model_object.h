@@ -8,9 +8,10 @@
 #include <mutex>
 #include <utility>
 
+#include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
-#include "limber/neighbor_rings.h"
 #include "use.h"
 
 /// Models and caches as Python holds them.

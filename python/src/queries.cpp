@@ -20,35 +20,23 @@ namespace {
 DistanceResult distance(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, double relative_error,
                         double absolute_error, double max_distance, const BudgetObject* budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  const DistanceOptions options{relative_error, absolute_error, max_distance};
-  return with_cache(cache, [&](auto&... used) {
-    return budget != nullptr ? limber::distance(pair.a(), pair.b(), options, budget->budget, used...)
-                             : limber::distance(pair.a(), pair.b(), options, used...);
-  });
+  const Used used(cache);
+  const DistanceOptions options{relative_error, absolute_error, max_distance, used.get(), budget_of(budget)};
+  return without_gil([&] { return limber::distance(pair.a(), pair.b(), options); });
 }
 
-CollideResult collide(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, CacheObject* cache) {
+CollideResult collide(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, const BudgetObject* budget,
+                      CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return with_cache(cache, [&](auto&... used) { return limber::collide(pair.a(), pair.b(), used...); });
+  const Used used(cache);
+  return without_gil([&] { return limber::collide(pair.a(), pair.b(), {used.get(), budget_of(budget)}); });
 }
 
-BudgetedAnswer collide_within_budget(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b,
-                                     const BudgetObject& budget, CacheObject* cache) {
+CollideResult within(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a, nb::handle pose_b,
+                     const BudgetObject* budget, CacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return with_cache(cache, [&](auto&... used) { return limber::collide(pair.a(), pair.b(), budget.budget, used...); });
-}
-
-WithinResult within(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a, nb::handle pose_b,
-                    CacheObject* cache) {
-  const PlacedPair pair(a, b, pose_a, pose_b);
-  return with_cache(cache, [&](auto&... used) { return limber::within(pair.a(), pair.b(), max_distance, used...); });
-}
-
-BudgetedAnswer within_within_budget(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a,
-                                    nb::handle pose_b, const BudgetObject& budget, CacheObject* cache) {
-  const PlacedPair pair(a, b, pose_a, pose_b);
-  return with_cache(
-      cache, [&](auto&... used) { return limber::within(pair.a(), pair.b(), max_distance, budget.budget, used...); });
+  const Used used(cache);
+  return without_gil([&] { return limber::within(pair.a(), pair.b(), max_distance, {used.get(), budget_of(budget)}); });
 }
 
 void bind_arguments(nb::module_& m) {
@@ -91,23 +79,15 @@ void bind_queries(nb::module_& m) {
          "\n\nmax_distance: " + docs::DistanceOptions_max_distance)
             .c_str());
   m.def("collide", &collide, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
-        "cache"_a = nb::none(),
+        "budget"_a = nb::none(), "cache"_a = nb::none(),
         nb::sig("def collide(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "cache: QueryCache | None = None) -> CollideResult"),
+                "budget: QueryBudget | None = None, cache: QueryCache | None = None) -> CollideResult"),
         docs::collide);
-  m.def("collide", &collide_within_budget, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "budget"_a, "cache"_a = nb::none(),
-        nb::sig("def collide(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "budget: QueryBudget, cache: QueryCache | None = None) -> BudgetedAnswer"));
   m.def("within", &within, "a"_a, "b"_a, "max_distance"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "cache"_a = nb::none(),
+        nb::kw_only(), "budget"_a = nb::none(), "cache"_a = nb::none(),
         nb::sig("def within(a: Model, b: Model, max_distance: float, pose_a: PoseLike = None, pose_b: PoseLike = None, "
-                "*, cache: QueryCache | None = None) -> WithinResult"),
+                "*, budget: QueryBudget | None = None, cache: QueryCache | None = None) -> CollideResult"),
         docs::within);
-  m.def("within", &within_within_budget, "a"_a, "b"_a, "max_distance"_a, "pose_a"_a = nb::none(),
-        "pose_b"_a = nb::none(), nb::kw_only(), "budget"_a, "cache"_a = nb::none(),
-        nb::sig("def within(a: Model, b: Model, max_distance: float, pose_a: PoseLike = None, pose_b: PoseLike = None, "
-                "*, budget: QueryBudget, cache: QueryCache | None = None) -> BudgetedAnswer"));
 }
 
 }  // namespace limber::python

@@ -10,7 +10,7 @@
 
 #include "gil.h"
 #include "limber/contacts.h"
-#include "limber/query.h"
+#include "limber/distance.h"
 #include "model_object.h"
 #include "poses.h"
 
@@ -75,12 +75,8 @@ class Used {
   Object* object_;
 };
 
-/// Calls ask(), or ask(cache) if there is a cache, without the GIL unless a filter needs it.
-template <typename Ask>
-auto with_cache(CacheObject* cache, const Ask& ask, bool needs_gil = false) {
-  const Used used(cache);
-  return without_gil_unless(needs_gil, [&] { return used.get() != nullptr ? ask(*used.get()) : ask(); });
-}
+/// What a query is given; no limits where there is no budget.
+inline QueryBudget budget_of(const BudgetObject* budget) { return budget != nullptr ? budget->budget : QueryBudget{}; }
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
 template <typename FilterRef>

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "records.h"
+#include "limber/distance.h"
 
 #include <initializer_list>
 #include <limits>
@@ -70,10 +71,10 @@ nb::object distance_dtype() {
       .dtype();
 }
 
-nb::object witness_dtype(const char* answer) {
-  const WitnessRecord r{};
+nb::object collide_dtype() {
+  const CollideRecord r{};
   return RecordType(r)
-      .field(answer, "?", r.is_yes)
+      .field("is_yes", "?", r.is_yes)
       .field("point_a", "(3,)f8", r.point_a)
       .field("point_b", "(3,)f8", r.point_b)
       .field("triangle_a", "u4", r.triangle_a)
@@ -140,7 +141,7 @@ std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
 
 constexpr const char* feature_text = "kind, a FeatureKind, and index, as those of Feature";
 
-WitnessRecord witness_record(const std::optional<Witness>& witness, bool is_yes) {
+CollideRecord collide_record(const std::optional<Witness>& witness, bool is_yes) {
   const Witness w = witness.value_or(Witness{nowhere, nowhere, no_id, no_id});
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, is_yes};
 }
@@ -159,8 +160,7 @@ DistanceRecord record_of(const DistanceResult& result) {
           static_cast<std::uint8_t>(result.stopped_by)};
 }
 
-WitnessRecord record_of(const CollideResult& result) { return witness_record(result.witness, result.collision); }
-WitnessRecord record_of(const WithinResult& result) { return witness_record(result.witness, result.within); }
+CollideRecord record_of(const CollideResult& result) { return collide_record(result.witness, result.is_yes()); }
 
 SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest) {
   if (!closest) {
@@ -225,8 +225,7 @@ void bind_records(nb::module_& module) {
     return dtype.release();
   };
   all_dtypes = {.distance = keep("distance_dtype", distance_dtype()),
-                .collision = keep("collision_dtype", witness_dtype("collision")),
-                .within = keep("within_dtype", witness_dtype("within")),
+                .collide = keep("collide_dtype", collide_dtype()),
                 .surface_point = keep("surface_point_dtype", surface_point_dtype(false)),
                 .signed_distance = keep("signed_distance_dtype", surface_point_dtype(true)),
                 .contact = keep("contact_dtype", contact_dtype()),

@@ -29,7 +29,7 @@ struct DistanceRecord {
 };
 
 /// One answer of collide() or within().
-struct WitnessRecord {
+struct CollideRecord {
   Vec3 point_a, point_b;  // not a number without a witness
   TriangleId triangle_a, triangle_b;
   bool is_yes;
@@ -46,14 +46,13 @@ struct SurfacePointRecord {
 };
 
 DistanceRecord record_of(const DistanceResult& result);
-WitnessRecord record_of(const CollideResult& result);
-WitnessRecord record_of(const WithinResult& result);
+CollideRecord record_of(const CollideResult& result);
 SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest);
 SurfacePointRecord record_of(const SignedDistance& signed_distance);
 
 /// The element types of such arrays, as NumPy describes them. They live as long as the process.
 struct Dtypes {
-  nb::handle distance, collision, within, surface_point, signed_distance, contact, vertex_face, edge_edge;
+  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge;
 };
 const Dtypes& dtypes();
 

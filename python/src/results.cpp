@@ -18,7 +18,7 @@ namespace limber::python {
 namespace {
 
 /// The truth of an answer that may be unknown.
-bool truth_of(const BudgetedAnswer& answer) {
+bool truth_of(const CollideResult& answer) {
   if (answer.answer != Answer::unknown) return answer.answer == Answer::yes;
   PyErr_SetString(PyExc_RuntimeError, "the budget was spent before there was an answer; see stopped_by");
   throw nb::python_error();
@@ -77,25 +77,13 @@ void bind_answers(nb::module_& m) {
       .field("witness", &DistanceResult::witness, docs::DistanceResult_witness)
       .field("stopped_by", &DistanceResult::stopped_by, docs::DistanceResult_stopped_by)
       .field("stats", &DistanceResult::stats, docs::QueryStats);
-  ValueClass<CollideResult>(m, "CollideResult", "What collide() has found. Its truth is that of `collision`.")
-      .field("collision", &CollideResult::collision, "Whether the models meet.")
+  ValueClass<CollideResult>(m, "CollideResult",
+                            "The answer of collide() and within(). It is true where the answer is yes, false where it "
+                            "is no. Its truth raises RuntimeError where the answer is unknown, which takes a budget.")
+      .field("answer", &CollideResult::answer, docs::Answer)
       .field("witness", &CollideResult::witness, docs::CollideResult_witness)
+      .field("stopped_by", &CollideResult::stopped_by, docs::CollideResult_stopped_by)
       .field("stats", &CollideResult::stats, docs::QueryStats)
-      .binding()
-      .def("__bool__", [](const CollideResult& r) { return r.collision; });
-  ValueClass<WithinResult>(m, "WithinResult", "What within() has found. Its truth is that of `within`.")
-      .field("within", &WithinResult::within, "Whether the models are that close.")
-      .field("witness", &WithinResult::witness, docs::WithinResult_witness)
-      .field("stats", &WithinResult::stats, docs::QueryStats)
-      .binding()
-      .def("__bool__", [](const WithinResult& r) { return r.within; });
-  ValueClass<BudgetedAnswer>(m, "BudgetedAnswer",
-                             "What collide() or within() has found within a budget. It is true where the answer is "
-                             "yes, false where it is no; its truth raises RuntimeError where the answer is unknown.")
-      .field("answer", &BudgetedAnswer::answer, docs::Answer)
-      .field("witness", &BudgetedAnswer::witness, docs::BudgetedAnswer_witness)
-      .field("stopped_by", &BudgetedAnswer::stopped_by, docs::BudgetedAnswer_stopped_by)
-      .field("stats", &BudgetedAnswer::stats, docs::QueryStats)
       .binding()
       .def("__bool__", &truth_of);
 }

@@ -52,24 +52,24 @@ nb::object asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject*
 }
 
 nb::object collide_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache) {
-  return asked_of_pairs<CollideResult, WitnessRecord>(
-      self, pairs, cache, dtypes().collision,
-      [](const Scene& scene, const auto& asked, auto& results, SceneCache* c) { scene.collide(asked, results, c); });
+  return asked_of_pairs<CollideResult, CollideRecord>(
+      self, pairs, cache, dtypes().collide, [](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
+        scene.collide(asked, results, {.cache = c});
+      });
 }
 
 nb::object pairs_within(SceneObject& self, nb::handle pairs, double max_distance, SceneCacheObject* cache) {
-  return asked_of_pairs<WithinResult, WitnessRecord>(
-      self, pairs, cache, dtypes().within, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.within(asked, max_distance, results, c);
+  return asked_of_pairs<CollideResult, CollideRecord>(
+      self, pairs, cache, dtypes().collide, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
+        scene.within(asked, max_distance, results, {.cache = c});
       });
 }
 
 nb::object pair_distances(SceneObject& self, nb::handle pairs, double relative_error, double absolute_error,
                           double max_distance, SceneCacheObject* cache) {
-  const DistanceOptions options{relative_error, absolute_error, max_distance};
   return asked_of_pairs<DistanceResult, DistanceRecord>(
       self, pairs, cache, dtypes().distance, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.distance(asked, options, results, c);
+        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c});
       });
 }
 
@@ -79,7 +79,7 @@ ClosestObjects closest_objects_of(SceneObject& self, double relative_error, doub
   const Used used(cache);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
-      return scene.closest_objects({relative_error, absolute_error, max_distance}, {which.get()}, used.get());
+      return scene.closest_objects({relative_error, absolute_error, max_distance, which.get(), used.get()});
     });
   });
 }
@@ -170,11 +170,11 @@ void bind_scene(nb::module_& m) {
            docs::Scene_visit_candidate_pairs)
       .def("collide", &collide_pairs, "pairs"_a, nb::kw_only(), "cache"_a = nb::none(),
            nb::sig("def collide(self, pairs: ArrayLike, *, cache: SceneCache | None = None) -> RecordArray"),
-           asked_documentation("collision_dtype.").c_str())
+           asked_documentation("collide_dtype.").c_str())
       .def("within", &pairs_within, "pairs"_a, "max_distance"_a, nb::kw_only(), "cache"_a = nb::none(),
            nb::sig("def within(self, pairs: ArrayLike, max_distance: float, *, cache: SceneCache | None = None) "
                    "-> RecordArray"),
-           asked_documentation("within_dtype.").c_str())
+           asked_documentation("collide_dtype.").c_str())
       .def("distance", &pair_distances, "pairs"_a, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
            "max_distance"_a = unlimited, "cache"_a = nb::none(),
            nb::sig("def distance(self, pairs: ArrayLike, *, relative_error: float = 0.0, absolute_error: float = 0.0, "

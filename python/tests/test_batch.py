@@ -41,7 +41,7 @@ def test_a_folder_has_the_bits_of_one_call(tmp_path: Path, ball: limber3d.Model,
         ball, tetra, poses_a, poses_b, out=tmp_path / "w", query="within", max_distance=0.5, partition_size=1000
     )
     within = limber3d.within_many(ball, tetra, 0.5, poses_a, poses_b)
-    assert 0 < within["within"].sum() < 530 and same_bits(batch.read(tmp_path / "w"), within)
+    assert 0 < within["is_yes"].sum() < 530 and same_bits(batch.read(tmp_path / "w"), within)
 
 
 def test_parts_of_the_answers_can_be_read(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
@@ -123,7 +123,7 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
     few = [[3, 0], [1, 2], [4, 4]]
     batch.pairs(models, poses[1], few, out=tmp_path / "few", query="collide")
     for record, (j, k) in zip(batch.read(tmp_path / "few"), few):
-        assert record["collision"] == bool(limber3d.collide(models[j], models[k], poses[1][j], poses[1][k]))
+        assert record["is_yes"] == bool(limber3d.collide(models[j], models[k], poses[1][j], poses[1][k]))
     with pytest.raises(IndexError, match="ids of 5 models"):
         batch.pairs(models, None, [[0, 5]], out=tmp_path / "bad")
     with pytest.raises(ValueError, match="integers"):

@@ -117,7 +117,7 @@ def test_sweeps(tmp_path: Path, meshes: tuple[str, str], capsys: pytest.CaptureF
     more = ["--poses-a", poses, "--poses-b", str(tmp_path / "one.npy"), "--query", "collide"]
     assert main(["sweep", *meshes, *more, "--out", str(tmp_path / "hits")]) == 0
     expected = limber3d.collide_many(a, b, (TURNS, SHIFTS), (TURNS[0], SHIFTS[0]))
-    assert 0 < expected["collision"].sum() < 40 and same_bits(limber3d.batch.read(tmp_path / "hits"), expected)
+    assert 0 < expected["is_yes"].sum() < 40 and same_bits(limber3d.batch.read(tmp_path / "hits"), expected)
 
 
 def test_bad_input_is_told_on_one_line(

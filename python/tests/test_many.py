@@ -43,10 +43,10 @@ def test_distances_of_many_poses_are_those_of_single_calls(ball: limber3d.Model,
 def test_collisions_of_many_poses_are_those_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
     poses = random_poses(3, 500)
     many = limber3d.collide_many(ball, tetra, poses_b=poses)
-    assert many["collision"].any() and not many["collision"].all()
+    assert many["is_yes"].any() and not many["is_yes"].all()
     for record, pose in zip(many, poses):
         single = limber3d.collide(ball, tetra, pose_b=pose)
-        assert record["collision"] == single.collision
+        assert record["is_yes"] == bool(single)
         if single.witness is not None:
             assert (record["point_a"] == single.witness.point_a).all()
             assert record["triangle_b"] == single.witness.triangle_b
@@ -55,10 +55,10 @@ def test_collisions_of_many_poses_are_those_of_single_calls(ball: limber3d.Model
 def test_within_of_many_poses_is_that_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
     poses = random_poses(3, 500)
     many = limber3d.within_many(ball, tetra, 0.5, poses_b=poses)
-    assert many.dtype == limber3d.within_dtype and many["within"].any() and not many["within"].all()
+    assert many.dtype == limber3d.collide_dtype and many["is_yes"].any() and not many["is_yes"].all()
     for record, pose in zip(many, poses):
         single = limber3d.within(ball, tetra, 0.5, pose_b=pose)
-        assert record["within"] == single.within
+        assert record["is_yes"] == bool(single)
         if single.witness is not None:
             assert (record["point_b"] == single.witness.point_b).all()
 

@@ -41,7 +41,7 @@ def test_options_of_a_distance_are_keywords(ball: limber3d.Model) -> None:
 
 def test_collisions_and_pairs_within_are_true_or_false(tetra: limber3d.Model) -> None:
     hit, apart = limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, pose_b=FAR)
-    assert hit and hit.collision and hit.witness is not None and not apart and apart.witness is None
+    assert hit and hit.answer is limber3d.Answer.yes and hit.witness is not None and not apart and apart.witness is None
     assert (hit.witness.point_a == hit.witness.point_b).all()
     assert limber3d.within(tetra, tetra, 2.0, pose_b=FAR) and not limber3d.within(tetra, tetra, 1.99, pose_b=FAR)
 

@@ -23,10 +23,10 @@ def test_candidates_and_queries_of_pairs(ball: limber3d.Model) -> None:
     scene = row_of(ball, 4)
     pairs = scene.candidate_pairs(0.0)
     assert sorted(pairs.tolist()) == [[0, 1], [1, 2], [2, 3]] and pairs.dtype == numpy.uint32
-    assert scene.collide(pairs)["collision"].all() and scene.collide(pairs).dtype == limber3d.collision_dtype
+    assert scene.collide(pairs)["is_yes"].all() and scene.collide(pairs).dtype == limber3d.collide_dtype
     far = [[0, 2], [3, 0]]
-    assert not scene.collide(far)["collision"].any()
-    assert scene.within(far, 1.1)["within"].tolist() == [True, False]
+    assert not scene.collide(far)["is_yes"].any()
+    assert scene.within(far, 1.1)["is_yes"].tolist() == [True, False]
     cache = limber3d.SceneCache()
     for _ in range(2):
         distances = scene.distance(far, cache=cache)

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/check.h"
+#include "limber/distance.h"
 #include "limber/points.h"
-#include "limber/query.h"
 
 /// What every engine requires of the options of a query. Comparisons with NaN are false, so NaN is refused too.
 namespace limber::base {
@@ -22,6 +22,17 @@ inline void check_options(const DistanceOptions& options, const char* function) 
   LIMBER_REQUIRE(is_finite_and_not_negative(options.absolute_error),
                  text("absolute_error must be finite and at least 0").c_str());
   LIMBER_REQUIRE(options.max_distance >= 0, text("max_distance must be at least 0, or infinite").c_str());
+}
+
+/// Whether a budget can end a query.
+inline bool is_limited(const QueryBudget& budget) {
+  return budget.deadline || budget.cancel != nullptr || budget.max_steps < std::numeric_limits<std::uint64_t>::max();
+}
+
+/// Of engines that start from nothing, and go on to the end.
+inline void check_has_no_cache_or_budget(const DistanceOptions& options, const char* function) {
+  LIMBER_REQUIRE(options.cache == nullptr && !is_limited(options.budget),
+                 (std::string(function) + ": takes no cache and no budget").c_str());
 }
 
 inline void check_options(const PointOptions& options, const char* function) {

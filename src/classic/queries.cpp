@@ -18,6 +18,7 @@
 #include "classic/tree.h"
 #include "geometry/primitives.h"
 #include "geometry/rigid.h"
+#include "limber/distance.h"
 
 namespace limber::classic {
 namespace {
@@ -178,13 +179,14 @@ CollideResult collide(const Placed& a, const Placed& b) {
   CollisionQuery query;
   Descent(a, b, query, result.stats).run();
   result.witness = query.witness;
-  result.collision = query.witness.has_value();
+  result.answer = query.witness ? Answer::yes : Answer::no;
   return result;
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::distance");
+  base::check_options(options, "limber::classic::distance");
+  base::check_has_no_cache_or_budget(options, "limber::classic::distance");
   check_placed(a, b);
   DistanceResult result;
   DistanceQuery query(options, 0);
@@ -206,15 +208,15 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   return result;
 }
 
-WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+CollideResult within(const Placed& a, const Placed& b, double max_distance) {
   const base::DefaultFloatEnvironment environment;
   base::check_max_distance(max_distance);
   check_placed(a, b);
-  WithinResult result;
+  CollideResult result;
   DistanceQuery query({.max_distance = max_distance}, max_distance);
   Descent(a, b, query, result.stats).run();
-  result.within = query.upper <= max_distance;
-  if (result.within) result.witness = query.witness;
+  result.answer = query.upper <= max_distance ? Answer::yes : Answer::no;
+  if (result.is_yes()) result.witness = query.witness;
   return result;
 }
 

@@ -6,7 +6,7 @@
 // Differs   Those reduce the contacts of one pair of convex shapes. Here regions come first: by distance and normal
 //           from the deepest contact that is in none yet, found in a grid. Further contacts of a region are sampled
 //           farthest first [Gonzalez1985], which serves any number of them.
-#include "limber/contact_reduction.h"
+#include "limber/contacts.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/neighbor_rings.h"
+#include "limber/contacts.h"
 
 #include <algorithm>
 #include <span>

@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "limber/query.h"
+#include "base/arguments.h"
+#include "limber/distance.h"
 
 namespace limber::pair {
 
@@ -19,10 +20,7 @@ class BudgetMeter {
  public:
   /// Without limits.
   BudgetMeter() = default;
-  explicit BudgetMeter(const QueryBudget& budget)
-      : budget_(budget),
-        is_limited_(budget.deadline || budget.cancel != nullptr ||
-                    budget.max_steps < std::numeric_limits<std::uint64_t>::max()) {}
+  explicit BudgetMeter(const QueryBudget& budget) : budget_(budget), is_limited_(base::is_limited(budget)) {}
 
   bool is_limited() const { return is_limited_; }
 

@@ -62,38 +62,6 @@ PairCount closest_pairs(const pair::PlacedPair& placed, const Pairs& pairs, std:
   return result;
 }
 
-CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache* cache) {
-  const base::DefaultFloatEnvironment environment;
-  const pair::PlacedPair placed = with_itself(model);
-  pair::AnySelfContact collector(PairsOfOne(model.mesh(), options));
-  CollideResult result;
-  const QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
-  if (pair::has_self_pair(last, placed)) {
-    ++result.stats.triangle_tests;
-    collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
-                      pair::placed_triangle(placed, pair::Side::b, last->triangle_b));
-  }
-  if (!collector.is_done()) pair::search_all(placed, collector, result.stats);
-  if (collector.witness) pair::remember(cache, *collector.witness);
-  result.collision = collector.witness.has_value();
-  result.witness = collector.witness;
-  return result;
-}
-
-DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
-                             QueryCache* cache) {
-  const base::DefaultFloatEnvironment environment;
-  base::check_options(distance_options, "limber::self_distance");
-  const pair::PlacedPair placed = with_itself(model);
-  pair::ClosestSelfPair collector(PairsOfOne(model.mesh(), options), distance_options);
-  DistanceResult result;
-  const QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
-  const pair::Unsearched unsearched = pair::search_self(placed, last, collector, result.stats);
-  pair::set_answer(result, collector.closest, unsearched, distance_options.max_distance);
-  if (result.witness) pair::remember(cache, *result.witness);
-  return result;
-}
-
 }  // namespace
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
@@ -124,21 +92,36 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
   return closest_pairs(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), closest);
 }
 
-CollideResult self_collide(const Model& model, const PairOptions& options) {
-  return self_collide(model, options, nullptr);
+CollideResult self_collide(const Model& model, const SelfQueryOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  const pair::PlacedPair placed = with_itself(model);
+  pair::AnySelfContact collector(PairsOfOne(model.mesh(), {.filter = options.filter}));
+  CollideResult result;
+  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
+  if (pair::has_self_pair(last, placed)) {
+    ++result.stats.triangle_tests;
+    collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
+                      pair::placed_triangle(placed, pair::Side::b, last->triangle_b));
+  }
+  if (!collector.is_done()) pair::search_all(placed, collector, result.stats);
+  if (collector.witness) pair::remember(options.cache, *collector.witness);
+  result.answer = collector.witness ? Answer::yes : Answer::no;
+  result.witness = collector.witness;
+  return result;
 }
 
-CollideResult self_collide(const Model& model, const PairOptions& options, QueryCache& cache) {
-  return self_collide(model, options, &cache);
-}
-
-DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options) {
-  return self_distance(model, distance_options, options, nullptr);
-}
-
-DistanceResult self_distance(const Model& model, const DistanceOptions& distance_options, const PairOptions& options,
-                             QueryCache& cache) {
-  return self_distance(model, distance_options, options, &cache);
+DistanceResult self_distance(const Model& model, const SelfDistanceOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  const DistanceOptions errors{options.relative_error, options.absolute_error, options.max_distance};
+  base::check_options(errors, "limber::self_distance");
+  const pair::PlacedPair placed = with_itself(model);
+  pair::ClosestSelfPair collector(PairsOfOne(model.mesh(), {.filter = options.filter}), errors);
+  DistanceResult result;
+  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
+  const pair::Unsearched unsearched = pair::search_self(placed, last, collector, result.stats);
+  pair::set_answer(result, collector.closest, unsearched, options.max_distance);
+  if (result.witness) pair::remember(options.cache, *result.witness);
+  return result;
 }
 
 PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options) {

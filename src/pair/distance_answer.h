@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "limber/distance.h"
 #include "pair/collectors/closest_pair.h"
 #include "pair/search.h"
 

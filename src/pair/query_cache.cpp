@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "limber/distance.h"
 #include "pair/query_cache_impl.h"
 
 namespace limber {

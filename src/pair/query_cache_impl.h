@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/front.h"
 #include "pair/trial.h"

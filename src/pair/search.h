@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "geometry/local_frame.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/all_pairs.h"
 #include "pair/best_first.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "limber/distance.h"
 #include "pair/budget_meter.h"
 #include "pair/frames.h"
 #include "pair/placed_pair.h"

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "point/closest_point.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <bit>

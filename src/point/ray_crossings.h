@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "bvh/tree.h"
+#include "limber/distance.h"
 #include "point/placed_model.h"
 #include "simd/kernels.h"
 

@@ -25,17 +25,19 @@ CollideResult collide(const Placed& a, const Placed& b) {
       ++result.stats.triangle_tests;
       if (!geometry::intersects(triangles_a[i], triangles_b[j])) continue;
       const Vec3 shared = geometry::shared_point(triangles_a[i], triangles_b[j]);
-      result.collision = true;
+      result.answer = Answer::yes;
       result.witness = Witness{shared, shared, i, j};
       return result;
     }
   }
+  result.answer = Answer::no;
   return result;
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::distance");
+  base::check_options(options, "limber::reference::distance");
+  base::check_has_no_cache_or_budget(options, "limber::reference::distance");
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
@@ -59,14 +61,14 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   return result;
 }
 
-WithinResult within(const Placed& a, const Placed& b, double max_distance) {
+CollideResult within(const Placed& a, const Placed& b, double max_distance) {
   const base::DefaultFloatEnvironment environment;
   base::check_max_distance(max_distance);
-  WithinResult result;
+  CollideResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;
-  result.within = closest.status != Status::beyond_limit;
-  if (result.within) result.witness = closest.witness;
+  result.answer = closest.status != Status::beyond_limit ? Answer::yes : Answer::no;
+  result.witness = closest.witness;
   return result;
 }
 

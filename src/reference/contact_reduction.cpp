@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/contact_reduction.h"
+#include "limber/contacts.h"
 
 #include <algorithm>
 #include <cmath>

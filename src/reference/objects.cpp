@@ -14,7 +14,7 @@ std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max
   std::vector<ObjectPair> pairs;
   for (ObjectId a = 0; a < objects.size(); ++a) {
     for (ObjectId b = a + 1; b < objects.size(); ++b) {
-      if (within(objects[a], objects[b], max_distance).within) pairs.push_back({a, b});
+      if (within(objects[a], objects[b], max_distance).is_yes()) pairs.push_back({a, b});
     }
   }
   return pairs;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bvh/boxes.h"
-#include "limber/function_ref.h"
+#include "limber/base.h"
 #include "scene/spatial_order.h"
 #include "scene/world_bounds.h"
 

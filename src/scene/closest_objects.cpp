@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
+#include "limber/distance.h"
 #include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
 
@@ -23,9 +24,8 @@ namespace {
 /// their limits depend on threads.
 class ClosestSearch {
  public:
-  ClosestSearch(const Scene::Impl& scene, const DistanceOptions& options, const ObjectPairOptions& pair_options,
-                SceneCache* cache)
-      : scene_(scene), options_(options), filter_(pair_options.filter), cache_(cache) {
+  ClosestSearch(const Scene::Impl& scene, const DistanceOptions& errors, const ClosestObjectsOptions& options)
+      : scene_(scene), options_(errors), filter_(options.filter), cache_(options.cache) {
     closest_.result.status = Status::beyond_limit;
     closest_.result.lower = options.max_distance;
     closest_.result.upper = std::numeric_limits<double>::infinity();
@@ -82,8 +82,9 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   if (cache_ != nullptr) caches = cache_->impl().caches_of(pairs_);
   base::parallel_for(round.size(), 1, [&](std::size_t i) {
     const Placed &a = scene_.placed(pairs_[i].a), &b = scene_.placed(pairs_[i].b);
-    QueryCache* const cache = caches.empty() ? nullptr : caches[i];
-    results_[i] = cache != nullptr ? distance(a, b, options, *cache) : distance(a, b, options);
+    DistanceOptions with_cache = options;
+    with_cache.cache = caches.empty() ? nullptr : caches[i];
+    results_[i] = distance(a, b, with_cache);
   });
   DistanceResult& closest = closest_.result;
   for (std::size_t i = 0; i < round.size(); ++i) {
@@ -151,14 +152,14 @@ ClosestObjects ClosestSearch::run() {
 
 }  // namespace
 
-ClosestObjects Scene::closest_objects(const DistanceOptions& options, const ObjectPairOptions& pair_options,
-                                      SceneCache* cache) const {
+ClosestObjects Scene::closest_objects(const ClosestObjectsOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_objects");
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::closest_objects: objects or models have changed since the last commit");
-  base::check_options(options, "limber::Scene::closest_objects");
-  return ClosestSearch(scene, options, pair_options, cache).run();
+  const DistanceOptions errors{options.relative_error, options.absolute_error, options.max_distance};
+  base::check_options(errors, "limber::Scene::closest_objects");
+  return ClosestSearch(scene, errors, options).run();
 }
 
 }  // namespace limber

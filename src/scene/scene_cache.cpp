@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "limber/distance.h"
 #include "scene/scene_cache_impl.h"
 
 namespace limber {

@@ -5,6 +5,7 @@
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/parallel.h"
+#include "limber/distance.h"
 #include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
 
@@ -36,31 +37,35 @@ void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, Scene
 
 }  // namespace
 
-void Scene::collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results, SceneCache* cache) const {
+void Scene::collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results,
+                    const SceneQueryOptions& options) const {
   const Impl& scene = impl("collide");
   check_pairs(scene, pairs, results.size());
-  ask_each(scene, pairs, cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* of_pair) {
-    results[i] = of_pair != nullptr ? limber::collide(a, b, *of_pair) : limber::collide(a, b);
+  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+    results[i] = limber::collide(a, b, {.cache = cache});
   });
 }
 
-void Scene::within(std::span<const ObjectPair> pairs, double max_distance, std::span<WithinResult> results,
-                   SceneCache* cache) const {
+void Scene::within(std::span<const ObjectPair> pairs, double max_distance, std::span<CollideResult> results,
+                   const SceneQueryOptions& options) const {
   const Impl& scene = impl("within");
   check_pairs(scene, pairs, results.size());
   base::check_max_distance(max_distance);
-  ask_each(scene, pairs, cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* of_pair) {
-    results[i] = of_pair != nullptr ? limber::within(a, b, max_distance, *of_pair) : limber::within(a, b, max_distance);
+  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+    results[i] = limber::within(a, b, max_distance, {.cache = cache});
   });
 }
 
-void Scene::distance(std::span<const ObjectPair> pairs, const DistanceOptions& options,
-                     std::span<DistanceResult> results, SceneCache* cache) const {
+void Scene::distance(std::span<const ObjectPair> pairs, std::span<DistanceResult> results,
+                     const SceneDistanceOptions& options) const {
   const Impl& scene = impl("distance");
   check_pairs(scene, pairs, results.size());
-  base::check_options(options, "limber::Scene::distance");
-  ask_each(scene, pairs, cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* of_pair) {
-    results[i] = of_pair != nullptr ? limber::distance(a, b, options, *of_pair) : limber::distance(a, b, options);
+  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance};
+  base::check_options(of_pair, "limber::Scene::distance");
+  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+    DistanceOptions with_cache = of_pair;
+    with_cache.cache = cache;
+    results[i] = limber::distance(a, b, with_cache);
   });
 }
 

@@ -10,6 +10,7 @@
 
 #include "heap.h"
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/points.h"
@@ -32,11 +33,11 @@ void ask_everything(const Model& square, const MeshEdges& edges_of_square, const
     distance(a, b);
     distance(a, b, {.relative_error = 0.1, .absolute_error = 0.01});
     distance(a, b, {.max_distance = 0.5});
-    distance(a, b, {}, cache);
+    distance(a, b, {.cache = &cache});
     collide(a, b);
-    collide(a, b, cache);
+    collide(a, b, {.cache = &cache});
     within(a, b, 0.5);
-    within(a, b, 0.5, cache);
+    within(a, b, 0.5, {.cache = &cache});
     const Vec3 point{0, separation, 1};
     closest_point(b, point);
     closest_point(b, 1e9 * point, {.max_distance = 0.5});
@@ -52,8 +53,8 @@ void ask_everything(const Model& square, const MeshEdges& edges_of_square, const
   self_intersections(ball, {});
   self_contacts(ball, 0.1, contacts_found);
   self_closest_pairs(ball, contacts_found);
-  self_collide(ball, {}, cache);
-  self_distance(ball, {}, {}, cache);
+  self_collide(ball, {.cache = &cache});
+  self_distance(ball, {.cache = &cache});
   self_element_pairs(ball, edges_of_ball, 0.1, vertex_face_found, edge_edge_found);
 }
 
@@ -66,17 +67,17 @@ TEST(Allocation, IsSeenByThisTest) {
 TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   QueryCache cache;
-  distance({square}, {ball}, {}, {.max_steps = 1}, cache);
+  distance({square}, {ball}, {.cache = &cache, .budget = {.max_steps = 1}});
   const std::uint64_t before = allocation_count();
   for (int i = 0; i < 20; ++i) {
     const Placed a{square}, b{ball, {{}, {0.01 * i, 0, 3}}};
     const QueryBudget steps{.max_steps = 10};
     const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(5)};
     for (const QueryBudget& budget : {steps, time}) {
-      distance(a, b, {}, budget, cache);
-      distance(a, b, {}, budget);
-      collide(a, b, budget, cache);
-      within(a, b, 1, budget, cache);
+      distance(a, b, {.cache = &cache, .budget = budget});
+      distance(a, b, {.budget = budget});
+      collide(a, b, {.cache = &cache, .budget = budget});
+      within(a, b, 1, {.cache = &cache, .budget = budget});
     }
   }
   EXPECT_EQ(allocation_count(), before);
@@ -113,7 +114,7 @@ TEST(Allocation, DoesNotHappenInRealTime) {
   Model model(scenes::grid(64, 64, 0, 0, 1, 1), ModelOptions::real_time(20));
   const Model ball(scenes::thesis_ball());
   QueryCache cache;
-  distance({model}, {ball}, {}, cache);
+  distance({model}, {ball}, {.cache = &cache});
   scenes::Rng rng(9);
   std::array<VertexId, 20> ids;
   std::array<Vec3, 20> positions;
@@ -125,7 +126,7 @@ TEST(Allocation, DoesNotHappenInRealTime) {
     }
     const bool is_moved = static_cast<bool>(model.move_vertices(ids, positions));
     model.commit();
-    distance({model}, {ball, {{}, {32, 32, 30}}}, {}, {.max_steps = 20}, cache);
+    distance({model}, {ball, {{}, {32, 32, 30}}}, {.cache = &cache, .budget = {.max_steps = 20}});
     if (!is_moved || allocation_count() != before) FAIL() << frame;
   }
   EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 20'000U);

@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "allocation/heap.h"
-#include "limber/contact_reduction.h"
 #include "limber/contacts.h"
-#include "limber/neighbor_rings.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -57,10 +55,10 @@ TEST(FailingHeap, LeavesAnEmptyCacheForSelfQueries) {
   const Model ball(scenes::ball(12, 8));
   const double truth = self_distance(ball).upper;
   QueryCache cache;
-  const auto check = [&] { EXPECT_EQ(self_distance(ball, {}, {}, cache).upper, truth), cache.clear(); };
-  EXPECT_EQ(fail_each([&] { self_distance(ball, {}, {}, cache); }, check), 1);
+  const auto check = [&] { EXPECT_EQ(self_distance(ball, {.cache = &cache}).upper, truth), cache.clear(); };
+  EXPECT_EQ(fail_each([&] { self_distance(ball, {.cache = &cache}); }, check), 1);
   cache.clear();
-  EXPECT_EQ(fail_each([&] { self_collide(ball, {}, cache); }, check), 1);
+  EXPECT_EQ(fail_each([&] { self_collide(ball, {.cache = &cache}); }, check), 1);
 }
 
 TEST(FailingHeap, IsReportedByNeighborRings) {

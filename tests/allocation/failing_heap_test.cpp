@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "heap.h"
+#include "limber/classic.h"
 #include "limber/limber.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
@@ -60,7 +61,7 @@ void expect_right_answers(const Model& model) {
     const Placed a{model}, b{probe<Model>(), pose};
     const double truth = brute_force_distance({model.mesh()}, {probe<Model>().mesh(), pose});
     ASSERT_NEAR(distance(a, b).upper, truth, tolerance);
-    ASSERT_EQ(collide(a, b).collision, truth == 0);
+    ASSERT_EQ(collide(a, b).is_yes(), truth == 0);
   }
 }
 
@@ -331,7 +332,7 @@ bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Fail
       model.commit();
     }
     if (failing == Failing::always && failed) k = frame % 2 == 0 ? 0 : 1 << 20;  // memory comes and goes
-    const double warm = distance({model}, {probe<Model>()}, {}, cache).upper;
+    const double warm = distance({model}, {probe<Model>()}, {.cache = &cache}).upper;
     if (checks-- > 0 || frame == 16) {
       expect_right_answers<Placed>(model);
       EXPECT_NEAR(warm, distance({model}, {probe<Model>()}).upper, tolerance);
@@ -389,14 +390,14 @@ TEST(FailingHeap, LeavesAnEmptyCache) {
     bool threw = false, failed = false;
     {
       const FailingHeap heap(k, Failing::once);
-      threw = throws_bad_alloc([&] { distance(a, b, {}, cache); });
+      threw = throws_bad_alloc([&] { distance(a, b, {.cache = &cache}); });
       failed = heap.has_failed();
     }
     EXPECT_EQ(threw, failed);
-    EXPECT_EQ(distance(a, b, {}, cache).upper, distance(a, b).upper);
-    EXPECT_NEAR(distance(a, b, {}, cache).upper, truth, tolerance);
-    EXPECT_FALSE(collide(a, b, cache).collision);
-    EXPECT_TRUE(within(a, b, truth * 1.01, cache).within);
+    EXPECT_EQ(distance(a, b, {.cache = &cache}).upper, distance(a, b).upper);
+    EXPECT_NEAR(distance(a, b, {.cache = &cache}).upper, truth, tolerance);
+    EXPECT_FALSE(collide(a, b, {.cache = &cache}).is_yes());
+    EXPECT_TRUE(within(a, b, truth * 1.01, {.cache = &cache}).is_yes());
     if (!failed) break;
     cache.clear();
   }

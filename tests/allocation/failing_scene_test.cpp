@@ -74,11 +74,11 @@ bool play_scene(const Model& ball, std::int64_t k, Failing failing) {
     const std::size_t count = scene.candidate_pairs(0.1, pairs).count;
     EXPECT_EQ(count, 11U);
     distances.assign(count, {});
-    failing_call(scene, [&] { scene.distance(std::span(pairs).first(count), {}, distances, &cache); });
+    failing_call(scene, [&] { scene.distance(std::span(pairs).first(count), distances, {.cache = &cache}); });
     for (const DistanceResult& d : distances) EXPECT_EQ(d.upper, 0);
     ClosestObjects closest;
     const auto are_not_next = [](ObjectId a, ObjectId b) { return b != a + 1; };
-    failing_call(scene, [&] { closest = scene.closest_objects({}, {.filter = are_not_next}, &cache); });
+    failing_call(scene, [&] { closest = scene.closest_objects({.filter = are_not_next, .cache = &cache}); });
     EXPECT_NEAR(closest.result.upper, 1, 0.1);
   }
   return failing_call.has_failed();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "haptic_proxy.h"
+#include "limber/distance.h"
 #include "scenes/scenes.h"
 
 namespace limber::program {

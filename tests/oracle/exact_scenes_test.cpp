@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "limber/classic.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "support/counts.h"
 #include "support/exact_distance.h"
@@ -133,7 +134,7 @@ Scene scene_of_any_scales(Rng& rng) {
 void check(const Model& model_a, const Transform& pose_a, const Model& model_b, const Transform& pose_b, Rng& rng,
            QueryCache* cache) {
   const Placed a{model_a, pose_a}, b{model_b, pose_b};
-  const DistanceResult found = cache != nullptr ? distance(a, b, {}, *cache) : distance(a, b);
+  const DistanceResult found = distance(a, b, {.cache = cache});
   const Truth truth = truth_of(model_a.mesh(), pose_a, model_b.mesh(), pose_b, &found.witness.value());
   const bool meets = truth.squared == 0;
   ASSERT_EQ(found.status, meets ? Status::collision : Status::exact);
@@ -141,10 +142,10 @@ void check(const Model& model_a, const Transform& pose_a, const Model& model_b, 
   ASSERT_EQ(found.lower, found.upper);
   ASSERT_TRUE(exact::is_at_most(found.upper, truth.squared, truth.tolerance)) << found.upper;
   ASSERT_TRUE(exact::is_at_least(found.upper, truth.squared, truth.tolerance)) << found.upper;
-  ASSERT_EQ(collide(a, b).collision, meets);
-  ASSERT_EQ(within(a, b, 0).within, meets);
+  ASSERT_EQ(collide(a, b).is_yes(), meets);
+  ASSERT_EQ(within(a, b, 0).is_yes(), meets);
   // The models are within the distance that the query has returned.
-  ASSERT_TRUE(within(a, b, found.upper).within);
+  ASSERT_TRUE(within(a, b, found.upper).is_yes());
   ASSERT_NE(distance(a, b, {.max_distance = found.upper}).status, Status::beyond_limit);
   ASSERT_NE(distance(b, a, {.max_distance = found.upper + truth.tolerance}).status, Status::beyond_limit);
 
@@ -173,7 +174,7 @@ TEST(ExactScenes, OfAnyScalesAreAnsweredWithinTheStatedError) {
     const Scene s = scene_of_any_scales(rng);
     const Model a(s.mesh_a), b(s.mesh_b);
     check(a, s.pose_a, b, s.pose_b, rng, nullptr);
-    meeting += collide({a, s.pose_a}, {b, s.pose_b}).collision ? 1 : 0;
+    meeting += collide({a, s.pose_a}, {b, s.pose_b}).is_yes() ? 1 : 0;
   }
   std::cout << i << " scenes, " << meeting << " in contact\n";
   EXPECT_GT(meeting, scenes / 50);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "limber/classic.h"
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
@@ -32,8 +33,8 @@ TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
     EXPECT_EQ(found.lower, found.upper) << offset;
     EXPECT_EQ(classic_found.upper, truth) << offset;
     EXPECT_EQ(classic_found.lower, truth) << offset;
-    EXPECT_EQ(collide({spot, pose_a}, {ball, pose_b}).collision, truth == 0) << offset;
-    EXPECT_EQ(classic::collide({classic_spot, pose_a}, {classic_ball, pose_b}).collision, truth == 0) << offset;
+    EXPECT_EQ(collide({spot, pose_a}, {ball, pose_b}).is_yes(), truth == 0) << offset;
+    EXPECT_EQ(classic::collide({classic_spot, pose_a}, {classic_ball, pose_b}).is_yes(), truth == 0) << offset;
     for (const DistanceResult& roughly :
          {distance({spot, pose_a}, {ball, pose_b}, {.relative_error = 0.1}),
           classic::distance({classic_spot, pose_a}, {classic_ball, pose_b}, {.relative_error = 0.1})}) {
@@ -61,7 +62,7 @@ TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
     ASSERT_TRUE(static_cast<bool>(deforming.validate()));
     const double truth = brute_force_distance({deforming.mesh()}, {ball.mesh(), pose});
     EXPECT_NEAR(distance({deforming}, {ball, pose}).upper, truth, 0x1p-43) << frame;
-    EXPECT_NEAR(distance({deforming}, {ball, pose}, {}, cache).upper, truth, 0x1p-43) << frame;
+    EXPECT_NEAR(distance({deforming}, {ball, pose}, {.cache = &cache}).upper, truth, 0x1p-43) << frame;
   }
 }
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "limber/contact_reduction.h"
+#include "limber/contacts.h"
 #include "limber/elements.h"
 #include "limber/scene.h"
 #include "peers.h"
@@ -74,7 +74,7 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
   for (const double gap : {0.25, 0.7, 0.9999, 1.0, 1.0001, 1.5}) {
     const Placed a{cube}, b{cube, at(0, 0, 1 + gap)};
     const double exact_gap = b.pose.translation.z - 1;
-    EXPECT_EQ(within(a, b, 1).within, exact_gap <= 1) << gap;
+    EXPECT_EQ(within(a, b, 1).is_yes(), exact_gap <= 1) << gap;
     EXPECT_EQ(contacts(a, b, 1, {}).count > 0, exact_gap <= 1) << gap;
     EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == Status::exact, exact_gap <= 1) << gap;
     expect_pairs_of_brute_force(a, b, 1);

@@ -99,7 +99,7 @@ TEST(Determinism, NoInstructionSetSeesAnEdgeHitATriangleThatItMisses) {
     ASSERT_EQ(intersects(edge, t), truth) << i;
     for (const simd::Kernels& set : simd::all_kernels()) {
       simd::use_kernels(&set);
-      EXPECT_EQ(collide({a}, {b}).collision, truth) << i << ' ' << set.name;
+      EXPECT_EQ(collide({a}, {b}).is_yes(), truth) << i << ' ' << set.name;
       EXPECT_EQ(distance({a}, {b}).upper == 0, truth) << i << ' ' << set.name;
     }
     simd::use_kernels(nullptr);

@@ -83,9 +83,9 @@ TEST(Effort, ContactsOfABodyThatDeformsNeedNoPassOverAllPairs) {
 TEST(Effort, AThresholdIsCheaperThanTheListOfPairsBelowIt) {
   const Model a(scenes::ball(48, 32));
   const Placed there{a, at(1.99, 0.05, 0.02)};
-  const WithinResult near = within({a}, there, 0.3);
+  const CollideResult near = within({a}, there, 0.3);
   const PairCount listed = contacts({a}, there, 0.3, {});
-  EXPECT_TRUE(near.within);
+  EXPECT_TRUE(near.is_yes());
   EXPECT_GT(listed.count, 1000U);
   EXPECT_LT(steps(near.stats), 200U);
   EXPECT_LT(20 * steps(near.stats), steps(listed.stats));

@@ -15,7 +15,7 @@ double distance_in(const limber::Scene& scene, double margin) {
   std::vector<ObjectPair> pairs(1);
   if (scene.candidate_pairs(margin, pairs).count == 0) return HUGE_VAL;
   std::vector<DistanceResult> results(1);
-  scene.distance(pairs, {}, results);
+  scene.distance(pairs, results);
   EXPECT_EQ(scene.closest_objects().result.upper, results.front().upper);
   return results.front().upper;
 }
@@ -74,14 +74,14 @@ TEST(MovingScene, TakesOverABodyThatHasBecomeAnother) {
   SceneCache cache;
   scene.add({changing}), scene.add({fixed, at(5)});
   scene.commit();
-  EXPECT_NEAR(scene.closest_objects({}, {}, &cache).result.upper, 3.5, 1e-14);
+  EXPECT_NEAR(scene.closest_objects({.cache = &cache}).result.upper, 3.5, 1e-14);
   changing.reset(scenes::grid(30, 3, 0, -0.5, 0.1, 0.5));
   EXPECT_FALSE(scene.is_committed());
   scene.commit();
-  EXPECT_NEAR(scene.closest_objects({}, {}, &cache).result.upper, 1, 1e-14);
+  EXPECT_NEAR(scene.closest_objects({.cache = &cache}).result.upper, 1, 1e-14);
   changing.reset(triangles_of({{{-1, 0, 0}, {-1, 1, 0}, {-1, 0, 1}}}));
   scene.commit();
-  EXPECT_NEAR(scene.closest_objects({}, {}, &cache).result.upper, 5, 1e-14);
+  EXPECT_NEAR(scene.closest_objects({.cache = &cache}).result.upper, 5, 1e-14);
   EXPECT_NEAR(distance_in(scene, 9), 5, 1e-14);
 }
 

@@ -70,7 +70,7 @@ TEST(Overlap, IsDistanceZeroWithAStatusOfItsOwnAndOneSharedPoint) {
   std::size_t meeting = 0;
   for (int i = 0; i < 400; ++i) {
     const Placed there{ring, random_pose(rng, 1.5)};
-    if (!collide({ring}, there).collision) continue;
+    if (!collide({ring}, there).is_yes()) continue;
     ++meeting;
     for (const double error : {0.01, 0.3, 5.0}) {
       EXPECT_EQ(distance({ring}, there, {.relative_error = error}).upper, 0) << i;

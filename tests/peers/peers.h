@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
@@ -114,11 +115,11 @@ inline double agreed_distance(const Placed& a, const Placed& b, double tolerance
   }
   expect_witness(a, b, found.witness.value(), found.upper, tolerance);
   expect_witness(b, a, swapped.witness.value(), swapped.upper, tolerance);
-  EXPECT_EQ(collide(a, b).collision, meet);
-  EXPECT_EQ(collide(b, a).collision, meet);
-  EXPECT_EQ(within(a, b, 0).within, meet);
-  EXPECT_TRUE(within(a, b, found.upper).within);
-  EXPECT_EQ(within(a, b, 0.5 * found.upper).within, meet);
+  EXPECT_EQ(collide(a, b).is_yes(), meet);
+  EXPECT_EQ(collide(b, a).is_yes(), meet);
+  EXPECT_EQ(within(a, b, 0).is_yes(), meet);
+  EXPECT_TRUE(within(a, b, found.upper).is_yes());
+  EXPECT_EQ(within(a, b, 0.5 * found.upper).is_yes(), meet);
   const std::size_t pairs = reference::intersections(in_reference(a), in_reference(b)).size();
   EXPECT_EQ(intersections(a, b, {}).count, pairs);
   EXPECT_EQ(contacts(a, b, 0, {}).count, pairs);

@@ -82,8 +82,8 @@ TEST(ScaleAndPlace, HugeTrianglesAreAsNearAsTheirPointsAre) {
     const SurfacePoint point = closest_point({floor}, {0.6, 0.5, 0.25}).closest.value();
     EXPECT_EQ(point.triangle, 0U);
     EXPECT_NEAR(point.distance, 0.25, 0x1p-44 * size);
-    EXPECT_FALSE(collide({floor}, {tool, at(0.6, 0.5, 1.0000001)}).collision);
-    EXPECT_TRUE(collide({floor}, {tool, at(0.6, 0.5, 0.9999999)}).collision);
+    EXPECT_FALSE(collide({floor}, {tool, at(0.6, 0.5, 1.0000001)}).is_yes());
+    EXPECT_TRUE(collide({floor}, {tool, at(0.6, 0.5, 0.9999999)}).is_yes());
   }
 }
 

@@ -33,7 +33,7 @@ double answers(const Placed& a, const Placed& b) {
   const DistanceResult d = distance(a, b);
   const SurfacePoint p = closest_point(a, b.pose.translation).closest.value();
   return d.upper + 3 * d.witness->point_a.x + 5 * d.witness->triangle_b + 7 * p.distance + 11.0 * p.triangle +
-         13.0 * static_cast<double>(contacts(a, b, 0.1, {}).count) + (collide(a, b).collision ? 17 : 0) +
+         13.0 * static_cast<double>(contacts(a, b, 0.1, {}).count) + (collide(a, b).is_yes() ? 17 : 0) +
          19.0 * static_cast<double>(self_intersections(a.model(), {}).count);
 }
 

@@ -203,13 +203,13 @@ TEST(Updates, AndPosesReachEveryQuery) {
     deform(arm, rest, bent);
     const Vec3 tip = bent({0, 0, 2});
     EXPECT_LE(closest_point({arm}, tip).closest->distance, 1e-15) << step;
-    EXPECT_TRUE(collide({arm}, {target, {{}, tip}}).collision) << step;
+    EXPECT_TRUE(collide({arm}, {target, {{}, tip}}).is_yes()) << step;
     scenes::Rng rng(447);
     const Transform pose = random_pose(rng, 10);
     EXPECT_LE(closest_point({arm, pose}, pose(tip)).closest->distance, 1e-14) << step;
-    EXPECT_TRUE(collide({arm, pose}, {target, {{}, pose(tip)}}).collision) << step;
+    EXPECT_TRUE(collide({arm, pose}, {target, {{}, pose(tip)}}).is_yes()) << step;
     if (step >= 4) {
-      EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).collision) << step;
+      EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).is_yes()) << step;
     }
     agreed_distance({arm, pose}, {target, pose * at(0, -1.5, 1)}, 1e-13);
   }

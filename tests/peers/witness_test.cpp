@@ -63,7 +63,7 @@ TEST(WitnessPoints, OfManyCellsAndAnArmLieOnBothWhicheverComesFirst) {
     scene.set_pose(arm_id, pose);
     scene.commit();
     const double truth = agreed_distance({octree}, {arm, pose}, 1e-13);
-    const ClosestObjects closest = scene.closest_objects({}, {.filter = with_arm});
+    const ClosestObjects closest = scene.closest_objects({.filter = with_arm});
     EXPECT_NEAR(closest.result.upper, truth, 1e-13);
     EXPECT_EQ(closest.objects.b, arm_id);
     expect_witness(scene.object(closest.objects.a), scene.object(arm_id), closest.result.witness.value(), truth, 1e-13);
@@ -102,11 +102,11 @@ TEST(WitnessPoints, OfNearlyParallelFacesAreTheOnesThatAreLowest) {
     const double tilt = 1e-10 * (i - 50.5);
     const Transform pose = transform_from_quaternion({0, 0, 1}, 1, 0.5 * tilt, 0.25 * tilt, 0).value();
     const Placed a{floor}, b{plate, pose};
-    const DistanceResult found = distance(a, b, {}, cache);
+    const DistanceResult found = distance(a, b, {.cache = &cache});
     const Vec3 lowest = pose({tilt < 0 ? -1.0 : 1.0, tilt < 0 ? 1.0 : -1.0, -0.25});
     ASSERT_NEAR(found.upper, lowest.z, 0x1p-44);
     expect_near(found.witness->point_b, lowest, 1e-12);
-    const DistanceResult again = distance(a, b, {}, cache), cold = distance(a, b), cold_again = distance(a, b);
+    const DistanceResult again = distance(a, b, {.cache = &cache}), cold = distance(a, b), cold_again = distance(a, b);
     EXPECT_EQ(again.witness->point_b, found.witness->point_b);
     EXPECT_EQ(cold.witness->point_b, cold_again.witness->point_b);
     EXPECT_EQ(cold.upper, found.upper);
@@ -143,7 +143,7 @@ TEST(WitnessPoints, OfAGroupAreAsFarApartAsTheGroupIs) {
   scene.add({two, at(-15, 15, 0)});
   scene.commit();
   const auto with_robot = [&](ObjectId a, ObjectId b) { return a == robot || b == robot; };
-  const ClosestObjects closest = scene.closest_objects({}, {.filter = with_robot});
+  const ClosestObjects closest = scene.closest_objects({.filter = with_robot});
   const double truth = std::min(agreed_distance({one, turned}, {two, at(-5, 10, 0)}, 1e-12),
                                 agreed_distance({one, turned}, {two, at(-15, 15, 0)}, 1e-12));
   EXPECT_NEAR(closest.result.upper, truth, 1e-12);
@@ -257,13 +257,13 @@ TEST(WitnessPoints, HaveWeightsInTheOrderOfTheCorners) {
 TEST(WitnessPoints, AreAbsentWhereNothingWasFound) {
   const Model cube(box({1, 1, 1}));
   QueryCache cache;
-  EXPECT_TRUE(distance({cube}, {cube, at(1)}, {}, cache).witness.has_value());
-  const DistanceResult beyond = distance({cube}, {cube, at(9)}, {.max_distance = 1}, cache);
+  EXPECT_TRUE(distance({cube}, {cube, at(1)}, {.cache = &cache}).witness.has_value());
+  const DistanceResult beyond = distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache});
   EXPECT_EQ(beyond.status, Status::beyond_limit);
   EXPECT_FALSE(beyond.witness.has_value());
   EXPECT_EQ(beyond.upper, std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(collide({cube}, {cube, at(9)}, cache).witness.has_value());
-  EXPECT_FALSE(within({cube}, {cube, at(9)}, 1, cache).witness.has_value());
+  EXPECT_FALSE(collide({cube}, {cube, at(9)}, {.cache = &cache}).witness.has_value());
+  EXPECT_FALSE(within({cube}, {cube, at(9)}, 1, {.cache = &cache}).witness.has_value());
   EXPECT_FALSE(closest_point({cube}, {9, 0, 0}, {.max_distance = 1}).closest.has_value());
   // Lists are written as far as something was found, and no further.
   std::vector<Contact> list(100);

@@ -6,8 +6,8 @@
 #include <regex>
 #include <utility>
 
+#include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/query.h"
 #include "program/page_decoding.h"
 #include "program/run_program.h"
 #include "scenes/scenes.h"

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "support/counts.h"
 #include "support/random_scene.h"
@@ -75,7 +76,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
       const QueryBudget budget{.max_steps = rng.below(3) == 0 ? rng.below(40) : rng.below(4)};
       if (rng.below(3) != 0) {
         const double error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
-        const DistanceResult found = distance(a, b, {.relative_error = error}, budget, cache);
+        const DistanceResult found = distance(a, b, {.relative_error = error, .cache = &cache, .budget = budget});
         ASSERT_LE(found.lower, truth + tolerance) << "query " << asked;
         ASSERT_GE(found.upper, truth - tolerance) << "query " << asked;
         ASSERT_TRUE(found.witness);
@@ -93,7 +94,8 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
       } else {
         const bool asks_collision = rng.below(2) == 0;
         const double limit = truth * rng.uniform(0.5, 1.5);
-        const BudgetedAnswer found = asks_collision ? collide(a, b, budget, cache) : within(a, b, limit, budget, cache);
+        const CollideResult found = asks_collision ? collide(a, b, {.cache = &cache, .budget = budget})
+                                                   : within(a, b, limit, {.cache = &cache, .budget = budget});
         const double far = asks_collision ? 0 : limit + tolerance, near = asks_collision ? 0 : limit - tolerance;
         if (found.answer == Answer::yes) {
           ASSERT_LE(truth, far) << "query " << asked;

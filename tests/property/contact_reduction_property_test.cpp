@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "limber/contact_reduction.h"
+#include "limber/contacts.h"
 #include "limber/reference.h"
 #include "support/random_scene.h"
 

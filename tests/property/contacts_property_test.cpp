@@ -189,7 +189,7 @@ void check_self(const Model& model, Rng& rng, std::size_t& intersecting) {
   ASSERT_EQ(sorted(meeting), truth);
   intersecting += truth.size();
   const CollideResult collision = self_collide(model);
-  ASSERT_EQ(collision.collision, !truth.empty());
+  ASSERT_EQ(collision.is_yes(), !truth.empty());
   ASSERT_EQ(collision.witness.has_value(), !truth.empty());
   if (collision.witness) {
     const TrianglePair pair{collision.witness->triangle_a, collision.witness->triangle_b};

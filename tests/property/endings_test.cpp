@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
+#include "support/options.h"
 #include "support/random_scene.h"
 
 namespace limber::testing {
@@ -107,7 +109,7 @@ TEST(Endings, ComeAfterHardlyMoreWorkThanWithoutABudget) {
         DistanceResult last;
         last.upper = std::numeric_limits<double>::infinity();
         const Effort effort = ask_to_the_end(2 * whole.stats.node_tests + 10, [&] {
-          const DistanceResult found = distance(a, b, options, {.max_steps = steps}, cache);
+          const DistanceResult found = distance(a, b, with(options, &cache, {.max_steps = steps}));
           EXPECT_GE(found.lower, std::min(last.lower, found.upper));
           EXPECT_LE(found.upper, last.upper);
           last = found;
@@ -130,10 +132,10 @@ TEST(Endings, OfYesAndNoComeTheSameWay) {
       for (const std::uint64_t steps : {1, 50}) {
         SCOPED_TRACE(s.name + ", limit " + std::to_string(limit) + ", steps " + std::to_string(steps));
         QueryCache cache;
-        BudgetedAnswer last;
+        CollideResult last;
         const Effort effort = ask_to_the_end(2 * whole.node_tests + 10, [&] {
-          last = limit == 0 ? collide(a, b, {.max_steps = steps}, cache)
-                            : within(a, b, limit, {.max_steps = steps}, cache);
+          last = limit == 0 ? collide(a, b, {.cache = &cache, .budget = {.max_steps = steps}})
+                            : within(a, b, limit, {.cache = &cache, .budget = {.max_steps = steps}});
           return std::pair(last.stats, last.answer != Answer::unknown);
         });
         EXPECT_EQ(last.answer == Answer::yes, wanted);
@@ -151,7 +153,7 @@ TEST(Endings, ComeWhenEveryDeadlineHasPassed) {
     QueryCache cache;
     const auto passed = std::chrono::steady_clock::now() - std::chrono::seconds(1);
     ask_to_the_end(2 * whole.stats.node_tests + 10, [&] {
-      const DistanceResult found = distance(a, b, {}, {.deadline = passed}, cache);
+      const DistanceResult found = distance(a, b, {.cache = &cache, .budget = {.deadline = passed}});
       return std::pair(found.stats, found.status != Status::interrupted);
     });
   }
@@ -169,10 +171,11 @@ TEST(Endings, ComeForQueriesThatFollowEachOther) {
       const std::uint64_t steps = rng.below(200);
       const double error = rng.below(2) == 0 ? 0 : 0.3;
       if (rng.below(3) == 0) {
-        const Answer answer = collide(a, b, {.max_steps = steps}, cache).answer;
+        const Answer answer = collide(a, b, {.cache = &cache, .budget = {.max_steps = steps}}).answer;
         ASSERT_TRUE(answer == Answer::unknown || (answer == Answer::yes) == (truth == 0));
       } else {
-        const DistanceResult found = distance(a, b, {.relative_error = error}, {.max_steps = steps}, cache);
+        const DistanceResult found =
+            distance(a, b, {.relative_error = error, .cache = &cache, .budget = {.max_steps = steps}});
         ASSERT_LE(found.lower, truth + 1e-14);
         ASSERT_GE(found.upper, truth - 1e-14);
         if (found.status != Status::interrupted) {

@@ -11,9 +11,11 @@
 #include <limits>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "simd/kernels.h"
 #include "support/brute_force.h"
+#include "support/options.h"
 #include "support/random_scene.h"
 
 namespace limber::testing {
@@ -42,8 +44,8 @@ void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Plac
   require_witness(s, exact.witness.value(), exact.upper);
 
   const CollideResult hit = collide(a, b);
-  RC_ASSERT(hit.collision == (truth == 0));
-  RC_ASSERT(hit.witness.has_value() == hit.collision);
+  RC_ASSERT(hit.is_yes() == (truth == 0));
+  RC_ASSERT(hit.witness.has_value() == hit.is_yes());
   if (hit.witness) require_witness(s, *hit.witness, 0);
 
   const double relative = rng.uniform(0, 1), absolute = rng.below(2) == 0 ? 0 : rng.uniform(0, 1) * s.size / 20;
@@ -56,9 +58,9 @@ void require_right_answers(Rng& rng, const Scene& s, const Placed& a, const Plac
 
   const double limit = rng.below(4) == 0 ? truth : truth * (0.5 + 0.5 * static_cast<double>(rng.below(3)));
   if (std::abs(limit - truth) > tolerance || limit == 0) {
-    const WithinResult near = within(a, b, limit);
-    RC_ASSERT(near.within == (truth <= limit));
-    RC_ASSERT(near.witness.has_value() == near.within);
+    const CollideResult near = within(a, b, limit);
+    RC_ASSERT(near.is_yes() == (truth <= limit));
+    RC_ASSERT(near.witness.has_value() == near.is_yes());
     const DistanceResult limited = distance(a, b, {.max_distance = limit});
     RC_ASSERT((limited.status == Status::beyond_limit) == (truth > limit));
     RC_ASSERT(limited.lower <= truth + tolerance);
@@ -77,10 +79,10 @@ RC_GTEST_PROP(FastEngine, IsRightOnAnySceneAtAnySetting, (std::uint64_t seed)) {
   require_right_answers(rng, s, a, b, truth);
 
   QueryCache cache;
-  distance(a, {model_b, random_pose(rng, 1)}, {}, cache);  // a start that does not help
-  const DistanceResult warm = distance(a, b, {}, cache);
+  distance(a, {model_b, random_pose(rng, 1)}, {.cache = &cache});  // a start that does not help
+  const DistanceResult warm = distance(a, b, {.cache = &cache});
   RC_ASSERT(std::abs(warm.upper - truth) <= s.tolerance);
-  RC_ASSERT(collide(a, b, cache).collision == (truth == 0));
+  RC_ASSERT(collide(a, b, {.cache = &cache}).is_yes() == (truth == 0));
   const DistanceResult swapped = distance(b, a);
   RC_ASSERT(std::abs(swapped.upper - truth) <= s.tolerance);
 }
@@ -110,26 +112,27 @@ RC_GTEST_PROP(FastEngine, CachesAreRightAlongAnyMotion, (std::uint64_t seed)) {
     s.tolerance = tolerance_at_home + 1e-14 * (length(s.pose_a.translation) + length(s.pose_b.translation));
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     const double truth = distance(a, b).upper, tolerance = s.tolerance;
-    if (rng.below(20) == 0) distance(b, a, {}, cache);  // the cache does not fit the models in this order
+    if (rng.below(20) == 0) distance(b, a, {.cache = &cache});  // the cache does not fit the models in this order
     switch (rng.below(5)) {
       case 0:
-        RC_ASSERT(collide(a, b, cache).collision == (truth == 0));
+        RC_ASSERT(collide(a, b, {.cache = &cache}).is_yes() == (truth == 0));
         break;
       case 1: {
         const double limit = truth * rng.uniform(0, 2);
-        if (std::abs(limit - truth) > tolerance) RC_ASSERT(within(a, b, limit, cache).within == (truth <= limit));
+        if (std::abs(limit - truth) > tolerance)
+          RC_ASSERT(within(a, b, limit, {.cache = &cache}).is_yes() == (truth <= limit));
         break;
       }
       case 2: {
         const double error = rng.uniform(0, 1);
-        const DistanceResult rough = distance(a, b, {.relative_error = error}, cache);
+        const DistanceResult rough = distance(a, b, {.relative_error = error, .cache = &cache});
         RC_ASSERT((rough.upper == 0) == (truth == 0));
         RC_ASSERT(rough.lower <= truth + tolerance && rough.upper >= truth - tolerance);
         RC_ASSERT(rough.upper <= truth * (1 + error) + tolerance);
         break;
       }
       default: {
-        const DistanceResult exact = distance(a, b, {}, cache);
+        const DistanceResult exact = distance(a, b, {.cache = &cache});
         RC_ASSERT(std::abs(exact.upper - truth) <= tolerance);
         RC_ASSERT((exact.upper == 0) == (truth == 0));
         require_witness(s, exact.witness.value(), exact.upper);
@@ -146,7 +149,7 @@ void ask_for_ties(Rng& rng, const Placed& a, const Placed& b, QueryCache& cache,
                                    {.relative_error = rng.uniform(0, 5)},
                                    {.max_distance = known},
                                    {.relative_error = 5, .max_distance = known}};
-  const double upper = distance(a, b, asked[rng.below(std::size(asked))], cache).upper;
+  const double upper = distance(a, b, with(asked[rng.below(std::size(asked))], &cache)).upper;
   if (upper == infinity) return;
   for (const double limit : {std::nextafter(upper, 0.0), upper, std::nextafter(upper, infinity)})
     limits.push_back(limit);
@@ -165,8 +168,8 @@ RC_GTEST_PROP(FastEngine, WithinIsThatOfComparingAllPairsWithAnyCache, (std::uin
     for (int query = 0; query < 10; ++query) {
       if (rng.below(2) == 0) ask_for_ties(rng, a, b, cache, limits);
       const double limit = limits[rng.below(limits.size())];
-      RC_ASSERT(within(a, b, limit, cache).within == (truth <= limit));
-      RC_ASSERT(within(a, b, limit).within == (truth <= limit));
+      RC_ASSERT(within(a, b, limit, {.cache = &cache}).is_yes() == (truth <= limit));
+      RC_ASSERT(within(a, b, limit).is_yes() == (truth <= limit));
     }
     s.pose_b = step_from(rng, s.pose_b, home, s.size);
   }

@@ -9,6 +9,7 @@
 
 #include "limber/classic.h"
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/reference.h"
@@ -41,15 +42,15 @@ TEST_F(LatticeProperty, OfTwoModels) {
     const reference::Placed ra{s.mesh_a, s.pose_a}, rb{s.mesh_b, s.pose_b};
     const std::size_t expected = reference::intersections(ra, rb).size();
     ASSERT_EQ(intersections(pa, pb, {}).count, expected) << "scene " << i;
-    ASSERT_EQ(collide(pa, pb).collision, expected > 0) << "scene " << i;
-    ASSERT_EQ(within(pa, pb, 0).within, expected > 0) << "scene " << i;
+    ASSERT_EQ(collide(pa, pb).is_yes(), expected > 0) << "scene " << i;
+    ASSERT_EQ(within(pa, pb, 0).is_yes(), expected > 0) << "scene " << i;
     ASSERT_EQ(contacts(pa, pb, 0, {}).count, expected) << "scene " << i;
     const double distance = reference::distance(ra, rb).upper;
     ASSERT_NEAR(limber::distance(pa, pb).upper, distance, s.tolerance) << "scene " << i;
-    ASSERT_TRUE(within(pa, pb, distance + s.tolerance).within) << "scene " << i;
+    ASSERT_TRUE(within(pa, pb, distance + s.tolerance).is_yes()) << "scene " << i;
     QueryCache cache;
-    limber::distance(pa, pb, {}, cache);
-    ASSERT_EQ(collide(pa, pb, cache).collision, expected > 0) << "scene " << i;
+    limber::distance(pa, pb, {.cache = &cache});
+    ASSERT_EQ(collide(pa, pb, {.cache = &cache}).is_yes(), expected > 0) << "scene " << i;
     meeting += expected > 0 ? 1 : 0;
   }
   EXPECT_GT(meeting, 1000);
@@ -65,7 +66,7 @@ TEST_F(LatticeProperty, OfOneModel) {
     const Model model(mesh);
     const std::size_t expected = reference::self_intersections(mesh).size();
     ASSERT_EQ(self_intersections(model, {}).count, expected) << "mesh " << i;
-    ASSERT_EQ(self_collide(model).collision, expected > 0) << "mesh " << i;
+    ASSERT_EQ(self_collide(model).is_yes(), expected > 0) << "mesh " << i;
     ASSERT_EQ(self_contacts(model, 0, {}).count, expected) << "mesh " << i;
     meeting += expected > 0 ? 1 : 0;
   }
@@ -97,9 +98,9 @@ TEST_F(LatticeProperty, OfClassicModels) {
   for (std::size_t i = 0; i < 1500; ++i) {
     const Scene s = lattice_scene(rng);
     const classic::Model a(s.mesh_a), b(s.mesh_b);
-    const bool expected = reference::collide({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).collision;
-    ASSERT_EQ(classic::collide({a, s.pose_a}, {b, s.pose_b}).collision, expected) << "scene " << i;
-    ASSERT_EQ(classic::within({a, s.pose_a}, {b, s.pose_b}, 0).within, expected) << "scene " << i;
+    const bool expected = reference::collide({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).is_yes();
+    ASSERT_EQ(classic::collide({a, s.pose_a}, {b, s.pose_b}).is_yes(), expected) << "scene " << i;
+    ASSERT_EQ(classic::within({a, s.pose_a}, {b, s.pose_b}, 0).is_yes(), expected) << "scene " << i;
   }
 }
 

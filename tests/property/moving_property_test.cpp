@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "support/brute_force.h"
 #include "support/random_scene.h"
@@ -77,12 +78,12 @@ RC_GTEST_PROP(FastEngine, StaysSoundAndRightThroughAnySequenceOfUpdates, (std::u
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     const double tolerance = 100 * s.tolerance;
     const double truth = brute_force_distance({model_a.mesh(), s.pose_a}, {model_b.mesh(), s.pose_b});
-    const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, cache);
+    const DistanceResult cold = distance(a, b), warm = distance(a, b, {.cache = &cache});
     RC_ASSERT(std::abs(cold.upper - truth) <= tolerance);
     RC_ASSERT(std::abs(warm.upper - truth) <= tolerance);
     RC_ASSERT((cold.upper == 0) == (truth == 0) && (warm.upper == 0) == (truth == 0));
-    RC_ASSERT(collide(a, b).collision == (truth == 0));
-    RC_ASSERT(collide(a, b, cache).collision == (truth == 0));
+    RC_ASSERT(collide(a, b).is_yes() == (truth == 0));
+    RC_ASSERT(collide(a, b, {.cache = &cache}).is_yes() == (truth == 0));
   }
 }
 
@@ -118,13 +119,13 @@ RC_GTEST_PROP(FastEngine, FindsWhatHasLeftItsBounds, (std::uint64_t seed)) {
     RC_ASSERT(model_b.maintenance_stats().refits == 0 || 0x1p40 * extent(s.mesh_b) < motion_margin);
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     const double truth = brute_force_distance({model_a.mesh(), s.pose_a}, {model_b.mesh(), s.pose_b});
-    for (const DistanceResult& found : {distance(a, b), distance(a, b, {}, cache)}) {
+    for (const DistanceResult& found : {distance(a, b), distance(a, b, {.cache = &cache})}) {
       RC_ASSERT(std::abs(found.upper - truth) <= 100 * s.tolerance);
       RC_ASSERT((found.upper == 0) == (truth == 0));
     }
-    RC_ASSERT(collide(a, b).collision == (truth == 0));
-    RC_ASSERT(within(a, b, 2 * truth).within);
-    RC_ASSERT(!within(a, b, 0.5 * truth).within || truth <= 200 * s.tolerance);
+    RC_ASSERT(collide(a, b).is_yes() == (truth == 0));
+    RC_ASSERT(within(a, b, 2 * truth).is_yes());
+    RC_ASSERT(!within(a, b, 0.5 * truth).is_yes() || truth <= 200 * s.tolerance);
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "limber/neighbor_rings.h"
+#include "limber/contacts.h"
 #include "limber/reference.h"
 #include "support/random_scene.h"
 

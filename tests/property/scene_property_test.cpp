@@ -124,7 +124,7 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
         const reference::Placed placed_b{c.objects[b]->model->mesh(), c.objects[b]->pose};
         const double distance = brute_force_distance(placed_a, placed_b);
         closest = std::min(closest, distance);
-        const bool is_within = within(c.scene.object(a), c.scene.object(b), margin).within;
+        const bool is_within = within(c.scene.object(a), c.scene.object(b), margin).is_yes();
         RC_ASSERT(!are_far(a, b) || (distance > margin && !is_within));
         // The distance itself is a margin too.
         const double exactly = limber::distance(c.scene.object(a), c.scene.object(b)).upper;
@@ -134,7 +134,7 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
         RC_ASSERT(is_candidate);
       }
     }
-    const ClosestObjects found = c.scene.closest_objects({}, {}, c.rng.below(2) == 0 ? &cache : nullptr);
+    const ClosestObjects found = c.scene.closest_objects({.cache = c.rng.below(2) == 0 ? &cache : nullptr});
     if (std::isinf(closest)) {
       RC_ASSERT(found.result.status == Status::beyond_limit);
       continue;

@@ -59,23 +59,23 @@ struct Counts {
 void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& counts) {
   const std::uint64_t salt = rng.below(1000), refused = rng.below(3);
   const auto filter = [&](TriangleId a, TriangleId b) { return (a * 31 + b * 17 + salt) % 4 >= refused; };
-  const PairOptions options{.filter = filter};
+  const SelfQueryOptions options{.filter = filter}, with_cache{.filter = filter, .cache = &cache};
   const std::vector<Contact> pairs = reference::self_contacts(model.mesh(), std::numeric_limits<double>::max());
   const double least = least_distance(pairs, filter), rounding = 1e-14 * extent_of(model.mesh());
 
-  const DistanceResult exact = self_distance(model, {}, options, cache);
+  const DistanceResult exact = self_distance(model, {.filter = filter, .cache = &cache});
   ASSERT_EQ(exact.upper, least);
-  ASSERT_EQ(self_distance(model, {}, options).upper, least);
+  ASSERT_EQ(self_distance(model, {.filter = filter}).upper, least);
   ASSERT_EQ(exact.status, std::isinf(least) ? Status::beyond_limit : least == 0 ? Status::collision : Status::exact);
   if (!std::isinf(least)) {
     ASSERT_EQ(exact.lower, least);
     expect_attains(model, exact);
   }
 
-  const CollideResult collision = self_collide(model, options, cache);
-  ASSERT_EQ(collision.collision, least == 0);
-  ASSERT_EQ(self_collide(model, options).collision, least == 0);
-  if (collision.collision) {
+  const CollideResult collision = self_collide(model, with_cache);
+  ASSERT_EQ(collision.is_yes(), least == 0);
+  ASSERT_EQ(self_collide(model, options).is_yes(), least == 0);
+  if (collision.is_yes()) {
     const TriangleId a = collision.witness->triangle_a, b = collision.witness->triangle_b;
     ASSERT_TRUE(filter(a, b));
     ASSERT_TRUE(std::any_of(pairs.begin(), pairs.end(), [&](const Contact& c) {
@@ -86,7 +86,8 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
   // A limit just at the distance decides to the bit, too.
   const double limit = std::isinf(least) || rng.below(2) == 0 ? rng.uniform(0, 2) : std::nextafter(least, 0);
   for (const double max_distance : {limit, std::isinf(least) ? 1 : least}) {
-    const DistanceResult limited = self_distance(model, {.max_distance = max_distance}, options, cache);
+    const DistanceResult limited =
+        self_distance(model, {.max_distance = max_distance, .filter = filter, .cache = &cache});
     ASSERT_EQ(limited.status == Status::beyond_limit, least > max_distance);
     if (least <= max_distance) {
       ASSERT_EQ(limited.upper, least);
@@ -95,7 +96,7 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
   }
 
   const double error = rng.uniform(0, 0.5);
-  const DistanceResult near = self_distance(model, {.relative_error = error}, options, cache);
+  const DistanceResult near = self_distance(model, {.relative_error = error, .filter = filter, .cache = &cache});
   if (!std::isinf(least)) {
     ASSERT_LE(near.lower, least + rounding);
     ASSERT_LE(near.upper, least * (1 + error) + rounding);
@@ -107,10 +108,10 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
 /// Queries of two models with the same cache.
 void check_two_models(const Model& a, const Model& b, Rng& rng, QueryCache& cache) {
   const Placed first{a}, second{b, random_pose(rng, 2)};
-  const DistanceResult fresh = distance(first, second), cached = distance(first, second, {}, cache);
+  const DistanceResult fresh = distance(first, second), cached = distance(first, second, {.cache = &cache});
   const double rounding = 1e-13 * (2 + extent_of(a.mesh()) + extent_of(b.mesh()));
   ASSERT_NEAR(cached.upper, fresh.upper, rounding);
-  ASSERT_EQ(collide(first, second, cache).collision, fresh.upper == 0);
+  ASSERT_EQ(collide(first, second, {.cache = &cache}).is_yes(), fresh.upper == 0);
 }
 
 void deform(Model& model, Rng& rng) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "support/random_scene.h"
 
@@ -48,21 +49,21 @@ TEST(TinyScenes, AreAnsweredWithACacheAsWithout) {
       const double limit = truth * rng.uniform(0.5, 1.5);
       switch (rng.below(5)) {
         case 0:
-          ASSERT_EQ(collide(a, b, cache).collision, truth == 0);
+          ASSERT_EQ(collide(a, b, {.cache = &cache}).is_yes(), truth == 0);
           break;
         case 1:
           if (std::abs(limit - truth) > tolerance) {
-            ASSERT_EQ(within(a, b, limit, cache).within, truth <= limit);
+            ASSERT_EQ(within(a, b, limit, {.cache = &cache}).is_yes(), truth <= limit);
           }
           break;
         case 2: {
-          const DistanceResult found = distance(a, b, {}, {.max_steps = rng.below(20)}, cache);
+          const DistanceResult found = distance(a, b, {.cache = &cache, .budget = {.max_steps = rng.below(20)}});
           ASSERT_LE(found.lower, truth + tolerance);
           ASSERT_GE(found.upper, truth - tolerance);
           break;
         }
         default:
-          ASSERT_NEAR(distance(a, b, {}, cache).upper, truth, tolerance);
+          ASSERT_NEAR(distance(a, b, {.cache = &cache}).upper, truth, tolerance);
       }
     }
   }
@@ -84,7 +85,7 @@ TEST(TinyScenes, AndLargeOnesHaveAPairWithinWhatADistanceWithAnErrorHasFound) {
     const Placed a{model_a}, b{model_b, {{}, size * uniform_point(rng)}};
     const double upper = distance(a, b, {.relative_error = rng.uniform(0, 0.9)}).upper;
     ASSERT_NE(distance(a, b, {.max_distance = upper}).status, Status::beyond_limit);
-    ASSERT_TRUE(within(a, b, upper).within);
+    ASSERT_TRUE(within(a, b, upper).is_yes());
     const double exact = distance(a, b).upper;
     ASSERT_LE(exact, upper);
     from_far += upper > exact ? 1 : 0;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "updates.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <chrono>
@@ -198,16 +199,17 @@ std::string Subject::compare(const Transform& pose) {
   const double tolerance = 0x1p-45 * extent;  // docs/algorithms/numerics.md
   const Placed a{model_}, b{still_, pose};
   const double truth = brute_force_distance({mesh_}, {still_.mesh(), pose});
-  const DistanceResult cold = distance(a, b), warm = distance(a, b, {}, cache_);
+  const DistanceResult cold = distance(a, b), warm = distance(a, b, {.cache = &cache_});
   for (const auto& [name, found] : {std::pair("cold", &cold), std::pair("warm", &warm)}) {
     const bool is_right = std::abs(found->upper - truth) <= tolerance && found->lower <= truth + tolerance &&
                           (found->upper == 0) == (truth == 0);
     if (!is_right) return text_of(name, " distance ", found->lower, " to ", found->upper, " but it is ", truth);
   }
-  if (collide(a, b).collision != (truth == 0)) return text_of("cold collide is wrong at distance ", truth);
-  if (collide(a, b, cache_).collision != (truth == 0)) return text_of("warm collide is wrong at distance ", truth);
-  if (!within(a, b, truth + tolerance, cache_).within) return text_of("within denies ", truth);
-  if (truth > 4 * tolerance && within(a, b, 0.5 * truth).within) return text_of("within half of ", truth);
+  if (collide(a, b).is_yes() != (truth == 0)) return text_of("cold collide is wrong at distance ", truth);
+  if (collide(a, b, {.cache = &cache_}).is_yes() != (truth == 0))
+    return text_of("warm collide is wrong at distance ", truth);
+  if (!within(a, b, truth + tolerance, {.cache = &cache_}).is_yes()) return text_of("within denies ", truth);
+  if (truth > 4 * tolerance && within(a, b, 0.5 * truth).is_yes()) return text_of("within half of ", truth);
   return "";
 }
 

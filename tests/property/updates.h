@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "support/random_scene.h"
 

@@ -55,12 +55,12 @@ TEST(BallOverSquare, ExactDistanceIsTheSeparation) {
       const Transform pose = ball_over_square(mesh, separation, index);
       const DistanceResult result = reference::distance({plane.view()}, {mesh.view(), pose});
       EXPECT_NEAR(result.upper, separation, tolerance);
-      EXPECT_FALSE(reference::collide({plane.view()}, {mesh.view(), pose}).collision);
+      EXPECT_FALSE(reference::collide({plane.view()}, {mesh.view(), pose}).is_yes());
     }
     for (const double separation : {-0.001, -0.5}) {
       const Transform pose = ball_over_square(mesh, separation, index);
       EXPECT_EQ(reference::distance({plane.view()}, {mesh.view(), pose}).upper, 0);
-      EXPECT_TRUE(reference::collide({plane.view()}, {mesh.view(), pose}).collision);
+      EXPECT_TRUE(reference::collide({plane.view()}, {mesh.view(), pose}).is_yes());
     }
   }
 }

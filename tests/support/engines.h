@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "limber/classic.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 
@@ -63,8 +64,8 @@ struct Asking {
     using limber::collide;
     return collide(Engine::placed(a, pose_a), Engine::placed(b, pose_b));
   }
-  static WithinResult within(const Model& a, const Model& b, double max_distance, const Transform& pose_b = {},
-                             const Transform& pose_a = {}) {
+  static CollideResult within(const Model& a, const Model& b, double max_distance, const Transform& pose_b = {},
+                              const Transform& pose_a = {}) {
     using limber::within;
     return within(Engine::placed(a, pose_a), Engine::placed(b, pose_b), max_distance);
   }

@@ -10,8 +10,10 @@
 #include <limits>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
+#include "support/options.h"
 
 namespace limber::testing {
 namespace {
@@ -26,7 +28,7 @@ struct SheetAndBall {
 
 TEST(Budget, WithoutLimitsChangesNothing) {
   const SheetAndBall s;
-  const DistanceResult plain = distance(s.a, s.b), budgeted = distance(s.a, s.b, {}, QueryBudget{});
+  const DistanceResult plain = distance(s.a, s.b), budgeted = distance(s.a, s.b, {.budget = {}});
   EXPECT_EQ(budgeted.upper, plain.upper);
   EXPECT_EQ(budgeted.lower, plain.lower);
   EXPECT_EQ(budgeted.status, Status::exact);
@@ -38,7 +40,7 @@ TEST(Budget, OfStepsGivesIntervalsThatHoldTheDistance) {
   const SheetAndBall s;
   int interrupted = 0;
   for (std::uint64_t steps = 0; steps < 2000; steps = steps * 5 / 4 + 1) {
-    const DistanceResult found = distance(s.a, s.b, {}, {.max_steps = steps});
+    const DistanceResult found = distance(s.a, s.b, {.budget = {.max_steps = steps}});
     ASSERT_TRUE(found.witness);
     EXPECT_NEAR(found.upper, length(found.witness->point_b - found.witness->point_a), 1e-15);
     EXPECT_LE(found.lower, s.truth) << steps;
@@ -65,7 +67,7 @@ TEST(Budget, OfOneStepAtATimeEndsWithTheAnswerAndNeverLosesGround) {
   DistanceResult found;
   for (found.status = Status::interrupted; found.status == Status::interrupted; ++calls) {
     ASSERT_LT(calls, 5000);
-    found = distance(s.a, s.b, {}, {.max_steps = 1}, cache);
+    found = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 1}});
     ASSERT_GE(found.lower, lower) << calls;
     ASSERT_LE(found.upper, upper) << calls;
     ASSERT_LE(found.lower, s.truth) << calls;
@@ -74,7 +76,7 @@ TEST(Budget, OfOneStepAtATimeEndsWithTheAnswerAndNeverLosesGround) {
   }
   EXPECT_EQ(upper, s.truth);
   EXPECT_GT(calls, 20);
-  const std::uint64_t before = distance(s.a, s.b, {}, {.max_steps = 1}, cache).stats.node_tests;
+  const std::uint64_t before = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 1}}).stats.node_tests;
   EXPECT_LT(before, 10U);  // nothing is left to be done
 }
 
@@ -85,7 +87,7 @@ TEST(Budget, IsWorthAsMuchInPartsAsInOnePiece) {
   std::uint64_t in_parts = 0;
   DistanceResult found;
   do {
-    found = distance(s.a, s.b, {}, {.max_steps = 20}, cache);
+    found = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 20}});
     in_parts += found.stats.node_tests;
   } while (found.status == Status::interrupted);
   EXPECT_LT(in_parts, 2 * at_once);
@@ -93,7 +95,7 @@ TEST(Budget, IsWorthAsMuchInPartsAsInOnePiece) {
 
 TEST(Budget, OfNoStepsStillGivesAnInterval) {
   const SheetAndBall s;
-  const DistanceResult found = distance(s.a, s.b, {}, {.max_steps = 0});
+  const DistanceResult found = distance(s.a, s.b, {.budget = {.max_steps = 0}});
   EXPECT_EQ(found.status, Status::interrupted);
   EXPECT_LE(found.lower, s.truth);
   EXPECT_GE(found.upper, s.truth);
@@ -104,34 +106,34 @@ TEST(Budget, EndsWithCancellation) {
   const SheetAndBall s;
   std::atomic<bool> cancel{true};
   const QueryBudget budget{.cancel = &cancel};
-  const DistanceResult found = distance(s.a, s.b, {}, budget);
+  const DistanceResult found = distance(s.a, s.b, {.budget = budget});
   EXPECT_EQ(found.status, Status::interrupted);
   EXPECT_EQ(found.stopped_by, StoppedBy::cancel);
   EXPECT_LE(found.stats.node_tests, 1U);
-  EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, budget).answer, Answer::unknown);
+  EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::unknown);
   cancel = false;
-  EXPECT_EQ(distance(s.a, s.b, {}, budget).status, Status::exact);
+  EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, Status::exact);
 }
 
 TEST(Budget, WhoseDeadlineHasPassedStillMakesAStep) {
   const SheetAndBall s;
   QueryCache cache;
   const QueryBudget budget{.deadline = Clock::now() - std::chrono::seconds(1)};
-  DistanceResult found = distance(s.a, s.b, {}, budget, cache);
+  DistanceResult found = distance(s.a, s.b, {.cache = &cache, .budget = budget});
   EXPECT_EQ(found.status, Status::interrupted);
   EXPECT_EQ(found.stopped_by, StoppedBy::deadline);
   for (int calls = 0; found.status == Status::interrupted; ++calls) {
     ASSERT_LT(calls, 5000);
-    found = distance(s.a, s.b, {}, budget, cache);
+    found = distance(s.a, s.b, {.cache = &cache, .budget = budget});
   }
   EXPECT_EQ(found.upper, s.truth);
-  EXPECT_EQ(distance(s.a, s.b, {}, {.deadline = Clock::now() + std::chrono::hours(1)}).status, Status::exact);
+  EXPECT_EQ(distance(s.a, s.b, {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}}).status, Status::exact);
 }
 
 TEST(Budget, LeavesYesAndNoOpenUntilOneIsProven) {
   const SheetAndBall s;
   const Placed touching{s.ball, {{}, {2, 2, 0.2}}};
-  ASSERT_TRUE(collide(s.a, touching).collision);
+  ASSERT_TRUE(collide(s.a, touching).is_yes());
   struct Question {
     Placed b;
     double limit;
@@ -142,10 +144,10 @@ TEST(Budget, LeavesYesAndNoOpenUntilOneIsProven) {
     QueryCache cache;
     int unknown = 0;
     const auto ask = [&] {
-      return q.limit == 0 ? collide(s.a, q.b, {.max_steps = 1}, cache)
-                          : within(s.a, q.b, q.limit, {.max_steps = 1}, cache);
+      return q.limit == 0 ? collide(s.a, q.b, {.cache = &cache, .budget = {.max_steps = 1}})
+                          : within(s.a, q.b, q.limit, {.cache = &cache, .budget = {.max_steps = 1}});
     };
-    BudgetedAnswer found = ask();
+    CollideResult found = ask();
     for (; found.answer == Answer::unknown; found = ask(), ++unknown) {
       ASSERT_LT(unknown, 5000);
       EXPECT_EQ(found.stopped_by, StoppedBy::max_steps);
@@ -162,7 +164,7 @@ TEST(Budget, CountsNothingThatTheErrorsAllow) {
   // An interval as narrow as the errors allow is an answer, however it came about.
   const SheetAndBall s;
   for (std::uint64_t steps = 0; steps < 1000; steps = steps * 2 + 1) {
-    const DistanceResult found = distance(s.a, s.b, {.relative_error = 0.1}, {.max_steps = steps});
+    const DistanceResult found = distance(s.a, s.b, {.relative_error = 0.1, .budget = {.max_steps = steps}});
     const bool is_close_enough = found.upper <= 1.1 * (1 + 1e-15) * found.lower;
     EXPECT_EQ(found.status == Status::interrupted, !is_close_enough) << steps;
   }
@@ -172,13 +174,13 @@ TEST(Budget, BeyondTheLimitIsFoundWhenItIsProven) {
   const SheetAndBall s;
   const DistanceOptions options{.max_distance = s.truth / 2};
   QueryCache cache;
-  DistanceResult found = distance(s.a, s.b, options, {.max_steps = 1}, cache);
+  DistanceResult found = distance(s.a, s.b, with(options, &cache, {.max_steps = 1}));
   for (int calls = 0; found.status == Status::interrupted; ++calls) {
     ASSERT_LT(calls, 5000);
     ASSERT_LE(found.lower, s.truth);
     ASSERT_GE(found.upper, s.truth);
     ASSERT_TRUE(found.witness);
-    found = distance(s.a, s.b, options, {.max_steps = 1}, cache);
+    found = distance(s.a, s.b, with(options, &cache, {.max_steps = 1}));
   }
   EXPECT_EQ(found.status, Status::beyond_limit);
   EXPECT_FALSE(found.witness);

@@ -57,7 +57,7 @@ TEST(ClassicDistance, ErrorSavesWorkAndKeepsItsPromise) {
 TEST(ClassicCollide, StopsAtTheFirstPair) {
   const classic::Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
   const CollideResult r = classic::collide({a}, {b});
-  ASSERT_TRUE(r.collision);
+  ASSERT_TRUE(r.is_yes());
   EXPECT_LT(r.stats.triangle_tests, 20U);
   EXPECT_TRUE(intersects(a.mesh().triangle(r.witness->triangle_a), b.mesh().triangle(r.witness->triangle_b)));
 }
@@ -65,7 +65,7 @@ TEST(ClassicCollide, StopsAtTheFirstPair) {
 TEST(ClassicCollide, FarModelsCostOneTest) {
   const classic::Model a(scenes::thesis_square()), b(scenes::thesis_ball());
   const CollideResult r = classic::collide({a}, {b, {{}, {0, 0, 50}}});
-  EXPECT_FALSE(r.collision);
+  EXPECT_FALSE(r.is_yes());
   EXPECT_FALSE(r.witness.has_value());
   EXPECT_EQ(r.stats.node_tests, 1U);
   EXPECT_EQ(r.stats.triangle_tests, 0U);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
@@ -31,8 +32,8 @@ TEST(Coincident, TrianglesCostNoMoreThanAFew) {
     EXPECT_EQ(found.upper, closest_points(low, high).distance);
     EXPECT_EQ(found.status, Status::exact);
     EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
-    EXPECT_FALSE(collide({a}, {b}).collision);
-    EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).collision);
+    EXPECT_FALSE(collide({a}, {b}).is_yes());
+    EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).is_yes());
   }
 }
 
@@ -52,7 +53,7 @@ TEST(Coincident, TrianglesAmongOthersAreFoundAsBefore) {
     const double truth = reference::distance({mesh}, {other, pose}).upper;
     ASSERT_NEAR(distance({a}, {b, pose}).upper, truth, 1e-14);
     ASSERT_NEAR(distance({b, pose}, {a}).upper, truth, 1e-14);
-    ASSERT_EQ(collide({a}, {b, pose}).collision, truth == 0);
+    ASSERT_EQ(collide({a}, {b, pose}).is_yes(), truth == 0);
   }
 }
 
@@ -67,7 +68,7 @@ TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
     for (VertexId v = 0; v < home.positions().size(); v += 7) {
       a.move_all(point).value();
       a.commit();
-      ASSERT_EQ(distance({a}, {probe}, {}, cache).upper, 5);
+      ASSERT_EQ(distance({a}, {probe}, {.cache = &cache}).upper, 5);
       for (const double height : {0.25, 3.0}) {
         const std::vector<VertexId> ids{v};
         const std::vector<Vec3> place{{0, 0, height}};
@@ -75,12 +76,13 @@ TEST(Coincident, TrianglesThatPartAreToldApartAgain) {
         a.commit();
         ASSERT_TRUE(static_cast<bool>(a.validate())) << "vertex " << v;
         ASSERT_EQ(distance({a}, {probe}).upper, 5 - height) << "vertex " << v;
-        ASSERT_EQ(distance({a}, {probe}, {}, cache).upper, 5 - height) << "vertex " << v;
+        ASSERT_EQ(distance({a}, {probe}, {.cache = &cache}).upper, 5 - height) << "vertex " << v;
       }
     }
     a.move_all(home.positions()).value();
     a.commit();
-    ASSERT_NEAR(distance({a}, {probe}, {}, cache).upper, reference::distance({home}, {probe.mesh()}).upper, 1e-14);
+    ASSERT_NEAR(distance({a}, {probe}, {.cache = &cache}).upper, reference::distance({home}, {probe.mesh()}).upper,
+                1e-14);
   }
 }
 
@@ -93,7 +95,7 @@ TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
   for (const bool moves_all : {false, true}) {
     Model many(repeated(high, count, false), {.motion_margin = 0.5});
     const Model probe(soup({low}));
-    ASSERT_FALSE(collide({many}, {probe}).collision);
+    ASSERT_FALSE(collide({many}, {probe}).is_yes());
     std::vector<Vec3> positions = many.mesh().positions();
     for (std::size_t k = 0; k < 3; ++k) positions[last[k]] = low[k];
     if (moves_all) {
@@ -103,7 +105,7 @@ TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
     }
     many.commit();
     ASSERT_TRUE(static_cast<bool>(many.validate()));
-    EXPECT_TRUE(collide({many}, {probe}).collision) << moves_all;
+    EXPECT_TRUE(collide({many}, {probe}).is_yes()) << moves_all;
     EXPECT_EQ(distance({many}, {probe}).upper, 0) << moves_all;
   }
 }
@@ -134,7 +136,7 @@ TEST(Coincident, TrianglesThatPartByLessThanBoundsCanTellAreToldApart) {
         many.commit();
         const auto sound = many.validate();
         ASSERT_TRUE(static_cast<bool>(sound)) << n << ": " << sound.error().text;
-        ASSERT_EQ(collide({many}, {probe}).collision, height > 0) << n;
+        ASSERT_EQ(collide({many}, {probe}).is_yes(), height > 0) << n;
       }
       ASSERT_TRUE(is_one_again()) << n;
     }

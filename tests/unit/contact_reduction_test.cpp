@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Contacts reduced to manifolds: known answers and mistakes of callers. Random contacts are in tests/property.
-#include "limber/contact_reduction.h"
+#include "limber/contacts.h"
 
 #include <gtest/gtest.h>
 

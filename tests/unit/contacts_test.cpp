@@ -119,7 +119,7 @@ Mesh folded_strip(int count, double angle) {
 
 TEST(SelfContacts, OfASheetAreNone) {
   const Model sheet(scenes::grid(20, 20, 0, 0, 1, 1));
-  EXPECT_FALSE(self_collide(sheet).collision);
+  EXPECT_FALSE(self_collide(sheet).is_yes());
   EXPECT_EQ(self_intersections(sheet, {}).count, 0U);
   EXPECT_EQ(self_distance(sheet).upper, std::sqrt(0.5));  // across the corner of a square
 }
@@ -127,10 +127,10 @@ TEST(SelfContacts, OfASheetAreNone) {
 TEST(SelfContacts, OfAStripThatClosesToATriangle) {
   // Three squares around a prism: the last edge lies upon the first, under other ids.
   const Model prism(folded_strip(3, 2 * std::acos(-1.0) / 3 + 1e-3));
-  EXPECT_TRUE(self_collide(prism).collision);
+  EXPECT_TRUE(self_collide(prism).is_yes());
   EXPECT_EQ(self_distance(prism).status, Status::collision);
   const Model open(folded_strip(3, 2 * std::acos(-1.0) / 3 - 0.1));
-  EXPECT_FALSE(self_collide(open).collision);
+  EXPECT_FALSE(self_collide(open).is_yes());
   EXPECT_GT(self_distance(open).upper, 0.01);
 }
 
@@ -149,7 +149,7 @@ TEST(SelfContacts, CountNeighborsOnlyWhereTheyMeetElsewhere) {
 
 TEST(SelfContacts, OfOneTriangleAreNone) {
   const Model one(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}).value());
-  EXPECT_FALSE(self_collide(one).collision);
+  EXPECT_FALSE(self_collide(one).is_yes());
   EXPECT_EQ(self_contacts(one, 1e300, {}).count, 0U);
   const DistanceResult distance = self_distance(one);
   EXPECT_EQ(distance.status, Status::beyond_limit);
@@ -159,7 +159,7 @@ TEST(SelfContacts, OfOneTriangleAreNone) {
 TEST(SelfContacts, OfManyCoincidentTrianglesAreAllPairs) {
   std::vector<Triangle> triangles(60, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const Model many(soup(triangles));
-  EXPECT_TRUE(self_collide(many).collision);
+  EXPECT_TRUE(self_collide(many).is_yes());
   EXPECT_EQ(self_intersections(many, {}).count, 60U * 59 / 2);
   EXPECT_EQ(self_contacts(many, 0, {}).count, 60U * 59 / 2);
 }
@@ -173,7 +173,7 @@ TEST(SelfContacts, WithinALimitAreBeyondItOrNot) {
 TEST(SelfContacts, AreThoseThatAFilterLetsThrough) {
   const Model sheet(scenes::grid(6, 6, 0, 0, 1, 1));
   const auto none = [](TriangleId, TriangleId) { return false; };
-  EXPECT_EQ(self_distance(sheet, {}, {.filter = none}).status, Status::beyond_limit);
+  EXPECT_EQ(self_distance(sheet, {.filter = none}).status, Status::beyond_limit);
   EXPECT_EQ(self_contacts(sheet, 10, {}, {.filter = none}).count, 0U);
   const auto in_order = [](TriangleId a, TriangleId b) {
     EXPECT_LT(a, b);
@@ -205,8 +205,8 @@ TEST(ContactsMisuse, IsRefused) {
   EXPECT_THROW(self_contacts(moved, 1, {}), std::invalid_argument);
   EXPECT_THROW(self_closest_pairs(moved, {}), std::invalid_argument);
   QueryCache cache;
-  EXPECT_THROW(self_collide(moved, {}, cache), std::invalid_argument);
-  EXPECT_THROW(self_distance(moved, {}, {}, cache), std::invalid_argument);
+  EXPECT_THROW(self_collide(moved, {.cache = &cache}), std::invalid_argument);
+  EXPECT_THROW(self_distance(moved, {.cache = &cache}), std::invalid_argument);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/primitives.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/collectors/collector.h"
 #include "pair/search.h"

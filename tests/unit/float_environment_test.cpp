@@ -18,6 +18,7 @@
 #include "bvh/tree.h"
 #include "limber/classic.h"
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/points.h"
@@ -69,26 +70,26 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
   put_distance(distance(a, b));
   put_distance(distance(a, b, {.relative_error = 0.25}));
-  put(collide(a, b).collision), put(within(a, b, 0).within);
+  put(collide(a, b).is_yes()), put(within(a, b, 0).is_yes());
   QueryCache first, second, third;
-  put_distance(distance(a, b, {}, first)), put_distance(distance(a, b, {}, first));
-  const double limit = distance(a, b, {}, first).upper;
-  put(collide(a, b, second).collision), put(collide(a, b, second).stats.node_tests);
-  const WithinResult near = within(a, b, limit), near_again = within(a, b, limit, third);
-  put(near.within), put(near.witness.value_or(Witness{}).point_a.y);
-  put(near_again.within), put(near_again.witness.value_or(Witness{}).point_a.y);
+  put_distance(distance(a, b, {.cache = &first})), put_distance(distance(a, b, {.cache = &first}));
+  const double limit = distance(a, b, {.cache = &first}).upper;
+  put(collide(a, b, {.cache = &second}).is_yes()), put(collide(a, b, {.cache = &second}).stats.node_tests);
+  const CollideResult near = within(a, b, limit), near_again = within(a, b, limit, {.cache = &third});
+  put(near.is_yes()), put(near.witness.value_or(Witness{}).point_a.y);
+  put(near_again.is_yes()), put(near_again.witness.value_or(Witness{}).point_a.y);
   put_distance(classic::distance({classic_a, s.pose_a}, {classic_b, s.pose_b}));
-  put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).collision);
-  const WithinResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
-  put(classic_near.within), put(classic_near.witness.value_or(Witness{}).point_b.z);
+  put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).is_yes());
+  const CollideResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
+  put(classic_near.is_yes()), put(classic_near.witness.value_or(Witness{}).point_b.z);
   std::vector<Contact> found(100);
   put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
   put(reduce_contacts(found, {.radius = 1}));
   put(reference::reduced_contacts(found, {.radius = 0.5}).size());
   put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
-  put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).collision);
+  put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).is_yes());
   put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);
-  put(self_distance(model_a, {}, {}, first).lower), put(self_collide(model_a, {}, first).collision);
+  put(self_distance(model_a, {.cache = &first}).lower), put(self_collide(model_a, {.cache = &first}).is_yes());
   put(self_closest_pairs(model_a, std::span(found).first(5)).count), put(found[0].distance);
   const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
   std::vector<VertexFacePair> vertex_face(1);
@@ -104,7 +105,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
     put(reference::self_contacts(s.mesh_a, 0).size()), put(reference::self_intersections(s.mesh_a).size());
   }
   put_distance(reference::distance(mesh_a, mesh_b));
-  put(reference::within(mesh_a, mesh_b, limit).within);
+  put(reference::within(mesh_a, mesh_b, limit).is_yes());
   put(reference::collide(mesh_a, mesh_b).witness.value_or(Witness{}).point_a.x);
   std::vector<Vec3> points = s.mesh_b.positions();
   points.resize(std::min<std::size_t>(points.size(), 20));
@@ -139,7 +140,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   model_a.commit();
   put(tree_of(model_a).displacement), put(tree_of(model_a).drift), put(static_cast<bool>(model_a.validate()));
   model_a.rebuild();
-  put_distance(distance(a, b, {}, first));
+  put_distance(distance(a, b, {.cache = &first}));
   const Triangle t = s.mesh_a.triangle(0), u = s.mesh_b.triangle(0);
   put(intersects(t, u)), put(closest_points(t, u).distance), put(orient3d(t.v0, t.v1, t.v2, u.v0));
   put(orient2d(t.v0, t.v1, u.v0, 2)), put(enclosing_sphere(t).radius), put(intersects(Segment{t.v0, u.v0}, u));
@@ -249,7 +250,7 @@ TEST(FloatEnvironment, WithTrapsSetIsNotTrapped) {
   const unsigned before = _mm_getcsr();
   constexpr unsigned masks_of_traps = 0x1f80, inexact = 0x1000, subnormal = 0x100;
   _mm_setcsr((before & ~masks_of_traps & ~0x3fU) | inexact | subnormal);
-  const bool meets = collide({ball}, {square}).collision;
+  const bool meets = collide({ball}, {square}).is_yes();
   _mm_setcsr(before);
   EXPECT_TRUE(meets);
 }

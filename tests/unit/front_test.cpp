@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/frames.h"
 #include "pair/query_cache_impl.h"
 #include "scenes/motions.h"
+#include "support/options.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {
@@ -61,7 +63,7 @@ TEST(Front, IsTraversedToItsEndHoweverManyPairsAreQueued) {
     sheet.commit();
     const double angle = 0.01 * frame;
     const Placed placed{ball, {{}, {2 + 1.2 * scenes::cosine(angle), 2 + 1.2 * scenes::sine(angle), 0.5}}};
-    ASSERT_NEAR(distance({sheet}, placed, {}, cache).upper, distance({sheet}, placed).upper, 1e-14) << frame;
+    ASSERT_NEAR(distance({sheet}, placed, {.cache = &cache}).upper, distance({sheet}, placed).upper, 1e-14) << frame;
   }
 }
 
@@ -76,10 +78,10 @@ TEST(Front, SurvivesJumpsFromFarApartToCloseTogether) {
     const Model b(Mesh::create(positions, scenes::ball(8, 5).triangles()).value());
     QueryCache cache;
     const Transform far = random_pose(rng, 1), offset = random_pose(rng, 1e6);
-    distance({a}, {b, far}, {}, cache);
-    distance({a, offset}, {b, offset * far}, {}, cache);
+    distance({a}, {b, far}, {.cache = &cache});
+    distance({a, offset}, {b, offset * far}, {.cache = &cache});
     const Transform near{random_pose(rng, 1).rotation, 4 * scale * uniform_point(rng)};
-    ASSERT_NEAR(distance({a}, {b, near}, {}, cache).upper, distance({a}, {b, near}).upper, 1e-13 * scale) << i;
+    ASSERT_NEAR(distance({a}, {b, near}, {.cache = &cache}).upper, distance({a}, {b, near}).upper, 1e-13 * scale) << i;
   }
 }
 
@@ -99,8 +101,8 @@ TEST(Front, CoversTheRoundingOfThePlaceBefore) {
     const Model a(points(0)), b(points(1));
     const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
     QueryCache cache;
-    distance({a, far}, {b, far}, {}, cache);
-    ASSERT_EQ(distance({a}, {b}, {}, cache).upper, distance({a}, {b}).upper) << i;
+    distance({a, far}, {b, far}, {.cache = &cache});
+    ASSERT_EQ(distance({a}, {b}, {.cache = &cache}).upper, distance({a}, {b}).upper) << i;
   }
 }
 
@@ -128,10 +130,10 @@ TEST(Front, CoversTheRoundingOfThePlaceAfter) {
     const PairsOfPoints points(rng, 0x1p-13, {{part, part, part}});
     const Model a(soup(points.of_a)), b(soup(points.of_b));
     const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
-    ASSERT_TRUE(collide({a, far}, {b, far}).collision) << i;
+    ASSERT_TRUE(collide({a, far}, {b, far}).is_yes()) << i;
     QueryCache cache;
-    ASSERT_GT(distance({a}, {b}, {}, cache).lower, 0x1p-14) << i;
-    ASSERT_TRUE(collide({a, far}, {b, far}, cache).collision) << i;
+    ASSERT_GT(distance({a}, {b}, {.cache = &cache}).lower, 0x1p-14) << i;
+    ASSERT_TRUE(collide({a, far}, {b, far}, {.cache = &cache}).is_yes()) << i;
   }
 }
 
@@ -171,8 +173,8 @@ TEST(Front, CoversPosesThatAreNotQuiteRigid) {
     const Model a(soup(points.of_a)), b(soup(points.of_b));
     const Transform before = stretched({}, 1), after = stretched({}, -1);
     QueryCache cache;
-    distance({a, before}, {b, before}, {}, cache);
-    const double found = distance({a, after}, {b, after}, {}, cache).upper;
+    distance({a, before}, {b, before}, {.cache = &cache});
+    const double found = distance({a, after}, {b, after}, {.cache = &cache}).upper;
     ASSERT_NEAR(found, distance({a, after}, {b, after}).upper, 1e-12) << i;
   }
 }
@@ -183,7 +185,7 @@ TEST(Front, RemembersHowFarApartLeavesAreThatWereCompared) {
   std::uint64_t node_tests = 0, node_tests_without = 0;
   for (int frame = 0; frame < 100; ++frame) {
     const Placed a{sheet}, b{ball, {{}, {0.3 + 1e-6 * frame, 0.4, 2.5 + 1e-6 * frame}}};
-    const DistanceResult found = distance(a, b, {}, cache), wanted = distance(a, b);
+    const DistanceResult found = distance(a, b, {.cache = &cache}), wanted = distance(a, b);
     ASSERT_EQ(found.upper, wanted.upper) << frame;
     if (frame == 0) continue;
     node_tests += found.stats.node_tests, node_tests_without += wanted.stats.node_tests;
@@ -301,7 +303,7 @@ TEST(Front, IsOfUseOnlyInTheUnitsOfItsModels) {
     const Model b(specks({1, 0, 0}, 0.5));
     const auto ask = [&](QueryCache* cache, const QueryBudget& budget) {
       const Placed first{grows_a ? a : b}, second{grows_a ? b : a};
-      return cache != nullptr ? distance(first, second, {}, budget, *cache) : distance(first, second);
+      return distance(first, second, {.cache = cache, .budget = budget});
     };
     QueryCache cache;
     ask(&cache, {.max_steps = 1 + rng.below(20)});
@@ -314,7 +316,7 @@ TEST(Front, IsOfUseOnlyInTheUnitsOfItsModels) {
     a.commit();
     const double truth = ask(nullptr, {}).upper;
     ASSERT_NEAR(ask(&cache, {}).upper, truth, 1e-12);
-    ASSERT_EQ(collide({grows_a ? a : b}, {grows_a ? b : a}, cache).collision, truth == 0);
+    ASSERT_EQ(collide({grows_a ? a : b}, {grows_a ? b : a}, {.cache = &cache}).is_yes(), truth == 0);
     meeting += truth == 0 ? 1 : 0;
   }
   EXPECT_GT(meeting, 20);
@@ -327,7 +329,8 @@ TEST(Front, SavesTestsAlongASlowMotion) {
   for (int frame = 0; frame < 200; ++frame) {
     const double t = 1e-3 * frame;
     const Transform pose = transform_from_quaternion({2 + t, 2 - t, 1.5 - t}, 1, t, 0, t).value();
-    const DistanceResult fresh = distance({sheet}, {ball, pose}), cached = distance({sheet}, {ball, pose}, {}, cache);
+    const DistanceResult fresh = distance({sheet}, {ball, pose}),
+                         cached = distance({sheet}, {ball, pose}, {.cache = &cache});
     ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
     cold += fresh.stats.node_tests, warm += cached.stats.node_tests;
   }
@@ -341,7 +344,8 @@ TEST(Front, IsRightWhenItsCapacityIsExceeded) {
   std::uint64_t cold = 0, warm = 0;
   for (int frame = 0; frame < 10; ++frame) {
     const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * frame}};
-    const DistanceResult fresh = distance({lower}, {upper, pose}), cached = distance({lower}, {upper, pose}, {}, cache);
+    const DistanceResult fresh = distance({lower}, {upper, pose}),
+                         cached = distance({lower}, {upper, pose}, {.cache = &cache});
     ASSERT_NEAR(cached.upper, fresh.upper, 1e-14) << frame;
     cold += fresh.stats.node_tests, warm += cached.stats.node_tests;
   }
@@ -349,8 +353,8 @@ TEST(Front, IsRightWhenItsCapacityIsExceeded) {
   EXPECT_LE(warm, cold * 11 / 10);
   // At rest there is nothing to do once a front is there.
   const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * 9}};
-  distance({lower}, {upper, pose}, {}, cache);
-  EXPECT_LT(distance({lower}, {upper, pose}, {}, cache).stats.node_tests, 10U);
+  distance({lower}, {upper, pose}, {.cache = &cache});
+  EXPECT_LT(distance({lower}, {upper, pose}, {.cache = &cache}).stats.node_tests, 10U);
 }
 
 TEST(Front, CostsNoTestsWherePosesHaveNothingInCommon) {
@@ -365,7 +369,8 @@ TEST(Front, CostsNoTestsWherePosesHaveNothingInCommon) {
         const Placed a{sheet}, b{ball, {random_pose(rng, 1).rotation, at}};
         const DistanceOptions options{.relative_error = kind == 1 ? 0.1 : 0};
         cold += (kind == 2 ? collide(a, b).stats : distance(a, b, options).stats).node_tests;
-        warm += (kind == 2 ? collide(a, b, cache).stats : distance(a, b, options, cache).stats).node_tests;
+        warm += (kind == 2 ? collide(a, b, {.cache = &cache}).stats : distance(a, b, with(options, &cache)).stats)
+                    .node_tests;
       }
       EXPECT_LE(static_cast<double>(warm), 1.05 * static_cast<double>(cold)) << height << ", " << kind;
     }
@@ -376,7 +381,9 @@ TEST(Front, IsOfUseAgainSoonAfterAJumpOrMany) {
   const Model sheet(scenes::wave_sheet(60, 60, 0)), ball(scenes::thesis_ball());
   Rng rng(304);
   QueryCache cache;
-  const auto ask = [&](const Transform& pose) { return distance({sheet}, {ball, pose}, {}, cache).stats.node_tests; };
+  const auto ask = [&](const Transform& pose) {
+    return distance({sheet}, {ball, pose}, {.cache = &cache}).stats.node_tests;
+  };
   for (int i = 0; i < 100; ++i) ask(random_pose(rng, 5));
   const auto drift = [](int i) { return Transform{{}, {2, 2, 1.5 + 1e-6 * i}}; };
   for (int i = 0; i < 40; ++i) ask(drift(i));

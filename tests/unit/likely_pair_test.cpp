@@ -3,6 +3,7 @@
 
 // Where one model is flat, the closest triangles are guessed.
 #include "pair/seeds/likely_pair.h"
+#include "limber/distance.h"
 
 #include <gtest/gtest.h>
 
@@ -178,7 +179,7 @@ TEST(LikelyPair, IsLookedForLaterThanAPairFromTheLastQuery) {
   std::uint64_t triangle_tests = 0;
   for (std::uint32_t index = 0; index < 16; ++index) {
     const Transform pose = scenes::ball_over_square(ball.mesh(), 64, index);
-    const DistanceResult warm = distance({square}, {ball, pose}, {}, cache);
+    const DistanceResult warm = distance({square}, {ball, pose}, {.cache = &cache});
     EXPECT_NEAR(warm.upper, 64, 1e-12);
     triangle_tests += warm.stats.triangle_tests;
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/motions.h"
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/distance.h"
 #include "scenes/scenes.h"
 #include "support/engines.h"
 #include "support/random_geometry.h"

@@ -217,13 +217,13 @@ TEST(ModelMisuse, OfAliasesDoesNotHideMotionFromCaches) {
   Model row(Mesh::create(positions, triangles).value());
   const Model probe(soup({{{0, 0, 1}, {0.01, 0, 1}, {0, 0.01, 1}}, {{0, 5, 0}, {0.1, 5, 0}, {0, 5.1, 0}}}));
   QueryCache cache;
-  distance({row}, {probe}, {}, cache);
+  distance({row}, {probe}, {.cache = &cache});
   const Shift shift(row.mesh(), true);
   ASSERT_TRUE(static_cast<bool>(row.move_vertices(shift.ids, shift.own)));
   row.commit();
   EXPECT_EQ(row.mesh().positions(), shift.expected);
   const double truth = reference::distance({row.mesh()}, {probe.mesh()}).upper;
-  EXPECT_NEAR(distance({row}, {probe}, {}, cache).upper, truth, 1e-13);
+  EXPECT_NEAR(distance({row}, {probe}, {.cache = &cache}).upper, truth, 1e-13);
   // At least the longest displacement of a vertex, at most that and rounding.
   EXPECT_GE(tree_of(row).displacement, 0.01);
   EXPECT_LE(tree_of(row).displacement, 0.011);

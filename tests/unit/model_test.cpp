@@ -3,6 +3,7 @@
 
 // Models of the fast engine whose vertices move.
 #include "limber/model.h"
+#include "limber/distance.h"
 
 #include <gtest/gtest.h>
 
@@ -304,19 +305,19 @@ TEST(Model, InvalidatesCachesWhenItMoves) {
   const Model square(scenes::thesis_square());
   const Placed there{ball, {{}, {0, 0, 3}}};
   QueryCache cache;
-  EXPECT_NEAR(distance({square}, there, {}, cache).upper, 2, 1e-2);
+  EXPECT_NEAR(distance({square}, there, {.cache = &cache}).upper, 2, 1e-2);
   std::vector<Vec3> positions = ball.mesh().positions();
   for (Vec3& p : positions) p.z -= 1.5;
   ASSERT_TRUE(static_cast<bool>(ball.move_all(positions)));
   ball.commit();
-  EXPECT_EQ(distance({square}, there, {}, cache).upper, distance({square}, there).upper);
+  EXPECT_EQ(distance({square}, there, {.cache = &cache}).upper, distance({square}, there).upper);
   // The closest triangles stay where they are, and a triangle in a node that the cache has pruned comes closer.
   const auto top =
       std::max_element(positions.begin(), positions.end(), [](const Vec3& p, const Vec3& q) { return p.z < q.z; });
   const std::vector<VertexId> ids{static_cast<VertexId>(top - positions.begin())};
   ASSERT_TRUE(static_cast<bool>(ball.move_vertices(ids, std::vector<Vec3>{{0.5, 0.5, -2.75}})));
   ball.commit();
-  EXPECT_NEAR(distance({square}, there, {}, cache).upper, 0.25, 1e-12);
+  EXPECT_NEAR(distance({square}, there, {.cache = &cache}).upper, 0.25, 1e-12);
 }
 
 // A rebuild keeps the unit it has begun with, in which most centers are infinite after such a motion.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Triangles that are near along the surface: known answers, and as a filter. Random meshes are in tests/property.
-#include "limber/neighbor_rings.h"
+#include "limber/contacts.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "limber/contacts.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/query.h"
 #include "limber/reference.h"
 #include "scenes/scenes.h"
 
@@ -53,7 +53,7 @@ TEST(PlacedPair, BoundOfTheRootsHoldsWhereSquaresOfLengthsUnderflow) {
     const DistanceResult found = limber::distance({model}, {model, pose});
     EXPECT_NEAR(found.upper / expected, 1, 1e-13) << exponent;
     EXPECT_LE(found.lower, found.upper) << exponent;
-    EXPECT_TRUE(within({model}, {model, pose}, expected * (1 + 1e-13)).within) << exponent;
+    EXPECT_TRUE(within({model}, {model, pose}, expected * (1 + 1e-13)).is_yes()) << exponent;
   }
 }
 

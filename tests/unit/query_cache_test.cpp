@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bvh/subtree.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/query_cache_impl.h"
 #include "scenes/scenes.h"
@@ -28,11 +29,11 @@ TEST(QueryCache, OfLargerModelsDoesNotMisleadQueriesOfSmallerOnes) {
     const DistanceResult fresh = distance({*a}, {*b});
     QueryCache cache;
     cache.impl().triangle_a = last, cache.impl().triangle_b = last;
-    const DistanceResult cached = distance({*a}, {*b}, {}, cache);
+    const DistanceResult cached = distance({*a}, {*b}, {.cache = &cache});
     EXPECT_EQ(cached.upper, fresh.upper);
     EXPECT_EQ(cached.stats.triangle_tests, fresh.stats.triangle_tests);
     cache.impl().triangle_a = last, cache.impl().triangle_b = last;
-    EXPECT_EQ(collide({*a}, {*b}, cache).collision, fresh.upper == 0);
+    EXPECT_EQ(collide({*a}, {*b}, {.cache = &cache}).is_yes(), fresh.upper == 0);
   }
 }
 
@@ -69,7 +70,7 @@ TEST(QueryCache, RecordsOnlyDistancesThatWhatIsNotExpandedIsApart) {
     QueryCache cache;
     QueryBudget budget;
     if (i % 2 == 1) budget.max_steps = rng.below(100);  // then some records have open pairs
-    const double found = distance({a}, {b, pose}, {}, budget, cache).upper;
+    const double found = distance({a}, {b, pose}, {.cache = &cache, .budget = budget}).upper;
     const pair::Front& front = cache.impl().front;
     for (const pair::Front::Record& record : front.records()) {
       const bvh::SlotId expanded = record.slot[record.expands_a ? 0 : 1];

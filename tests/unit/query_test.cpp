@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "limber/distance.h"
 #include "scenes/scenes.h"
 #include "support/brute_force.h"
 #include "support/engines.h"
@@ -51,16 +52,16 @@ TYPED_TEST(Query, TakesTrianglesAsSurfacesNotSolids) {
   std::vector<Vec3> positions = scenes::ball(16, 9).positions();
   for (Vec3& p : positions) p *= 0.25;
   const typename TestFixture::Model kernel(Mesh::create(positions, scenes::ball(16, 9).triangles()).value());
-  EXPECT_FALSE(this->collide(shell, kernel).collision);
+  EXPECT_FALSE(this->collide(shell, kernel).is_yes());
   EXPECT_GT(this->distance(shell, kernel).upper, 0.7);
 }
 
 TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
   const typename TestFixture::Model a(soup({unit_triangle})), b(soup({{{1, 0, 0}, {3, 0, 1}, {3, 1, 1}}}));
   const CollideResult hit = this->collide(a, b);
-  ASSERT_TRUE(hit.collision);
+  ASSERT_TRUE(hit.is_yes());
   EXPECT_EQ(hit.witness->point_a, (Vec3{1, 0, 0}));
-  EXPECT_TRUE(this->within(a, b, 0).within);
+  EXPECT_TRUE(this->within(a, b, 0).is_yes());
   for (const DistanceOptions& options : std::vector<DistanceOptions>{{},
                                                                      {.relative_error = 0.5},
                                                                      {.relative_error = 1e308},
@@ -89,16 +90,16 @@ TYPED_TEST(Query, FindsAContactBehindANearMiss) {
 TYPED_TEST(Query, TellsTheSmallestGapFromAContact) {
   const double gap = std::numeric_limits<double>::denorm_min();
   const typename TestFixture::Model a(soup({unit_triangle})), b(soup({{{0.2, 0.2, gap}, {3, 0, 1}, {3, 1, 1}}}));
-  EXPECT_FALSE(this->collide(a, b).collision);
+  EXPECT_FALSE(this->collide(a, b).is_yes());
   EXPECT_GT(this->distance(a, b).upper, 0);
-  EXPECT_FALSE(this->within(a, b, 0).within);
+  EXPECT_FALSE(this->within(a, b, 0).is_yes());
 }
 
 TYPED_TEST(Query, LimitIsClosed) {
   const typename TestFixture::Model a(soup({unit_triangle})), b(soup({{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}}));
   const double below = std::nextafter(2.0, 0.0);
-  EXPECT_TRUE(this->within(a, b, 2).within);
-  EXPECT_FALSE(this->within(a, b, below).within);
+  EXPECT_TRUE(this->within(a, b, 2).is_yes());
+  EXPECT_FALSE(this->within(a, b, below).is_yes());
   EXPECT_FALSE(this->within(a, b, below).witness.has_value());
   EXPECT_EQ(this->distance(a, b, {}, {.max_distance = 2}).status, Status::exact);
   const DistanceResult beyond = this->distance(a, b, {}, {.max_distance = below});
@@ -125,7 +126,7 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
     const Transform pose = scenes::ball_over_square(ball.mesh(), separation, 0);
     const double truth = this->distance(square, ball, pose).upper;
     EXPECT_NEAR(truth, separation, 1e-13);
-    EXPECT_FALSE(this->within(square, ball, separation * 0.999, pose).within);
+    EXPECT_FALSE(this->within(square, ball, separation * 0.999, pose).is_yes());
     for (const double error : {0.01, 0.1, 0.5, 1.0}) {
       const DistanceResult relative = this->distance(square, ball, pose, {.relative_error = error});
       EXPECT_LE(truth, relative.upper);
@@ -136,8 +137,8 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
       EXPECT_LE(truth, absolute.upper);
       EXPECT_LE(absolute.upper, truth + error);
       EXPECT_LE(absolute.lower, truth);
-      const WithinResult near = this->within(square, ball, separation + error, pose);
-      ASSERT_TRUE(near.within);
+      const CollideResult near = this->within(square, ball, separation + error, pose);
+      ASSERT_TRUE(near.is_yes());
       EXPECT_LE(length(near.witness->point_b - near.witness->point_a), separation + error + 1e-13);
     }
   }
@@ -149,10 +150,10 @@ TEST(Queries, OfModelsThatAPlaneSeparatesTakeFewSteps) {
   for (std::uint32_t pose = 0; pose < 16; ++pose) {
     for (const double gap : {0.01, 1e-3}) {
       const CollideResult r = collide({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)});
-      EXPECT_FALSE(r.collision);
+      EXPECT_FALSE(r.is_yes());
       EXPECT_LE(r.stats.node_tests, 200U) << pose << " " << gap;  // 350 to 550 without
-      const WithinResult w = within({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)}, gap / 2);
-      EXPECT_FALSE(w.within);
+      const CollideResult w = within({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)}, gap / 2);
+      EXPECT_FALSE(w.is_yes());
       EXPECT_LE(w.stats.node_tests, 200U) << pose << " " << gap;
     }
   }
@@ -210,8 +211,8 @@ TEST(RootsDecide, WhereAnyTwoPointsAreGoodEnough) {
     EXPECT_EQ(closest_points(w.point_a, square.mesh().triangle(w.triangle_a)).distance, 0);
     EXPECT_EQ(closest_points(w.point_b, {pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 0);
   }
-  const WithinResult near = within({square}, {ball, pose}, 100);
-  EXPECT_TRUE(near.within);
+  const CollideResult near = within({square}, {ball, pose}, 100);
+  EXPECT_TRUE(near.is_yes());
   EXPECT_EQ(near.stats.node_tests, 1);
 }
 
@@ -224,15 +225,15 @@ TEST(RootsDecide, NotWherePointsAreNotGoodEnough) {
     const DistanceResult r = distance({square}, {ball, pose}, options);
     EXPECT_LE(r.upper, std::min(64 * (1 + options.relative_error) + 1e-12, options.max_distance));
   }
-  EXPECT_TRUE(within({square}, {ball, pose}, 64.0001).within);
-  EXPECT_FALSE(within({square}, {ball, pose}, 63.9999).within);
+  EXPECT_TRUE(within({square}, {ball, pose}, 64.0001).is_yes());
+  EXPECT_FALSE(within({square}, {ball, pose}, 63.9999).is_yes());
   // Where they may meet, an error hides no contact.
   const Transform touching = scenes::ball_over_square(ball.mesh(), -0.01, 0);
   EXPECT_EQ(distance({square}, {ball, touching}, {.absolute_error = 100}).upper, 0);
   // Nor are two points an answer where one would be.
   const Model touched(scenes::grid(1, 1, 0, 0, 1, 1)), vertex(soup({{{0.5, 0.5, 0}, {0, 0, 1}, {1, 0, 1}}}));
-  const WithinResult near = within({touched}, {vertex}, 100);
-  ASSERT_TRUE(near.within);
+  const CollideResult near = within({touched}, {vertex}, 100);
+  ASSERT_TRUE(near.is_yes());
   EXPECT_EQ(near.witness->point_a, near.witness->point_b);
 }
 
@@ -245,7 +246,7 @@ TYPED_TEST(Query, EqualsBruteForceOnLatticeAndUniformSoups) {
     const double truth = reference::distance({mesh_a}, {mesh_b}).upper;
     ASSERT_NEAR(this->distance(a, b).upper, truth, 1e-15) << "case " << i;
     ASSERT_EQ(this->distance(a, b).upper == 0, truth == 0) << "case " << i;
-    ASSERT_EQ(this->collide(a, b).collision, truth == 0) << "case " << i;
+    ASSERT_EQ(this->collide(a, b).is_yes(), truth == 0) << "case " << i;
   }
 }
 
@@ -269,7 +270,7 @@ TYPED_TEST(Query, RoundingOfThePlacementNeverHidesAContact) {
     const typename TestFixture::Model a(soup({{corner, other, other}})), b(soup({{corner, corner, corner}}));
     Transform pose = random_pose(rng, i % 2 == 0 ? 1e8 : 1);
     if (i % 3 == 0) pose.rotation.row1 += uniform_point(rng) * 1e-10;  // as orthonormal as is_rigid() asks for
-    ASSERT_TRUE(this->collide(a, b, pose, pose).collision) << "case " << i;
+    ASSERT_TRUE(this->collide(a, b, pose, pose).is_yes()) << "case " << i;
     ASSERT_EQ(this->distance(a, b, pose, {.relative_error = 0.1}, pose).upper, 0) << "case " << i;
   }
 }
@@ -309,7 +310,7 @@ TYPED_TEST(Query, ComparesModelsOfVeryDifferentSize) {
     const Transform pose{scenes::random_rotation(rng), {x, y, height}};
     const double truth = reference::distance({plane_mesh}, {speck_mesh, pose}).upper;
     ASSERT_NEAR(this->distance(plane, speck, pose).upper, truth, 4e-15);
-    ASSERT_EQ(this->collide(plane, speck, pose).collision, truth == 0);
+    ASSERT_EQ(this->collide(plane, speck, pose).is_yes(), truth == 0);
     ASSERT_NEAR(this->distance(speck, speck, pose).upper, reference::distance({speck_mesh}, {speck_mesh, pose}).upper,
                 4e-15);
   }
@@ -332,7 +333,7 @@ TYPED_TEST(Query, ComparesModelsWorldsApart) {
     const double truth = reference::distance({mesh_a}, {mesh_b, pose}).upper;
     const typename TestFixture::Model a(mesh_a), b(mesh_b);
     ASSERT_NEAR(this->distance(a, b, pose).upper, truth, 1e-14 * (size_a + size_b + apart)) << i;
-    ASSERT_EQ(this->collide(a, b, pose).collision, truth == 0) << i;
+    ASSERT_EQ(this->collide(a, b, pose).is_yes(), truth == 0) << i;
   }
 }
 
@@ -364,8 +365,8 @@ TYPED_TEST(Query, FindsWhatIsCloseToOneSideOfALopsidedModel) {
     const typename TestFixture::Model point(soup({{above, above, above}}));
     const double truth = this->distance(dome, point).upper;
     ASSERT_LE(truth, 0.11);
-    ASSERT_TRUE(this->within(dome, point, truth).within) << i;
-    ASSERT_TRUE(this->within(point, dome, truth * (1 + 1e-14)).within) << i;  // the other order rounds differently
+    ASSERT_TRUE(this->within(dome, point, truth).is_yes()) << i;
+    ASSERT_TRUE(this->within(point, dome, truth * (1 + 1e-14)).is_yes()) << i;  // the other order rounds differently
   }
 }
 
@@ -379,7 +380,7 @@ TYPED_TEST(Query, SharesModelsBetweenThreads) {
       threads.emplace_back([&, i] {
         const Transform pose = scenes::ball_over_square(ball.mesh(), separation(i), 0);
         for (int repeat = 0; repeat < 5; ++repeat) found[i] = this->distance(square, ball, pose).upper;
-        if (this->collide(square, ball, pose).collision) found[i] = -1;
+        if (this->collide(square, ball, pose).is_yes()) found[i] = -1;
       });
     }
   }

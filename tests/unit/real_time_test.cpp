@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"

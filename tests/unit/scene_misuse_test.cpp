@@ -69,12 +69,12 @@ TEST_F(SceneMisuse, OfIdsIsRefused) {
     EXPECT_TRUE(scene_refuses([&] { scene_.set_poses(ids, poses); }, "Scene::set_poses", "ids"));
     const std::vector<ObjectPair> pairs{{0, 1}, {0, bad}};
     std::vector<CollideResult> collisions(2);
-    std::vector<WithinResult> withins(2);
+    std::vector<CollideResult> withins(2);
     std::vector<DistanceResult> distances(2);
     EXPECT_TRUE(scene_refuses([&] { scene_.collide(pairs, collisions); }, "Scene", "pairs"));
     EXPECT_TRUE(scene_refuses([&] { scene_.within(pairs, 1, withins); }, "Scene", "pairs"));
-    EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, {}, distances); }, "Scene", "pairs"));
-    EXPECT_FALSE(collisions[0].collision);
+    EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, distances); }, "Scene", "pairs"));
+    EXPECT_FALSE(collisions[0].is_yes());
   }
 }
 
@@ -116,14 +116,14 @@ TEST_F(SceneMisuse, OfModelsIsRefused) {
 
 TEST_F(SceneMisuse, OfNumbersIsRefused) {
   const std::vector<ObjectPair> pairs{{0, 1}};
-  std::vector<WithinResult> withins(1);
+  std::vector<CollideResult> withins(1);
   std::vector<DistanceResult> distances(1);
   const auto visit = [](const ObjectPair&) { return true; };
   for (const double bad : bad_numbers) {
     EXPECT_TRUE(scene_refuses([&] { scene_.candidate_pairs(bad, {}); }, "Scene::candidate_pairs", "margin"));
     EXPECT_TRUE(scene_refuses([&] { scene_.visit_candidate_pairs(bad, visit); }, "Scene::candidate_pairs", "margin"));
     EXPECT_TRUE(scene_refuses([&] { scene_.within(pairs, bad, withins); }, "within", "max_distance"));
-    EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, {.relative_error = bad}, distances); }, "Scene::distance",
+    EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, distances, {.relative_error = bad}); }, "Scene::distance",
                               "relative_error"));
     EXPECT_TRUE(scene_refuses([&] { (void)scene_.closest_objects({.max_distance = bad}); }, "Scene::closest_objects",
                               "max_distance"));
@@ -135,11 +135,11 @@ TEST_F(SceneMisuse, OfNumbersIsRefused) {
 TEST_F(SceneMisuse, OfResultsIsRefused) {
   const std::vector<ObjectPair> pairs{{0, 1}, {1, 0}};
   std::vector<CollideResult> collisions(1);
-  std::vector<WithinResult> withins(3);
+  std::vector<CollideResult> withins(3);
   std::vector<DistanceResult> distances;
   EXPECT_TRUE(scene_refuses([&] { scene_.collide(pairs, collisions); }, "Scene", "results"));
   EXPECT_TRUE(scene_refuses([&] { scene_.within(pairs, 1, withins); }, "Scene", "results"));
-  EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, {}, distances); }, "Scene", "results"));
+  EXPECT_TRUE(scene_refuses([&] { scene_.distance(pairs, distances); }, "Scene", "results"));
 }
 
 TEST_F(SceneMisuse, OfChangesThatAreNotCommittedIsRefused) {
@@ -171,7 +171,7 @@ TEST_F(SceneMisuse, ByVisitorsAndFiltersThatThrowChangesNothing) {
   EXPECT_THROW(scene_.visit_candidate_pairs(0, throws), std::runtime_error);
   const auto filter = [](ObjectId, ObjectId) -> bool { throw std::runtime_error("enough"); };
   EXPECT_THROW(scene_.candidate_pairs(0, {}, {.filter = filter}), std::runtime_error);
-  EXPECT_THROW((void)scene_.closest_objects({}, {.filter = filter}), std::runtime_error);
+  EXPECT_THROW((void)scene_.closest_objects({.filter = filter}), std::runtime_error);
 }
 
 }  // namespace

@@ -126,9 +126,9 @@ TEST(SceneTest, LeavesOutWhatTheFilterDoesNotLetThrough) {
             (std::vector<ObjectPair>{{0, 2}, {1, 3}, {2, 4}, {3, 5}}));
   const auto none = [](ObjectId, ObjectId) { return false; };
   EXPECT_TRUE(pairs_of(scene, 0.1, {.filter = none}).empty());
-  EXPECT_EQ(scene.closest_objects({}, {.filter = none}).result.status, Status::beyond_limit);
+  EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, Status::beyond_limit);
   const auto ends = [](ObjectId a, ObjectId b) { return a == 0 && b == 5; };
-  const ClosestObjects closest = scene.closest_objects({}, {.filter = ends});
+  const ClosestObjects closest = scene.closest_objects({.filter = ends});
   EXPECT_EQ(closest.objects, (ObjectPair{0, 5}));
   EXPECT_NEAR(closest.result.upper, 3, 0.1);
 }
@@ -257,15 +257,15 @@ TEST(SceneTest, AnswersAsTwoModelsDo) {
   const Crowd crowd(rng);
   ASSERT_GT(crowd.pairs.size(), 100U);
   std::vector<CollideResult> collisions(crowd.pairs.size());
-  std::vector<WithinResult> withins(crowd.pairs.size());
+  std::vector<CollideResult> withins(crowd.pairs.size());
   std::vector<DistanceResult> distances(crowd.pairs.size());
   crowd.scene.collide(crowd.pairs, collisions);
   crowd.scene.within(crowd.pairs, 0.1, withins);
-  crowd.scene.distance(crowd.pairs, {.relative_error = 0.01, .max_distance = 0.2}, distances);
+  crowd.scene.distance(crowd.pairs, distances, {.relative_error = 0.01, .max_distance = 0.2});
   for (std::size_t i = 0; i < crowd.pairs.size(); ++i) {
     const Placed &a = crowd.scene.object(crowd.pairs[i].a), &b = crowd.scene.object(crowd.pairs[i].b);
     const CollideResult collision = collide(a, b);
-    ASSERT_EQ(collisions[i].collision, collision.collision);
+    ASSERT_EQ(collisions[i].is_yes(), collision.is_yes());
     ASSERT_TRUE(is_same(collisions[i], collision));
     ASSERT_TRUE(is_same(withins[i], within(a, b, 0.1)));
     const DistanceResult result = distance(a, b, {.relative_error = 0.01, .max_distance = 0.2});
@@ -288,12 +288,12 @@ TEST(SceneTest, AnswersAlikeOnAnyNumberOfThreads) {
       SceneCache cache(20);
       std::vector<double> uppers;
       for (int frame = 0; frame < 3; ++frame) {
-        crowd.scene.distance(crowd.pairs, {}, results, &cache);
+        crowd.scene.distance(crowd.pairs, results, {.cache = &cache});
         for (const DistanceResult& r : results) uppers.push_back(r.upper), uppers.push_back(r.lower);
       }
-      crowd.scene.distance(crowd.pairs, {}, results);
+      crowd.scene.distance(crowd.pairs, results);
       const auto apart = [&](ObjectId a, ObjectId b) { return (a + b) % 3 == 0 && b - a > 40; };
-      const ClosestObjects closest = crowd.scene.closest_objects({.relative_error = 0.1}, {.filter = apart});
+      const ClosestObjects closest = crowd.scene.closest_objects({.relative_error = 0.1, .filter = apart});
       if (threads == 1) first = results, first_closest = closest, cached = uppers;
       ASSERT_EQ(uppers, cached);
       ASSERT_EQ(closest.objects, first_closest.objects);
@@ -340,14 +340,14 @@ TEST(SceneTest, FindsTheClosestObjects) {
     // A cache brings last time's pair, also when that has been removed.
     SceneCache cache;
     for (int frame = 0; frame < 3; ++frame) {
-      const ClosestObjects warm = scene.closest_objects({}, {}, &cache);
+      const ClosestObjects warm = scene.closest_objects({.cache = &cache});
       ASSERT_NEAR(warm.result.upper, truth.result.upper, 1e-13);
     }
     if (twins.size() < 4) continue;
     scene.remove(found.objects.b);
     scene.commit();
     twins[found.objects.b].pose.translation.x += 1e6;
-    ASSERT_NEAR(scene.closest_objects({}, {}, &cache).result.upper, reference::closest_objects(twins).result.upper,
+    ASSERT_NEAR(scene.closest_objects({.cache = &cache}).result.upper, reference::closest_objects(twins).result.upper,
                 1e-13);
   }
 }
@@ -369,7 +369,7 @@ TEST(SceneTest, SharesModelsAndItselfWithManyThreads) {
       EXPECT_EQ(pairs_of(crowd.scene, 0.2), expected);
       for (std::size_t i = 0; i < asked; ++i) {
         DistanceResult result;
-        crowd.scene.distance(std::span(crowd.pairs).subspan(i, 1), {}, std::span(&result, 1), &cache);
+        crowd.scene.distance(std::span(crowd.pairs).subspan(i, 1), std::span(&result, 1), {.cache = &cache});
         EXPECT_EQ(result.upper, alone[i]);
       }
       EXPECT_TRUE(crowd.scene.is_committed());
@@ -391,7 +391,7 @@ TEST(SceneTest, DoesNotDependOnTheRoundingModeOfTheCaller) {
     for (const ObjectPair& pair : pairs_of(crowd.scene, 0.123456789))
       answers.insert(answers.end(), {1.0 * pair.a, 1.0 * pair.b});
     const auto are_apart = [&](ObjectId a, ObjectId b) { return b > a + 30; };
-    answers.push_back(crowd.scene.closest_objects({}, {.filter = are_apart}).result.upper);
+    answers.push_back(crowd.scene.closest_objects({.filter = are_apart}).result.upper);
     for (ObjectId id = 0; id < 60; ++id) answers.push_back(crowd.scene.bounding_box(id).low.y);
     EXPECT_EQ(std::fegetround(), mode);
     std::fesetround(FE_TONEAREST);
@@ -419,15 +419,15 @@ TEST(SceneCacheTest, ChangesNoAnswer) {
       pairs.push_back(pairs[3]);  // twice
       std::vector<DistanceResult> distances(pairs.size());
       std::vector<CollideResult> collisions(pairs.size());
-      std::vector<WithinResult> withins(pairs.size());
-      crowd.scene.distance(pairs, {}, distances, &cache);
-      crowd.scene.collide(pairs, collisions, &cache);
-      crowd.scene.within(pairs, 0.1, withins, &cache);
+      std::vector<CollideResult> withins(pairs.size());
+      crowd.scene.distance(pairs, distances, {.cache = &cache});
+      crowd.scene.collide(pairs, collisions, {.cache = &cache});
+      crowd.scene.within(pairs, 0.1, withins, {.cache = &cache});
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         const Placed &a = crowd.scene.object(pairs[i].a), &b = crowd.scene.object(pairs[i].b);
         ASSERT_NEAR(distances[i].upper, distance(a, b).upper, 1e-13);
-        ASSERT_EQ(collisions[i].collision, distances[i].upper == 0);
-        ASSERT_EQ(withins[i].within, within(a, b, 0.1).within);
+        ASSERT_EQ(collisions[i].is_yes(), distances[i].upper == 0);
+        ASSERT_EQ(withins[i].is_yes(), within(a, b, 0.1).is_yes());
       }
       if (frame == 4) cache.clear();
     }
@@ -467,7 +467,7 @@ TEST(SceneCacheTest, SavesWorkForThePairsItHolds) {
   const Crowd crowd(rng, 60);
   const auto tests_of = [&](SceneCache* cache) {
     std::vector<DistanceResult> results(crowd.pairs.size());
-    crowd.scene.distance(crowd.pairs, {}, results, cache);
+    crowd.scene.distance(crowd.pairs, results, {.cache = cache});
     std::uint64_t tests = 0;
     for (const DistanceResult& r : results) tests += r.stats.node_tests;
     return tests;

@@ -31,21 +31,21 @@ Mesh bent_strip(double rise) {
 TEST(SelfCache, FindsTheSameContactAtOnce) {
   Model model(bent_strip(-0.1));
   QueryCache cache;
-  const CollideResult cold = self_collide(model, {}, cache);
-  ASSERT_TRUE(cold.collision);
+  const CollideResult cold = self_collide(model, {.cache = &cache});
+  ASSERT_TRUE(cold.is_yes());
   EXPECT_GT(cold.stats.node_tests, 5U);
   // The strip moves a little.
   std::vector<Vec3> positions = model.mesh().positions();
   for (Vec3& p : positions) p.z += 1e-4 * std::sin(9 * p.x);
   model.move_all(positions).value();
   model.commit();
-  const CollideResult warm = self_collide(model, {}, cache);
-  ASSERT_TRUE(warm.collision);
+  const CollideResult warm = self_collide(model, {.cache = &cache});
+  ASSERT_TRUE(warm.is_yes());
   EXPECT_EQ(warm.stats.node_tests, 0U);
   EXPECT_EQ(warm.stats.triangle_tests, 1U);
   EXPECT_EQ(warm.witness->triangle_a, cold.witness->triangle_a);
   EXPECT_EQ(warm.witness->triangle_b, cold.witness->triangle_b);
-  const DistanceResult distance = self_distance(model, {}, {}, cache);
+  const DistanceResult distance = self_distance(model, {.cache = &cache});
   EXPECT_EQ(distance.upper, 0);
   EXPECT_EQ(distance.lower, 0);
   EXPECT_EQ(distance.status, Status::collision);
@@ -56,7 +56,8 @@ TEST(SelfCache, KnowsTheClosestPair) {
   const Model above(bent_strip(0.05)), through(bent_strip(-0.1));
   for (const Model* const model : {&above, &through}) {
     QueryCache cache;
-    const DistanceResult cold = self_distance(*model, {}, {}, cache), warm = self_distance(*model, {}, {}, cache);
+    const DistanceResult cold = self_distance(*model, {.cache = &cache}),
+                         warm = self_distance(*model, {.cache = &cache});
     EXPECT_EQ(warm.upper, cold.upper);
     EXPECT_EQ(cache.impl().triangle_a, cold.witness.value().triangle_a);
     EXPECT_EQ(cache.impl().triangle_b, cold.witness->triangle_b);
@@ -75,10 +76,11 @@ TEST(SelfCache, SavesWorkWhileAClothCrumples) {
   for (int frame = 150; frame < 200; ++frame) {
     model.move_all(motion.positions(frame)).value();
     model.commit();
-    const DistanceResult fresh = self_distance(model), cached = self_distance(model, {}, {}, of_distance);
+    const DistanceResult fresh = self_distance(model), cached = self_distance(model, {.cache = &of_distance});
     ASSERT_EQ(fresh.upper, cached.upper);
-    const CollideResult fresh_collision = self_collide(model), collision = self_collide(model, {}, of_collision);
-    ASSERT_EQ(fresh_collision.collision, collision.collision);
+    const CollideResult fresh_collision = self_collide(model),
+                        collision = self_collide(model, {.cache = &of_collision});
+    ASSERT_EQ(fresh_collision.is_yes(), collision.is_yes());
     cold += fresh.stats.node_tests + fresh.stats.triangle_tests;
     warm += cached.stats.node_tests + cached.stats.triangle_tests;
     cold_collide += fresh_collision.stats.node_tests;
@@ -97,11 +99,11 @@ TEST(SelfCache, OfOtherQueriesDoesNotMislead) {
     for (const TriangleId b : some_ids) {
       QueryCache cache;
       cache.impl().triangle_a = a, cache.impl().triangle_b = b;
-      EXPECT_EQ(self_distance(strip, {}, {}, cache).upper, fresh.upper) << a << ' ' << b;
+      EXPECT_EQ(self_distance(strip, {.cache = &cache}).upper, fresh.upper) << a << ' ' << b;
       cache.impl().triangle_a = a, cache.impl().triangle_b = b;
-      EXPECT_FALSE(self_collide(strip, {}, cache).collision) << a << ' ' << b;
-      EXPECT_TRUE(self_collide(through, {}, cache).collision) << a << ' ' << b;
-      EXPECT_EQ(self_distance(one, {}, {}, cache).status, Status::beyond_limit) << a << ' ' << b;
+      EXPECT_FALSE(self_collide(strip, {.cache = &cache}).is_yes()) << a << ' ' << b;
+      EXPECT_TRUE(self_collide(through, {.cache = &cache}).is_yes()) << a << ' ' << b;
+      EXPECT_EQ(self_distance(one, {.cache = &cache}).status, Status::beyond_limit) << a << ' ' << b;
     }
   }
   // In turn with queries of the model and itself, elsewhere: both go on from the same cache.
@@ -109,21 +111,21 @@ TEST(SelfCache, OfOtherQueriesDoesNotMislead) {
   for (int i = 0; i < 5; ++i) {
     const Placed here{strip}, there{strip, {{}, {0, 0, 0.5 + 0.01 * i}}};
     const double apart = distance(here, there).upper;
-    EXPECT_NEAR(distance(here, there, {}, cache).upper, apart, 1e-14);
-    EXPECT_EQ(self_distance(strip, {}, {}, cache).upper, fresh.upper);
-    EXPECT_TRUE(collide(here, {through, {{}, {0, 0, 0.05}}}, cache).collision);
+    EXPECT_NEAR(distance(here, there, {.cache = &cache}).upper, apart, 1e-14);
+    EXPECT_EQ(self_distance(strip, {.cache = &cache}).upper, fresh.upper);
+    EXPECT_TRUE(collide(here, {through, {{}, {0, 0, 0.05}}}, {.cache = &cache}).is_yes());
   }
 }
 
 TEST(SelfCache, ComparesNoPairThatTheFilterRefuses) {
   const Model model(bent_strip(-0.1));
   QueryCache cache;
-  const CollideResult cold = self_collide(model, {}, cache);
-  ASSERT_TRUE(cold.collision);
+  const CollideResult cold = self_collide(model, {.cache = &cache});
+  ASSERT_TRUE(cold.is_yes());
   const auto refuses_all = [](TriangleId, TriangleId) { return false; };
-  EXPECT_FALSE(self_collide(model, {.filter = refuses_all}, cache).collision);
-  EXPECT_EQ(self_distance(model, {}, {.filter = refuses_all}, cache).status, Status::beyond_limit);
-  EXPECT_EQ(self_collide(model, {}, cache).stats.triangle_tests, 1U);  // the pair is still known
+  EXPECT_FALSE(self_collide(model, {.filter = refuses_all, .cache = &cache}).is_yes());
+  EXPECT_EQ(self_distance(model, {.filter = refuses_all, .cache = &cache}).status, Status::beyond_limit);
+  EXPECT_EQ(self_collide(model, {.cache = &cache}).stats.triangle_tests, 1U);  // the pair is still known
 }
 
 TEST(SelfDistance, IsTheLeastToTheBitWhereManyPairsTie) {

@@ -166,7 +166,7 @@ TEST(SeparatedNeighbors, AreNearlyAllOfASmoothMesh) {
   const Model ball(scenes::ball(60, 40)), sheet(scenes::grid(50, 50, 0, 0, 1, 1));
   for (const Model* model : {&ball, &sheet}) {
     const CollideResult result = self_collide(*model);
-    EXPECT_FALSE(result.collision);
+    EXPECT_FALSE(result.is_yes());
     EXPECT_LT(result.stats.triangle_tests, model->mesh().triangles().size() / 8);
   }
 }

@@ -12,6 +12,7 @@
 
 #include "bvh/partition.h"
 #include "bvh/tree.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "limber/reference.h"
 #include "scenes/motions.h"
@@ -149,8 +150,8 @@ TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
       for (std::size_t i = 0; i < thread_count; ++i) {
         threads.emplace_back([&, i] {
           QueryCache cache;
-          const bool hit = collide({model}, {probe}, cache).collision;
-          found[i] = hit ? 0 : distance({model}, {probe}, {}, cache).upper;
+          const bool hit = collide({model}, {probe}, {.cache = &cache}).is_yes();
+          found[i] = hit ? 0 : distance({model}, {probe}, {.cache = &cache}).upper;
         });
       }
       threads.clear();

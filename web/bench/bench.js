@@ -114,9 +114,9 @@ function run() {
   });
   measure("collide of bunny and armadillo", 400, (i) => {
     const poseB = shift(0.6 - 0.0009765625 * i, 0.015625 * (i % 7));
-    return limber.collide(bunny, armadillo, { poseB }).collision ? 1 : 0;
+    return limber.collide(bunny, armadillo, { poseB }).answer === "yes" ? 1 : 0;
   });
-  measure("self_collide of 69 451 triangles", 20, () => (limber.selfCollide(bunny).collision ? 1 : 0));
+  measure("self_collide of 69 451 triangles", 20, () => (limber.selfCollide(bunny).answer === "yes" ? 1 : 0));
   const points = Float64Array.from({ length: 300 }, (_, k) => {
     const i = Math.floor(k / 3);
     return [0.001 * (i % 37) - 0.02, 0.001 * (i % 101), 0.001 * (i % 53) + 0.05][k % 3];

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "limber/points.h"
@@ -124,16 +125,16 @@ int main(int argc, char** argv) {
   });
   QueryCache cache;
   measure("the same with a cache", 400, [&](int i) {
-    return distance(bunny, {armadillo, shift(0.9 - 0.0009765625 * i, 0)}, {}, cache).upper;
+    return distance(bunny, {armadillo, shift(0.9 - 0.0009765625 * i, 0)}, {.cache = &cache}).upper;
   });
   measure("the same within 10 %", 400, [&](int i) {
     const Placed placed(armadillo, shift(0.9 - 0.0009765625 * i, 0.015625 * (i % 7)));
     return distance(bunny, placed, {.relative_error = 0.1}).upper;
   });
   measure("collide of bunny and armadillo", 400, [&](int i) {
-    return collide(bunny, {armadillo, shift(0.6 - 0.0009765625 * i, 0.015625 * (i % 7))}).collision ? 1.0 : 0.0;
+    return collide(bunny, {armadillo, shift(0.6 - 0.0009765625 * i, 0.015625 * (i % 7))}).is_yes() ? 1.0 : 0.0;
   });
-  measure("self_collide of 69 451 triangles", 20, [&](int) { return self_collide(bunny).collision ? 1.0 : 0.0; });
+  measure("self_collide of 69 451 triangles", 20, [&](int) { return self_collide(bunny).is_yes() ? 1.0 : 0.0; });
   std::vector<Vec3> points;
   for (int i = 0; i < 100; ++i) points.push_back({0.001 * (i % 37) - 0.02, 0.001 * (i % 101), 0.001 * (i % 53) + 0.05});
   std::vector<PointResult> closest(points.size());

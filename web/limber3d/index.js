@@ -48,7 +48,6 @@ export { init } from "./wasm.js";
  * @typedef {import("./poses.js").Pose} Pose
  * @typedef {import("./poses.js").Quaternion} Quaternion
  * @typedef {import("./queries.js").Answer} Answer
- * @typedef {import("./queries.js").BudgetedAnswer} BudgetedAnswer
  * @typedef {import("./queries.js").CollideResult} CollideResult
  * @typedef {import("./queries.js").DistanceOptions} DistanceOptions
  * @typedef {import("./queries.js").DistanceResult} DistanceResult
@@ -59,6 +58,5 @@ export { init } from "./wasm.js";
  * @typedef {import("./queries.js").QueryStats} QueryStats
  * @typedef {import("./queries.js").Status} Status
  * @typedef {import("./queries.js").StoppedBy} StoppedBy
- * @typedef {import("./queries.js").WithinResult} WithinResult
  * @typedef {import("./queries.js").Witness} Witness
  */

@@ -89,7 +89,7 @@ const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupt
 const limits = ["nothing", "deadline", "maxSteps"];
 
 /**
- * What a question of yes or no is answered within a budget; "unknown" if it was spent before either was proven.
+ * What a question of yes or no is answered; "unknown" if a budget was spent before either was proven.
  *
  * @typedef {"no" | "yes" | "unknown"} Answer
  */
@@ -108,23 +108,12 @@ const answers = ["no", "yes", "unknown"];
  */
 
 /**
+ * The answer of collide() and within(). It is "unknown" only where a budget was spent.
+ *
  * @typedef {object} CollideResult
- * @property {boolean} collision
- * @property {Witness | null} witness there exactly when `collision`; both points are the same
- * @property {QueryStats} stats
- */
-
-/**
- * @typedef {object} WithinResult
- * @property {boolean} within
- * @property {Witness | null} witness a pair of points at most that far apart, there exactly when `within`
- * @property {QueryStats} stats
- */
-
-/**
- * @typedef {object} BudgetedAnswer
  * @property {Answer} answer
- * @property {Witness | null} witness there exactly when the answer is "yes"
+ * @property {Witness | null} witness there exactly when the answer is "yes": the same point if the models meet; else at
+ *   most as far apart as was asked, and not necessarily the closest
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the answer is "unknown"
  * @property {QueryStats} stats
  */
@@ -173,10 +162,7 @@ export function distanceResult() {
 }
 
 /** Private to the package. @returns {CollideResult} */
-export const collideResult = () => ({ collision: word(2) === 1, witness: witness(), stats: stats(8) });
-
-/** @returns {BudgetedAnswer} */
-const budgetedAnswer = () => ({
+export const collideResult = () => ({
   answer: answers[word(2)],
   witness: witness(),
   stoppedBy: limits[word(3)],
@@ -252,31 +238,17 @@ export function distance(a, b, options = none) {
  * Triangles are surfaces: a model wholly inside another does not meet it. With a budget the answer may be "unknown";
  * the next call with the same cache goes on from there. Throws as distance().
  *
- * @overload
  * @param {Model} a
  * @param {Model} b
- * @param {PoseOptions & QueryOptions & { budget: QueryBudget }} options
- * @returns {BudgetedAnswer}
- */
-/**
- * @overload
- * @param {Model} a
- * @param {Model} b
- * @param {PoseOptions & { cache?: QueryCache, budget?: undefined }} [options]
+ * @param {PoseOptions & QueryOptions} [options]
  * @returns {CollideResult}
- */
-/**
- * @param {Model} a
- * @param {Model} b
- * @param {PoseOptions & QueryOptions} options
- * @returns {CollideResult | BudgetedAnswer}
  */
 export function collide(a, b, options = none) {
   checkNames(options, answerOptions);
   const { cache, budget } = options;
   const limits = limitsOf(budget), placed = placedModels(a, b, options);
   check(engine().collide(...placed, ...limits, cacheAddress(cache)));
-  return budget === undefined ? collideResult() : budgetedAnswer();
+  return collideResult();
 }
 
 /**
@@ -284,33 +256,16 @@ export function collide(a, b, options = none) {
  *
  * Throws as distance(); invalidArgument unless maxDistance is finite and >= 0.
  *
- * @overload
  * @param {Model} a
  * @param {Model} b
  * @param {number} maxDistance
- * @param {PoseOptions & QueryOptions & { budget: QueryBudget }} options
- * @returns {BudgetedAnswer}
- */
-/**
- * @overload
- * @param {Model} a
- * @param {Model} b
- * @param {number} maxDistance
- * @param {PoseOptions & { cache?: QueryCache, budget?: undefined }} [options]
- * @returns {WithinResult}
- */
-/**
- * @param {Model} a
- * @param {Model} b
- * @param {number} maxDistance
- * @param {PoseOptions & QueryOptions} options
- * @returns {WithinResult | BudgetedAnswer}
+ * @param {PoseOptions & QueryOptions} [options]
+ * @returns {CollideResult}
  */
 export function within(a, b, maxDistance, options = none) {
   checkNames(options, answerOptions);
   const { cache, budget } = options;
   const limits = limitsOf(budget), placed = placedModels(a, b, options);
   check(engine().within(...placed, numberOf(maxDistance, "maxDistance"), ...limits, cacheAddress(cache)));
-  if (budget !== undefined) return budgetedAnswer();
-  return { within: word(2) === 1, witness: witness(), stats: stats(8) };
+  return collideResult();
 }

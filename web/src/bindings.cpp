@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
+#include "limber/distance.h"
 
 #include <algorithm>
 #include <array>
@@ -122,13 +123,8 @@ void give(const DistanceResult& result) {
   give(result.witness, result.stats, static_cast<std::uint32_t>(result.status), result.stopped_by);
 }
 
-void give(const BudgetedAnswer& result) {
-  give(result.witness, result.stats, static_cast<std::uint32_t>(result.answer), result.stopped_by);
-}
-
 void give(const CollideResult& result) {
-  const Answer answer = result.collision ? Answer::yes : Answer::no;
-  give(result.witness, result.stats, static_cast<std::uint32_t>(answer), StoppedBy::nothing);
+  give(result.witness, result.stats, static_cast<std::uint32_t>(result.answer), result.stopped_by);
 }
 
 LIMBER_EXPORT(exchange) Exchange* exported_exchange() { return &exchange; }

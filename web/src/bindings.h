@@ -7,9 +7,9 @@
 #include <exception>
 
 #include "limber/base.h"
+#include "limber/distance.h"
 #include "limber/math.h"
 #include "limber/model.h"
-#include "limber/query.h"
 
 /// What web/limber3d, the JavaScript half of the package, calls and reads. Whatever is declared here is private to the
 /// two: the public interface is the one of JavaScript.
@@ -75,7 +75,6 @@ QueryBudget budget_from(double deadline_ms, double max_steps);
 /// Writes a result: to Exchange::numbers the bounds of the distance, the two points and the statistics; to words the
 /// two triangles, status or answer, and what has stopped the query. Without a witness the triangles are no_id.
 void give(const DistanceResult& result);
-void give(const BudgetedAnswer& result);
 void give(const CollideResult& result);
 
 /// Writes statistics to Exchange::numbers[first] and the next.

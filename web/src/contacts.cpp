@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bindings.h"
-#include "limber/neighbor_rings.h"
 
 namespace limber::web {
 namespace {
@@ -147,20 +146,15 @@ bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, Pos
 
 LIMBER_EXPORT(selfCollide)
 bool exported_self_collide(const Model* model, bool has_filter, const NeighborRings* rings, QueryCache* cache) {
-  return guarded([&] {
-    const PairOptions options = options_from(has_filter, rings);
-    give(cache != nullptr ? self_collide(*model, options, *cache) : self_collide(*model, options));
-  });
+  return guarded([&] { give(self_collide(*model, {options_from(has_filter, rings).filter, cache})); });
 }
 
 LIMBER_EXPORT(selfDistance)
 bool exported_self_distance(const Model* model, double relative_error, double absolute_error, double max_distance,
                             bool has_filter, const NeighborRings* rings, QueryCache* cache) {
   return guarded([&] {
-    const DistanceOptions distance_options{relative_error, absolute_error, max_distance};
-    const PairOptions options = options_from(has_filter, rings);
-    give(cache != nullptr ? self_distance(*model, distance_options, options, *cache)
-                          : self_distance(*model, distance_options, options));
+    give(self_distance(*model,
+                       {relative_error, absolute_error, max_distance, options_from(has_filter, rings).filter, cache}));
   });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/query.h"
+#include "limber/distance.h"
 
 #include "bindings.h"
 #include "limber/model.h"
@@ -21,10 +21,8 @@ bool exported_distance(const Model* a, PoseForm pose_a, const Model* b, PoseForm
                        QueryCache* cache) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
-    const DistanceOptions options{relative_error, absolute_error, max_distance};
-    const QueryBudget budget = budget_from(deadline_ms, max_steps);
-    give(cache != nullptr ? distance(placed_a, placed_b, options, budget, *cache)
-                          : distance(placed_a, placed_b, options, budget));
+    give(distance(placed_a, placed_b,
+                  {relative_error, absolute_error, max_distance, cache, budget_from(deadline_ms, max_steps)}));
   });
 }
 
@@ -33,8 +31,7 @@ bool exported_collide(const Model* a, PoseForm pose_a, const Model* b, PoseForm 
                       double max_steps, QueryCache* cache) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
-    const QueryBudget budget = budget_from(deadline_ms, max_steps);
-    give(cache != nullptr ? collide(placed_a, placed_b, budget, *cache) : collide(placed_a, placed_b, budget));
+    give(collide(placed_a, placed_b, {cache, budget_from(deadline_ms, max_steps)}));
   });
 }
 
@@ -43,9 +40,7 @@ bool exported_within(const Model* a, PoseForm pose_a, const Model* b, PoseForm p
                      double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
-    const QueryBudget budget = budget_from(deadline_ms, max_steps);
-    give(cache != nullptr ? within(placed_a, placed_b, max_distance, budget, *cache)
-                          : within(placed_a, placed_b, max_distance, budget));
+    give(within(placed_a, placed_b, max_distance, {cache, budget_from(deadline_ms, max_steps)}));
   });
 }
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "limber/contacts.h"
+#include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
-#include "limber/neighbor_rings.h"
 #include "limber/points.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
@@ -102,25 +102,23 @@ class Recorder {
     commit(m);
   }
 
-  void distance(std::size_t a, std::size_t b, const Transform& pose, const DistanceOptions& options,
-                std::uint64_t max_steps, bool uses_cache) {
+  void distance(std::size_t a, std::size_t b, const Transform& pose, DistanceOptions options, std::uint64_t max_steps,
+                bool uses_cache) {
     begin(Question::distance), pair(a, b, pose);
     out_.number(options.relative_error), out_.number(options.absolute_error), out_.number(options.max_distance);
     budget(max_steps, uses_cache);
-    const QueryBudget budget{.max_steps = max_steps};
-    const Placed of_a(models_[a]), of_b(models_[b], pose);
-    write(uses_cache ? limber::distance(of_a, of_b, options, budget, caches_[a])
-                     : limber::distance(of_a, of_b, options, budget));
+    options.cache = uses_cache ? &caches_[a] : nullptr, options.budget = {.max_steps = max_steps};
+    write(limber::distance(Placed(models_[a]), Placed(models_[b], pose), options));
   }
   void collide(std::size_t a, std::size_t b, const Transform& pose, std::uint64_t max_steps, bool uses_cache) {
     begin(Question::collide), pair(a, b, pose), budget(max_steps, uses_cache);
     const QueryBudget budget{.max_steps = max_steps};
     const Placed of_a(models_[a]), of_b(models_[b], pose);
-    write(uses_cache ? limber::collide(of_a, of_b, budget, caches_[a]) : limber::collide(of_a, of_b, budget));
+    write(limber::collide(of_a, of_b, {.cache = uses_cache ? &caches_[a] : nullptr, .budget = budget}));
   }
   void within(std::size_t a, std::size_t b, const Transform& pose, double max_distance) {
     begin(Question::within), pair(a, b, pose), out_.number(max_distance);
-    write(limber::within(Placed(models_[a]), Placed(models_[b], pose), max_distance, QueryBudget{}));
+    write(limber::within(Placed(models_[a]), Placed(models_[b], pose), max_distance));
   }
 
   void contacts(std::size_t a, std::size_t b, const Transform& pose, double margin) {
@@ -147,11 +145,10 @@ class Recorder {
   /// All questions about a model and itself.
   void of_itself(std::size_t m, double margin, std::uint32_t ring_edges) {
     begin(Question::self_collide), id(m);
-    const CollideResult meets = self_collide(models_[m]);
-    write({meets.collision ? Answer::yes : Answer::no, meets.witness, StoppedBy::nothing, meets.stats});
+    write(self_collide(models_[m]));
     const NeighborRings rings(models_[m].mesh(), ring_edges);
     begin(Question::self_distance), id(m), id(ring_edges);
-    write(self_distance(models_[m], {}, {.filter = rings}));
+    write(self_distance(models_[m], {.filter = rings}));
     begin(Question::self_contacts), id(m), out_.number(margin), id(ring_edges);
     std::vector<Contact> found;
     const auto keep = [&](const Contact& contact) { return found.push_back(contact), true; };
@@ -255,7 +252,7 @@ class Recorder {
     out_.number(r.lower), out_.number(r.upper), id(static_cast<std::size_t>(r.status));
     id(static_cast<std::size_t>(r.stopped_by)), write(r.witness), write(r.stats);
   }
-  void write(const BudgetedAnswer& r) {
+  void write(const CollideResult& r) {
     id(static_cast<std::size_t>(r.answer)), id(static_cast<std::size_t>(r.stopped_by)), write(r.witness);
     write(r.stats);
   }

@@ -183,7 +183,7 @@ const questions = {
   },
   within() {
     const [a, b, options] = pair();
-    sameAnswer(limber.within(a, b, reader.number(), { ...options, budget: {} }));
+    sameAnswer(limber.within(a, b, reader.number(), options));
   },
   contacts() {
     const [a, b, options] = pair();
@@ -197,8 +197,7 @@ const questions = {
     sameContacts(limber.closestPairs(a, b, reader.number(), options));
   },
   selfCollide() {
-    const { collision, witness, stats } = limber.selfCollide(model());
-    sameAnswer({ answer: collision ? "yes" : "no", stoppedBy: "nothing", witness, stats });
+    sameAnswer(limber.selfCollide(model()));
   },
   selfDistance() {
     const asked = model(), rings = new limber.NeighborRings(asked, reader.number());

@@ -191,7 +191,7 @@ test("orthonormalized() makes a rotation of float32 rigid", () => {
   refuses(() => limber.distance(a, a, { poseB: { rotation } }), "notRigid");
   const rigid = limber.orthonormalized(rotation);
   for (let i = 0; i < 9; ++i) assert.ok(Math.abs(rigid[i] - rotation[i]) < 1e-6);
-  assert.ok(limber.collide(a, a, { poseB: { rotation: rigid } }).collision);
+  assert.equal(limber.collide(a, a, { poseB: { rotation: rigid } }).answer, "yes");
   refuses(() => limber.orthonormalized([1, 0, 0, 0, 1, 0, 0, 0, -1]), "notRigid");
   refuses(() => limber.orthonormalized([1, 0, 0]), "invalidArgument");
 });
@@ -216,10 +216,10 @@ test("distances, errors and limits", () => {
   refuses(() => limber.distance(a, b, { relativeError: "much" }), "invalidArgument", "relativeError");
   refuses(() => limber.distance(a, b, { maxDistance: NaN }), "invalidArgument", "max_distance");
   refuses(() => limber.within(a, b), "invalidArgument", "maxDistance");
-  assert.deepEqual(limber.within(a, b, 1.3, { poseB }).within, true);
+  assert.deepEqual(limber.within(a, b, 1.3, { poseB }).answer, "yes");
   assert.deepEqual(limber.within(a, b, 1.2, { poseB }).witness, null);
-  assert.equal(limber.collide(a, b).collision, true);
-  assert.equal(limber.collide(a, b, { poseB }).collision, false);
+  assert.equal(limber.collide(a, b).answer, "yes");
+  assert.equal(limber.collide(a, b, { poseB }).answer, "no");
 });
 
 test("budgets end queries, and caches go on", () => {
@@ -324,7 +324,7 @@ test("filters decide which pairs count", () => {
 
 test("queries of a model with itself", () => {
   const a = sheet(20);
-  assert.equal(limber.selfCollide(a).collision, false);
+  assert.equal(limber.selfCollide(a).answer, "no");
   const vertices = a.vertices();
   for (let i = 0; i < vertices.length; i += 3) {
     const angle = 2.2 * Math.PI * vertices[i];  // a roll that overlaps itself
@@ -332,7 +332,7 @@ test("queries of a model with itself", () => {
   }
   a.moveAll(vertices);
   a.commit();
-  assert.ok(limber.selfCollide(a, { cache: new limber.QueryCache() }).collision);
+  assert.equal(limber.selfCollide(a, { cache: new limber.QueryCache() }).answer, "yes");
   assert.equal(limber.selfDistance(a).status, "collision");
   const pairs = limber.selfIntersections(a), close = limber.selfContacts(a, 0.01);
   assert.ok(pairs.count > 0 && close.count >= pairs.count);

@@ -3,7 +3,7 @@
 
 // The declarations of the package: compiled by tsc --strict, never run. What is expected to fail, must.
 import * as limber from "limber3d";
-import type { BudgetedAnswer, CollideResult, Contact, DistanceResult, ErrorCode, Point, Pose } from "limber3d";
+import type { CollideResult, Contact, DistanceResult, ErrorCode, Point, Pose } from "limber3d";
 
 const vertices = new Float32Array(9), faces = new Uint32Array(3);
 const a = new limber.Model(vertices, faces, { motionMargin: "automatic", rebuildPolicy: "off", rebuildBudgetUs: 50 });
@@ -19,8 +19,8 @@ const cache = new limber.QueryCache();
 const near: DistanceResult = limber.distance(a, b, { poseA: poses[0], poseB: null, relativeError: 0.1, cache });
 const point: Point | undefined = near.witness?.pointA;
 const meets: CollideResult = limber.collide(a, b, { cache });
-const soon: BudgetedAnswer = limber.collide(a, b, { budget: { deadline: performance.now() + 1, maxSteps: 100 } });
-const isWithin: boolean = limber.within(a, b, 1).within;
+const soon: CollideResult = limber.collide(a, b, { budget: { deadline: performance.now() + 1, maxSteps: 100 } });
+const isWithin: boolean = limber.within(a, b, 1).answer === "yes";
 const maybe: "no" | "yes" | "unknown" = limber.within(a, b, 1, { budget: {} }).answer;
 const rings = new limber.NeighborRings(a, 1);
 const found: Contact[] = [...limber.selfContacts(a, 0.1, { filter: rings, maxCount: 5 })];
@@ -43,10 +43,8 @@ new limber.Model(vertices, faces, { rebuildPolicy: "onWorker" });
 limber.distance(a, b, { relative_error: 0.1 });
 // @ts-expect-error a pose is no number
 limber.distance(a, b, { poseA: 1 });
-// @ts-expect-error without a budget there is no unknown
-limber.collide(a, b).answer;
-// @ts-expect-error with a budget the answer may be unknown
-limber.collide(a, b, { budget: {} }).collision;
+// @ts-expect-error the answer may be unknown, so it is no boolean
+limber.collide(a, b).collision;
 // @ts-expect-error models are no caches
 limber.distance(a, b, { cache: a });
 // @ts-expect-error rings are of one model

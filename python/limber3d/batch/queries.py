@@ -26,7 +26,7 @@ QUERY_NAMES = tuple(_OPTIONS)
 
 def dtype_of(name: str) -> numpy.dtype[numpy.void]:
     """The element type of the answers of a query."""
-    return {"distance": _core.distance_dtype, "collide": _core.collision_dtype, "within": _core.within_dtype}[name]
+    return {"distance": _core.distance_dtype, "collide": _core.collide_dtype, "within": _core.collide_dtype}[name]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "geometry/primitives.h"
-#include "limber/query.h"
+#include "limber/distance.h"
 #include "pair/collectors/collector.h"
 
 namespace limber::pair {

@@ -9,7 +9,7 @@
 
 #include "base/check.h"
 #include "geometry/primitives.h"
-#include "limber/query.h"
+#include "limber/distance.h"
 #include "pair/collectors/collector.h"
 
 namespace limber::pair {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "limber/distance.h"
 #include "limber/math.h"
-#include "limber/query.h"
 #include "pair/placed_leaf.h"
 #include "simd/kernels.h"
 

@@ -35,7 +35,7 @@ class PairsOfTwo {
     return b.is_closed() ? OrientedFaces::of_b : OrientedFaces::none;
   }
 
-  const std::optional<TrianglePairFilter>& filter_;
+  std::optional<TrianglePairFilter> filter_;
   OrientedFaces oriented_;
 };
 
@@ -71,7 +71,7 @@ class PairsOfOne {
 
  private:
   MeshView mesh_;
-  const std::optional<TrianglePairFilter>& filter_;
+  std::optional<TrianglePairFilter> filter_;
   bool is_oriented_;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "limber/distance.h"
 #include "pair/collectors/closest_pair.h"
 #include "pair/collectors/pairs.h"
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "limber/distance.h"
 #include "pair/placed_pair.h"
 #include "pair/seeds/likely_pair.h"
 

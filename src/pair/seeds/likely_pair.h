@@ -6,7 +6,7 @@
 
 #include "bvh/tree.h"
 #include "limber/contacts.h"
-#include "limber/query.h"
+#include "limber/distance.h"
 #include "pair/placed_pair.h"
 
 namespace limber::pair {
