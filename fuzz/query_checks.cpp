@@ -11,7 +11,7 @@
 #include "fuzz/environment.h"
 #include "fuzz/property.h"
 #include "fuzz/sliver_tolerance.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 
 namespace limber::fuzz {
 namespace {

@@ -9,10 +9,10 @@
 #include <sstream>
 #include <vector>
 
-#include "bad_input.h"
-#include "command_line.h"
-#include "output.h"
-#include "verb.h"
+#include "command/bad_input.h"
+#include "command/command_line.h"
+#include "command/output.h"
+#include "command/verb.h"
 
 namespace limber::program {
 namespace {

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "limber/geometry.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 
 namespace limber::bench {
 namespace {

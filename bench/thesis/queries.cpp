@@ -26,7 +26,7 @@
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/classic.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {

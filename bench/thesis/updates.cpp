@@ -33,7 +33,7 @@
 #include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "percentiles.h"
+#include "haptics/percentiles.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptic_proxy.h"
+#include "haptics/haptic_proxy.h"
 #include "limber/distance.h"
 #include "scenes/scenes.h"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The work of a tick: what it promises about forces, memory and system calls.
-#include "haptic_scene.h"
+#include "haptics/haptic_scene.h"
 
 #include <gtest/gtest.h>
 #include <linux/filter.h>
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "allocation/heap.h"
-#include "haptic_tool.h"
+#include "haptics/haptic_tool.h"
 
 namespace limber::program {
 namespace {

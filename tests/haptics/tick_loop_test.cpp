@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tick_loop.h"
+#include "haptics/tick_loop.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "haptic_tissue.h"
+#include "haptics/haptic_tissue.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "haptic_tool.h"
+#include "haptics/haptic_tool.h"
 
 namespace limber::program {
 namespace {

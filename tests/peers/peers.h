@@ -12,7 +12,7 @@
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/exact_distance.h"
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "limber/contacts.h"
-#include "limber/reference.h"
 #include "program/contact_meshes.h"
 #include "program/run_program.h"
+#include "reference/reference.h"
 
 namespace limber::program_tests {
 namespace {

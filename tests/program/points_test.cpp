@@ -4,8 +4,8 @@
 
 #include <sstream>
 
-#include "limber/reference.h"
 #include "program/run_program.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::program_tests {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <regex>
 
-#include "limber/reference.h"
 #include "program/run_program.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/real_meshes.h"
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <utility>
 
-#include "limber/reference.h"
 #include "program/page_decoding.h"
 #include "program/run_program.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::program_tests {

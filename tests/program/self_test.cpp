@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <set>
 
-#include "limber/reference.h"
 #include "program/contact_meshes.h"
 #include "program/run_program.h"
+#include "reference/reference.h"
 
 namespace limber::program_tests {
 namespace {

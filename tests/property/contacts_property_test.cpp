@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "simd/kernels.h"
 #include "support/crumpled_mesh.h"
 #include "support/random_scene.h"

@@ -12,7 +12,7 @@
 
 #include "limber/elements.h"
 #include "limber/io.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "simd/kernels.h"
 #include "support/crumpled_mesh.h"
 #include "support/random_scene.h"

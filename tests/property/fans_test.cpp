@@ -13,7 +13,7 @@
 
 #include "limber/contacts.h"
 #include "limber/elements.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "support/fans.h"
 
 namespace limber::testing {

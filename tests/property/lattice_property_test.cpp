@@ -12,7 +12,7 @@
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "simd/kernels.h"
 #include "support/lattice_scene.h"
 

@@ -10,7 +10,7 @@
 
 #include "classic/tree.h"
 #include "limber/classic.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
 

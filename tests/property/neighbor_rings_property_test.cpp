@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "support/random_scene.h"
 
 namespace limber::testing {

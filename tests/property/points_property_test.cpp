@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "limber/points.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "simd/kernels.h"
 #include "support/random_points.h"
 #include "support/random_scene.h"

@@ -11,8 +11,8 @@
 #include <optional>
 #include <vector>
 
-#include "limber/reference.h"
 #include "limber/scene.h"
+#include "reference/reference.h"
 #include "support/brute_force.h"
 #include "support/random_scene.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::scenes {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "limber/reference.h"
+#include "reference/reference.h"
 
 namespace limber::testing {
 

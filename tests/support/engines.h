@@ -11,7 +11,7 @@
 #include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 
 /// The three engines behind one interface, for tests that hold for all of them.
 namespace limber::testing {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "limber/points.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "support/random_geometry.h"
 
 /// Points next to a mesh, and what is found for them.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "limber/classic.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 

@@ -15,7 +15,7 @@
 
 #include "geometry/winding.h"
 #include "limber/points.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "simd/kernels.h"
 #include "support/random_points.h"

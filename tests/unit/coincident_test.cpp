@@ -9,7 +9,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"

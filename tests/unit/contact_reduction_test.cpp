@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "limber/contacts.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/exact_overlap.h"
 #include "support/random_geometry.h"

@@ -22,7 +22,7 @@
 #include "limber/elements.h"
 #include "limber/model.h"
 #include "limber/points.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
 #include "unit/internals.h"

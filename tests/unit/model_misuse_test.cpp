@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bvh/tree.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/engines.h"
 #include "support/random_geometry.h"

@@ -15,7 +15,7 @@
 
 #include "bvh/tree.h"
 #include "bvh/tree_cost.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"

@@ -11,7 +11,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_points.h"
 

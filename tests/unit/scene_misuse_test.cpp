@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "limber/reference.h"
 #include "limber/scene.h"
+#include "reference/reference.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scene/scene_cache_impl.h"
 #include "support/random_geometry.h"
 

@@ -17,7 +17,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "limber/reference.h"
+#include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 

@@ -16,7 +16,7 @@ const here = dirname(fileURLToPath(import.meta.url));
 const read = (path) => readFileSync(join(here, path), 'utf8');
 const sha256 = (content) => createHash('sha256').update(content).digest('hex');
 
-/** The viewer. The program puts its data where the placeholder is: see apps/limber/page_template.cpp. */
+/** The viewer. The program puts its data where the placeholder is: see apps/limber/reports/page_template.cpp. */
 const viewer = () => ({
   path: join(here, '../../apps/limber/pages/viewer.html'),
   title: 'limber',

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** What apps/limber/replay.cpp writes, and demo_page.cpp for `limber demo`. */
+/** What apps/limber/verbs/replay.cpp writes, and demo_page.cpp for `limber demo`. */
 
 import type { QuantizedPoints } from '../shared/decode.ts';
 import type { FramesData } from '../shared/frames.ts';

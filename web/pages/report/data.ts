@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** What apps/limber/distance_report.cpp writes. */
+/** What apps/limber/reports/distance_report.cpp writes. */
 
 import type { Quantized, QuantizedPoints } from '../shared/decode.ts';
 

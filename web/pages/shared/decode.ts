@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Reads back what apps/limber/page_data.cpp and position_frames.cpp have written. */
+/** Reads back what apps/limber/reports/page_data.cpp and position_frames.cpp have written. */
 
 import type { Vec3 } from './vectors.ts';
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Frames of a sequence, as apps/limber/position_frames.cpp writes them. */
+/** Frames of a sequence, as apps/limber/formats/position_frames.cpp writes them. */
 
 import { CountReader, bytesOf } from './decode.ts';
 import type { Vec3 } from './vectors.ts';

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "command/output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "command/bad_input.h"
+#include "command/text.h"
+
+namespace limber::program {
+namespace {
+
+[[noreturn]] void fail(int reason) {
+  throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write the answer: {}", std::strerror(reason)));
+}
+
+void write_to(std::FILE* stream, std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) fail(errno);
+}
+
+void flush(std::FILE* stream) {
+  if (std::fflush(stream) != 0) fail(errno);
+}
+
+namespace fs = std::filesystem;
+
+/// The file that writing to `path` makes.
+fs::path target_of(fs::path path) {
+  constexpr int most_links = 40;  // as Linux has it
+  std::error_code failed;
+  for (int i = 0; i < most_links && fs::is_symlink(path, failed); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, failed);
+  }
+  return fs::weakly_canonical(fs::absolute(path, failed), failed);
+}
+
+/// Whether writing to `path` changes the file `other`. Devices may be named as often as one likes.
+bool overwrites(const std::string& path, const std::string& other) {
+  std::error_code failed;
+  const bool is_there = fs::exists(path, failed);
+  if (is_there != fs::exists(other, failed)) return false;
+  if (is_there) return fs::is_regular_file(path, failed) && fs::equivalent(path, other, failed);
+  return target_of(path) == target_of(other);
+}
+
+std::string quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);  // file names need not be UTF-8
+}
+
+void append(std::string& line, const Json& json);
+
+void append_object(std::string& line, const Json& json) {
+  const char* separator = "";
+  line += '{';
+  for (const auto& [key, value] : json.items()) {
+    line += separator + quoted(key) + ": ";
+    append(line, value);
+    separator = ", ";
+  }
+  line += '}';
+}
+
+void append_array(std::string& line, const Json& json) {
+  const char* separator = "";
+  line += '[';
+  for (const Json& value : json) {
+    line += separator;
+    append(line, value);
+    separator = ", ";
+  }
+  line += ']';
+}
+
+void append(std::string& line, const Json& json) {
+  if (json.is_object()) {
+    append_object(line, json);
+  } else if (json.is_array()) {
+    append_array(line, json);
+  } else if (json.is_string()) {
+    line += quoted(json.get<std::string>());
+  } else if (json.is_number_float()) {
+    const double number = json.get<double>();
+    if (!std::isfinite(number)) throw std::logic_error("an answer is not finite");
+    line += to_text(number);
+  } else {
+    line += json.dump();
+  }
+}
+
+}  // namespace
+
+void write(std::string_view text) { write_to(stdout, text); }
+
+void flush() { flush(stdout); }
+
+void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs) {
+  if (path.empty() || path == "-") return;
+  const auto is_overwritten = [&](const std::string& other) { return overwrites(path, other); };
+  if (std::any_of(inputs.begin(), inputs.end(), is_overwritten)) {
+    throw BadInput(fmt::format("{}: {} is one of the inputs", option, path));
+  }
+  if (std::any_of(other_outputs.begin(), other_outputs.end(), is_overwritten)) {
+    throw BadInput(fmt::format("{}: {} is where another output goes", option, path));
+  }
+}
+
+OutputFile::OutputFile(const std::string& option, const std::string& path, const Names& inputs,
+                       const Names& other_outputs) {
+  check_output(option, path, inputs, other_outputs);
+  stream_ = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
+  if (stream_ == nullptr) throw BadInput(fmt::format("{}: cannot write {}: {}", option, path, std::strerror(errno)));
+}
+
+OutputFile::~OutputFile() {
+  if (stream_ != stdout) std::fclose(stream_);  // everything has been handed over
+}
+
+bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
+
+void OutputFile::write(std::string_view text) {
+  write_to(stream_, text);
+  flush(stream_);
+}
+
+void warn(const std::string& verb, const std::string& text) {
+  const std::string line = on_one_line("limber: " + verb + ": warning: " + text) + '\n';
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+std::string to_line(const Json& json) {
+  std::string line;
+  append(line, json);
+  line += '\n';
+  return line;
+}
+
+Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
+
+const char* to_text(Status status) {
+  switch (status) {
+    case Status::exact:
+      return "exact";
+    case Status::within_error:
+      return "within_error";
+    case Status::collision:
+      return "collision";
+    case Status::interrupted:
+      return "interrupted";
+    case Status::beyond_limit:
+      return "beyond_limit";
+  }
+  throw std::logic_error("an answer has no known status");
+}
+
+std::string on_one_line(std::string_view text) {
+  std::string line(text);
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+  }
+  return line;
+}
+
+}  // namespace limber::program

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "demo/demo_page.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "command/text.h"
+#include "demo/demo_table.h"
+#include "reports/page_template.h"
+#include "scenes/scenes.h"
+#include "verbs/replay.h"
+
+namespace limber::program {
+namespace {
+
+/// More frames than fit are thinned out.
+constexpr std::uint64_t max_megabytes = 8;
+
+TrackRow row_of(std::size_t number, const DemoFrame& frame) {
+  TrackRow row;
+  row.frame = number;
+  row.update = {frame.update_us, frame.update};
+  row.query_us = frame.answer_us;
+  row.result = frame.answer;
+  if (frame.answer.witness) row.witness = FoundWitness{*frame.answer.witness};
+  return row;
+}
+
+std::string introduction(const DemoRun& run) {
+  return fmt::format(
+      "A sheet of {} triangles, 100 units a side, is dented {} in each of {} frames, while a ball of {} triangles and "
+      "a diameter of 2 units flies over it on a closed curve. In every frame the tree of the sheet is refitted where "
+      "the sheet has changed and nowhere else. Then a query asks for the shortest distance between the two surfaces, "
+      "with the pair of points that attains it; it starts without a cache. A second one allows an error of {:g} %.",
+      grouped(run.sheet.triangles().size()),
+      run.options.dents_per_frame == 1 ? "once" : fmt::format("{} times", run.options.dents_per_frame),
+      grouped(run.frames.size()), grouped(run.ball.triangles().size()), 100 * rough_error);
+}
+
+/// What only the page of the demonstration has: texts, and the second query of each frame.
+Json demo_json(const DemoRun& run) {
+  Json rough = {
+      {"relative_error", rough_error}, {"lower", Json::array()}, {"upper", Json::array()}, {"query_us", Json::array()}};
+  for (const DemoFrame& frame : run.frames) {
+    rough["lower"].push_back(frame.rough.lower);
+    rough["upper"].push_back(frame.rough.upper);
+    rough["query_us"].push_back(frame.rough_us);
+  }
+  return {{"introduction", introduction(run)}, {"summary", summary_rows(run)}, {"rough", std::move(rough)}};
+}
+
+}  // namespace
+
+std::string demo_page(const DemoRun& run, const std::string& command_line) {
+  const Mesh first_sheet = scenes::thesis_sheet();
+  Replay replay(
+      {run.frames.size(), run.frames.size(), {}, words_of(run.options.model), run.options.query, max_megabytes},
+      {ReplayedModel{"sheet", first_sheet, true, false}, ReplayedModel{"ball", run.ball, false, true}});
+  replay_sheet(run.options, [&](std::size_t f, std::span<const Vec3> positions) {
+    const DemoFrame& frame = run.frames[f];
+    replay.add(row_of(f, frame), {ReplayedState{positions, {}}, ReplayedState{run.ball.positions(), frame.ball_pose}});
+  });
+  Json data = replay.to_json();
+  data["demo"] = demo_json(run);
+  return filled_page(std::move(data), command_line);
+}
+
+}  // namespace limber::program

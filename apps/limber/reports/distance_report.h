@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "command/pair_arguments.h"
+#include "reports/report_file.h"
+#include "verbs/distance_answer.h"
+
+/// The page of `limber distance --report`.
+namespace limber::program {
+
+/// All that the page shows: the answer, both meshes as placed, the distance of each from the other over its surface,
+/// and the triangles that intersect.
+Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
+                     const DistanceAnswer& answer);
+
+}  // namespace limber::program

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verbs/answers.h"
+#include "limber/distance.h"
+
+#include <cmath>
+
+#include "command/text.h"
+
+namespace limber::program {
+
+Json to_json(const std::optional<FoundWitness>& witness) {
+  if (!witness) return nullptr;
+  const auto& [found, face_a, face_b] = *witness;
+  return {
+      {"point_a", to_json(found.point_a)},
+      {"point_b", to_json(found.point_b)},
+      {"triangle_a", found.triangle_a},
+      {"triangle_b", found.triangle_b},
+      {"face_a", face_a},
+      {"face_b", face_b},
+  };
+}
+
+void write_lines(const std::optional<FoundWitness>& witness) {
+  if (!witness) return;
+  const auto& [found, face_a, face_b] = *witness;
+  write_line("point a   {}", to_text(found.point_a, " "));
+  write_line("point b   {}", to_text(found.point_b, " "));
+  write_line("on a      triangle {}, face {}", found.triangle_a, face_a);
+  write_line("on b      triangle {}, face {}", found.triangle_b, face_b);
+}
+
+std::string csv_cells(const std::optional<FoundWitness>& witness) {
+  if (!witness) return ",,,,,,,,,";
+  const auto& [found, face_a, face_b] = *witness;
+  return fmt::format("{},{},{},{},{},{}", to_text(found.point_a, ","), to_text(found.point_b, ","), found.triangle_a,
+                     found.triangle_b, face_a, face_b);
+}
+
+void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness) {
+  json["status"] = to_text(result.status);
+  json["lower"] = std::isfinite(result.lower) ? Json(result.lower) : Json(nullptr);  // where there is no pair at all
+  json["upper"] = result.status == Status::beyond_limit ? Json(nullptr) : Json(result.upper);
+  json["witness"] = to_json(witness);
+}
+
+void write_distance_lines(const DistanceResult& result, const std::optional<FoundWitness>& witness) {
+  write_line("status    {}", to_text(result.status));
+  write_line("lower     {}", to_text(result.lower));
+  if (result.status != Status::beyond_limit) write_line("upper     {}", to_text(result.upper));
+  write_lines(witness);
+}
+
+std::string csv_cells(const DistanceResult& result, const std::optional<FoundWitness>& witness) {
+  return fmt::format("{},{},{},{}", to_text(result.status), to_text(result.lower),
+                     result.status == Status::beyond_limit ? "" : to_text(result.upper), csv_cells(witness));
+}
+
+Json to_json(Nesting nesting) {
+  if (nesting == Nesting::none) return nullptr;
+  return nesting == Nesting::a_in_b ? "a_in_b" : "b_in_a";
+}
+
+void warn_about(Nesting nesting, const std::string& verb) {
+  if (nesting == Nesting::none) return;
+  const char* const relation = nesting == Nesting::a_in_b ? "A lies inside B" : "B lies inside A";
+  warn(verb, fmt::format("{} without touching it; models are surfaces, not solids, so they do not collide", relation));
+}
+
+void append_work(Json& json, const QueryStats& stats, double query_us) {
+  json["query_us"] = query_us;
+  json["node_tests"] = stats.node_tests;
+  json["triangle_tests"] = stats.triangle_tests;
+}
+
+void append_work(Json& json, const QueryStats& stats, double build_us, double query_us) {
+  json["build_us"] = build_us;
+  append_work(json, stats, query_us);
+}
+
+void write_work_lines(const QueryStats& stats, double build_us, double query_us) {
+  write_line("tests     {} of nodes, {} of triangles", stats.node_tests, stats.triangle_tests);
+  write_line("time      build {} us, query {} us", to_text(build_us), to_text(query_us));
+}
+
+}  // namespace limber::program

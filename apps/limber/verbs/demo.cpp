@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "command/options.h"
+#include "command/output.h"
+#include "command/verb.h"
+#include "demo/demo_page.h"
+#include "demo/demo_run.h"
+#include "demo/demo_table.h"
+#include "verbs/deforming_model.h"
+#include "verbs/replay.h"
+
+namespace limber::program {
+namespace {
+
+constexpr std::uint64_t max_frames = Replay::most_rows;
+constexpr std::uint64_t max_dents_per_frame = 1'000;
+
+struct DemoArguments {
+  DemoOptions demo;
+  std::string page = "limber-demo.html";
+  std::string command_line;
+  bool is_unchecked = false;
+  bool json = false;
+};
+
+/// So that the page is found wherever the reader of the answer is.
+std::string absolute_path(const std::string& path) {
+  std::error_code failure;
+  const std::filesystem::path absolute = std::filesystem::absolute(path, failure);
+  return failure ? path : absolute.string();
+}
+
+Json to_json(const Spread& spread) {
+  Json json = {{"median", spread.median}, {"max", spread.max}};
+  if (spread.p99) json["p99"] = *spread.p99;
+  return json;
+}
+
+const char* check_word(const DemoRun& run) {
+  if (!run.is_right) return "skipped";
+  if (!*run.is_right) return "different";
+  return run.options.query.relative_error == 0 ? "equal" : "within_error";
+}
+
+Json as_json(const DemoRun& run, const std::string& page) {
+  const DemoSummary summary = summary_of(run.frames);
+  return {
+      {"query", "demo"},
+      {"frames", run.frames.size()},
+      {"dents_per_frame", run.options.dents_per_frame},
+      {"seed", run.options.seed},
+      {"relative_error", run.options.query.relative_error},
+      {"engine", to_text(run.options.model.engine)},
+      {"upkeep", words_of(run.options.model)},
+      {"moved_vertices", summary.updates.moved_vertices},
+      {"refits", summary.updates.refits},
+      {"absorbed", summary.updates.absorbed},
+      {"update_us", to_json(summary.update_us)},
+      {"query_us", to_json(summary.answer_us)},
+      {"rough_query_us", to_json(summary.rough_us)},
+      {"min_distance", summary.min_distance},
+      {"contact_frames", summary.contact_frames},
+      {"wall_s", run.wall_s},
+      {"brute_force", check_word(run)},
+      {"page", page},
+  };
+}
+
+void write_summary(const DemoRun& run, const std::string& page) {
+  write("\n");
+  for (const auto& [name, text] : summary_rows(run)) write_line("{:<22}{}", name, text);
+  write_line("{:<22}{}", "page", page);
+}
+
+void check(DemoRun& run, bool is_silent) {
+  if (!is_silent) {
+    write_line("checking the last frame against brute force ...");
+    flush();
+  }
+  run.is_right = is_confirmed_by_brute_force(run);
+}
+
+void run(const DemoArguments& arguments) {
+  const std::string page = absolute_path(arguments.page);
+  OutputFile file("--out", page, {}, {standard_output});
+  DemoTable table(arguments.demo.frames);
+  DemoRun run = run_demo(arguments.demo, [&](const std::vector<DemoFrame>& frames) {
+    if (!arguments.json) table.show(frames);
+  });
+  if (!arguments.is_unchecked) check(run, arguments.json);
+  file.write(demo_page(run, arguments.command_line));
+  if (arguments.json) {
+    write(to_line(as_json(run, page)));
+  } else {
+    write_summary(run, page);
+  }
+  if (run.is_right == false) throw std::logic_error("brute force gives another distance for the last frame");
+}
+
+}  // namespace
+
+Verb add_demo(CLI::App& app, const std::string& command_line) {
+  const auto arguments = std::make_shared<DemoArguments>();
+  arguments->command_line = command_line;
+  CLI::App& command = *app.add_subcommand("demo", "A ball flies over a deforming sheet; writes a page about it");
+  DemoOptions& demo = arguments->demo;
+  add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");
+  add_count(command, "--dents-per-frame", demo.dents_per_frame, 0, max_dents_per_frame,
+            "dents in each frame; one moves about 116 of the 10 201 vertices");
+  add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "seed of the random dents");
+  add_relative_error(command, demo.query.relative_error);
+  add_deforming(command, demo.model);
+  command.add_option("--out", arguments->page, "where the page is written")
+      ->type_name("FILE")
+      ->capture_default_str()
+      ->take_last();
+  command.add_flag("--no-check", arguments->is_unchecked, "do not compare the last frame with brute force");
+  add_json(command, arguments->json, "answer with one JSON object instead of tables");
+  command.footer(
+      "The sheet has 20 000 triangles and 100 units a side, the ball 1024 triangles and a diameter of 2 units. Every\n"
+      "frame dents the sheet, refits its tree, and asks for the distance: at --relative-error and, to compare,\n"
+      "at 0.1. Times are per frame, in microseconds; percentiles are given from 100 frames on.");
+  return {&command, [arguments] { return run(*arguments), ExitCode::answered; }};
+}
+
+}  // namespace limber::program

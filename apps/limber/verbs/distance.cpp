@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "command/options.h"
+#include "command/pair_arguments.h"
+#include "command/text.h"
+#include "command/verb.h"
+#include "limber/distance.h"
+#include "reports/distance_report.h"
+#include "verbs/distance_answer.h"
+#include "verbs/distance_pairs.h"
+
+namespace limber::program {
+namespace {
+
+struct DistanceArguments {
+  PairArguments pair;
+  std::string pairs, out = "-";
+  DistanceOptions options;
+  double min_clearance = 0;  // 0: none is asked for
+  ReportArguments report;
+};
+
+DistanceQuestion question_of(const DistanceArguments& arguments) {
+  DistanceQuestion question{arguments.options, std::nullopt, arguments.pair.exit_code};
+  if (arguments.min_clearance > 0) {
+    question.min_clearance = arguments.min_clearance;
+    question.exit_code = true;
+  }
+  return question;
+}
+
+void write_lines(const DistanceAnswer& answer, const DistanceArguments& arguments, double build_us) {
+  write_distance_lines(answer.result, answer.witness);
+  if (answer.too_close) {
+    write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(arguments.min_clearance));
+  }
+  write_work_lines(answer.result.stats, build_us, answer.elapsed_us);
+}
+
+ExitCode answer_pair(const DistanceArguments& arguments) {
+  const Pair pair(arguments.pair);
+  std::optional<ReportFile> report;
+  if (!arguments.report.path.empty()) report.emplace(arguments.report, Names{arguments.pair.a, arguments.pair.b});
+  const DistanceQuestion question = question_of(arguments);
+  const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
+  if (report) report->write(distance_report(arguments.pair, pair, question, answer));
+  if (arguments.pair.json) {
+    Json json = {{"query", "distance"}};
+    append_answer(json, answer);
+    append_work(json, answer.result.stats, pair.build_us(), answer.elapsed_us);
+    write(to_line(json));
+  } else {
+    write_lines(answer, arguments, pair.build_us());
+  }
+  warn_about(answer.nesting, "distance");
+  return exit_code_of(question, answer);
+}
+
+ExitCode run(const DistanceArguments& arguments) {
+  if (arguments.pairs.empty()) return answer_pair(arguments);
+  return answer_pairs({arguments.pairs, arguments.out, arguments.pair.engine, arguments.pair.json},
+                      question_of(arguments));
+}
+
+constexpr const char* help_text = R"(
+lower <= true distance <= upper, up to rounding. status is exact (lower = upper), within_error, collision (both 0) or
+beyond_limit (farther apart than --max-distance: no upper, no witness). Lengths are in the meshes' unit, points in the
+world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split
+into fans; faces are the file's own, counted from 0.
+
+--min-clearance is decided as for an exact distance, whatever the errors asked for.
+
+Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
+closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+
+The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
+pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. A translation that is
+left out is 0; a quaternion is given whole, or not at all. Other columns are ignored, unless they look like one of these
+misspelt. Blank lines and those that start with # are skipped. Paths are relative to the working directory. Each file is
+loaded once.
+
+--report writes one HTML file that needs no network: both meshes in 3D with the closest points, a section through
+them, the distance of each surface from the other in colours, or the triangles that intersect, and the answer as a
+table.
+
+Example, pairs.csv:
+
+  model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz
+  gear.obj,housing.stl,0,0,12.5
+  gear.obj,scene:ball,3,0,0
+
+  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
+
+Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other,
+upper and the witness where status is beyond_limit. JSON has the names of the columns, and an object witness or null:
+point_a and point_b, arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time
+for both trees. Columns of the answer, where row counts from 0:
+
+)";
+
+/// What the options say about each other.
+void check_options(const CLI::App& command, const DistanceArguments& arguments) {
+  const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
+  const bool has_pairs = is_given("--pairs");
+  for (const char* const name : {"A", "B"}) {
+    if (!has_pairs && !is_given(name)) throw CLI::RequiredError(name);
+  }
+  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--report"}) {
+    if (has_pairs && is_given(name)) throw CLI::ValidationError("--pairs", std::string("leaves no room for ") + name);
+  }
+  if (!has_pairs && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs");
+  if (arguments.min_clearance > arguments.options.max_distance) {
+    throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
+  }
+  if (is_given("--exit-code") && !is_given("--max-distance") && !is_given("--min-clearance")) {
+    throw CLI::ValidationError("--exit-code", "needs --max-distance or --min-clearance");
+  }
+}
+
+}  // namespace
+
+Verb add_distance(CLI::App& app, const std::string& command_line) {
+  const auto arguments = std::make_shared<DistanceArguments>();
+  arguments->report.command_line = command_line;
+  CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
+  add_pair_arguments(command, arguments->pair,
+                     "a pair is at most --max-distance apart; where --min-clearance is given, that decides");
+  for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
+  add_distance_options(command, arguments->options);
+  add_number(command, "--min-clearance", arguments->min_clearance,
+             {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
+             "exit with 3 instead of 0 when a pair is closer than this length, at most --max-distance")
+      ->type_name("LENGTH")
+      ->default_str("");
+  command
+      .add_option("--pairs", arguments->pairs,
+                  "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
+                  "--json an object for each row")
+      ->type_name("CSV");
+  command.add_option("--out", arguments->out, "with --pairs: where the answer is written, - for standard output")
+      ->type_name("FILE")
+      ->capture_default_str();
+  add_report(command, arguments->report,
+             "also write a page that shows the answer: both meshes, a section, their distance in colours");
+  command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
+  const std::string columns = fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", "));
+  command.footer(help_text + columns);
+  return {&command, [arguments] { return run(*arguments); }};
+}
+
+}  // namespace limber::program

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "command/stopwatch.h"
+#include "limber/classic.h"
+#include "limber/io.h"
+#include "limber/model.h"
+#include "reference/reference.h"
+
+/// Models as the command line names them, and queries between two that do not deform.
+namespace limber::program {
+
+/// The help about an argument that names a model.
+inline constexpr const char* model_argument_help = "mesh file (.obj .ply .stl .off .gltf .glb) or scene:NAME";
+
+/// Whether the argument names a scene instead of a file.
+bool is_scene(const std::string& argument);
+
+/// Reads a mesh file or makes a scene; each triangle of a scene is a face of its own.
+///
+/// Errors   BadInput naming the argument.
+MeshFile load_mesh_argument(const std::string& argument);
+
+enum class Engine { fast, classic, reference };
+
+struct PlacedModel;
+
+/// A model that does not deform, ready for queries of one engine.
+class RigidModel {
+ public:
+  RigidModel(MeshFile file, Engine engine);
+
+  const Mesh& mesh() const;
+  /// Pre: the engine is the fast one.
+  const Model& fast() const { return std::get<Model>(model_); }
+  std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
+  std::size_t face_count() const { return face_count_; }  ///< of the file
+  double build_us() const { return build_us_; }           ///< time for the tree
+  const Box& box() const { return box_; }                 ///< of the triangles, in the model's frame
+  bool is_closed() const;                                 ///< counted when it is first asked for
+
+ private:
+  template <typename Query>
+  friend auto ask(const PlacedModel& a, const PlacedModel& b, Query query);
+
+  Box box_;
+  double build_us_ = 0;
+  std::variant<Model, classic::Model, Mesh> model_;
+  std::vector<std::uint32_t> face_of_triangle_;
+  std::size_t face_count_ = 0;
+  mutable std::optional<bool> is_closed_;
+};
+
+/// A model and where it stands. The model must outlive it.
+struct PlacedModel {
+  const RigidModel& model;
+  Transform pose;  ///< world_from_model
+};
+
+template <typename Answer>
+struct TimedAnswer {
+  Answer answer;
+  double elapsed_us = 0;  ///< of the query alone
+};
+
+/// Puts a query to the engine of two models; `query` takes two placed models or meshes of any engine.
+///
+/// Pre      Both models are of one engine.
+template <typename Query>
+auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
+  return std::visit(
+      [&](const auto& model_a) {
+        using Either = std::decay_t<decltype(model_a)>;
+        const Either& model_b = std::get<Either>(b.model.model_);
+        const Stopwatch asking;
+        if constexpr (std::is_same_v<Either, Mesh>) {
+          auto answer = query(reference::Placed{model_a, a.pose}, reference::Placed{model_b, b.pose});
+          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
+        } else {
+          using Placed = std::conditional_t<std::is_same_v<Either, Model>, limber::Placed, classic::Placed>;
+          auto answer = query(Placed{model_a, a.pose}, Placed{model_b, b.pose});
+          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
+        }
+      },
+      a.model.model_);
+}
+
+/// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to
+/// them such a pair is apart.
+enum class Nesting { none, a_in_b, b_in_a };
+
+/// Of models that meet it tells nothing.
+///
+/// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
+///          first time.
+Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
+
+}  // namespace limber::program

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verbs/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace limber::program {
+namespace {
+
+/// Of the page without frames: its program, its charts of a usual sequence, two meshes.
+constexpr double other_bytes = 1.5e6;
+constexpr double fewest_frame_bytes = 1e5;
+
+/// Frames that would take more bytes are thinned out. In base64, 3 bytes are 4.
+double most_frame_bytes(std::uint64_t max_megabytes) {
+  return std::max(fewest_frame_bytes, (1e6 * static_cast<double>(max_megabytes) - other_bytes) * 3 / 4);
+}
+
+constexpr std::array row_names = {"lower", "upper", "status", "update_us", "query_us", "moved_vertices", "witness"};
+constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
+
+template <typename List>
+Json empty_lists(const List& names) {
+  Json json;
+  for (const char* const name : names) json[name] = Json::array();
+  return json;
+}
+
+}  // namespace
+
+Replay::Model::Model(const ReplayedModel& model) : model_(model), triangles_(model.first) {
+  const std::vector<Vec3> positions = triangles_.in_order(model.first.positions);
+  if (model.deforms) {
+    frames_.emplace(positions);
+  } else {
+    shape_ = quantized(positions);
+  }
+}
+
+void Replay::Model::add(const ReplayedState& state) {
+  if (frames_) frames_->add(triangles_.in_order(state.positions));
+  if (model_.moves || poses_.byte_count() == 0) poses_.add(state.pose);
+}
+
+void Replay::Model::drop_every_second() {
+  if (frames_) frames_->drop_every_second();
+  if (model_.moves) poses_.drop_every_second();
+}
+
+std::size_t Replay::Model::byte_count() const { return (frames_ ? frames_->byte_count() : 0) + poses_.byte_count(); }
+
+Json Replay::Model::to_json() const {
+  Json json = {{"name", model_.name},
+               {"triangles", model_.first.triangles.size()},
+               {"vertices", model_.first.positions.size()},
+               {"corners", base64_of(triangles_.corners)}};
+  if (frames_) {
+    json["frames"] = frames_->to_json();
+  } else {
+    json["positions"] = shape_;
+  }
+  json["poses"] = poses_.to_json();
+  return json;
+}
+
+Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
+    : sequence_(std::move(sequence)),
+      models_{Model(models[0]), Model(models[1])},
+      rows_(empty_lists(row_names)),
+      contacts_(Json::array()) {
+  for (const std::string& name : sequence_.contact_names) {
+    Json json = empty_lists(contact_row_names);
+    json["name"] = name;
+    contacts_.push_back(std::move(json));
+  }
+}
+
+void Replay::add(const TrackRow& row, const std::array<ReplayedState, 2>& states) {
+  add_row(row);
+  if (row.frame >= sequence_.frame_count || row.frame % stride_ != 0) return;
+  for (std::size_t m = 0; m < models_.size(); ++m) models_[m].add(states[m]);
+  while (static_cast<double>(models_[0].byte_count() + models_[1].byte_count()) >
+             most_frame_bytes(sequence_.max_megabytes) &&
+         row.frame >= stride_) {
+    for (Model& model : models_) model.drop_every_second();
+    stride_ *= 2;
+  }
+}
+
+void Replay::add_row(const TrackRow& row) {
+  Json answer;
+  append_distance(answer, row.result, row.witness);
+  for (const char* const name : {"lower", "upper", "status"}) rows_[name].push_back(answer[name]);
+  rows_["update_us"].push_back(row.update.elapsed_us);
+  rows_["query_us"].push_back(row.query_us);
+  rows_["moved_vertices"].push_back(row.update.done.moved_vertices);
+  Json witness = nullptr;
+  if (row.witness) {
+    const auto& [a, b, triangle_a, triangle_b] = row.witness->witness;
+    witness = {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b};
+  }
+  rows_["witness"].push_back(std::move(witness));
+  for (std::size_t c = 0; c < row.contacts.size(); ++c) {
+    const FoundContacts& found = row.contacts[c].found;
+    contacts_[c]["query_us"].push_back(found.elapsed_us);
+    contacts_[c]["count"].push_back(found.count);
+    contacts_[c]["intersecting"].push_back(found.intersecting_count);
+  }
+}
+
+Json Replay::to_json() const {
+  Json rows = rows_;
+  for (std::size_t r = 0; r < rows["witness"].size(); ++r) {
+    const bool is_kept = r % sequence_.frame_count % stride_ == 0;
+    if (!is_kept) rows["witness"][r] = nullptr;  // no picture shows it
+  }
+  return {{"engine", sequence_.engine},
+          {"relative_error", sequence_.query.relative_error},
+          {"absolute_error", sequence_.query.absolute_error},
+          {"max_distance",
+           std::isfinite(sequence_.query.max_distance) ? Json(sequence_.query.max_distance) : Json(nullptr)},
+          {"frame_count", sequence_.frame_count},
+          {"stride", stride_},
+          {"max_megabytes", sequence_.max_megabytes},
+          {"rows", std::move(rows)},
+          {"contacts", contacts_},
+          {"models", {models_[0].to_json(), models_[1].to_json()}}};
+}
+
+}  // namespace limber::program

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/position_frames.h"
+#include "limber/distance.h"
+#include "verbs/track_row.h"
+
+/// What the viewer plays: two models that move and deform, and what was asked about them in each frame.
+namespace limber::program {
+
+/// A model as it enters a replay.
+struct ReplayedModel {
+  std::string name;
+  MeshView first;  ///< in the first frame; its arrays must outlive the replay
+  bool deforms = false;
+  bool moves = false;
+};
+
+/// A model in one frame.
+struct ReplayedState {
+  std::span<const Vec3> positions;
+  Transform pose;  ///< world_from_model
+};
+
+/// Gathers the frames of a sequence. Where they would make the page too large it keeps every 2nd, 4th, ... frame;
+/// charts have all rows.
+class Replay {
+ public:
+  static constexpr std::size_t most_rows = 100'000;  ///< that charts have room for
+
+  struct Sequence {
+    std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
+    std::vector<std::string> contact_names;
+    std::string engine;  ///< in words
+    DistanceOptions query;
+    std::uint64_t max_megabytes = 0;  ///< that the page may have
+  };
+
+  /// Pre      At most `most_rows` rows.
+  Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models);
+
+  /// Adds a row, and the frame if it has not been added yet. Errors as PositionFrames::add().
+  void add(const TrackRow& row, const std::array<ReplayedState, 2>& states);
+
+  /// Every so many frames are kept.
+  std::size_t stride() const { return stride_; }
+
+  /// The data of the page.
+  Json to_json() const;
+
+ private:
+  class Model {
+   public:
+    explicit Model(const ReplayedModel& model);
+
+    void add(const ReplayedState& state);
+    void drop_every_second();
+    std::size_t byte_count() const;
+    Json to_json() const;
+
+   private:
+    ReplayedModel model_;
+    PageTriangles triangles_;
+    Json shape_;                            // positions of a mesh that does not deform
+    std::optional<PositionFrames> frames_;  // of one that does
+    PoseFrames poses_;
+  };
+
+  void add_row(const TrackRow& row);
+
+  Sequence sequence_;
+  std::array<Model, 2> models_;
+  std::size_t stride_ = 1;
+  Json rows_, contacts_;
+};
+
+}  // namespace limber::program

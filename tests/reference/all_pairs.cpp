@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/arguments.h"
+#include "base/float_environment.h"
+#include "geometry/primitives.h"
+#include "geometry/shared_corners.h"
+#include "reference/place.h"
+#include "reference/reference.h"
+
+namespace limber::reference {
+namespace {
+
+/// Whether two triangles of a mesh share a vertex.
+bool are_neighbors(const Corners& a, const Corners& b) {
+  for (const VertexId v : a) {
+    for (const VertexId w : b) {
+      if (v == w) return true;
+    }
+  }
+  return false;
+}
+
+template <typename Visit>
+void for_all_pairs(MeshView mesh, const Visit& visit) {
+  for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
+    for (TriangleId j = i + 1; j < mesh.triangles.size(); ++j) visit(i, j);
+  }
+}
+
+/// Whether each edge is run through as often in one direction as in the other.
+bool is_closed(MeshView mesh) {
+  std::map<std::pair<VertexId, VertexId>, int> balance;
+  for (const Corners& c : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = c[k], w = c[(k + 1) % 3];
+      if (v != w) balance[std::minmax(v, w)] += v < w ? 1 : -1;
+    }
+  }
+  return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
+}
+
+OrientedFaces closed_ones(MeshView a, MeshView b) {
+  if (is_closed(a)) return is_closed(b) ? OrientedFaces::both : OrientedFaces::of_a;
+  return is_closed(b) ? OrientedFaces::of_b : OrientedFaces::none;
+}
+
+bool meet(MeshView mesh, TriangleId i, TriangleId j) {
+  return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
+}
+
+/// The nearest, of equally close ones the first in the order of ids.
+std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
+  std::sort(contacts.begin(), contacts.end(), [](const Contact& c, const Contact& d) {
+    return std::tie(c.distance, c.triangle_a, c.triangle_b) < std::tie(d.distance, d.triangle_a, d.triangle_b);
+  });
+  contacts.resize(std::min(count, contacts.size()));
+  return contacts;
+}
+
+}  // namespace
+
+std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
+  const base::DefaultFloatEnvironment environment;
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  std::vector<TrianglePair> pairs;
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      if (geometry::intersects(triangles_a[i], triangles_b[j])) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
+                              std::optional<OrientedFaces> oriented_faces) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::contacts");
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  const OrientedFaces oriented = oriented_faces.value_or(closed_ones(a.mesh, b.mesh));
+  std::vector<Contact> found;
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      const Contact contact{geometry::contact(triangles_a[i], triangles_b[j], oriented), i, j};
+      if (contact.distance <= margin) found.push_back(contact);
+    }
+  }
+  return found;
+}
+
+std::vector<TrianglePair> self_intersections(MeshView mesh) {
+  const base::DefaultFloatEnvironment environment;
+  std::vector<TrianglePair> pairs;
+  for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
+    if (meet(mesh, i, j)) pairs.push_back({i, j});
+  });
+  return pairs;
+}
+
+std::vector<Contact> self_contacts(MeshView mesh, double margin, std::optional<OrientedFaces> oriented_faces) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::reference::self_contacts");
+  const OrientedFaces of_all = oriented_faces.value_or(closed_ones(mesh, mesh));
+  std::vector<Contact> found;
+  for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
+    const bool have_shared = are_neighbors(mesh.triangles[i], mesh.triangles[j]);
+    if (have_shared && !meet(mesh, i, j)) return;
+    const bool are_oriented = of_all != OrientedFaces::none && !have_shared;
+    const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
+    const Contact contact{geometry::contact(mesh.triangle(i), mesh.triangle(j), oriented), i, j};
+    if (contact.distance <= margin) found.push_back(contact);
+  });
+  return found;
+}
+
+std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t count) {
+  return nearest(contacts(a, b, std::numeric_limits<double>::max()), count);
+}
+
+std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count) {
+  return nearest(self_contacts(mesh, std::numeric_limits<double>::max()), count);
+}
+
+}  // namespace limber::reference

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+#include <vector>
+
+#include "base/arguments.h"
+#include "base/float_environment.h"
+#include "geometry/primitives.h"
+#include "reference/place.h"
+#include "reference/reference.h"
+
+namespace limber::reference {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+CollideResult collide(const Placed& a, const Placed& b) {
+  const base::DefaultFloatEnvironment environment;
+  CollideResult result;
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      ++result.stats.triangle_tests;
+      if (!geometry::intersects(triangles_a[i], triangles_b[j])) continue;
+      const Vec3 shared = geometry::shared_point(triangles_a[i], triangles_b[j]);
+      result.answer = Answer::yes;
+      result.witness = Witness{shared, shared, i, j};
+      return result;
+    }
+  }
+  result.answer = Answer::no;
+  return result;
+}
+
+DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::reference::distance");
+  base::check_has_no_cache_or_budget(options, "limber::reference::distance");
+  DistanceResult result;
+  result.upper = infinity;
+  const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
+  for (TriangleId i = 0; i < triangles_a.size(); ++i) {
+    for (TriangleId j = 0; j < triangles_b.size(); ++j) {
+      ++result.stats.triangle_tests;
+      const ClosestPoints closest = geometry::closest_points(triangles_a[i], triangles_b[j]);
+      if (closest.distance >= result.upper) continue;
+      result.upper = closest.distance;
+      result.witness = Witness{closest.point_a, closest.point_b, i, j};
+    }
+  }
+  result.lower = result.upper;
+  result.status = result.upper == 0 ? Status::collision : Status::exact;
+  if (result.upper > options.max_distance) {
+    result.lower = options.max_distance;
+    result.upper = infinity;
+    result.witness.reset();
+    result.status = Status::beyond_limit;
+  }
+  return result;
+}
+
+CollideResult within(const Placed& a, const Placed& b, double max_distance) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_max_distance(max_distance);
+  CollideResult result;
+  const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
+  result.stats = closest.stats;
+  result.answer = closest.status != Status::beyond_limit ? Answer::yes : Answer::no;
+  result.witness = closest.witness;
+  return result;
+}
+
+}  // namespace limber::reference
