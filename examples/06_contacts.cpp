@@ -50,7 +50,7 @@ int main() {
   std::printf("%zu pairs within 0.01; the deepest by %g, along (%g, %g, %g)\n", found.count, deepest.depth,
               deepest.normal.x, deepest.normal.y, deepest.normal.z);
 
-  // A solver of rigid bodies wants a few points of each region. All contacts are needed for that.
+  // A solver of rigid bodies wants a few points of each patch. All contacts are needed for that.
   contacts.resize(found.count);
   limber::contacts(a, b, 0.01, contacts);
   const std::size_t kept = limber::reduce_contacts(contacts, {.radius = 0.6, .max_angle = 1});

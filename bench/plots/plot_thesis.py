@@ -87,7 +87,7 @@ def plot_updates(results: Results, target: Path) -> None:
     batches = list(results.update("large", "immediate", 0, "median_us"))
 
     times.set_title("Time per moved vertex")
-    refits.set_title("Spheres, or 8-wide nodes, refitted per moved vertex")
+    refits.set_title("Spheres, or 8-nodes, refitted per moved vertex")
     label_shift = {"immediate": (0, 6), "batched": (0, -13), "by_depth": (0, 6)}
     for mode in MODES:
         low, high, median, count = (results.update("large", mode, 0, column)
@@ -111,7 +111,7 @@ def plot_updates(results: Results, target: Path) -> None:
                    "dependent on the batch.")
     caption(refits, "A tree over 20 000 triangles is 15 levels deep, a vertex has 6 triangles: about 91\n"
                     "refits for each vertex moved alone. When dents of one commit overlap, vertices\n"
-                    "moved more than once are repaired once. The fast engine refits 8-wide nodes, each of\n"
+                    "moved more than once are repaired once. The fast engine refits 8-nodes, each of\n"
                     "eight leaves of 8 triangles, or of eight nodes.")
     for axes in (times, refits):
         axes.set_xscale("log")

@@ -30,7 +30,7 @@ using EdgeId = std::uint32_t;
 ///
 /// Shape    Edges are pairs of different vertex ids, the smaller first, in ascending order. Where a triangle names a
 ///          vertex twice, there is no edge between the two.
-/// Owner    The owner of an edge or a vertex is the triangle of the lowest id that has it.
+/// Representative    The representative of an edge or a vertex is the triangle of the lowest id that has it.
 class MeshEdges {
  public:
   /// Positions do not matter, so the edges hold for as long as the triangles do: until Model::reset().
@@ -40,28 +40,28 @@ class MeshEdges {
   LIMBER_API explicit MeshEdges(const Mesh& mesh);
 
   std::size_t size() const { return vertices_.size(); }
-  std::size_t vertex_count() const { return vertex_owners_.size(); }
+  std::size_t vertex_count() const { return vertex_representatives_.size(); }
   std::size_t triangle_count() const { return of_triangles_.size(); }
 
   /// The two vertices of each edge.
   std::span<const std::array<VertexId, 2>> vertices() const { return vertices_; }
   /// The edges of each triangle: from corner 0 to 1, from 1 to 2 and from 2 to 0; no_id where there is none.
   std::span<const std::array<EdgeId, 3>> of_triangles() const { return of_triangles_; }
-  /// The owner of each edge.
-  std::span<const TriangleId> owners() const { return owners_; }
-  /// The owner of each vertex; no_id if no triangle has it.
-  std::span<const TriangleId> vertex_owners() const { return vertex_owners_; }
+  /// The representative of each edge.
+  std::span<const TriangleId> representatives() const { return representatives_; }
+  /// The representative of each vertex; no_id if no triangle has it.
+  std::span<const TriangleId> vertex_representatives() const { return vertex_representatives_; }
 
   /// What a triangle owns, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next.
   ///
   /// Pre      The triangle exists.
-  std::uint8_t owned_by(TriangleId triangle) const { return owned_[triangle]; }
+  std::uint8_t represented_by(TriangleId triangle) const { return represented_[triangle]; }
 
  private:
   std::vector<std::array<VertexId, 2>> vertices_;
   std::vector<std::array<EdgeId, 3>> of_triangles_;
-  std::vector<TriangleId> owners_, vertex_owners_;
-  std::vector<std::uint8_t> owned_;
+  std::vector<TriangleId> representatives_, vertex_representatives_;
+  std::vector<std::uint8_t> represented_;
 };
 
 /// A vertex and a face that are close.

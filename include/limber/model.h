@@ -60,7 +60,7 @@ struct TreeStats {
 /// Work done on the tree since the model was built.
 struct MaintenanceStats {
   std::uint64_t moved_vertices = 0;  ///< vertices named by updates, repetitions included
-  std::uint64_t refits = 0;          ///< 8-wide nodes whose bounds were recomputed
+  std::uint64_t refits = 0;          ///< 8-nodes whose bounds were recomputed
   /// Times that a move or commit has gone over the whole tree, or over all vertices. Rebuilding in small steps, and
   /// surveys in proportion to refits, are not counted.
   std::uint64_t whole_passes = 0;

@@ -58,7 +58,7 @@ nb::object closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, n
                        });
 }
 
-/// The kept contacts and their regions.
+/// The kept contacts and their patches.
 nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size_t max_points) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   const nb::object given = numpy.attr("asarray")(contacts);
@@ -74,11 +74,11 @@ nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size
   const auto count = nb::cast<std::size_t>(packed.attr("size"));
   // The copy is this call's own.
   const std::span<Contact> all(static_cast<Contact*>(memory_of(packed, count * sizeof(Contact))), count);
-  std::vector<std::uint32_t> regions(count);
+  std::vector<std::uint32_t> patches(count);
   const ReductionOptions options{.radius = radius, .max_angle = max_angle, .max_points = max_points};
-  const std::size_t kept = without_gil([&] { return reduce_contacts(all, options, regions); });
+  const std::size_t kept = without_gil([&] { return reduce_contacts(all, options, patches); });
   return nb::make_tuple(array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
-                        array_of(std::span<const std::uint32_t>(regions).first(kept)));
+                        array_of(std::span<const std::uint32_t>(patches).first(kept)));
 }
 
 // --- one model with itself ---
@@ -173,7 +173,7 @@ void bind_contacts(nb::module_& m) {
         nb::sig("def reduce_contacts(contacts: RecordArray, *, radius: float, max_angle: float = 0.5, "
                 "max_points: int = 4) -> tuple[RecordArray, IdArray]"),
         (std::string(docs::reduce_contacts) +
-         "\n\nReturns  The kept contacts, and the region of each; the argument is left alone.\n\nradius: " +
+         "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nradius: " +
          docs::ReductionOptions_radius + "\n\nmax_angle: " + docs::ReductionOptions_max_angle +
          "\n\nmax_points: " + docs::ReductionOptions_max_points)
             .c_str());

@@ -88,11 +88,12 @@ void bind_elements(nb::module_& m) {
           "of_triangles", [](const EdgesObject& self) { return array_of(self.edges->of_triangles()); },
           nb::sig("def of_triangles(self) -> IdArray"), docs::MeshEdges_of_triangles)
       .def_prop_ro(
-          "owners", [](const EdgesObject& self) { return array_of(self.edges->owners()); },
-          nb::sig("def owners(self) -> IdArray"), docs::MeshEdges_owners)
+          "representatives", [](const EdgesObject& self) { return array_of(self.edges->representatives()); },
+          nb::sig("def representatives(self) -> IdArray"), docs::MeshEdges_representatives)
       .def_prop_ro(
-          "vertex_owners", [](const EdgesObject& self) { return array_of(self.edges->vertex_owners()); },
-          nb::sig("def vertex_owners(self) -> IdArray"), docs::MeshEdges_vertex_owners);
+          "vertex_representatives",
+          [](const EdgesObject& self) { return array_of(self.edges->vertex_representatives()); },
+          nb::sig("def vertex_representatives(self) -> IdArray"), docs::MeshEdges_vertex_representatives);
   nb::class_<NeighborRings>(m, "NeighborRings", docs::NeighborRings)
       .def(
           "__init__",

@@ -62,9 +62,9 @@ def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
 def test_reduction_keeps_a_few_and_leaves_its_argument_alone(ball: limber3d.Model) -> None:
     contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
     before = contacts.copy()
-    kept, regions = limber3d.reduce_contacts(contacts, radius=0.5, max_points=2)
-    assert (contacts == before).all() and 0 < len(kept) < len(contacts) and len(regions) == len(kept)
-    assert kept[0] in contacts and numpy.bincount(regions).max() <= 2
+    kept, patches = limber3d.reduce_contacts(contacts, radius=0.5, max_points=2)
+    assert (contacts == before).all() and 0 < len(kept) < len(contacts) and len(patches) == len(kept)
+    assert kept[0] in contacts and numpy.bincount(patches).max() <= 2
     assert len(limber3d.reduce_contacts(contacts[:0], radius=0.5)[0]) == 0
     assert len(limber3d.reduce_contacts(contacts[::2], radius=0.5)[0]) > 0
     with pytest.raises(ValueError, match="radius"):
@@ -136,7 +136,7 @@ def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     assert numpy.allclose(vertex_face["weights"].sum(axis=1), 1) and vertex_face["is_vertex_of_b"].any()
     edges = limber3d.MeshEdges(tetra)
     assert len(edges) == 6 and edges.vertices.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
-    assert edges.of_triangles.shape == (4, 3) and edges.owners.shape == (6,) and edges.vertex_owners.shape == (4,)
+    assert edges.of_triangles.shape == (4, 3) and edges.representatives.shape == (6,) and edges.vertex_representatives.shape == (4,)
     pair = edge_edge[0]
     a, b = tetra.vertices[edges.vertices[pair["a"]]], tetra.vertices[edges.vertices[pair["b"]]] + [1.5, 0, 0]
     points = a[0] + pair["parameter_a"] * (a[1] - a[0]), b[0] + pair["parameter_b"] * (b[1] - b[0])

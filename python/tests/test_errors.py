@@ -114,7 +114,7 @@ def test_a_model_that_was_not_initialized_is_a_type_error() -> None:
 
 def test_contacts_to_reduce_are_checked() -> None:
     contacts = limber3d.contacts(model(), model(), 0.1)
-    kept, regions = limber3d.reduce_contacts(contacts, radius=0.5)
+    kept, patches = limber3d.reduce_contacts(contacts, radius=0.5)
     # NumPy packs what it concatenates: the same fields at other places.
     packed = numpy.concatenate([contacts[:1], contacts[1:]])
     assert packed.dtype != limber3d.contact_dtype

@@ -37,7 +37,7 @@ std::vector<std::vector<std::uint32_t>> leaves_below_slots(std::uint32_t leaves)
   return levels;
 }
 
-/// Creates all wide nodes, without bounds, level by level.
+/// Creates all nodes, without bounds, level by level.
 void create_nodes(Tree& tree, std::uint32_t leaves) {
   std::vector<std::vector<std::uint32_t>> levels = leaves_below_slots(leaves);
   levels.pop_back();  // slots with leaves have no nodes
@@ -72,7 +72,7 @@ void create_nodes(Tree& tree, std::uint32_t leaves) {
 Tree build(MeshView mesh) {
   LIMBER_ASSERT(!mesh.triangles.empty());
   Tree tree;
-  tree.assignment_id = new_assignment_id();
+  tree.build_id = new_assignment_id();
   const BoundingBox box = bounding_box_of(mesh);
   const Vec3 center = box.center();
   tree.unit = box.unit();

@@ -13,7 +13,7 @@
 
 namespace limber::bvh {
 
-/// The wide nodes whose bounds have to be refitted, because vertices below them have moved.
+/// The nodes whose bounds have to be refitted, because vertices below them have moved.
 ///
 /// A vertex marks the nodes of the lowest level that have a triangle at it. The nodes above them are added while
 /// refit() goes up, level by level. Each node is listed once. Beside them the set counts the nodes that motion would

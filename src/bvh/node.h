@@ -8,16 +8,16 @@
 #include "limber/base.h"
 #include "limber/math.h"
 
-/// Memory layout of the hierarchy, an 8-wide BVH: wide nodes and leaves as structures of arrays in float32.
+/// Memory layout of the hierarchy, an 8-wide BVH: nodes and leaves as structures of arrays in float32.
 ///
 /// Unit     Lengths are multiples of Tree::unit, a power of two, unless a comment says otherwise. Positions are
 ///          relative to a local origin, so float32 resolves them wherever the mesh lies.
 namespace limber::bvh {
 
-/// Child slots of a wide node, and triangle slots of a leaf.
+/// Child slots of a node, and triangle slots of a leaf.
 inline constexpr std::uint32_t width = 8;
 
-/// Bounding volumes of the children of a wide node, one child slot each. A volume is the intersection of a sphere, an
+/// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an
 /// axis-aligned box in the model frame and a slab, all about one center. Numbers are rounded outward.
 struct alignas(64) ChildBounds {
   float center_x[width], center_y[width], center_z[width];  // 96 bytes
@@ -37,16 +37,16 @@ static_assert(sizeof(QuantizedTriangles) == 18 * width);
 inline constexpr float max_quantized = 32767;
 
 /// A node with up to `width` children.
-struct alignas(64) WideNode {
-  ChildBounds bounds;         // 384 bytes   relative to origin
-  Vec3 origin;                //  24         model frame, in the mesh's length unit
-  float radius;               //   4         of a sphere about the origin that holds the spheres of all children
-  std::uint32_t first_child;  //   4         wide node, or leaf on the lowest level, in slot 0; slot k: the k-th after
-  std::uint32_t child_count;  //   4         slots in use, the first ones
-  std::uint32_t parent;       //   4         slot whose child this is; 0 for the root
+struct alignas(64) Node {
+  ChildBounds bounds;              // 384 bytes   relative to origin
+  Vec3 origin;                     //  24         model frame, in the mesh's length unit
+  float radius;                    //   4         of a sphere about the origin that holds the spheres of all children
+  std::uint32_t first_child;       //   4         node, or leaf on the lowest level, in slot 0; slot k: the k-th after
+  std::uint32_t child_count;       //   4         slots in use, the first ones
+  std::uint32_t parent;            //   4         slot whose child this is; 0 for the root
   std::uint32_t coincident_slots;  //   4         bit mask: slots below which all triangles have equal corners, in order
 };
-static_assert(sizeof(WideNode) == 448);
+static_assert(sizeof(Node) == 448);
 
 /// Up to `width` triangles; slots beyond them repeat the last one.
 struct Leaf {
@@ -56,7 +56,7 @@ struct Leaf {
 };
 static_assert(sizeof(Leaf) == 272);
 
-/// One bounding volume like those of ChildBounds, around all children of a wide node and relative to its origin.
+/// One bounding volume like those of ChildBounds, around all children of a node and relative to its origin.
 struct MergedBounds {
   float center[3];
   float radius, half[3], normal[3], low, high;

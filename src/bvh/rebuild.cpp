@@ -33,7 +33,7 @@ constexpr double refits_beside_budget = 2;
 std::size_t lowest_level(const Tree& tree) { return tree.level_begin.size() - 2; }
 
 double ns_of_children(const Tree& tree, std::uint32_t n) {
-  const WideNode& node = tree.nodes[n];
+  const Node& node = tree.nodes[n];
   return node.child_count * (node.first_child >= tree.first_lowest_node() ? ns_per_lowest_node : ns_per_node);
 }
 
@@ -237,7 +237,7 @@ void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
   std::swap(tree.unit, next_.unit);
   tree.nodes.swap(next_.nodes);
   tree.leaves.swap(next_.leaves);
-  tree.assignment_id = new_assignment_id();
+  tree.build_id = new_assignment_id();
   tree.displacement = 0;
   std::swap(dirty, *dirty_);
   stop();

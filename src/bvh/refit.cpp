@@ -3,7 +3,7 @@
 
 // Based on  Slab cut balls [LarssonAkenineMoller2009]: a sphere cut by the slab that bounds its content.
 // Differs   A box shares the center. The two lowest levels are fitted to corners, the levels above to the bounds below.
-//           The origin of a wide node is a corner below it, so differences of origins and corners are as exact as they
+//           The origin of a node is a corner below it, so differences of origins and corners are as exact as they
 //           are small, wherever the mesh is.
 #include "bvh/refit.h"
 
@@ -36,7 +36,7 @@ constexpr double good_unit_ratio = 0x1p10, tolerated_unit_ratio = 0x1p20;
 // An origin may be this multiple of the largest child's radius away from its node's first child.
 constexpr double tolerated_origin_distance = 64;
 
-/// The bounding volume of everything below a wide node, in units, relative to an origin.
+/// The bounding volume of everything below a node, in units, relative to an origin.
 struct Volume {
   Vec3 center, half;
   double radius;
@@ -52,7 +52,7 @@ Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 Volume from(const MergedBounds& b) { return {vec3(b.center), vec3(b.half), b.radius, vec3(b.normal), b.low, b.high}; }
 
-Volume volume_of_slot(const WideNode& node, std::uint32_t k) {
+Volume volume_of_slot(const Node& node, std::uint32_t k) {
   const ChildBounds& n = node.bounds;
   return {local_slot_center(node, k),
           {n.half_x[k], n.half_y[k], n.half_z[k]},
@@ -76,10 +76,10 @@ double farthest(const Volume& b, const Vec3& d) {
 /// The radius of the root's sphere, fitted to the volumes two levels below the root; `node` has the root's children. A
 /// sphere around spheres around spheres is a quarter too large on a model that is a ball, and many queries end at the
 /// roots.
-double root_radius(const Tree& tree, const WideNode& node, const Volume& root) {
+double root_radius(const Tree& tree, const Node& node, const Volume& root) {
   double radius = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
-    const WideNode& child = tree.nodes[node.first_child + k];
+    const Node& child = tree.nodes[node.first_child + k];
     const Vec3 shift = (child.origin - node.origin) * (1 / tree.unit) - root.center;
     for (std::uint32_t j = 0; j < child.child_count; ++j) {
       const Volume volume = volume_of_slot(child, j);
@@ -90,7 +90,7 @@ double root_radius(const Tree& tree, const WideNode& node, const Volume& root) {
 }
 
 /// Stores a volume, which is relative to `origin`, in a slot, rounded outward.
-void store(WideNode& node, std::uint32_t slot, const Vec3& origin, const Volume& b, double per_unit) {
+void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& b, double per_unit) {
   const Vec3 offset = (origin - node.origin) * per_unit;
   const Vec3 center = offset + b.center, stored = to_24_bits(center);
   // At least the distance of the stored center from the volume's.
@@ -115,7 +115,7 @@ void store(WideNode& node, std::uint32_t slot, const Vec3& origin, const Volume&
   n.low[slot] = -grown(error - b.low), n.high[slot] = grown(error + b.high);
 }
 
-void find_radius(WideNode& node) {
+void find_radius(Node& node) {
   double radius = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
     radius = std::max(radius, length(local_slot_center(node, k)) + static_cast<double>(node.bounds.radius[k]));
@@ -146,9 +146,9 @@ class Refitter {
   bool is_lowest(std::uint32_t node) const { return node >= tree_.first_lowest_node(); }
 
   /// Fits a node above the lowest level. Its children must have been fitted, unless they are on the lowest level.
-  void fit_upper(WideNode& node, bool children_are_lowest) const {
+  void fit_upper(Node& node, bool children_are_lowest) const {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
-      WideNode& child = tree_.nodes[node.first_child + k];
+      Node& child = tree_.nodes[node.first_child + k];
       base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
       const Volume volume = children_are_lowest ? fit_lowest(child, leaves_from(child)) : merge(child);
       if (k == 0) node.origin = child.origin;
@@ -172,7 +172,7 @@ class Refitter {
   /// that slot has changed, so that the parent has to be fitted too.
   bool refit(std::uint32_t n) const {
     const bool node_is_lowest = is_lowest(n);
-    WideNode& node = tree_.nodes[n];
+    Node& node = tree_.nodes[n];
     if (!node_is_lowest) {
       if (is_far_from_first_child(node)) {
         fit_upper(node, is_lowest(node.first_child));
@@ -182,7 +182,7 @@ class Refitter {
     }
     const Volume volume = node_is_lowest ? fit_lowest(node, leaves_of(node)) : merge(node);
     if (n == 0) return false;
-    WideNode& parent = tree_.nodes[node_of(node.parent)];
+    Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
@@ -218,26 +218,26 @@ class Refitter {
 
  private:
   /// Fits a node of the lowest level and its leaves; after these, `leaves` has those that will be fitted next.
-  Volume fit_lowest(WideNode& node, std::span<Leaf> leaves) const {
+  Volume fit_lowest(Node& node, std::span<Leaf> leaves) const {
     return from(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
   }
   /// The leaves of a node of the lowest level, and of those after it.
-  std::span<Leaf> leaves_from(const WideNode& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
-  std::span<Leaf> leaves_of(const WideNode& node) const { return leaves_from(node).first(node.child_count); }
+  std::span<Leaf> leaves_from(const Node& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
+  std::span<Leaf> leaves_of(const Node& node) const { return leaves_from(node).first(node.child_count); }
 
   /// The volume around the children of a node above the lowest level.
-  Volume merge(const WideNode& node) const {
+  Volume merge(const Node& node) const {
     Volume volume = from(kernels_.merge_bounds(node));
     if (&node == node_of_root()) volume.radius = root_radius(tree_, node, volume);
     return volume;
   }
 
-  static void mark_coincident(WideNode& node, std::uint32_t slot, bool is) {
+  static void mark_coincident(Node& node, std::uint32_t slot, bool is) {
     node.coincident_slots = (node.coincident_slots & ~(1U << slot)) | (is ? 1U << slot : 0U);
   }
 
   /// Whether all triangles below a node have equal corners, in order. The marks of the node itself must be right.
-  bool is_coincident(const WideNode& node, bool node_is_lowest) const {
+  bool is_coincident(const Node& node, bool node_is_lowest) const {
     if (node_is_lowest) {
       // Quantized corners nearly always differ at once.
       const std::int16_t(&row)[width] = tree_.leaves[node.first_child].corners.corner[0];
@@ -257,18 +257,18 @@ class Refitter {
     return true;
   }
   /// The first leaf below a slot of a node.
-  std::uint32_t first_leaf(const WideNode& node, std::uint32_t slot, bool node_is_lowest) const {
+  std::uint32_t first_leaf(const Node& node, std::uint32_t slot, bool node_is_lowest) const {
     if (node_is_lowest) return node.first_child + slot;
     const SlotId leaf = first_leaf_slot(tree_, (node.first_child + slot) * width);
     return tree_.nodes[node_of(leaf)].first_child;
   }
 
   /// The node that has the children of the root.
-  const WideNode* node_of_root() const { return &tree_.nodes[1]; }
+  const Node* node_of_root() const { return &tree_.nodes[1]; }
 
   /// Whether the first child has moved so far from the origin that the node took from it that stored centers lose
   /// precision.
-  bool is_far_from_first_child(const WideNode& node) const {
+  bool is_far_from_first_child(const Node& node) const {
     const ChildBounds& n = node.bounds;
     const float largest = *std::max_element(n.radius, n.radius + node.child_count);
     return max_abs(tree_.nodes[node.first_child].origin - node.origin) >

@@ -11,7 +11,7 @@
 namespace limber::bvh {
 
 /// Refits the dirty nodes, and the nodes above them as long as bounds change; or the whole tree where that is cheaper.
-/// Clears the set. Returns how many wide nodes were refitted.
+/// Clears the set. Returns how many nodes were refitted.
 ///
 /// Cost     O(nodes refitted); fit() at most.
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty);

@@ -11,54 +11,54 @@
 #include "limber/base.h"
 #include "limber/mesh.h"
 
-/// The hierarchy of a mesh. Wide nodes lie level by level, so siblings are adjacent; all leaves are on one level.
+/// The hierarchy of a mesh. Nodes lie level by level, so siblings are adjacent; all leaves are on one level.
 ///
 /// Invariants, checked by validate():
-///   I1  Wide node 0 is the root's: it has one child, the root of the hierarchy. Every other wide node is the child of
+///   I1  Node 0 is the root's: it has one child, the root of the hierarchy. Every other node is the child of
 ///       exactly one slot, one level up.
 ///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. Slots
 ///       of the last leaf beyond the triangles repeat its last one. The triangles of a leaf are in ascending order. A
 ///       leaf names their vertices.
 ///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
-///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `drift`:
-///       they contain the fitted positions of its vertices.
+///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `slack`:
+///       they contain the positions at the last refit of its vertices.
 ///   I5  A quantized corner is within 0.52 steps, each coordinate, of the corner it stands for, and within the float64
 ///       rounding of its place relative to the node's origin, which the error of placed points covers.
-///   I6  `radius` of a wide node is at least the distance from its origin of every point of its children's spheres.
-///   I7  All triangles below a slot that is marked coincident have equal corners, in order, at their fitted positions.
+///   I6  `radius` of a node is at least the distance from its origin of every point of its children's spheres.
+///   I7  All triangles below a slot that is marked coincident had equal corners, in order, at the last refit.
 namespace limber::bvh {
 
 struct Tree {
-  std::vector<WideNode> nodes;
+  std::vector<Node> nodes;
   std::vector<Leaf, base::UninitializedAllocator<Leaf>> leaves;
-  std::vector<std::uint32_t> level_begin;  // first wide node of each level, and one past the last
+  std::vector<std::uint32_t> level_begin;  // first node of each level, and one past the last
   double unit = 1;                         // length of 1 in the nodes, a power of two
-  std::uint64_t assignment_id = 0;         // of the assignment of triangles to leaves: changes whenever that does
-  double displacement = 0;                 // at least how far any vertex has moved since the tree got its assignment_id
-  double drift = 0;                        // vertices are at most this far from their fitted positions
+  std::uint64_t build_id = 0;              // of the assignment of triangles to leaves: changes whenever that does
+  double displacement = 0;                 // at least how far any vertex has moved since the tree got its build_id
+  double slack = 0;                        // vertices are at most this far from their positions at the last refit
   // Where queries add what the motion margin has cost them, in units of margin_cost_unit; null without a margin.
   std::atomic<std::uint64_t>* margin_cost = nullptr;
 
-  /// The first wide node whose children are leaves; all after it are of that kind too.
+  /// The first node whose children are leaves; all after it are of that kind too.
   std::uint32_t first_lowest_node() const { return level_begin[level_begin.size() - 2]; }
 };
 
 /// Unit of Tree::margin_cost, in traversal steps that tight bounds would have made unnecessary.
 inline constexpr double margin_cost_unit = 1.0 / 64;
 
-/// A child slot of a wide node, which stands for the child's bounding volume and subtree: node * width + slot.
+/// A child slot of a node, which stands for the child's bounding volume and subtree: node * width + slot.
 using SlotId = std::uint32_t;
 inline constexpr SlotId root = 0;
 
 inline std::uint32_t node_of(SlotId id) { return id / width; }
 inline std::uint32_t slot_of(SlotId id) { return id % width; }
 
-inline Vec3 local_slot_center(const WideNode& node, std::uint32_t slot) {
+inline Vec3 local_slot_center(const Node& node, std::uint32_t slot) {
   return {node.bounds.center_x[slot], node.bounds.center_y[slot], node.bounds.center_z[slot]};
 }
 /// Center of a slot's volume in the model frame, rounded: within 2^-52 of the sum of the magnitudes added.
 inline Vec3 slot_center(const Tree& tree, SlotId id) {
-  const WideNode& node = tree.nodes[node_of(id)];
+  const Node& node = tree.nodes[node_of(id)];
   return node.origin + tree.unit * local_slot_center(node, slot_of(id));
 }
 

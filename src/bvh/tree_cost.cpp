@@ -19,7 +19,7 @@ constexpr double nearly_all = 0.9;
 constexpr std::uint32_t nodes_at_once = 8;
 
 /// The squared radii of the children of a node, in squared units.
-double sum_of_squared_radii(const WideNode& node) {
+double sum_of_squared_radii(const Node& node) {
   double sum = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
     const auto radius = static_cast<double>(node.bounds.radius[k]);
@@ -28,7 +28,7 @@ double sum_of_squared_radii(const WideNode& node) {
   return sum;
 }
 
-double sum_of_radii(const WideNode& node) {
+double sum_of_radii(const Node& node) {
   double sum = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) sum += static_cast<double>(node.bounds.radius[k]);
   return sum;
@@ -40,7 +40,7 @@ double squared_radius_of_root(const Tree& tree) { return std::max(sum_of_squared
 std::uint32_t lowest_node_of(const Tree& tree, std::uint32_t leaf) {
   const auto begin = tree.nodes.begin() + tree.first_lowest_node();
   const auto after = std::upper_bound(begin, tree.nodes.end(), leaf,
-                                      [](std::uint32_t l, const WideNode& node) { return l < node.first_child; });
+                                      [](std::uint32_t l, const Node& node) { return l < node.first_child; });
   return static_cast<std::uint32_t>(after - begin) - 1;
 }
 
@@ -116,7 +116,7 @@ bool TreeCost::survey(const Tree& tree, base::WorkBudget& budget) {
     const std::size_t end = std::min(surveyed_ + nodes_at_once, expected_.size());
     budget.spend(ns_per_node * static_cast<double>(end - surveyed_));
     for (std::size_t n = surveyed_; n < end; ++n) {
-      const WideNode& node = tree.nodes[tree.first_lowest_node() + n];
+      const Node& node = tree.nodes[tree.first_lowest_node() + n];
       const auto expected = static_cast<double>(expected_[n]);
       const double now = sum_of_squared_radii(node) / root_radius_sq_;
       expected_sum_[n + 1] = expected_sum_[n] + expected;

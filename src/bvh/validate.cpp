@@ -20,20 +20,20 @@ Error broken(int invariant, const std::string& what, std::size_t where) {
 
 Result<void> check_topology(const Tree& tree, std::size_t triangles) {
   if (tree.level_begin.size() < 2 || tree.level_begin[0] != 0 || tree.level_begin.back() != tree.nodes.size()) {
-    return broken(1, "levels do not cover the wide nodes of level", tree.level_begin.size());
+    return broken(1, "levels do not cover the nodes of level", tree.level_begin.size());
   }
-  if (tree.nodes[0].child_count != 1) return broken(1, "children of wide node", 0);
+  if (tree.nodes[0].child_count != 1) return broken(1, "children of node", 0);
   const std::size_t levels = tree.level_begin.size() - 1;
   for (std::size_t level = 0; level < levels; ++level) {
     const bool lowest = level + 1 == levels;
     std::size_t child = lowest ? 0 : tree.level_begin[level + 1];
     for (std::uint32_t n = tree.level_begin[level]; n < tree.level_begin[level + 1]; ++n) {
-      const WideNode& node = tree.nodes[n];
-      if (node.child_count == 0 || node.child_count > width) return broken(1, "number of children of wide node", n);
-      if (node.first_child != child) return broken(lowest ? 2 : 1, "first child of wide node", n);
+      const Node& node = tree.nodes[n];
+      if (node.child_count == 0 || node.child_count > width) return broken(1, "number of children of node", n);
+      if (node.first_child != child) return broken(lowest ? 2 : 1, "first child of node", n);
       for (std::uint32_t k = 0; k < node.child_count && !lowest; ++k) {
         if (child + k < tree.nodes.size() && tree.nodes[child + k].parent != n * width + k) {
-          return broken(1, "parent of wide node", child + k);
+          return broken(1, "parent of node", child + k);
         }
       }
       child += node.child_count;
@@ -68,7 +68,7 @@ Result<void> check_leaves(const Tree& tree, MeshView mesh) {
 
 /// Whether the volume of a slot contains a corner.
 bool contains(const Tree& tree, SlotId id, const Vec3& corner) {
-  const WideNode& node = tree.nodes[node_of(id)];
+  const Node& node = tree.nodes[node_of(id)];
   const std::uint32_t k = slot_of(id);
   const ChildBounds& n = node.bounds;
   const Vec3 d = (corner - node.origin) * (1 / tree.unit) - local_slot_center(node, k);
@@ -79,7 +79,7 @@ bool contains(const Tree& tree, SlotId id, const Vec3& corner) {
          at_most(-h, -n.low[k]);
 }
 
-Result<void> check_quantized(const Tree& tree, const WideNode& node, std::uint32_t slot, MeshView mesh) {
+Result<void> check_quantized(const Tree& tree, const Node& node, std::uint32_t slot, MeshView mesh) {
   const std::size_t id = node.first_child + slot;
   const Leaf& leaf = tree.leaves[id];
   const double step = static_cast<double>(node.bounds.radius[slot]) / static_cast<double>(max_quantized);
@@ -118,7 +118,7 @@ bool is_coincident(const Tree& tree, MeshView mesh, std::uint32_t first, std::ui
   return true;
 }
 
-/// The first leaf below wide node `n`, or below what would follow the level's last node.
+/// The first leaf below node `n`, or below what would follow the level's last node.
 std::uint32_t first_leaf(const Tree& tree, std::uint32_t n, std::size_t level) {
   for (; level + 2 < tree.level_begin.size(); ++level) {
     if (n == tree.level_begin[level + 1]) return static_cast<std::uint32_t>(tree.leaves.size());
@@ -135,14 +135,14 @@ Result<void> validate(const Tree& tree, MeshView mesh) {
   for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level) {
     const bool lowest = level + 2 == tree.level_begin.size();
     for (std::uint32_t n = tree.level_begin[level]; n < tree.level_begin[level + 1]; ++n) {
-      const WideNode& node = tree.nodes[n];
+      const Node& node = tree.nodes[n];
       for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
         const std::uint32_t child = node.first_child + slot;
         const std::uint32_t first = lowest ? child : first_leaf(tree, child, level + 1);
         const std::uint32_t last = lowest ? child + 1 : first_leaf(tree, child + 1, level + 1);
         if (auto valid = check_bounds(tree, n * width + slot, mesh, first, last); !valid) return valid;
         const double farthest = length(local_slot_center(node, slot)) + static_cast<double>(node.bounds.radius[slot]);
-        if (!(farthest <= static_cast<double>(node.radius))) return broken(6, "radius of wide node", n);
+        if (!(farthest <= static_cast<double>(node.radius))) return broken(6, "radius of node", n);
         if ((node.coincident_slots >> slot & 1) != 0 && !is_coincident(tree, mesh, first, last)) {
           return broken(7, "triangles of slot", n * width + slot);
         }

@@ -20,7 +20,7 @@ constexpr std::size_t vertices_at_once = 1024;
 /// Calls visit(vertex) for every corner of every triangle of a lowest node.
 template <typename Visit>
 void for_each_corner(const Tree& tree, std::uint32_t n, const Visit& visit) {
-  const WideNode& node = tree.nodes[n];
+  const Node& node = tree.nodes[n];
   for (std::uint32_t leaf = node.first_child; leaf < node.first_child + node.child_count; ++leaf) {
     for (const std::array<VertexId, 3>& triangle : tree.leaves[leaf].vertices) {
       for (const VertexId v : triangle) visit(v);

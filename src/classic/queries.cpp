@@ -141,19 +141,19 @@ struct CollisionQuery {
 
 struct DistanceQuery {
   DistanceOptions options;
-  double close_enough;    // a distance this small ends the query
-  double prune_distance;  // pairs at least this far apart cannot improve the answer enough
+  double close_enough;  // a distance this small ends the query
+  double cutoff;        // pairs at least this far apart cannot improve the answer enough
   double upper = infinity;
   double smallest_dropped = infinity;  // lower bound of everything that was not looked at
   std::optional<Witness> witness;
 
   // Closed: a pair exactly max_distance apart matters.
   DistanceQuery(const DistanceOptions& asked, double ends_below)
-      : options(asked), close_enough(ends_below), prune_distance(std::nextafter(asked.max_distance, infinity)) {}
+      : options(asked), close_enough(ends_below), cutoff(std::nextafter(asked.max_distance, infinity)) {}
 
   bool matters(double lower_bound) {
     if (upper <= close_enough) return false;
-    if (lower_bound < prune_distance || (lower_bound == 0 && upper > 0)) return true;
+    if (lower_bound < cutoff || (lower_bound == 0 && upper > 0)) return true;
     smallest_dropped = std::min(smallest_dropped, lower_bound);
     return false;
   }
@@ -166,7 +166,7 @@ struct DistanceQuery {
     if (upper > options.max_distance) return;  // no answer, so nothing may be left out for its sake
     const double e = options.relative_error;
     const double relative = e == 0 ? upper : upper / (1 + e) * (1 - 0x1p-51);
-    prune_distance = std::min({prune_distance, relative, upper - options.absolute_error});
+    cutoff = std::min({cutoff, relative, upper - options.absolute_error});
   }
 };
 

@@ -3,8 +3,8 @@
 
 // Based on  The reduction of contact manifolds in Bullet, Jolt and Rapier: the deepest contact, then those that span
 //           most.
-// Differs   Those reduce the contacts of one pair of convex shapes. Here regions come first: by distance and normal
-//           from the deepest contact that is in none yet, found in a grid. Further contacts of a region are sampled
+// Differs   Those reduce the contacts of one pair of convex shapes. Here patches come first: by distance and normal
+//           from the deepest contact that is in none yet, found in a grid. Further contacts of a patch are sampled
 //           farthest first [Gonzalez1985], which serves any number of them.
 #include "limber/contacts.h"
 
@@ -24,7 +24,7 @@
 namespace limber {
 namespace {
 
-constexpr std::uint32_t no_region = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_patch = std::numeric_limits<std::uint32_t>::max();
 // Of the radius: nearer contacts add next to nothing to what a manifold spans.
 constexpr double spacing = 0.25;
 
@@ -110,34 +110,34 @@ Place place_of(const Contact& c) {
 double chord_of(double angle) { return 2 * std::sin(angle / 2); }
 
 /// Contacts that belong together.
-struct Region {
+struct Patch {
   std::size_t first;     // contact
-  std::uint32_t before;  // region in the same bucket
+  std::uint32_t before;  // patch in the same bucket
   std::size_t end;       // of its members, in the list of all
 };
 
-/// Regions in a hash table of cells, by the places of their first contacts.
+/// Patches in a hash table of cells, by the places of their first contacts.
 class RegionGrid {
  public:
   RegionGrid(const ReductionOptions& options, std::size_t capacity)
       : positions_(options.radius),
         normals_(std::max(chord_of(options.max_angle), 0x1p-500)),
         axis_count_(chord_of(options.max_angle) < 0.0625 ? 6 : 3),
-        last_in_(std::bit_ceil(2 * capacity + 1), no_region) {
-    regions_.reserve(capacity);
+        last_in_(std::bit_ceil(2 * capacity + 1), no_patch) {
+    patches_.reserve(capacity);
   }
 
-  std::vector<Region>& regions() { return regions_; }
+  std::vector<Patch>& patches() { return patches_; }
 
   void add(const Place& place, std::size_t first_contact) {
     std::uint64_t hash = 0;
     for (std::size_t axis = 0; axis < axis_count_; ++axis) hash = mixed(hash, cells(axis).of(place[axis]));
     std::uint32_t& last = last_in_[hash & (last_in_.size() - 1)];
-    regions_.push_back({first_contact, last, 0});
-    last = static_cast<std::uint32_t>(regions_.size() - 1);
+    patches_.push_back({first_contact, last, 0});
+    last = static_cast<std::uint32_t>(patches_.size() - 1);
   }
 
-  /// Calls visit(region) for all that may be near, some of them more than once.
+  /// Calls visit(patch) for all that may be near, some of them more than once.
   template <typename Visit>
   void visit_near(const Place& place, const Visit& visit) const {
     visit_near(place, 0, 0, visit);
@@ -156,7 +156,7 @@ class RegionGrid {
   void visit_near(const Place& place, std::size_t axis, std::uint64_t hash, const Visit& visit) const {
     if (axis == axis_count_) {
       std::uint32_t i = last_in_[hash & (last_in_.size() - 1)];
-      for (; i != no_region; i = regions_[i].before) visit(i);
+      for (; i != no_patch; i = patches_[i].before) visit(i);
       return;
     }
     const Cells::Range range = cells(axis).around(place[axis]);
@@ -167,45 +167,45 @@ class RegionGrid {
     }
   }
 
-  // Normals tell places apart only where they must be so close that many regions fit around one point. Squares of
+  // Normals tell places apart only where they must be so close that many patches fit around one point. Squares of
   // differences below 2^-500 vanish, so these count as none.
   Cells positions_, normals_;
   std::size_t axis_count_;
   std::vector<std::uint32_t> last_in_;  // of each bucket
-  std::vector<Region> regions_;
+  std::vector<Patch> patches_;
 };
 
 /// Where a contact belongs.
 struct Membership {
-  std::uint32_t region;
+  std::uint32_t patch;
   bool is_kept = false;
 };
 
-/// Which contacts belong together: each to the first region it is close enough to. Sets the region of each.
-std::vector<Region> regions_of(std::span<const Contact> contacts, const ReductionOptions& options,
-                               std::span<Membership> memberships) {
+/// Which contacts belong together: each to the first patch it is close enough to. Sets the patch of each.
+std::vector<Patch> patches_of(std::span<const Contact> contacts, const ReductionOptions& options,
+                              std::span<Membership> memberships) {
   RegionGrid grid(options, contacts.size());
-  std::vector<Region>& regions = grid.regions();
+  std::vector<Patch>& patches = grid.patches();
   const double chord = chord_of(options.max_angle);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
     const Place place = place_of(c);
-    std::uint32_t joined = no_region;
-    grid.visit_near(place, [&](std::uint32_t region) {
-      const Contact& first = contacts[regions[region].first];
+    std::uint32_t joined = no_patch;
+    grid.visit_near(place, [&](std::uint32_t patch) {
+      const Contact& first = contacts[patches[patch].first];
       const bool is_near = length_sq(offset(first, c, options.radius)) <= 1;
-      if (is_near && length_sq(c.normal - first.normal) <= chord * chord) joined = std::min(joined, region);
+      if (is_near && length_sq(c.normal - first.normal) <= chord * chord) joined = std::min(joined, patch);
     });
-    if (joined == no_region) {
-      joined = static_cast<std::uint32_t>(regions.size());
+    if (joined == no_patch) {
+      joined = static_cast<std::uint32_t>(patches.size());
       grid.add(place, i);
     }
-    memberships[i].region = joined;
+    memberships[i].patch = joined;
   }
-  return std::move(regions);
+  return std::move(patches);
 }
 
-/// A contact of a region, on the plane across the normal of its first one.
+/// A contact of a patch, on the plane across the normal of its first one.
 struct Member {
   std::size_t contact;
   Vec3 flat;                                                  // from the first one, in radii
@@ -229,20 +229,20 @@ void keep_spanning(std::span<Member> members, std::size_t max_points, const Keep
   }
 }
 
-/// All contacts, region by region. Sets the ends of the regions.
-std::vector<Member> members_of(std::span<Region> regions, std::span<const Contact> contacts,
+/// All contacts, patch by patch. Sets the ends of the patches.
+std::vector<Member> members_of(std::span<Patch> patches, std::span<const Contact> contacts,
                                std::span<const Membership> memberships, double radius) {
   // First how many each has, then where each begins; that becomes the end as members are added.
-  for (const Membership& m : memberships) ++regions[m.region].end;
+  for (const Membership& m : memberships) ++patches[m.patch].end;
   std::size_t begin = 0;
-  for (Region& r : regions) begin += std::exchange(r.end, begin);
+  for (Patch& r : patches) begin += std::exchange(r.end, begin);
   LIMBER_ASSERT(begin == contacts.size() && memberships.size() == contacts.size());
   std::vector<Member> members(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    Region& region = regions[memberships[i].region];
-    const Contact& first = contacts[region.first];
+    Patch& patch = patches[memberships[i].patch];
+    const Contact& first = contacts[patch.first];
     const Vec3 apart = offset(first, contacts[i], radius);
-    members[region.end++] = {i, apart - dot(apart, first.normal) * first.normal};
+    members[patch.end++] = {i, apart - dot(apart, first.normal) * first.normal};
   }
   return members;
 }
@@ -250,21 +250,21 @@ std::vector<Member> members_of(std::span<Region> regions, std::span<const Contac
 }  // namespace
 
 std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                            std::span<std::uint32_t> regions) {
+                            std::span<std::uint32_t> patches) {
   const base::DefaultFloatEnvironment environment;
   check(contacts, options);
   if (contacts.empty()) return 0;
   std::vector<Contact> sorted(contacts.begin(), contacts.end());
   std::sort(sorted.begin(), sorted.end(), is_deeper);
   std::vector<Membership> memberships(sorted.size());
-  std::vector<Region> found = regions_of(sorted, options, memberships);
+  std::vector<Patch> found = patches_of(sorted, options, memberships);
   std::vector<Member> members = members_of(found, sorted, memberships, options.radius);
   std::size_t next = 0, begin = 0;
   for (std::size_t r = 0; r < found.size(); ++r) {
     const std::span<Member> all = std::span(members).subspan(begin, found[r].end - begin);
     keep_spanning(all, options.max_points, [&](std::size_t i) {
       memberships[i].is_kept = true;
-      if (next < regions.size()) regions[next] = static_cast<std::uint32_t>(r);
+      if (next < patches.size()) patches[next] = static_cast<std::uint32_t>(r);
       contacts[next++] = sorted[i];
     });
     begin = found[r].end;

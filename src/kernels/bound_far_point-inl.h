@@ -34,7 +34,7 @@ LIMBER_KERNEL double height_of(const QueryPoint& point, const Vec3& p) {
   return d[0] * (p.x - point.base[0]) + d[1] * (p.y - point.base[1]) + d[2] * (p.z - point.base[2]);
 }
 
-LIMBER_KERNEL void bound_children_along(const bvh::WideNode& node, const QueryPoint& point, float limit,
+LIMBER_KERNEL void bound_children_along(const bvh::Node& node, const QueryPoint& point, float limit,
                                         ChildrenInOrder& children) {
   const bvh::ChildBounds& n = node.bounds;
   const auto height =
@@ -54,7 +54,7 @@ LIMBER_KERNEL void bound_children_along(const bvh::WideNode& node, const QueryPo
   order_children(limit, children);
 }
 
-LIMBER_KERNEL void bound_triangles_along(const bvh::WideNode& node, std::uint32_t slot,
+LIMBER_KERNEL void bound_triangles_along(const bvh::Node& node, std::uint32_t slot,
                                          const bvh::QuantizedTriangles& triangles, const QueryPoint& point,
                                          double limit, TriangleIntervals& intervals) {
   const bvh::ChildBounds& n = node.bounds;

@@ -54,7 +54,7 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   return select(best > zero(), best * Packet::set(base::squares_down), depth);
 }
 
-LIMBER_KERNEL void bound_children_to_point(const bvh::WideNode& node, const QueryPoint& point, float limit,
+LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoint& point, float limit,
                                            ChildrenInOrder& children) {
   const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
   alignas(16) float position[4];
@@ -137,7 +137,7 @@ LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& di
   return max(height + min(min(b, c), zero()), zero() - height - max(max(b, c), zero()));
 }
 
-LIMBER_KERNEL void bound_triangles_to_point(const bvh::WideNode& node, std::uint32_t slot,
+LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t slot,
                                             const bvh::QuantizedTriangles& triangles, const QueryPoint& point,
                                             double limit, TriangleIntervals& intervals) {
   const bvh::ChildBounds& n = node.bounds;

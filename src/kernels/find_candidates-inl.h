@@ -92,7 +92,7 @@ LIMBER_KERNEL float smallest(Packet p) {
 }
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
-/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the prune distance.
+/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the cutoff.
 template <bool bounds_rest>
 LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                        const ProjectedLeaves& pair, const PruneLimits& pruning, float& beyond) {
@@ -231,7 +231,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   if (pruning.has_direction) {
     float beyond = 0;
     wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
-    if (bounds_rest) candidates.apart = (pair.prune_distance + beyond) * base::squares_down;
+    if (bounds_rest) candidates.apart = (pair.cutoff + beyond) * base::squares_down;
     if (wanted == 0) return;
   }
   LeafCorners ca, cb, own_b;  // of b also about its own center
@@ -243,7 +243,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }
 
-  const float limit = pair.prune_distance + pair.error;
+  const float limit = pair.cutoff + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
   // Boxes prune something only where triangles that matter are closer than they are large.
   float apart_sq = infinite;

@@ -22,7 +22,7 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-LIMBER_KERNEL unsigned find_crossed_children(const bvh::WideNode& node, const QueryRay& ray) {
+LIMBER_KERNEL unsigned find_crossed_children(const bvh::Node& node, const QueryRay& ray) {
   const unsigned used = (1U << node.child_count) - 1;
   const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
   alignas(16) float position[4];
@@ -53,7 +53,7 @@ LIMBER_KERNEL unsigned find_crossed_children(const bvh::WideNode& node, const Qu
   return crossed & used;
 }
 
-LIMBER_KERNEL unsigned find_crossed_triangles(const bvh::WideNode& node, std::uint32_t slot,
+LIMBER_KERNEL unsigned find_crossed_triangles(const bvh::Node& node, std::uint32_t slot,
                                               const bvh::QuantizedTriangles& triangles, const QueryRay& ray) {
   const bvh::ChildBounds& n = node.bounds;
   const double per_step = static_cast<double>(bvh::max_quantized) / (static_cast<double>(n.radius[slot]) * ray.unit);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::fit_leaves. The SIMD lanes are the leaves of a wide node, so nothing has to be summed up across lanes.
+// Kernels::fit_leaves. The SIMD lanes are the leaves of a node, so nothing has to be summed up across lanes.
 //
 // Corners are float32 relative to one of their own leaf, so however small a leaf is, its numbers are as exact as it
 // needs; every bound is enlarged by the rounding on the way.
@@ -33,7 +33,7 @@ inline constexpr float smallest_extent = 0x1p-100F;
 /// The index of corner k of triangle j of a leaf.
 LIMBER_KERNEL std::uint32_t corner_index(std::uint32_t k, std::uint32_t j) { return width * k + j; }
 
-/// The corners of the leaves of a wide node, by axis, corner and leaf, in units.
+/// The corners of the leaves of a node, by axis, corner and leaf, in units.
 struct alignas(64) CornerArrays {
   float v[3][3 * width * width];
 
@@ -44,7 +44,7 @@ struct alignas(64) CornerArrays {
   }
 };
 
-/// The corners of the leaves of a wide node; leaves beyond the last repeat it.
+/// The corners of the leaves of a node; leaves beyond the last repeat it.
 struct NodeCorners {
   CornerArrays corners;                 // relative to origin[leaf]
   alignas(64) double origin[3][width];  // a corner of each leaf, model frame
@@ -53,7 +53,7 @@ struct NodeCorners {
 LIMBER_KERNEL void gather(const Vec3* positions, std::span<const bvh::Leaf> leaves, std::uint32_t count,
                           double per_unit, NodeCorners& gathered) {
   const auto position = [&](VertexId id) { return &positions[id].x; };
-  // Positions are prefetched for the next wide node. Their ids have to be in a cache by then, so leaves are prefetched
+  // Positions are prefetched for the next node. Their ids have to be in a cache by then, so leaves are prefetched
   // for the one after it. At the end, where there are no more leaves, those at hand are prefetched: branches cost more.
   const auto leaves_ahead = [&](std::size_t nodes) { return (nodes + 1) * count <= leaves.size() ? nodes * count : 0; };
   const std::size_t one_ahead = leaves_ahead(1), two_ahead = leaves_ahead(2);
@@ -221,7 +221,7 @@ LIMBER_KERNEL Doubles to_24_bits(Doubles x) {
   return or_zero(high - (high - x), x, 0x1p-100);
 }
 
-LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, bvh::WideNode& node,
+LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, bvh::Node& node,
                                            std::span<bvh::Leaf> leaves) {
   const double per_unit = 1 / unit;
   NodeCorners gathered;

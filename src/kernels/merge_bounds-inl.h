@@ -51,7 +51,7 @@ LIMBER_KERNEL Packet farthest_of(const NodePairs& p, const Packet3& d, Packet lo
   return min(sqrt(distance_sq) + p.radius, sqrt(along * along + across * across)) * Packet::set(base::squares_up);
 }
 
-/// The bound around the children of a wide node that has all of them.
+/// The bound around the children of a node that has all of them.
 LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
   bvh::MergedBounds whole;
   Span box[3] = {empty_span(), empty_span(), empty_span()};
@@ -111,7 +111,7 @@ LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
   return whole;
 }
 
-LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::WideNode& node) {
+LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node) {
   if (node.child_count == width) return merge_all(node.bounds);
   float rows[sizeof(bvh::ChildBounds) / sizeof(float) / width][width];
   std::memcpy(rows, &node.bounds, sizeof(rows));

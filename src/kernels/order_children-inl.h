@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Lines up the children of a wide node by their bounds, without a branch that nobody could predict.
+// Lines up the children of a node by their bounds, without a branch that nobody could predict.
 
 #if defined(LIMBER_SIMD_ORDER_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_ORDER_CHILDREN_INL_H

@@ -29,7 +29,7 @@ struct WideBox {
         high{Doubles::set(to.x), Doubles::set(to.y), Doubles::set(to.z)} {}
 };
 
-LIMBER_KERNEL unsigned overlapping(const bvh::WideBoxes& boxes, const WideBox& box) {
+LIMBER_KERNEL unsigned overlapping(const bvh::BoxNode& boxes, const WideBox& box) {
   unsigned found = 0;
   for (std::uint32_t i = 0; i < width; i += Doubles::lanes) {
     const auto along = [&](std::size_t axis, Doubles low, Doubles high) {
@@ -41,11 +41,11 @@ LIMBER_KERNEL unsigned overlapping(const bvh::WideBoxes& boxes, const WideBox& b
   return found;
 }
 
-LIMBER_KERNEL unsigned overlapping_boxes(const bvh::WideBoxes& boxes, const Vec3& low, const Vec3& high) {
+LIMBER_KERNEL unsigned overlapping_boxes(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high) {
   return overlapping(boxes, WideBox(low, high));
 }
 
-LIMBER_KERNEL std::uint64_t overlapping_pairs(const bvh::WideBoxes& a, const bvh::WideBoxes& b, const Box& around_b,
+LIMBER_KERNEL std::uint64_t overlapping_pairs(const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b,
                                               double margin) {
   const Vec3 by{margin, margin, margin};
   std::uint64_t found = 0;

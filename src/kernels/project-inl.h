@@ -29,7 +29,7 @@ namespace {
 // the models are from the world's origin. All errors on the way are added to the bounds of the projected node.
 
 /// A node in the frame and unit of the node it is compared with, relative to that node's origin; enlarged by rounding
-/// errors and by how far vertices of both models are from their fitted positions.
+/// errors and by how far vertices of both models are from their positions at the last refit.
 struct ProjectedNode {
   alignas(16) float center[4];
   alignas(16) float half[4];  // along the axes of that frame
@@ -43,7 +43,7 @@ struct ProjectedNode {
 struct ProjectedDirection {
   const float* normal;
   float gap;
-  float prune_distance;  // in units
+  float cutoff;  // in units
 };
 
 /// Two leaves in the frame of a, about the center of a, scaled so that all numbers are about 1 or less.
@@ -51,14 +51,14 @@ struct ProjectedLeaves {
   float step_a, step_b;  // lengths of one quantization step
   float offset[4];       // from the center of a to that of b
   float error;           // more than rounding and quantization can change any gap by
-  float prune_distance;
+  float cutoff;
   float gap;     // triangles whose supports towards each other together are at most that are pruned
   double scale;  // from lengths
 };
 
 /// The center of a slot in the frame that `transform` leads to, relative to `origin`, in lengths; the fourth number is
 /// 0.
-LIMBER_KERNEL void project_center(const bvh::WideNode& node, std::uint32_t slot, const FrameTransform& transform,
+LIMBER_KERNEL void project_center(const bvh::Node& node, std::uint32_t slot, const FrameTransform& transform,
                                   const Vec3& origin, double* projected) {
   const double x = node.origin.x + transform.other_unit * static_cast<double>(node.bounds.center_x[slot]);
   const double y = node.origin.y + transform.other_unit * static_cast<double>(node.bounds.center_y[slot]);
@@ -83,8 +83,8 @@ LIMBER_KERNEL float rim_radius(float radius, float height) {
 }
 
 /// `center` is what project_center() gives relative to the origin of `node`.
-LIMBER_KERNEL ProjectedNode project_node(const bvh::WideNode& node, const OtherNode& other,
-                                         const FrameTransform& transform, const double* center) {
+LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
+                                         const double* center) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
   double units[3];
@@ -136,7 +136,7 @@ LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
 }
 
 /// `center` as for project_node(). Pre: there is a search direction.
-LIMBER_KERNEL ProjectedDirection project_direction(const bvh::WideNode& node, const OtherNode& other,
+LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const OtherNode& other,
                                                    const FrameTransform& transform, const PruneLimits& pruning,
                                                    const double* center) {
   const double other_support = static_cast<double>(support(other, pruning.other_normal)) * transform.other_unit;
@@ -172,7 +172,7 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode
   for (int j = 0; j < 4; ++j) p.offset[j] = static_cast<float>(offset[j] * scale);
   const double steps = base::quantization_error * (step_a + step_b);
   p.error = base::float_up(steps + transform.error * scale) + base::leaf_pair_error;
-  p.prune_distance = base::float_up(std::min(pruning.distance * scale, base::max_units));
+  p.cutoff = base::float_up(std::min(pruning.distance * scale, base::max_units));
   p.gap = 0;
   if (pruning.has_direction) {
     const double rounding = (radius_a + radius_b) * static_cast<double>(base::projection_error);

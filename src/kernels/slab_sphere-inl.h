@@ -43,7 +43,7 @@ LIMBER_KERNEL Packet gap_sq(Packet along, Packet across) {
   return u * u + v * v;
 }
 
-/// Children `i` and following of a wide node, and a projected node.
+/// Children `i` and following of a node, and a projected node.
 struct NodePairs {
   Packet3 center, half, normal;
   Packet3 d;  // from the children's centers to that of the projected node

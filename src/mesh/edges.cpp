@@ -22,8 +22,8 @@ struct TriangleSide {
 
 MeshEdges::MeshEdges(const Mesh& mesh)
     : of_triangles_(mesh.triangles().size()),
-      vertex_owners_(mesh.positions().size(), no_id),
-      owned_(mesh.triangles().size()) {
+      vertex_representatives_(mesh.positions().size(), no_id),
+      represented_(mesh.triangles().size()) {
   const std::vector<Corners>& triangles = mesh.triangles();
   LIMBER_REQUIRE(triangles.size() <= std::numeric_limits<EdgeId>::max() / 3,
                  "limber::MeshEdges: the mesh has more edges than ids can count");
@@ -43,7 +43,7 @@ MeshEdges::MeshEdges(const Mesh& mesh)
   std::vector<TriangleSide> sides(begin.back());
   for_all_sides([&](VertexId low, const TriangleSide& side) { sides[begin[low + 1]++] = side; });
 
-  vertices_.reserve(sides.size() / 2), owners_.reserve(sides.size() / 2);
+  vertices_.reserve(sides.size() / 2), representatives_.reserve(sides.size() / 2);
   for (std::array<EdgeId, 3>& edges : of_triangles_) edges.fill(no_id);
   for (VertexId low = 0; low < vertex_count(); ++low) {
     const auto first = sides.begin() + begin[low], last = sides.begin() + begin[low + 1];
@@ -54,21 +54,21 @@ MeshEdges::MeshEdges(const Mesh& mesh)
       const TriangleId t = side->index / 3;
       const std::uint32_t corner = side->index % 3;
       if (side == first || side->high != (side - 1)->high) {
-        vertices_.push_back({low, side->high}), owners_.push_back(t);
-        owned_[t] = static_cast<std::uint8_t>(owned_[t] | 8U << corner);
+        vertices_.push_back({low, side->high}), representatives_.push_back(t);
+        represented_[t] = static_cast<std::uint8_t>(represented_[t] | 8U << corner);
       }
       of_triangles_[t][corner] = static_cast<EdgeId>(vertices_.size() - 1);
     }
   }
   for (TriangleId t = 0; t < triangles.size(); ++t) {
     for (std::uint32_t k = 0; k < 3; ++k) {
-      TriangleId& owner = vertex_owners_[triangles[t][k]];
-      if (owner != no_id) continue;
-      owner = t;
-      owned_[t] = static_cast<std::uint8_t>(owned_[t] | 1U << k);
+      TriangleId& representative = vertex_representatives_[triangles[t][k]];
+      if (representative != no_id) continue;
+      representative = t;
+      represented_[t] = static_cast<std::uint8_t>(represented_[t] | 1U << k);
     }
   }
-  LIMBER_ASSERT(vertices_.size() == owners_.size());
+  LIMBER_ASSERT(vertices_.size() == representatives_.size());
 }
 
 }  // namespace limber

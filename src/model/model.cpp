@@ -37,7 +37,7 @@ model::TreeUpdater& updater_of(Model::Impl& impl) {
 
 /// What rounding can change the center and extent of a slot by.
 double rounding(const bvh::Tree& tree, bvh::SlotId id) {
-  const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
+  const bvh::Node& node = tree.nodes[bvh::node_of(id)];
   const double radius = static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
   const double extent = tree.unit * (static_cast<double>(node.radius) + radius);
   return base::offset_error * (max_abs(node.origin) + extent) + std::numeric_limits<double>::min();
@@ -45,9 +45,9 @@ double rounding(const bvh::Tree& tree, bvh::SlotId id) {
 
 /// The sphere of a slot, around all that is below it.
 Sphere slot_sphere(const bvh::Tree& tree, bvh::SlotId id) {
-  const bvh::WideNode& node = tree.nodes[bvh::node_of(id)];
+  const bvh::Node& node = tree.nodes[bvh::node_of(id)];
   const double radius = tree.unit * static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
-  return {bvh::slot_center(tree, id), (radius + tree.drift + rounding(tree, id)) * base::outward};
+  return {bvh::slot_center(tree, id), (radius + tree.slack + rounding(tree, id)) * base::outward};
 }
 
 /// validate() for builds with checks; says nothing where there is no memory for it.
@@ -162,9 +162,9 @@ TreeStats Model::tree_stats() const {
   const bvh::Tree& tree = impl_->tree;
   TreeStats stats;
   stats.levels = static_cast<std::uint32_t>(tree.level_begin.size() - 1);
-  for (const bvh::WideNode& node : tree.nodes) stats.nodes += node.child_count;
+  for (const bvh::Node& node : tree.nodes) stats.nodes += node.child_count;
   stats.leaves = tree.leaves.size();
-  stats.bytes = sizeof(bvh::Tree) + tree.nodes.capacity() * sizeof(bvh::WideNode) +
+  stats.bytes = sizeof(bvh::Tree) + tree.nodes.capacity() * sizeof(bvh::Node) +
                 tree.leaves.capacity() * sizeof(bvh::Leaf) + tree.level_begin.capacity() * sizeof(std::uint32_t);
   return stats;
 }
@@ -177,7 +177,7 @@ Box Model::bounding_box() const {
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
   const Vec3 center = bvh::slot_center(tree, bvh::root),
-             extents = half + Vec3{1, 1, 1} * (tree.drift + rounding(tree, bvh::root));
+             extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root));
   return environment.settled(Box{center - extents, center + extents});
 }
 
@@ -210,7 +210,7 @@ Result<void> Model::validate() const {
   if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);
   const MeshView fitted = impl.updater->fitted(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
-    if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.drift) continue;
+    if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.slack) continue;
     return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};
   }
   return bvh::validate(impl.tree, fitted);

@@ -19,12 +19,12 @@ inline constexpr double smallest_square = 0x1p-960;
 /// Lets vertices move a little before the bounds that hold them are refitted, like the margin of a fat bounding box.
 ///
 /// Based on  the thesis this engine follows: loose bounds absorb small motions.
-/// Differs   The bounds are not enlarged. They are computed for fitted positions, one for each vertex. A vertex may be
-///           a given margin away from its fitted position; queries allow for the largest distance that occurs.
+/// Differs   The bounds are not enlarged. They hold the positions at the last refit, one for each vertex. A vertex may be
+///           a given margin away from its own; queries allow for the largest distance that occurs.
 ///
-/// States   Off: the bounds hold the vertices themselves. On, from start() to stop(): they hold the fitted positions. A
-///          vertex that is absorbed is within the margin and keeps its fitted position; one that is refitted gets its
-///          present position as the fitted one, and its nodes become dirty.
+/// States   Off: the bounds hold the vertices themselves. On, from start() to stop(): they hold the positions at the
+///          last refit. A vertex that is absorbed is within the margin and needs no refit; one that is refitted gets its
+///          present position as the one at the last refit, and its nodes become dirty.
 class MotionMargin {
  public:
   bool is_on() const { return !fitted_.empty(); }
@@ -39,7 +39,7 @@ class MotionMargin {
   /// The mesh that the bounds are computed for.
   MeshView fitted(const Mesh& mesh) const { return is_on() ? MeshView{fitted_, mesh.triangles()} : mesh.view(); }
 
-  /// At least the distance of any vertex from its fitted position.
+  /// At least the distance of any vertex from its position at the last refit.
   double largest_displacement() const;
 
   /// Absorbs or refits vertices that have moved. Notes the refits that absorbing has avoided if asked to.
@@ -70,7 +70,7 @@ class MotionMargin {
   void refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty);
 
   std::vector<Vec3> fitted_;  // empty while the margin is off
-  double farthest_sq_ = 0;    // from its fitted position
+  double farthest_sq_ = 0;    // from its position at the last refit
   std::size_t moves_since_exact_ = 0;
   std::uint64_t absorbed_ = 0, refitted_ = 0;
 };

@@ -135,7 +135,7 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   tree_.nodes.swap(built.nodes);
   tree_.leaves.swap(built.leaves);
   tree_.unit = built.unit;
-  tree_.assignment_id = built.assignment_id;
+  tree_.build_id = built.build_id;
   tree_.displacement = 0;
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
@@ -178,8 +178,8 @@ void TreeUpdater::update_margin(const Mesh& mesh) {
 }
 
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
-  // Bounds may follow a vertex by as much as it has moved, and as it was away from its fitted position.
-  if (sum_of_displacements_ + tree_.drift <= outgrown * tree_.unit) return;
+  // Bounds may follow a vertex by as much as it has moved, and as it was away from its position at the last refit.
+  if (sum_of_displacements_ + tree_.slack <= outgrown * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
   margin_.refit_all(mesh, dirty_);
 }
@@ -199,12 +199,12 @@ double TreeUpdater::publish(const Refits& refits, MaintenanceStats& stats) {
   stats.absorbed += margin_.absorbed_count();
   double margin_cost = 0;
   if (margin_.is_on()) {
-    tree_.drift = margin_.largest_displacement();
+    tree_.slack = margin_.largest_displacement();
     margin_cost = static_cast<double>(margin_cost_.exchange(0, std::memory_order_relaxed)) * bvh::margin_cost_unit;
     stats.margin_steps += margin_cost;
   }
   if (motion_margin() == 0 && margin_.is_on()) {
-    // All fitted positions are the present ones.
+    // All positions at the last refit are the present ones.
     margin_.stop();
     tree_.margin_cost = nullptr;
   }
@@ -235,7 +235,7 @@ void TreeUpdater::tune(const Mesh& mesh, const Refits& refits, double margin_cos
 }
 
 void TreeUpdater::begin_next_interval() {
-  LIMBER_ASSERT(margin_.is_on() || tree_.drift == 0);
+  LIMBER_ASSERT(margin_.is_on() || tree_.slack == 0);
   has_moved_ = moved_all_ = false;
   longest_displacement_ = sum_of_displacements_ = 0;
   moves_ = 0;

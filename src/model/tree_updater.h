@@ -48,13 +48,13 @@ class TreeUpdater {
 
   /// The mesh that the bounds are computed for.
   MeshView fitted(const Mesh& mesh) const { return margin_.fitted(mesh); }
-  /// How far vertices may move away from their fitted positions.
+  /// How far vertices may move away from their positions at the last refit.
   double motion_margin() const { return chosen_margin_.value_or(tuner_.margin()); }
 
  private:
   /// What the refits of one commit were.
   struct Refits {
-    std::uint64_t count;  // of wide nodes
+    std::uint64_t count;  // of nodes
     std::size_t avoided;  // lowest nodes that an absorbed move would have made dirty; some may be dirty all the same
     bool is_full;         // whether the whole tree was fitted at once
   };

@@ -23,8 +23,9 @@ namespace limber::pair {
 /// what it is, and there is no search direction.
 ///
 /// Based on  [Larsen1999]: pairs of nodes of two trees.
-/// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
-///           node at once. A model is compared with itself node by node: the child slots of each with each other.
+/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are compared
+///           with the other node at once. A model is compared with itself node by node: the child slots of each with each
+///           other.
 template <typename Collector>
 class AllPairs {
  public:
@@ -96,7 +97,7 @@ class AllPairs {
   /// Puts the children of a node that are not pruned on the stack.
   void expand(Expansion& e) {
     LIMBER_ASSERT(e.children != 0);
-    const bvh::WideNode& node = trees_.tree(e.side).nodes[e.node];
+    const bvh::Node& node = trees_.tree(e.side).nodes[e.node];
     search_.stats.node_tests += node.child_count;
     const simd::KeptSlots kept =
         kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair), search_.frames.of(e.side),

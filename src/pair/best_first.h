@@ -30,8 +30,8 @@ namespace limber::pair {
 ///
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
-/// Differs   One node of a pair is expanded at a time, the looser one; its eight children are compared with the other
-///           node at once. Bounds also use the search direction, in which the closest pair so far is apart.
+/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are compared
+///           with the other node at once. Bounds also use the search direction, in which the closest pair so far is apart.
 ///
 /// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. While a traversal runs, only
 /// it changes Pruning: collectors return updates and never change it, and placed models are constant.
@@ -279,7 +279,7 @@ class BestFirst {
   void compare_children(Expansion& e) {
     LIMBER_ASSERT(e.children != 0);
     ++state_.work;
-    const bvh::WideNode& node = trees_.tree(e.side).nodes[e.node];
+    const bvh::Node& node = trees_.tree(e.side).nodes[e.node];
     search_.stats.node_tests += node.child_count;
     alignas(32) float bound_sq[bvh::width];
     const simd::KeptSlots kept = kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair),

@@ -37,7 +37,7 @@ void Frames::compute(Side s) {
   t.per_unit = 1 / t.unit;
   t.other_unit = placed_.tree(other(s)).unit;
   t.ratio = static_cast<float>(base::or_infinite(t.other_unit * t.per_unit));
-  t.error = placed_.error() + placed_.drift();
+  t.error = placed_.error() + placed_.slack();
   t.error_units = base::float_up(base::or_infinite(t.error * t.per_unit)) + base::smallest_error_units;
 }
 

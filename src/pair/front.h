@@ -21,10 +21,10 @@ namespace limber::pair {
 /// compared again.
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
-/// Differs   The front is not compared as a whole. odometer() sums up all motion, as an upper bound of what two
+/// Differs   The front is not compared as a whole. motion_bound() sums up all motion, as an upper bound of what two
 ///           points can have come closer by; a pair is not compared again until that sum has used up its distance.
 ///
-/// A record is one expansion: the wide node that was expanded, the slot of the other tree that its children were
+/// A record is one expansion: the node that was expanded, the slot of the other tree that its children were
 /// compared with, the children that were not expanded in turn, and a lower bound of their distance. The other children
 /// have records of their own, so all records together account for every pair of triangles. Where there is no room for
 /// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
@@ -37,13 +37,14 @@ namespace limber::pair {
 ///          exception leaves it incomplete, and only a complete front is used again.
 class Front {
  public:
-  /// Children that are not expanded: pruned or compared, some of them hardly beyond the prune distance; or still open
+  /// Children that are not expanded: pruned or compared, some of them hardly beyond the cutoff; or still open
   /// when the traversal was interrupted. Each kind is compared again as a whole.
   enum Kind { settled, near, open };
   static constexpr std::size_t kinds = 3;
   struct Record {
-    double distance[kinds];  ///< lower bounds for the children of each kind, when the odometer stood at `odometer`
-    double odometer;
+    double
+        distance[kinds];  ///< lower bounds for the children of each kind, when the motion_bound stood at `motion_bound`
+    double motion_bound;
     bvh::SlotId slot[2];
     bool expands_a;
     std::uint8_t children[kinds];  ///< of each kind, a bit mask
@@ -69,7 +70,7 @@ class Front {
   void begin(const PlacedPair& placed, const Transform& a_from_b) {
     if (!is_complete_ || !is_of(placed)) {
       clear();
-      for (const Side s : {Side::a, Side::b}) assignment_id_[index(s)] = placed.tree(s).assignment_id;
+      for (const Side s : {Side::a, Side::b}) build_id_[index(s)] = placed.tree(s).build_id;
     } else {
       if (is_suspended_) open_pairs_ = put_back_queue(unit_[0]);  // in which its bounds are
       if (!is_at_rest(placed)) add_motion(placed, a_from_b);
@@ -91,7 +92,7 @@ class Front {
     open_pairs_ = 0;
     is_complete_ = true;
   }
-  double odometer() const { return odometer_; }
+  double motion_bound() const { return motion_bound_; }
 
   /// Notes that the traversal has skipped pairs as far apart as the best, at `distance`, up to rounding.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
@@ -113,22 +114,22 @@ class Front {
   /// A lower bound of the distance of what a record has not expanded.
   double bound_of(const Record& record) const {
     return remaining(std::min({record.distance[settled], record.distance[near], record.distance[open]}),
-                     record.odometer);
+                     record.motion_bound);
   }
   /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
-  double bound() const { return remaining(distance_, distance_odometer_); }
+  double bound() const { return remaining(distance_, found_at_); }
   /// The lower bound that bound() will give after begin(), if the models are where they were; else 0.
   double bound_at_rest(const PlacedPair& placed) const {
     return is_complete_ && is_of(placed) && is_at_rest(placed) ? bound() : 0;
   }
   /// Notes a lower bound of the distance of the models as they are placed now.
   void improve_bound(double distance) {
-    if (distance > bound()) distance_ = distance, distance_odometer_ = odometer_;
+    if (distance > bound()) distance_ = distance, found_at_ = motion_bound_;
   }
 
   void clear() {
     forget_records();
-    odometer_ = distance_ = distance_odometer_ = 0;
+    motion_bound_ = distance_ = found_at_ = 0;
     tied_distance_ = infinity;
     is_complete_ = is_suspended_ = false;
   }
@@ -139,7 +140,8 @@ class Front {
       ++without_room_;
       return NodePair::no_record;
     }
-    records_[count_] = {{infinity, infinity, infinity}, odometer_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
+    records_[count_] = {
+        {infinity, infinity, infinity}, motion_bound_, {slot[0], slot[1]}, expanded == Side::a, {0, 0, 0}};
     return static_cast<std::uint16_t>(count_++);
   }
 
@@ -181,13 +183,12 @@ class Front {
   }
   void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (base::sum_up - 1);
-    odometer_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
-    odometer_ *= base::sum_up;
+    motion_bound_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    motion_bound_ *= base::sum_up;
     tied_distance_ = infinity;
   }
   bool is_of(const PlacedPair& placed) const {
-    return assignment_id_[0] == placed.tree(Side::a).assignment_id &&
-           assignment_id_[1] == placed.tree(Side::b).assignment_id;
+    return build_id_[0] == placed.tree(Side::a).build_id && build_id_[1] == placed.tree(Side::b).build_id;
   }
   /// At least what all vertices of both models together have moved within their models.
   static double deformation_of(const PlacedPair& placed) {
@@ -212,28 +213,29 @@ class Front {
     error_ = placed.error();
   }
   /// What is left of a distance, rounded down; all of it if nothing has moved since.
-  double remaining(double distance, double odometer) const {
+  double remaining(double distance, double motion_bound) const {
     constexpr double down = 2 - base::sum_up;
-    return odometer == odometer_ ? distance : std::max(0.0, ((distance + odometer) * down - odometer_) * down);
+    return motion_bound == motion_bound_ ? distance
+                                         : std::max(0.0, ((distance + motion_bound) * down - motion_bound_) * down);
   }
   Record& up_to_date(std::uint16_t record) {
     Record& r = records_[record];
-    for (double& distance : r.distance) distance = remaining(distance, r.odometer);
-    r.odometer = odometer_;
+    for (double& distance : r.distance) distance = remaining(distance, r.motion_bound);
+    r.motion_bound = motion_bound_;
     return r;
   }
 
   static constexpr std::uint32_t capacity = 1024;
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-  std::uint64_t assignment_id_[2] = {0, 0};
+  std::uint64_t build_id_[2] = {0, 0};
   // Where the models were in the last traversal.
   Transform pose_[2], a_from_b_;
   double error_ = 0, deformation_ = 0, displacement_[2] = {0, 0};
   double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
-  double odometer_ = 0;
-  double distance_ = 0, distance_odometer_ = 0;  // the bound of the models' distance, and when it was found
-  double tied_distance_ = infinity;              // at which ties were skipped since the last motion
+  double motion_bound_ = 0;
+  double distance_ = 0, found_at_ = 0;  // the bound of the models' distance, and when it was found
+  double tied_distance_ = infinity;     // at which ties were skipped since the last motion
   bool is_complete_ = false;
   bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left
   double cutoff_ = 0;          // that of the interrupted traversal

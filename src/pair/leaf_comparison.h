@@ -119,7 +119,7 @@ class LeafComparison {
   /// cheaper than one for distance, and a contact ends the query.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
-    contact.distance = simd::smallest_prune_distance;
+    contact.distance = simd::smallest_cutoff;
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       const PlacedTriangle &a = a_.at(found.pairs[i].slot_a), &b = b_.at(found.pairs[i].slot_b);

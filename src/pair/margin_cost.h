@@ -10,31 +10,33 @@ namespace limber::pair {
 /// chance. Without a motion margin there are none.
 class MarginCost {
  public:
-  explicit MarginCost(const PlacedPair& placed) : drift_(placed.drift()) {}
+  explicit MarginCost(const PlacedPair& placed) : slack_(placed.slack()) {}
 
   /// Counts a pair of nodes that is not pruned. `tight_sq` is what the limit would be without the margin.
   ///
   /// If the limit exceeds the margin, the pair would have been pruned without it. Otherwise bounds do not tell; the
-  /// chance is taken to be margin / (margin + looseness of both nodes).
+  /// chance is taken to be margin / (margin + split_priority of both nodes).
   template <typename Trees>
   void count_nodes(const Trees& trees, const NodePair& pair, float tight_sq) {
-    if (drift_ == 0 || pair.bound_sq < tight_sq) return;
-    cost_ += tight_sq > 0 ? 1 : drift_ / (drift_ + trees.looseness(Side::a, pair) + trees.looseness(Side::b, pair));
+    if (slack_ == 0 || pair.bound_sq < tight_sq) return;
+    cost_ += tight_sq > 0
+                 ? 1
+                 : slack_ / (slack_ + trees.split_priority(Side::a, pair) + trees.split_priority(Side::b, pair));
   }
   /// Counts two triangles that are compared. `limit` and the root of `bound_sq` are lengths times `scale`.
   void count_triangles(double limit, double bound_sq, double scale) {
-    if (drift_ == 0) return;
-    const double tight = limit - drift_ * scale;
+    if (slack_ == 0) return;
+    const double tight = limit - slack_ * scale;
     if (bound_sq >= tight * tight) cost_ += 1;
   }
 
   /// Adds the cost to what the models count.
   void note(const PlacedPair& placed) const {
-    if (drift_ > 0) placed.add_margin_cost(cost_);
+    if (slack_ > 0) placed.add_margin_cost(cost_);
   }
 
  private:
-  double drift_;
+  double slack_;
   double cost_ = 0;
 };
 

@@ -17,7 +17,7 @@ namespace limber::pair {
 namespace {
 
 // Vertices that are outside of the bounds by at most this part of the magnitude cannot make it much too large.
-constexpr double small_drift = 1. / 16;
+constexpr double small_slack = 1. / 16;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b)
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
   const double size = bvh::magnitude(model_a.tree, a.pose) + bvh::magnitude(model_b.tree, b.pose);
   error_ = base::placement_error * size;
-  is_error_tight_ = !is_placed_exactly_ && drift() <= small_drift * size;
+  is_error_tight_ = !is_placed_exactly_ && slack() <= small_slack * size;
 }
 
 Triangle PlacedPair::placed(Side s, const Triangle& local) const {
@@ -60,8 +60,8 @@ double PlacedPair::root_bound() const {
 void PlacedPair::add_margin_cost(double steps) const {
   for (const Side s : {Side::a, Side::b}) {
     const bvh::Tree& t = tree(s);
-    if (t.margin_cost == nullptr || t.drift == 0) continue;
-    const double share = steps * (t.drift / drift());
+    if (t.margin_cost == nullptr || t.slack == 0) continue;
+    const double share = steps * (t.slack / slack());
     t.margin_cost->fetch_add(static_cast<std::uint64_t>(share / bvh::margin_cost_unit), std::memory_order_relaxed);
   }
 }

@@ -57,7 +57,7 @@ class PlacedPair {
   bool is_error_tight() const { return is_error_tight_; }
 
   /// How far vertices of both models together may be outside of the bounds.
-  double drift() const { return tree(Side::a).drift + tree(Side::b).drift; }
+  double slack() const { return tree(Side::a).slack + tree(Side::b).slack; }
   /// Notes traversal steps that the motion margin has added.
   void add_margin_cost(double steps) const;
 

@@ -21,10 +21,10 @@ namespace limber::pair {
 /// answer is the least distance to the bit, whatever pair comes first.
 enum class Ties { skipped, compared };
 
-/// What a query prunes: pairs at least the prune distance apart. Once two triangles have been compared, it knows the
+/// What a query prunes: pairs at least the cutoff apart. Once two triangles have been compared, it knows the
 /// direction in which they are apart, the search direction; most pairs are at least as far apart along it.
 ///
-/// States   The prune distance only shrinks. There is a search direction once a pair that is apart has been compared.
+/// States   The cutoff only shrinks. There is a search direction once a pair that is apart has been compared.
 class Pruning {
  public:
   Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped)
@@ -112,7 +112,7 @@ class Pruning {
 
   void set_cutoff(double cutoff) {
     cutoff_ = std::max(cutoff, std::numeric_limits<double>::min());  // contacts are never pruned
-    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_prune_distance);
+    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_cutoff);
   }
 
   /// `direction` has length 1, in the world, from a to b.

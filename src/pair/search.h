@@ -133,7 +133,7 @@ void try_vertices(const PlacedPair& placed, double root_bound, Collector& collec
   if (good_enough <= root_bound) return;
   const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
   const double distance = geometry::safe_length(q - p);
-  if (distance <= root_bound || distance > good_enough || distance < simd::smallest_prune_distance) return;
+  if (distance <= root_bound || distance > good_enough || distance < simd::smallest_cutoff) return;
   const Corners &corners_a = placed.first_corners(Side::a), &corners_b = placed.first_corners(Side::b);
   double extent = max_abs(q - p);
   for (std::size_t k = 1; k < 3; ++k) {

@@ -26,7 +26,7 @@ class SquaredLimits {
     LIMBER_ASSERT(distance > 0);
     if (distance == distance_) return false;
     distance_ = distance;
-    const double tight = std::max(0.0, distance - placed_.drift()) / placed_.tree(Side::a).unit;
+    const double tight = std::max(0.0, distance - placed_.slack()) / placed_.tree(Side::a).unit;
     tight_sq_ = static_cast<float>(std::min(tight * tight, double{BucketQueue::no_limit_sq}));
     for (const Side s : {Side::a, Side::b}) {
       const double units = distance / placed_.tree(s).unit;

@@ -29,7 +29,7 @@ class TreePair {
     if constexpr (tells_coincident_apart) {
       return bvh::has_leaf(tree, slot);
     } else {
-      return bvh::has_leaf(tree, slot) || (bvh::is_coincident(tree, slot) && tree.drift == 0);
+      return bvh::has_leaf(tree, slot) || (bvh::is_coincident(tree, slot) && tree.slack == 0);
     }
   }
   bool are_leaves(const NodePair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
@@ -58,9 +58,9 @@ class TreePair {
     return is_leaf(s, pair) ? as_leaf(s, pair) : as_node(s, pair);
   }
 
-  /// How loose the bound of a slot makes a pair: half the thickness of its slab, and a little of its radius. The looser
-  /// of two nodes is expanded.
-  double looseness(Side s, const NodePair& pair) const {
+  /// How much the bound of a slot leaves open: half the thickness of its slab, and a little of its radius. Of two nodes
+  /// the one of higher priority is expanded.
+  double split_priority(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     const bvh::Tree& tree = placed_.tree(s);
     const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
@@ -68,12 +68,12 @@ class TreePair {
     return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + share_of_radius * n.radius[k]);
   }
 
-  /// The side whose node is expanded: the looser one, if it can be. Pre: are_leaves() is false.
+  /// The side whose node is expanded: the one of higher split priority, if it can be. Pre: are_leaves() is false.
   Side side_to_expand(const NodePair& pair) const {
-    const bool is_looser = looseness(Side::a, pair) >= looseness(Side::b, pair);
+    const bool is_a_first = split_priority(Side::a, pair) >= split_priority(Side::b, pair);
     // Bitwise: branches here would be mispredicted.
     const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
-    const bool is_a = (static_cast<int>(is_looser) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
+    const bool is_a = (static_cast<int>(is_a_first) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
     return is_a ? Side::a : Side::b;
   }
 

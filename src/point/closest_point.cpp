@@ -40,7 +40,7 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
       continue;
     }
     --waiting_count_;
-    if (tree_.drift > 0) count_margin_cost(next);
+    if (tree_.slack > 0) count_margin_cost(next);
     is_leaf(next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
   }
   compare_candidates(stats);
@@ -50,7 +50,7 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
 void ClosestPointSearch::set_limit(double limit) {
   limit_ = limit;
   limit_bound_ = bound_of(limit);
-  tight_bound_ = bound_of(std::max(0.0, limit - tree_.drift));
+  tight_bound_ = bound_of(std::max(0.0, limit - tree_.slack));
 }
 
 /// A distance in the measure of the kernels, rounded up, a square to the nearest: bounds of children are lower by more
@@ -68,25 +68,25 @@ float ClosestPointSearch::bound_of(double distance) const {
 /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide. With a motion margin they may be
 /// elsewhere than the mark says.
 bool ClosestPointSearch::is_leaf(bvh::SlotId slot) const {
-  return bvh::has_leaf(tree_, slot) || (bvh::is_coincident(tree_, slot) && tree_.drift == 0);
+  return bvh::has_leaf(tree_, slot) || (bvh::is_coincident(tree_, slot) && tree_.slack == 0);
 }
 
 /// Adds the chance that the slot would have been pruned without the margin, as the traversal of pairs does.
 void ClosestPointSearch::count_margin_cost(const Waiting& slot) {
   if (slot.bound < tight_bound_) return;
-  if (limit_ > tree_.drift) {
+  if (limit_ > tree_.slack) {
     margin_cost_ += 1;
     return;
   }
   const bvh::ChildBounds& n = tree_.nodes[bvh::node_of(slot.slot)].bounds;
   const std::uint32_t k = bvh::slot_of(slot.slot);
   const double loose = tree_.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F);
-  margin_cost_ += tree_.drift / (tree_.drift + loose);
+  margin_cost_ += tree_.slack / (tree_.slack + loose);
 }
 
 void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
   const std::uint32_t n = bvh::child_of(tree_, slot);
-  const bvh::WideNode& node = tree_.nodes[n];
+  const bvh::Node& node = tree_.nodes[n];
   stats.node_tests += node.child_count;
   simd::ChildrenInOrder found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_children_along : kernels_.bound_children_to_point;
@@ -103,7 +103,7 @@ void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
 
 void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
   const bvh::SlotId leaf_slot = bvh::first_leaf_slot(tree_, slot);
-  const bvh::WideNode& node = tree_.nodes[bvh::node_of(leaf_slot)];
+  const bvh::Node& node = tree_.nodes[bvh::node_of(leaf_slot)];
   const bvh::Leaf& leaf = bvh::leaf_of(tree_, leaf_slot);
   simd::TriangleIntervals found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_triangles_along : kernels_.bound_triangles_to_point;

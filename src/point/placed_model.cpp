@@ -48,7 +48,7 @@ simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
   in.position[3] = 0;
   in.unit = tree_->unit, in.per_unit = 1 / tree_->unit;
   const double from_origin = std::abs(point.x) + std::abs(point.y) + std::abs(point.z);
-  in.error = base::placement_error * (magnitude_ + from_origin) + tree_->drift;
+  in.error = base::placement_error * (magnitude_ + from_origin) + tree_->slack;
   in.error_units = base::float_up(base::or_infinite(in.error * in.per_unit)) + base::smallest_error_units;
   const Vec3 up = point - pose_(center_);
   const double distance = geometry::safe_length(up);
@@ -90,7 +90,7 @@ std::optional<AxisRay> PlacedModel::ray_from(const Vec3& point) const {
 }
 
 void PlacedModel::add_margin_cost(double steps) const {
-  if (tree_->margin_cost == nullptr || tree_->drift == 0) return;
+  if (tree_->margin_cost == nullptr || tree_->slack == 0) return;
   tree_->margin_cost->fetch_add(static_cast<std::uint64_t>(steps / bvh::margin_cost_unit), std::memory_order_relaxed);
 }
 

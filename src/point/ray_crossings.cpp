@@ -14,7 +14,7 @@ namespace {
 /// Compares the triangles of a leaf that the ray may cross. False once the point lies on one of them.
 bool add_leaf(const PlacedModel& model, const AxisRay& ray, bvh::SlotId slot, Surrounding& surrounding,
               QueryStats& stats) {
-  const bvh::WideNode& node = model.tree().nodes[bvh::node_of(slot)];
+  const bvh::Node& node = model.tree().nodes[bvh::node_of(slot)];
   const bvh::Leaf& leaf = bvh::leaf_of(model.tree(), slot);
   unsigned crossed = simd::kernels().find_crossed_triangles(node, bvh::slot_of(slot), leaf.corners, ray.in_frame);
   for (; crossed != 0; crossed &= crossed - 1) {

@@ -12,7 +12,7 @@
 namespace limber::scene {
 namespace {
 
-using bvh::WideBoxes;
+using bvh::BoxNode;
 using bvh::width;
 
 // More levels than any tree has whose models can be numbered.
@@ -21,9 +21,9 @@ constexpr std::size_t max_levels = 12;
 // What rounding of lengths and their squares, relative to the squares, may hide.
 constexpr double squares_down = 1 - 0x1p-48;
 
-WideBoxes empty_boxes() {
+BoxNode empty_boxes() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  WideBoxes boxes;
+  BoxNode boxes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::fill_n(boxes.low[axis], width, infinity);
     std::fill_n(boxes.high[axis], width, -infinity);
@@ -31,18 +31,18 @@ WideBoxes empty_boxes() {
   return boxes;
 }
 
-void set_box(WideBoxes& boxes, std::size_t slot, const Box& box) {
+void set_box(BoxNode& boxes, std::size_t slot, const Box& box) {
   boxes.low[0][slot] = box.low.x, boxes.low[1][slot] = box.low.y, boxes.low[2][slot] = box.low.z;
   boxes.high[0][slot] = box.high.x, boxes.high[1][slot] = box.high.y, boxes.high[2][slot] = box.high.z;
 }
 
-Box box_of(const WideBoxes& boxes, std::size_t slot) {
+Box box_of(const BoxNode& boxes, std::size_t slot) {
   return {{boxes.low[0][slot], boxes.low[1][slot], boxes.low[2][slot]},
           {boxes.high[0][slot], boxes.high[1][slot], boxes.high[2][slot]}};
 }
 
 /// The smallest box around some boxes.
-Box box_around(const WideBoxes& boxes) {
+Box box_around(const BoxNode& boxes) {
   Box box = box_of(boxes, 0);
   for (std::size_t slot = 1; slot < width; ++slot) {
     const Box next = box_of(boxes, slot);
@@ -52,7 +52,7 @@ Box box_around(const WideBoxes& boxes) {
 }
 
 /// Which of some boxes may be within the margin of one more.
-unsigned near(const WideBoxes& boxes, const Box& box, double margin) {
+unsigned near(const BoxNode& boxes, const Box& box, double margin) {
   const Vec3 by{margin, margin, margin};
   return simd::kernels().overlapping_boxes(boxes, box.low - by, box.high + by);
 }
@@ -122,7 +122,7 @@ double BoxTree::lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
 bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
                           FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const {
   LIMBER_ASSERT(leaf < leaf_count() && margin >= 0);
-  const WideBoxes& own = boxes(0, leaf);
+  const BoxNode& own = boxes(0, leaf);
   const std::size_t top = level_count() - 1;
   const auto box_of_leaf = [&](std::uint32_t i) {
     return top > 0 ? box_of(boxes(1, i / width), i % width) : box_around(own);

@@ -9,14 +9,14 @@
 
 #include "bvh/boxes.h"
 #include "limber/base.h"
-#include "scene/spatial_order.h"
+#include "scene/hilbert_order.h"
 #include "scene/world_bounds.h"
 
 namespace limber::scene {
 
 /// An 8-wide tree over the bounds of placed models, built anew whenever some have moved.
 ///
-/// The models are numbered in spatial order; these numbers are their ranks. Eight consecutive ones are a leaf, eight
+/// The models are numbered in Hilbert order; these numbers are their ranks. Eight consecutive ones are a leaf, eight
 /// consecutive leaves the children of a node, and so on, so a node's number tells its children's.
 class BoxTree {
  public:
@@ -44,14 +44,14 @@ class BoxTree {
   bool spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
 
   /// The boxes of a leaf's models on level 0, those of a node's children above.
-  const bvh::WideBoxes& boxes(std::size_t level, std::size_t node) const { return boxes_[level_begin_[level] + node]; }
+  const bvh::BoxNode& boxes(std::size_t level, std::size_t node) const { return boxes_[level_begin_[level] + node]; }
   std::size_t level_count() const { return level_begin_.size() - 1; }
 
-  SpatialOrder spatial_order_;
+  HilbertOrder spatial_order_;
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> ids_;        // by rank
   std::vector<Sphere> spheres_;           // by rank
-  std::vector<bvh::WideBoxes> boxes_;     // level by level
+  std::vector<bvh::BoxNode> boxes_;       // level by level
   std::vector<std::size_t> level_begin_;  // and one past the last, which has one node
 };
 

@@ -114,7 +114,7 @@ void ClosestSearch::ask_waiting() {
 }
 
 /// Asks a few pairs that are likely to be close: the closest pair of the last frame, and pairs that follow each other
-/// in spatial order.
+/// in Hilbert order.
 void ClosestSearch::ask_neighbors() {
   if (cache_ != nullptr) {
     const ObjectPair last = cache_->impl().closest;

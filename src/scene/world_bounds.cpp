@@ -5,13 +5,13 @@
 namespace limber::scene {
 namespace {
 
-// At most so many vertices are looked at one by one; where there are more, the children of so many wide nodes.
+// At most so many vertices are looked at one by one; where there are more, the children of so many nodes.
 constexpr std::size_t most_vertices = 2048;
 constexpr std::uint32_t most_nodes = 32;
 
-/// At least the distance, in units, from a point of everything in a slot, without drift: by its sphere; by its box; by
+/// At least the distance, in units, from a point of everything in a slot, without slack: by its sphere; by its box; by
 /// its slab and the sphere across that.
-double farthest_in(const bvh::WideNode& node, std::uint32_t slot, const Vec3& origin_from_point) {
+double farthest_in(const bvh::Node& node, std::uint32_t slot, const Vec3& origin_from_point) {
   const bvh::ChildBounds& n = node.bounds;
   const Vec3 d = origin_from_point + bvh::local_slot_center(node, slot);
   const double d_sq = length_sq(d), radius = n.radius[slot];
@@ -30,7 +30,7 @@ double farthest_vertex(const Mesh& mesh, double unit, const Vec3& point) {
   return std::sqrt(farthest_sq) * unit;
 }
 
-/// At least the distance from a point of everything in a tree, without drift. The root's own radius is that of a sphere
+/// At least the distance from a point of everything in a tree, without slack. The root's own radius is that of a sphere
 /// around the volumes of its children, a third too large for a ball; volumes further down follow a surface closely.
 double farthest_node(const bvh::Tree& tree, const Vec3& point) {
   std::size_t level = 0;
@@ -40,7 +40,7 @@ double farthest_node(const bvh::Tree& tree, const Vec3& point) {
   }
   double radius = 0;  // in units, in which squares are normal numbers
   for (std::uint32_t i = tree.level_begin[level]; i < tree.level_begin[level + 1]; ++i) {
-    const bvh::WideNode& node = tree.nodes[i];
+    const bvh::Node& node = tree.nodes[i];
     const Vec3 from_point = (node.origin - point) * (1 / tree.unit);
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
       radius = std::max(radius, farthest_in(node, slot, from_point));
@@ -59,7 +59,7 @@ LocalBounds local_bounds(const Model& model) {
   const double magnitude = c_abs.x + c_abs.y + c_abs.z + 2 * sphere.radius;
   // Vertices that no triangle names may be anywhere.
   const bool is_small = model.mesh().positions().size() <= most_vertices;
-  const double about = is_small ? farthest_vertex(model.mesh(), tree.unit, c) : farthest_node(tree, c) + tree.drift;
+  const double about = is_small ? farthest_vertex(model.mesh(), tree.unit, c) : farthest_node(tree, c) + tree.slack;
   const double enlarged = about * (1 + base::root_error) + base::offset_error * magnitude;
   return {c, max(box.high - c, c - box.low), std::min(sphere.radius, enlarged), magnitude};
 }

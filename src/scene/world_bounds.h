@@ -17,15 +17,15 @@ namespace limber::scene {
 
 /// Tells the states of a committed model apart: every commit, rebuild or reset that changes its bounds changes this.
 struct ModelState {
-  std::uint64_t assignment_id = 0;
-  double displacement = 0, drift = 0;
+  std::uint64_t build_id = 0;
+  double displacement = 0, slack = 0;
   friend bool operator==(const ModelState&, const ModelState&) = default;
 };
 
 /// Pre: the model has not been moved from.
 inline ModelState state_of(const Model& model) {
   const bvh::Tree& tree = model.impl().tree;
-  return {tree.assignment_id, tree.displacement, tree.drift};
+  return {tree.build_id, tree.displacement, tree.slack};
 }
 
 /// The bounds of a model in its own frame: a box and a sphere about one center.

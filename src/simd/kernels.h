@@ -30,13 +30,13 @@ struct FrameTransform {
   double unit, per_unit, other_unit;
   float ratio;        ///< other_unit / unit; infinite where float32 could not square it
   float error_units;  ///< `error` in units; infinite where float32 could not square it
-  double error;       ///< most that rounding of placed points and the drift of both models change a length by
+  double error;       ///< most that rounding of placed points and the slack of both models change a length by
 };
 
 /// The least distance from which on pairs are pruned: where only contacts matter. It is above 0, so that contacts are
 /// never pruned; and so far above the smallest number that scaling it to a pair of leaves gives no subnormal one, which
 /// processors take long to compute with.
-inline constexpr double smallest_prune_distance = 0x1p-960;
+inline constexpr double smallest_cutoff = 0x1p-960;
 
 /// What a query prunes: pairs at least `distance` apart. It measures that along a search direction too, if there is
 /// one: the direction in which the closest pair so far is apart.
@@ -50,7 +50,7 @@ struct PruneLimits {
 
 /// A child slot of a tree, or its leaf, to be compared with slots of the other tree.
 struct OtherNode {
-  const bvh::WideNode* node;
+  const bvh::Node* node;
   std::uint32_t slot;
   const bvh::QuantizedTriangles* triangles;  ///< nullptr unless it is a leaf
 };
@@ -79,7 +79,7 @@ struct Candidates {
 struct QueryPoint {
   alignas(32) double position[4];  ///< the fourth number is 0
   double unit, per_unit;           ///< of the tree
-  double error;       ///< most that rounding of placed points and the drift of the model change a length by
+  double error;       ///< most that rounding of placed points and the slack of the model change a length by
   float error_units;  ///< the same in units; infinite where float32 could not square it
   bool is_far;        ///< next to the size of the model; only then there is a direction
   /// From the model to the point: heights along it are measured from `base`. `height` is that of the point itself. In
@@ -88,7 +88,7 @@ struct QueryPoint {
   float normal[3];  ///< the direction, rounded
 };
 
-/// How far the children of a wide node are from a point at least.
+/// How far the children of a node are from a point at least.
 struct ChildrenInOrder {
   alignas(32) float bound[width];   ///< in the measure of the kernel; infinite for slots without a child
   alignas(32) float behind[width];  ///< see place_of()
@@ -149,7 +149,7 @@ struct QueryRay {
 
 // --- kernels ---
 
-/// Lower bounds of the distances between the children of a wide node and one slot of the other tree.
+/// Lower bounds of the distances between the children of a node and one slot of the other tree.
 ///
 /// `transform` and `pruning` are those of the tree of `node`. Returns the children whose squared bound is below
 /// `limit_sq` and that the search direction does not prune. Writes to order[slot] the squared bound where that is above
@@ -157,7 +157,7 @@ struct QueryRay {
 /// bound_sq[slot], unless that is nullptr, the best squared bound, the one along the search direction included. Both
 /// are written for all slots, those without a child included. Where only contacts matter, at the smallest prune
 /// distance and without bound_sq, order[slot] is some positive gap instead of a squared bound.
-using BoundChildren = KeptSlots (*)(const bvh::WideNode& node, const OtherNode& other, const FrameTransform& transform,
+using BoundChildren = KeptSlots (*)(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
 /// Two leaves of one tree, which is compared with itself, or one leaf twice.
@@ -207,39 +207,39 @@ using FindCloseElements = void (*)(const OtherNode& a, const OtherNode& b, const
                                    const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                    const SelfPair* self, ElementCandidates& found);
 
-/// Bounds of the distances between a point and the children of a wide node, and the order of those whose bound is at
+/// Bounds of the distances between a point and the children of a node, and the order of those whose bound is at
 /// most `limit`, which is finite.
 ///
 /// bound_children_to_point gives squared distances in squared units; for children that may hold the point how deep it
 /// is inside their sphere, as a fraction of the radius, negative. bound_children_along, for points far away, gives how
 /// far the highest points of the children are under QueryPoint::base, in units, so large distances take no precision
 /// away; its `upper` is infinite.
-using BoundChildrenToPoint = void (*)(const bvh::WideNode& node, const QueryPoint& point, float limit,
+using BoundChildrenToPoint = void (*)(const bvh::Node& node, const QueryPoint& point, float limit,
                                       ChildrenInOrder& children);
 
 /// Intervals of the distances between a point and the triangles of a leaf, which is the child of a slot of `node`. The
 /// triangles that are not kept are farther away than `limit`, a length, or than another one.
 ///
 /// bound_triangles_along, for points far away, has 0 for all lower bounds and an infinite upper one.
-using BoundTrianglesToPoint = void (*)(const bvh::WideNode& node, std::uint32_t slot,
+using BoundTrianglesToPoint = void (*)(const bvh::Node& node, std::uint32_t slot,
                                        const bvh::QuantizedTriangles& triangles, const QueryPoint& point, double limit,
                                        TriangleIntervals& intervals);
 
-/// The children of a wide node, as a bit mask, that a ray may cross: their boxes along the ray's three directions do.
-using FindCrossedChildren = unsigned (*)(const bvh::WideNode& node, const QueryRay& ray);
+/// The children of a node, as a bit mask, that a ray may cross: their boxes along the ray's three directions do.
+using FindCrossedChildren = unsigned (*)(const bvh::Node& node, const QueryRay& ray);
 
 /// The triangles of a leaf, which is the child of a slot of `node`, that a ray may cross.
-using FindCrossedTriangles = unsigned (*)(const bvh::WideNode& node, std::uint32_t slot,
+using FindCrossedTriangles = unsigned (*)(const bvh::Node& node, std::uint32_t slot,
                                           const bvh::QuantizedTriangles& triangles, const QueryRay& ray);
 
-/// Fits a wide node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
+/// Fits a node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
 /// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. The leaves that
 /// follow are those that will be fitted next. Returns a bound of all the triangles.
-using FitLeaves = bvh::MergedBounds (*)(const Vec3* positions, double unit, bvh::WideNode& node,
+using FitLeaves = bvh::MergedBounds (*)(const Vec3* positions, double unit, bvh::Node& node,
                                         std::span<bvh::Leaf> leaves);
 
-/// A bound around the children of a wide node.
-using MergeBounds = bvh::MergedBounds (*)(const bvh::WideNode& node);
+/// A bound around the children of a node.
+using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node);
 
 struct Displacement {
   double farthest_sq;  ///< the longest displacement of a point, squared; 0 unless is_bounded
@@ -266,11 +266,11 @@ struct FewLeast {
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
 /// Which of some boxes have a point in common with the box from `low` to `high`, as a bit mask. Pre: these are finite.
-using OverlappingBoxes = unsigned (*)(const bvh::WideBoxes& boxes, const Vec3& low, const Vec3& high);
+using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
 /// Which boxes of `a`, made larger by a margin on all sides, have points in common with which of `b`, whose boxes are
 /// all inside of `around_b`: bit 8 k + i stands for box k of a and box i of b. Pre: the margin is finite.
-using OverlappingPairs = std::uint64_t (*)(const bvh::WideBoxes& a, const bvh::WideBoxes& b, const Box& around_b,
+using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b,
                                            double margin);
 
 /// Compares the edges of two triangles, and their corners with the other's face. Pre: coordinates are at most 2^100 in

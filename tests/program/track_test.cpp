@@ -55,7 +55,7 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   }
   EXPECT_EQ(rows[0].at("moved_vertices"), "0");
   EXPECT_EQ(rows[1].at("moved_vertices"), "81");
-  EXPECT_EQ(rows[1].at("refits"), "4");  // 8-wide nodes: two above leaves, and their ancestors
+  EXPECT_EQ(rows[1].at("refits"), "4");  // 8-nodes: two above leaves, and their ancestors
   EXPECT_EQ(classic_rows[1].at("refits"), "255");
   EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
 }

@@ -62,13 +62,13 @@ std::vector<Contact> some_contacts(Rng& rng, double& size) {
   return contacts;
 }
 
-void expect_promise(const std::vector<Contact>& all, std::size_t kept, const std::vector<std::uint32_t>& regions,
+void expect_promise(const std::vector<Contact>& all, std::size_t kept, const std::vector<std::uint32_t>& patches,
                     const ReductionOptions& options, double rounding) {
-  std::vector<Contact> first;  // of each region
+  std::vector<Contact> first;  // of each patch
   std::size_t points = 0;
   for (std::size_t i = 0; i < kept; ++i) {
-    if (regions[i] == first.size()) first.push_back(all[i]), points = 0;
-    ASSERT_EQ(regions[i] + 1, first.size());
+    if (patches[i] == first.size()) first.push_back(all[i]), points = 0;
+    ASSERT_EQ(patches[i] + 1, first.size());
     ASSERT_LE(++points, options.max_points);
   }
   const double far = options.radius + rounding, wide = 2 * std::sin(options.max_angle / 2) + 1e-14;
@@ -90,7 +90,7 @@ void expect_promise(const std::vector<Contact>& all, std::size_t kept, const std
 
 TEST(ContactReductionProperty, KeepsWhatItPromisesInAnyOrder) {
   Rng rng(1401);
-  std::size_t removed = 0, several = 0, regions_seen = 0;
+  std::size_t removed = 0, several = 0, patches_seen = 0;
   for (int i = 0; i < 400; ++i) {
     SCOPED_TRACE(i);
     double size = 1;
@@ -99,11 +99,11 @@ TEST(ContactReductionProperty, KeepsWhatItPromisesInAnyOrder) {
                                    .max_angle = rng.below(3) == 0 ? 0 : rng.uniform(0, std::numbers::pi),
                                    .max_points = 1 + rng.below(6)};
     const std::vector<Contact> input = contacts, twin = reference::reduced_contacts(contacts, options);
-    std::vector<std::uint32_t> regions(contacts.size(), 0);
-    const std::size_t kept = reduce_contacts(contacts, options, regions);
+    std::vector<std::uint32_t> patches(contacts.size(), 0);
+    const std::size_t kept = reduce_contacts(contacts, options, patches);
     ASSERT_EQ(kept, twin.size());
     for (std::size_t k = 0; k < kept; ++k) ASSERT_TRUE(same_contact(contacts[k], twin[k])) << k;
-    expect_promise(contacts, kept, regions, options, 1e-9 * size + 1e-15 * farthest_of(contacts));
+    expect_promise(contacts, kept, patches, options, 1e-9 * size + 1e-15 * farthest_of(contacts));
     // No contact is lost.
     ASSERT_EQ(contacts.size(), input.size());
     ASSERT_TRUE(std::is_permutation(contacts.begin(), contacts.end(), input.begin(), same_contact));
@@ -112,12 +112,12 @@ TEST(ContactReductionProperty, KeepsWhatItPromisesInAnyOrder) {
     ASSERT_EQ(reduce_contacts(shuffled, options), kept);
     for (std::size_t k = 0; k < kept; ++k) ASSERT_TRUE(same_contact(shuffled[k], twin[k])) << k;
     if (::testing::Test::HasFailure()) return;
-    const std::size_t region_count = kept == 0 ? 0 : regions[kept - 1] + std::size_t{1};
-    removed += contacts.size() - kept, several += kept - region_count, regions_seen += region_count;
+    const std::size_t patch_count = kept == 0 ? 0 : patches[kept - 1] + std::size_t{1};
+    removed += contacts.size() - kept, several += kept - patch_count, patches_seen += patch_count;
   }
   EXPECT_GT(removed, 10'000U);
   EXPECT_GT(several, 1'000U);
-  EXPECT_GT(regions_seen, 10'000U);
+  EXPECT_GT(patches_seen, 10'000U);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ bool belongs_to(const Placing& p, const Placing& first, const ReductionOptions& 
          length_sq(p.contact.normal - first.contact.normal) <= chord * chord;
 }
 
-/// The squared distance of two contacts of a region as seen along the normal of its first one, in squared radii.
+/// The squared distance of two contacts of a patch as seen along the normal of its first one, in squared radii.
 double seen_apart_sq(const Placing& p, const Placing& q, const Placing& first, double radius) {
   const auto flat = [&](const Placing& x) {
     const Vec3 v = radii_between(first, x, radius);
@@ -51,15 +51,15 @@ double seen_apart_sq(const Placing& p, const Placing& q, const Placing& first, d
   return length_sq(flat(p) - flat(q));
 }
 
-void append_manifold(const std::vector<Placing>& region, const ReductionOptions& options, std::vector<Contact>& kept) {
-  std::vector<Placing> manifold{region.front()};
+void append_manifold(const std::vector<Placing>& patch, const ReductionOptions& options, std::vector<Contact>& kept) {
+  std::vector<Placing> manifold{patch.front()};
   while (manifold.size() < options.max_points) {
     const Placing* farthest = nullptr;
     double most = 0.25 * 0.25;
-    for (const Placing& p : region) {
-      double least = seen_apart_sq(p, manifold.front(), region.front(), options.radius);
+    for (const Placing& p : patch) {
+      double least = seen_apart_sq(p, manifold.front(), patch.front(), options.radius);
       for (const Placing& q : manifold) {
-        least = std::min(least, seen_apart_sq(p, q, region.front(), options.radius));
+        least = std::min(least, seen_apart_sq(p, q, patch.front(), options.radius));
       }
       if (least > most) most = least, farthest = &p;
     }
@@ -76,18 +76,18 @@ std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const R
   std::vector<Placing> sorted;
   for (const Contact& c : contacts) sorted.push_back(placing_of(c));
   std::sort(sorted.begin(), sorted.end(), comes_before);
-  std::vector<std::vector<Placing>> regions;
+  std::vector<std::vector<Placing>> patches;
   for (const Placing& p : sorted) {
-    const auto joined = std::find_if(regions.begin(), regions.end(),
+    const auto joined = std::find_if(patches.begin(), patches.end(),
                                      [&](const std::vector<Placing>& r) { return belongs_to(p, r.front(), options); });
-    if (joined == regions.end()) {
-      regions.push_back({p});
+    if (joined == patches.end()) {
+      patches.push_back({p});
     } else {
       joined->push_back(p);
     }
   }
   std::vector<Contact> kept;
-  for (const std::vector<Placing>& region : regions) append_manifold(region, options, kept);
+  for (const std::vector<Placing>& patch : patches) append_manifold(patch, options, kept);
   return kept;
 }
 

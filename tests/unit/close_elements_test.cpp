@@ -93,13 +93,13 @@ TEST(CloseElements, ContainEveryPairThatMatters) {
     }
     const std::uint64_t owned_a = some_owned(rng), owned_b = some_owned(rng);
     // The distance of some pair, and hardly more: quantization of corners decides.
-    double prune_distance = 0;
+    double cutoff = 0;
     std::uint64_t which = rng.below(400);
     for_all_elements(a, b, owned_a, owned_b, [&](int, double distance, int, int) {
-      if (which-- == 0) prune_distance = distance * (1 + 1e-9) + 1e-12;
+      if (which-- == 0) cutoff = distance * (1 + 1e-9) + 1e-12;
     });
-    if (prune_distance == 0) prune_distance = rng.uniform(0, 2) + 1e-12;
-    const pair::Pruning pruning(placed, prune_distance);
+    if (cutoff == 0) cutoff = rng.uniform(0, 2) + 1e-12;
+    const pair::Pruning pruning(placed, cutoff);
     simd::ElementCandidates found, again;
     const auto find = [&](const simd::Kernels& set, simd::ElementCandidates& candidates) {
       set.find_close_elements(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a), pruning.of(Side::a),
@@ -117,11 +117,11 @@ TEST(CloseElements, ContainEveryPairThatMatters) {
     std::size_t count = 0;
     for_all_elements(a, b, owned_a, owned_b, [&](int kind, double distance, int of_a, int of_b) {
       if (ids[static_cast<std::size_t>(kind)].count({of_a, of_b}) == 0) {
-        ASSERT_GE(distance, prune_distance * (1 - 1e-15)) << "case " << i << ", kind " << kind;
+        ASSERT_GE(distance, cutoff * (1 - 1e-15)) << "case " << i << ", kind " << kind;
         ++left_out;
       } else {
         ++count, ++kept;
-        close += distance < prune_distance * 1.01 + 1e-3 ? 1 : 0;
+        close += distance < cutoff * 1.01 + 1e-3 ? 1 : 0;
       }
     });
     ASSERT_EQ(count, ids[0].size() + ids[1].size() + ids[2].size()) << "case " << i;

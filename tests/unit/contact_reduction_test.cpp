@@ -74,16 +74,16 @@ TEST(ContactReduction, IgnoresHowFarContactsAreApartAlongTheNormal) {
   EXPECT_EQ(contacts[1].point_a, (Vec3{0.3, 0, 0}));
 }
 
-TEST(ContactReduction, KeepsRegionsWithOtherNormalsApart) {
+TEST(ContactReduction, KeepsPatchesWithOtherNormalsApart) {
   const double angle = 0.3;
   const Vec3 tilted{std::sin(angle), 0, std::cos(angle)};
   for (const double max_angle : {0.0, 0.29, 0.31, pi}) {
     std::vector<Contact> contacts = {contact_at({}, 2), contact_at({}, 1, tilted), contact_at({}, 0.5, {0, 0, 1})};
-    std::array<std::uint32_t, 3> regions{9, 9, 9};
-    const std::size_t kept = reduce_contacts(contacts, {.radius = 1, .max_angle = max_angle}, regions);
+    std::array<std::uint32_t, 3> patches{9, 9, 9};
+    const std::size_t kept = reduce_contacts(contacts, {.radius = 1, .max_angle = max_angle}, patches);
     EXPECT_EQ(kept, max_angle < angle ? 2U : 1U) << max_angle;
-    EXPECT_EQ(regions[0], 0U);
-    EXPECT_EQ(regions[1], max_angle < angle ? 1U : 9U);
+    EXPECT_EQ(patches[0], 0U);
+    EXPECT_EQ(patches[1], max_angle < angle ? 1U : 9U);
   }
 }
 
@@ -94,13 +94,13 @@ TEST(ContactReduction, PutsTheDeepestRegionFirstAndNumbersThem) {
     contacts.push_back(c);
   }
   contacts.push_back(contact_at({-10, 0, 0}, 0));
-  std::vector<std::uint32_t> regions(20, 9);
-  ASSERT_EQ(reduce_contacts(contacts, {.radius = 1.5}, regions), 9U);
+  std::vector<std::uint32_t> patches(20, 9);
+  ASSERT_EQ(reduce_contacts(contacts, {.radius = 1.5}, patches), 9U);
   EXPECT_EQ(contacts[0].point_a, (Vec3{10, 0, 0}));
   EXPECT_EQ(contacts[4].point_a, (Vec3{0, 0, 0}));
   EXPECT_EQ(contacts[8].point_a, (Vec3{-10, 0, 0}));
-  regions.resize(10);
-  EXPECT_EQ(regions, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 9}));
+  patches.resize(10);
+  EXPECT_EQ(patches, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 9}));
   std::array<std::uint32_t, 2> two{9, 9};  // as far as there is room
   EXPECT_EQ(reduce_contacts(contacts, {.radius = 1.5}, two), 9U);
 }
@@ -109,9 +109,9 @@ TEST(ContactReduction, CountsTheRadiusFromTheDeepestToTheBit) {
   for (const double scale : {1.0, 0x1p-600, 0x1p150}) {
     std::vector<Contact> contacts = {contact_at({}, 2), contact_at({scale, 0, 0}, 1),
                                      contact_at({0, scale * (1 + 0x1p-50), 0}, 0.5)};
-    std::array<std::uint32_t, 3> regions{};
-    ASSERT_EQ(reduce_contacts(contacts, {.radius = scale}, regions), 3U) << scale;
-    EXPECT_EQ(regions, (std::array<std::uint32_t, 3>{0, 0, 1})) << scale;
+    std::array<std::uint32_t, 3> patches{};
+    ASSERT_EQ(reduce_contacts(contacts, {.radius = scale}, patches), 3U) << scale;
+    EXPECT_EQ(patches, (std::array<std::uint32_t, 3>{0, 0, 1})) << scale;
   }
 }
 
@@ -129,7 +129,7 @@ TEST(ContactReduction, TakesAnyFiniteNumbers) {
 }
 
 TEST(ContactReduction, TakesTimeInProportionWhereverContactsAre) {
-  // Each is a region of its own. If all were compared with all, a case would take minutes.
+  // Each is a patch of its own. If all were compared with all, a case would take minutes.
   Rng rng(1402);
   struct Place {
     Vec3 at;

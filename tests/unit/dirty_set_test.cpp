@@ -17,11 +17,11 @@ namespace {
 using bvh::DirtySet;
 using Nodes = std::vector<std::uint32_t>;
 
-/// The lowest wide nodes that have a triangle at a vertex, found by going through all of them.
+/// The lowest nodes that have a triangle at a vertex, found by going through all of them.
 Nodes nodes_at(const bvh::Tree& tree, VertexId vertex) {
   std::set<std::uint32_t> nodes;
   for (std::uint32_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) {
-    const bvh::WideNode& node = tree.nodes[n];
+    const bvh::Node& node = tree.nodes[n];
     for (std::uint32_t leaf = node.first_child; leaf < node.first_child + node.child_count; ++leaf) {
       for (const auto& corners : tree.leaves[leaf].vertices) {
         if (std::find(corners.begin(), corners.end(), vertex) != corners.end()) nodes.insert(n);

@@ -41,10 +41,10 @@ TEST(MeshEdges, OfTwoTrianglesAreFive) {
   const MeshEdges edges(small_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {9, 9, 9}}, {{3, 2, 1}, {0, 1, 2}}));
   EXPECT_EQ(as_list(edges.vertices()), (std::vector<Ends>{{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}));
   EXPECT_EQ(as_list(edges.of_triangles()), (std::vector<EdgeIds>{{4, 2, 3}, {0, 2, 1}}));
-  EXPECT_EQ(as_list(edges.owners()), (std::vector<TriangleId>{1, 1, 0, 0, 0}));
-  EXPECT_EQ(as_list(edges.vertex_owners()), (std::vector<TriangleId>{1, 0, 0, 0, no_id}));
-  EXPECT_EQ(edges.owned_by(0), 0b111'111);
-  EXPECT_EQ(edges.owned_by(1), 0b101'001);
+  EXPECT_EQ(as_list(edges.representatives()), (std::vector<TriangleId>{1, 1, 0, 0, 0}));
+  EXPECT_EQ(as_list(edges.vertex_representatives()), (std::vector<TriangleId>{1, 0, 0, 0, no_id}));
+  EXPECT_EQ(edges.represented_by(0), 0b111'111);
+  EXPECT_EQ(edges.represented_by(1), 0b101'001);
   EXPECT_EQ(edges.size(), 5U);
   EXPECT_EQ(edges.vertex_count(), 5U);
   EXPECT_EQ(edges.triangle_count(), 2U);
@@ -54,8 +54,8 @@ TEST(MeshEdges, OfOneVertexAreNone) {
   const MeshEdges edges(small_mesh({{0, 0, 0}, {1, 0, 0}}, {{1, 1, 0}, {0, 0, 0}}));
   EXPECT_EQ(as_list(edges.vertices()), (std::vector<Ends>{{0, 1}}));
   EXPECT_EQ(as_list(edges.of_triangles()), (std::vector<EdgeIds>{{no_id, 0, 0}, {no_id, no_id, no_id}}));
-  EXPECT_EQ(edges.owned_by(0), 0b010'101);
-  EXPECT_EQ(edges.owned_by(1), 0);
+  EXPECT_EQ(edges.represented_by(0), 0b010'101);
+  EXPECT_EQ(edges.represented_by(1), 0);
 }
 
 TEST(MeshEdges, OfAClosedSurfaceAreThreeForTwoTriangles) {
@@ -68,9 +68,9 @@ TEST(MeshEdges, OfAClosedSurfaceAreThreeForTwoTriangles) {
       const VertexId v = ball.triangles()[t][k], w = ball.triangles()[t][(k + 1) % 3];
       const EdgeId e = edges.of_triangles()[t][k];
       EXPECT_EQ(edges.vertices()[e], (Ends{std::min(v, w), std::max(v, w)}));
-      EXPECT_LE(edges.owners()[e], t);
-      EXPECT_EQ(edges.owners()[e] == t, (edges.owned_by(t) >> (3 + k) & 1) != 0);
-      EXPECT_EQ(edges.vertex_owners()[v] == t, (edges.owned_by(t) >> k & 1) != 0);
+      EXPECT_LE(edges.representatives()[e], t);
+      EXPECT_EQ(edges.representatives()[e] == t, (edges.represented_by(t) >> (3 + k) & 1) != 0);
+      EXPECT_EQ(edges.vertex_representatives()[v] == t, (edges.represented_by(t) >> k & 1) != 0);
     }
   }
 }

@@ -138,7 +138,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   model_a.set_motion_margin(0.25 * s.size);
   model_a.move_vertices(ids, to).value();
   model_a.commit();
-  put(tree_of(model_a).displacement), put(tree_of(model_a).drift), put(static_cast<bool>(model_a.validate()));
+  put(tree_of(model_a).displacement), put(tree_of(model_a).slack), put(static_cast<bool>(model_a.validate()));
   model_a.rebuild();
   put_distance(distance(a, b, {.cache = &first}));
   const Triangle t = s.mesh_a.triangle(0), u = s.mesh_b.triangle(0);

@@ -205,8 +205,8 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_EQ(front.bound_of(front.records()[record]), 2.0);
   front.finish(1);
   front.begin(there, a_from_b(there));
-  EXPECT_NEAR(front.odometer(), 0.1, 1e-6);
-  EXPECT_GE(front.odometer(), 0.1);
+  EXPECT_NEAR(front.motion_bound(), 0.1, 1e-6);
+  EXPECT_GE(front.motion_bound(), 0.1);
   EXPECT_NEAR(front.bound_of(front.records()[record]), 1.9, 1e-6);
   EXPECT_EQ(front.take(record, 1.5), 0U);
   EXPECT_EQ(front.take(record, 2.5), 0b010U);
@@ -385,9 +385,9 @@ TEST(Front, IsOfUseAgainSoonAfterAJumpOrMany) {
     return distance({sheet}, {ball, pose}, {.cache = &cache}).stats.node_tests;
   };
   for (int i = 0; i < 100; ++i) ask(random_pose(rng, 5));
-  const auto drift = [](int i) { return Transform{{}, {2, 2, 1.5 + 1e-6 * i}}; };
-  for (int i = 0; i < 40; ++i) ask(drift(i));
-  EXPECT_LT(5 * ask(drift(40)), distance({sheet}, {ball, drift(40)}).stats.node_tests);
+  const auto slack = [](int i) { return Transform{{}, {2, 2, 1.5 + 1e-6 * i}}; };
+  for (int i = 0; i < 40; ++i) ask(slack(i));
+  EXPECT_LT(5 * ask(slack(40)), distance({sheet}, {ball, slack(40)}).stats.node_tests);
 }
 
 }  // namespace

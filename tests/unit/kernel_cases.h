@@ -44,7 +44,7 @@ inline ClosestPoints closest(const bvh::Leaf& a, const std::vector<Triangle>& wo
 }
 
 /// The first of the nodes that have leaves.
-inline const bvh::WideNode& lowest_node(const Model& model) {
+inline const bvh::Node& lowest_node(const Model& model) {
   return tree_of(model).nodes[tree_of(model).first_lowest_node()];
 }
 
@@ -54,8 +54,8 @@ inline simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_l
 }
 
 /// Prunes by a distance, and along a direction unless that is 0.
-inline pair::Pruning pruning_along(const pair::PlacedPair& placed, double prune_distance, const Vec3& direction) {
-  pair::Pruning pruning(placed, prune_distance);
+inline pair::Pruning pruning_along(const pair::PlacedPair& placed, double cutoff, const Vec3& direction) {
+  pair::Pruning pruning(placed, cutoff);
   const double infinity = std::numeric_limits<double>::infinity();
   pruning.update({infinity, infinity, direction});
   return pruning;

@@ -83,14 +83,14 @@ TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
     for (std::uint32_t slot_a = 0; slot_a < lowest_node(a).child_count; ++slot_a) {
       for (std::uint32_t slot_b = 0; slot_b < lowest_node(b).child_count; ++slot_b) {
         const ClosestPoints truth = c.truth(slot_a, slot_b);
-        const double prune_distance = truth.distance * (1 + 1e-14);
-        const Pruning without(c.placed, prune_distance);
-        const Pruning along = pruning_along(c.placed, prune_distance, truth.point_b - truth.point_a);
+        const double cutoff = truth.distance * (1 + 1e-14);
+        const Pruning without(c.placed, cutoff);
+        const Pruning along = pruning_along(c.placed, cutoff, truth.point_b - truth.point_a);
         for (const bool as_leaf : {false, true}) {
           for (const Pruning* pruning : {&without, &along}) {
             double bound = 0;
             ASSERT_TRUE(c.keeps(slot_a, slot_b, as_leaf, *pruning, bound)) << "case " << i;
-            ASSERT_LE(bound, prune_distance) << "case " << i;
+            ASSERT_LE(bound, cutoff) << "case " << i;
           }
           // Where only contacts matter, points that are apart by no more than rounding overlap.
           if (truth.distance > 1e-15 * (1 + length(pose_a.translation))) continue;
@@ -235,9 +235,9 @@ TEST(Kernels, CornersTowardsAPointAreNeverPruned) {
       if (truth.distance == 0 || nearest_sq < length_sq(direction) * (1 - 1e-9)) continue;
       ++corner_count;
       double bound = 0;
-      const double prune_distance = truth.distance * (1 + 1e-9);
-      ASSERT_TRUE(c.keeps(slot_a, 0, true, pruning_along(c.placed, prune_distance, direction), bound)) << "case " << i;
-      ASSERT_LE(bound, prune_distance) << "case " << i;
+      const double cutoff = truth.distance * (1 + 1e-9);
+      ASSERT_TRUE(c.keeps(slot_a, 0, true, pruning_along(c.placed, cutoff, direction), bound)) << "case " << i;
+      ASSERT_LE(bound, cutoff) << "case " << i;
     }
   }
   EXPECT_GT(corner_count, 2000);
@@ -245,19 +245,19 @@ TEST(Kernels, CornersTowardsAPointAreNeverPruned) {
 
 TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
   // The other model is so large that its numbers, in units of this tree, have no squares in float32. The children may
-  // be far from the origin of their node: it stays where it is when they drift.
+  // be far from the origin of their node: it stays where it is when they slack.
   Rng rng(209);
   const double huge = 0x1p70;
   const Model b(soup({{{-huge, -huge, 0}, {huge, -huge, 0}, {0, huge, 0}}}));
   for (int i = 0; i < 100; ++i) {
     const Model a(points(rng, 8));
     Comparison c({a}, {b});
-    bvh::WideNode node = lowest_node(a);
-    const float drift = std::ldexp(1.0F, static_cast<int>(rng.below(60)));
+    bvh::Node node = lowest_node(a);
+    const float slack = std::ldexp(1.0F, static_cast<int>(rng.below(60)));
     for (float* centers : {node.bounds.center_x, node.bounds.center_y, node.bounds.center_z}) {
-      for (std::uint32_t k = 0; k < bvh::width; ++k) centers[k] += drift * static_cast<float>(rng.uniform(-1, 1));
+      for (std::uint32_t k = 0; k < bvh::width; ++k) centers[k] += slack * static_cast<float>(rng.uniform(-1, 1));
     }
-    node.radius += 2 * drift;
+    node.radius += 2 * slack;
     const double smallest = std::numeric_limits<double>::min();
     for (const Vec3& direction : {Vec3{}, uniform_point(rng)}) {
       for (const simd::Kernels& set : simd::all_kernels()) {
@@ -265,7 +265,7 @@ TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
         const simd::KeptSlots kept = set.bound_children(node, at_slot(b, 0, rng.below(2) == 0), c.frames.of(Side::a),
                                                         pruning_along(c.placed, smallest, direction).of(Side::a),
                                                         std::numeric_limits<float>::min(), order, bound_sq);
-        ASSERT_EQ(kept.all, 0xffU) << set.name << " 2^" << std::log2(drift);
+        ASSERT_EQ(kept.all, 0xffU) << set.name << " 2^" << std::log2(slack);
         ASSERT_EQ(kept.overlapping, 0xffU) << set.name;
         const simd::KeptSlots overlapping = set.bound_children(node, at_slot(b, 0, false), c.frames.of(Side::a),
                                                                pruning_along(c.placed, smallest, direction).of(Side::a),
@@ -281,7 +281,7 @@ TEST(Kernels, MergedBoundsHoldTheRimsOfTheirChildren) {
   // and how far the center is from the axis of a disk is lost in rounding.
   Rng rng(215);
   for (int i = 0; i < 2000; ++i) {
-    bvh::WideNode node{};
+    bvh::Node node{};
     node.child_count = 2 + static_cast<std::uint32_t>(rng.below(7));
     const auto as_float = [](const Vec3& v, float(&x)[bvh::width], float(&y)[bvh::width], float(&z)[bvh::width],
                              std::uint32_t k) {

@@ -20,7 +20,7 @@
 namespace limber::testing {
 namespace {
 
-using bvh::WideNode;
+using bvh::Node;
 using pair::Frames;
 using pair::PlacedPair;
 using pair::Pruning;
@@ -40,7 +40,7 @@ TEST(Kernels, BoundsNeverExceedDistances) {
     const KernelCase c(rng);
     const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
-    const WideNode& node = tree_of(c.a).nodes[1];
+    const Node& node = tree_of(c.a).nodes[1];
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     alignas(32) float order[bvh::width], bound_sq[bvh::width];
     const Pruning pruning(placed, 1);
@@ -68,14 +68,14 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
     const KernelCase c(rng);
     const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
-    const WideNode& node = tree_of(c.a).nodes[1];
+    const Node& node = tree_of(c.a).nodes[1];
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     // Roughly from one model to the other.
     const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
     const simd::OtherNode other = at_slot(c.b, slot_b, rng.below(2) == 0);
     alignas(32) float order[bvh::width] = {}, bound_sq[bvh::width] = {};
-    const auto kept = [&](double prune_distance) {
-      const Pruning pruning = pruning_along(placed, prune_distance, direction);
+    const auto kept = [&](double cutoff) {
+      const Pruning pruning = pruning_along(placed, cutoff, direction);
       return simd::kernels()
           .bound_children(node, other, frames.of(Side::a), pruning.of(Side::a), no_limit_sq, order, bound_sq)
           .all;
@@ -83,10 +83,10 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
       const double true_distance =
           closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b).distance;
-      const double prune_distance = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the child is kept
-      for (const double any_distance : {prune_distance, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
+      const double cutoff = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the child is kept
+      for (const double any_distance : {cutoff, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
         const bool is_kept = (kept(any_distance) >> slot & 1) != 0;
-        ASSERT_TRUE(is_kept || any_distance != prune_distance) << "case " << i;
+        ASSERT_TRUE(is_kept || any_distance != cutoff) << "case " << i;
         pruned_count += is_kept ? 0 : 1;
         const double bound = std::sqrt(static_cast<double>(bound_sq[slot])) * tree_of(c.a).unit;
         ASSERT_LE(bound, true_distance) << "case " << i;
@@ -111,13 +111,13 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
     const ClosestPoints best = closest(la, c.world_a, lb, c.world_b);
     Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    double prune_distance = best.distance * rng.uniform(1, 1.2) + 1e-12;
+    double cutoff = best.distance * rng.uniform(1, 1.2) + 1e-12;
     if (rng.below(3) == 0) direction = {};
     if (rng.below(3) == 0) {  // the closest pair matters by less than quantization moves corners
       direction = best.point_b - best.point_a;
-      prune_distance = best.distance * (1 + 1e-9) + 1e-12;
+      cutoff = best.distance * (1 + 1e-9) + 1e-12;
     }
-    const Pruning pruning = pruning_along(placed, prune_distance, direction);
+    const Pruning pruning = pruning_along(placed, cutoff, direction);
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
                                     pruning.of(Side::a), nullptr, true, found);
@@ -129,10 +129,10 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
         const auto* const it =
             std::find_if(begin, end, [&](const simd::Candidate& f) { return f.slot_a == s && f.slot_b == t; });
         if (it == end) {
-          ASSERT_GE(true_distance, prune_distance * (1 - 1e-15)) << "case " << i;
+          ASSERT_GE(true_distance, cutoff * (1 - 1e-15)) << "case " << i;
           ASSERT_GE(true_distance, apart) << "case " << i;
           ++not_candidates;
-          beyond += apart > prune_distance ? 1 : 0;
+          beyond += apart > cutoff ? 1 : 0;
         } else {
           const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(found.error);
           ASSERT_LE(least, true_distance * found.scale * (1 + 1e-6)) << "case " << i;
@@ -151,11 +151,11 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const KernelCase c(rng);
     const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
     Frames frames(placed);
-    const WideNode& node = tree_of(c.b).nodes[1];
+    const Node& node = tree_of(c.b).nodes[1];
     const auto slot = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
-    const double prune_distance = rng.uniform(0, 4);
-    const Pruning pruning = pruning_along(placed, prune_distance, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
-    const auto limit_sq = static_cast<float>(prune_distance * prune_distance);
+    const double cutoff = rng.uniform(0, 4);
+    const Pruning pruning = pruning_along(placed, cutoff, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
+    const auto limit_sq = static_cast<float>(cutoff * cutoff);
     const simd::OtherNode other = at_slot(c.a, slot, rng.below(2) == 0);
     const simd::OtherNode leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
     const simd::FrameTransform &in_a = frames.of(Side::a), &in_b = frames.of(Side::b);
@@ -203,7 +203,7 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
     // The slots beyond the last leaf hold copies of it.
     const auto fitted = [&](const simd::Kernels& set, bvh::Tree& copy, bvh::MergedBounds& whole) {
       copy = tree;
-      WideNode& node = copy.nodes.back();
+      Node& node = copy.nodes.back();
       std::memset(&node.bounds, 0, sizeof(node.bounds));
       whole = set.fit_leaves(mesh.positions().data(), copy.unit, node, copy.leaves);
     };
@@ -212,7 +212,7 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
     fitted(simd::scalar_kernels, first, first_whole);
     for (const simd::Kernels& set : simd::all_kernels()) {
       fitted(set, other, other_whole);
-      const WideNode &a = first.nodes.back(), &b = other.nodes.back();
+      const Node &a = first.nodes.back(), &b = other.nodes.back();
       ASSERT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(a.bounds)), 0) << set.name << " " << i;
       ASSERT_EQ(a.origin, b.origin) << set.name;
       ASSERT_EQ(a.radius, b.radius) << set.name;

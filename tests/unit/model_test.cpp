@@ -85,7 +85,7 @@ TEST(Model, IsAfterRebuildAsIfJustBuilt) {
     moved.rebuild();
     const Model built(Mesh::create(soup.positions(400), soup.mesh.triangles()).value());
     ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
-    ASSERT_EQ(tree_of(moved).drift, 0);
+    ASSERT_EQ(tree_of(moved).slack, 0);
     // The centers by which triangles are sorted are rounded relative to another origin, so a few triangles may be in
     // other leaves.
     EXPECT_NEAR(bvh::TreeCost::of(tree_of(moved), bvh::subtree_of(tree_of(moved), bvh::root)),
@@ -294,7 +294,7 @@ TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
   model.commit();
   ASSERT_TRUE(static_cast<bool>(model.validate()));
   // Queries rely on this margin.
-  const_cast<bvh::Tree&>(tree_of(model)).drift *= 0.5;
+  const_cast<bvh::Tree&>(tree_of(model)).slack *= 0.5;
   const Result<void> result = model.validate();
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().where, 7U);

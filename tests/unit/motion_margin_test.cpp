@@ -70,7 +70,7 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   const std::size_t lowest = sheet.tree.level_begin.size() - 2;
   EXPECT_EQ(sheet.dirty.nodes(lowest), expected.nodes(lowest));
 
-  // The bounds of the fitted positions, and the largest displacement, hold the mesh.
+  // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
   refit(sheet.tree, margin.fitted(sheet.mesh), sheet.dirty);
   EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted(sheet.mesh))));
   margin.clear_counts();

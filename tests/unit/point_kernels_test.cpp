@@ -65,7 +65,7 @@ TEST(PointKernels, BoundsOfChildrenHoldTheirDistances) {
   for (int i = 0; i < 4000; ++i) {
     const PointCase c(rng);
     const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::WideNode& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
     simd::ChildrenInOrder children;
     simd::kernels().bound_children_to_point(node, in_frame, no_limit_sq, children);
     double least = std::numeric_limits<double>::infinity();
@@ -97,7 +97,7 @@ TEST(PointKernels, IntervalsOfTrianglesHoldTheirDistances) {
   for (int i = 0; i < 6000; ++i) {
     const PointCase c(rng);
     const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::WideNode& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
     const auto slot = static_cast<std::uint32_t>(rng.below(node.child_count));
     const bvh::Leaf& leaf = c.tree().leaves[slot];
     const double least = c.distance_of(leaf), limit = least * rng.uniform(1, 2);
@@ -125,7 +125,7 @@ TEST(PointKernels, LineUpTheKeptChildrenNearestLast) {
   for (int i = 0; i < 3000; ++i) {
     const PointCase c(rng);
     const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::WideNode& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
     const bool along = in_frame.is_far && rng.below(2) == 0;
     const auto kernel = along ? simd::kernels().bound_children_along : simd::kernels().bound_children_to_point;
     simd::ChildrenInOrder found;
@@ -158,7 +158,7 @@ TEST(PointKernels, AreTheSameToTheBitOnEveryInstructionSet) {
   for (int i = 0; i < 3000; ++i) {
     const PointCase c(rng);
     const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::WideNode& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
     const auto slot = static_cast<std::uint32_t>(rng.below(node.child_count));
     const auto limit = static_cast<float>(rng.uniform(0, 1));
     const double length = rng.uniform(0, 4);

@@ -65,7 +65,7 @@ TEST(Pruning, ComparesWhatIsNearerThanThePruneDistance) {
 
 TEST(Pruning, PrunesTiesOnlyWhereTheDistanceItselfIsLookedFor) {
   EXPECT_TRUE(Scene(1).is_pruned_after({1, 1, {0, 0, 1}}));
-  // An error is asked for: what is pruned has to be at least the prune distance apart, whatever rounding does.
+  // An error is asked for: what is pruned has to be at least the cutoff apart, whatever rounding does.
   EXPECT_FALSE(Scene(1).is_pruned_after({2, 1, {0, 0, 1}}));
   EXPECT_TRUE(Scene(1 + 0x1p-30).is_pruned_after({2, 1, {0, 0, 1}}));
 }
@@ -91,7 +91,7 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   Model b(soup({{{0, 0, height}, {1, 0, height}, {0, far, height}}}), {.motion_margin = 2 * far});
   ASSERT_TRUE(b.move_all(std::vector<Vec3>{{0, 0, height}, {1, 0, height}, {0, 1, height}}));
   b.commit();
-  ASSERT_GE(tree_of(b).drift, far / 2);
+  ASSERT_GE(tree_of(b).slack, far / 2);
   const PlacedPair placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
   ASSERT_LT(distance - height, base::usual_part * base::local_gap_error * placed.error());
   PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);

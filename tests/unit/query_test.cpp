@@ -80,7 +80,7 @@ TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
 
 TYPED_TEST(Query, FindsAContactBehindANearMiss) {
   // The first pair compared is 1e-20 apart. Divided by 1 + the relative error, or less the absolute error, that leaves
-  // no prune distance. The contact must not be pruned all the same.
+  // no cutoff. The contact must not be pruned all the same.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
   const typename TestFixture::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
   EXPECT_EQ(this->distance(a, b, {}, {.relative_error = 1e308}).status, Status::collision);

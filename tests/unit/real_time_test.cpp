@@ -81,7 +81,7 @@ TEST(RealTime, CountsWholePasses) {
     ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, to)));
   };
   move(5, 1);
-  EXPECT_EQ(passes(), 2U);  // fitted positions, and the index of vertices
+  EXPECT_EQ(passes(), 2U);  // positions at the last refit, and the index of vertices
   move(6, 1);
   EXPECT_EQ(passes(), 0U);
   for (Vec3& p : positions) p.z = 0.25;

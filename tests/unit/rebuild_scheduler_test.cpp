@@ -66,11 +66,11 @@ TEST(RebuildScheduler, DoesNothingToATreeAsBuilt) {
 TEST(RebuildScheduler, RebuildsWhatHasDegraded) {
   Degraded model(RebuildPolicy::in_commit, {});
   const double cost_before = model.cost();
-  const std::uint64_t id_before = model.tree.assignment_id;
+  const std::uint64_t id_before = model.tree.build_id;
   EXPECT_FALSE(model.commit());  // idle
   EXPECT_TRUE(model.survey());
   ASSERT_TRUE(model.commit());
-  EXPECT_NE(model.tree.assignment_id, id_before);
+  EXPECT_NE(model.tree.build_id, id_before);
   EXPECT_TRUE(model.is_sound());
   EXPECT_LT(model.cost(), cost_before / 2);
   EXPECT_GT(model.stats.rebuilt_triangles, 0U);

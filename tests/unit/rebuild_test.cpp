@@ -111,10 +111,10 @@ TEST(Rebuild, OfEverythingAtRestGivesTheTreeThatIsBuilt) {
   EXPECT_FALSE(rebuild.can_take_over(tree, dirty, 1e9));
   rebuild.work(tree, mesh, unlimited);
   ASSERT_TRUE(rebuild.can_take_over(tree, dirty, 0));
-  const std::uint64_t id = tree.assignment_id;
+  const std::uint64_t id = tree.build_id;
   rebuild.take_over(tree, dirty);
   EXPECT_EQ(rebuild.stage(), Stage::idle);
-  EXPECT_NE(tree.assignment_id, id);
+  EXPECT_NE(tree.build_id, id);
   EXPECT_TRUE(dirty.empty());
   EXPECT_TRUE(dirty.has_vertex_index());
   EXPECT_TRUE(static_cast<bool>(validate(tree, mesh)));

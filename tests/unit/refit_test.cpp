@@ -78,7 +78,7 @@ TEST(Refit, KeepsOriginsOfNodesAmongTheirTriangles) {
     moving.refit();
   }
   for (std::uint32_t n = 0; n < moving.tree.first_lowest_node(); ++n) {
-    const bvh::WideNode& node = moving.tree.nodes[n];
+    const bvh::Node& node = moving.tree.nodes[n];
     const float largest = *std::max_element(node.bounds.radius, node.bounds.radius + node.child_count);
     const Vec3 from_origin = moving.tree.nodes[node.first_child].origin - node.origin;
     EXPECT_LE(max_abs(from_origin), 65 * moving.tree.unit * static_cast<double>(largest)) << n;

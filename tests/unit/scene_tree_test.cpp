@@ -15,7 +15,7 @@
 
 #include "limber/model.h"
 #include "scene/box_tree.h"
-#include "scene/spatial_order.h"
+#include "scene/hilbert_order.h"
 #include "scene/world_bounds.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
@@ -218,15 +218,15 @@ TEST(SceneTree, BoundsAreBelowAllDistances) {
 
 // --- order ---
 
-TEST(SpatialOrder, IsAPermutationThatDoesNotDependOnWhatWasBefore) {
+TEST(HilbertOrder, IsAPermutationThatDoesNotDependOnWhatWasBefore) {
   Rng rng(8105);
-  scene::SpatialOrder used;
+  scene::HilbertOrder used;
   for (const std::size_t count : {0, 1, 8, 9, 100, 256, 257, 3000}) {
     for (std::uint64_t kind = 0; kind < kinds; ++kind) {
       std::vector<Vec3> centers;
       for (const WorldBounds& b : some_bounds(rng, count, kind)) centers.push_back(b.sphere.center);
       const auto order = used.sort(centers);
-      scene::SpatialOrder fresh;
+      scene::HilbertOrder fresh;
       const auto again = fresh.sort(centers);
       ASSERT_TRUE(std::equal(order.begin(), order.end(), again.begin(), again.end()));
       std::vector<std::uint32_t> sorted(order.begin(), order.end());
@@ -239,14 +239,14 @@ TEST(SpatialOrder, IsAPermutationThatDoesNotDependOnWhatWasBefore) {
   }
 }
 
-TEST(SpatialOrder, OfALatticeGoesFromNeighborToNeighbor) {
+TEST(HilbertOrder, OfALatticeGoesFromNeighborToNeighbor) {
   for (const std::uint32_t side : {4U, 32U, 64U}) {
     std::vector<Vec3> centers;
     for (std::uint32_t i = 0; i < side * side * side; ++i) {
       centers.push_back({double(i % side), double(i / side % side), double(i / side / side)});
     }
-    scene::SpatialOrder spatial_order;
-    const auto order = spatial_order.sort(centers);
+    scene::HilbertOrder hilbert_order;
+    const auto order = hilbert_order.sort(centers);
     double farthest = 0;
     for (std::size_t i = 1; i < order.size(); ++i) {
       farthest = std::max(farthest, length(centers[order[i]] - centers[order[i - 1]]));
@@ -255,7 +255,7 @@ TEST(SpatialOrder, OfALatticeGoesFromNeighborToNeighbor) {
   }
 }
 
-TEST(SpatialOrder, IsNotSpoiltByOnePointFarAway) {
+TEST(HilbertOrder, IsNotSpoiltByOnePointFarAway) {
   // Boxes in a row, each touching the next. The number of boxes that are compared shows whether neighbors are together.
   Rng rng(8106);
   std::vector<WorldBounds> bounds;
@@ -263,8 +263,7 @@ TEST(SpatialOrder, IsNotSpoiltByOnePointFarAway) {
   static std::uint64_t calls;
   static const simd::Kernels& real = simd::kernels();
   simd::Kernels counting = real;
-  counting.overlapping_pairs = [](const bvh::WideBoxes& a, const bvh::WideBoxes& b, const Box& around_b,
-                                  double margin) {
+  counting.overlapping_pairs = [](const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b, double margin) {
     ++calls;
     return real.overlapping_pairs(a, b, around_b, margin);
   };
@@ -391,7 +390,7 @@ TEST(WorldBounds, StayFiniteAtTheLargestCoordinates) {
 TEST(Kernels, FindOverlappingBoxesToTheBit) {
   Rng rng(8109);
   for (int i = 0; i < 2000; ++i) {
-    bvh::WideBoxes wide[2];
+    bvh::BoxNode wide[2];
     Box boxes[2][bvh::width];
     std::uint32_t counts[2];
     for (int side = 0; side < 2; ++side) {

@@ -124,7 +124,7 @@ TEST(Tree, TriangleIdsDecideWhereCentersAreEqual) {
 
 /// Whether a corner lies in all volumes of a slot, in exact arithmetic.
 bool holds_exactly(const Tree& tree, std::uint32_t node_id, std::uint32_t slot, const Vec3& corner) {
-  const bvh::WideNode& node = tree.nodes[node_id];
+  const bvh::Node& node = tree.nodes[node_id];
   const bvh::ChildBounds& n = node.bounds;
   const auto exact = [](float x) { return Rational(static_cast<double>(x)); };
   const Rational unit(tree.unit);

@@ -36,7 +36,7 @@ std::string words_of(const DeformingOptions& options);
 /// Work done on trees.
 struct DeformingWork {
   std::uint64_t moved_vertices = 0;
-  std::uint64_t refits = 0;    ///< 8-wide nodes, or spheres of the classic engine
+  std::uint64_t refits = 0;    ///< 8-nodes, or spheres of the classic engine
   std::uint64_t absorbed = 0;  ///< moves of vertices, or spheres of the classic engine, that needed no refit
 
   DeformingWork& operator+=(const DeformingWork& other);

@@ -19,8 +19,8 @@ namespace limber::pair {
 /// The collector of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
 /// edges, that are at most a margin apart.
 ///
-/// Only the owner of an element offers it. Elements within the margin have owners within the margin, and these are
-/// different triangles unless the elements share a vertex. So each pair comes once.
+/// Only the representative triangle of an element offers it. Elements within the margin have representatives within the
+/// margin, and these are different triangles unless the elements share a vertex. So each pair comes once.
 template <bool self>
 class ElementsWithin {
  public:
@@ -108,7 +108,7 @@ class ElementsWithin {
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
       if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
-      of_slots |= (is_in_use | edges_[index(s)]->owned_by(leaf.triangle[slot])) << (8 * slot);
+      of_slots |= (is_in_use | edges_[index(s)]->represented_by(leaf.triangle[slot])) << (8 * slot);
     }
     return {of_slots};
   }

@@ -77,10 +77,10 @@ class HighestVertex {
   TriangleId triangle() const { return triangle_; }
   const Vec3& position() const { return position_; }
 
-  void bound(const bvh::WideNode& node, simd::ChildrenInOrder& found) const {
+  void bound(const bvh::Node& node, simd::ChildrenInOrder& found) const {
     simd::kernels().bound_children_along(node, along_, limit_, found);
   }
-  void compare(const bvh::WideNode&, std::uint32_t, const bvh::Leaf& leaf) {
+  void compare(const bvh::Node&, std::uint32_t, const bvh::Leaf& leaf) {
     for (std::uint32_t k = 0; k < bvh::width; ++k) {
       for (const VertexId v : leaf.vertices[k]) {
         const Vec3& p = placed_.local_position(side_, v);
@@ -113,11 +113,11 @@ class NearestTriangle {
   float limit() const { return limit_; }
   TriangleId triangle() const { return triangle_; }
 
-  void bound(const bvh::WideNode& node, simd::ChildrenInOrder& found) {
+  void bound(const bvh::Node& node, simd::ChildrenInOrder& found) {
     simd::kernels().bound_children_to_point(node, point_, limit_, found);
     limit_ = std::min(limit_, found.upper * found.upper);
   }
-  void compare(const bvh::WideNode& node, std::uint32_t slot, const bvh::Leaf& leaf) {
+  void compare(const bvh::Node& node, std::uint32_t slot, const bvh::Leaf& leaf) {
     simd::TriangleIntervals found;
     const double length = std::sqrt(static_cast<double>(limit_)) * point_.unit;
     simd::kernels().bound_triangles_to_point(node, slot, leaf.corners, point_, length, found);
@@ -160,12 +160,12 @@ void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
     ++visits;
     if (is_one(tree, next.slot)) {
       const bvh::SlotId slot = bvh::first_leaf_slot(tree, next.slot);
-      const bvh::WideNode& parent = tree.nodes[bvh::node_of(slot)];
+      const bvh::Node& parent = tree.nodes[bvh::node_of(slot)];
       measure.compare(parent, bvh::slot_of(slot), bvh::leaf_of(tree, slot));
       continue;
     }
     const std::uint32_t n = bvh::child_of(tree, next.slot);
-    const bvh::WideNode& node = tree.nodes[n];
+    const bvh::Node& node = tree.nodes[n];
     stats.node_tests += node.child_count;
     simd::ChildrenInOrder found;
     measure.bound(node, found);

@@ -16,7 +16,7 @@ namespace limber::scene {
 /// Based on  [Hamilton2008] for the curve.
 /// Differs   Where more points are in one cell than a node has children, the cell gets a grid of its own, about the
 ///           points in it. So a grid need not be fine, and a point far away does not spoil the order of all others.
-class SpatialOrder {
+class HilbertOrder {
  public:
   /// The indices of `centers`, in order. Depends on the points alone; equal points are in the order of their indices.
   /// Valid until the next call.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/spatial_order.h"
+#include "scene/hilbert_order.h"
 
 #include <algorithm>
 #include <array>
@@ -82,7 +82,7 @@ std::uint64_t place_of(std::uint64_t entry) { return entry >> 32; }
 
 }  // namespace
 
-std::span<const std::uint32_t> SpatialOrder::sort(std::span<const Vec3> centers) {
+std::span<const std::uint32_t> HilbertOrder::sort(std::span<const Vec3> centers) {
   entries_.resize(centers.size()), other_entries_.resize(centers.size()), order_.resize(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i) entries_[i] = i;
   sort_range(centers, 0, centers.size());
@@ -90,7 +90,7 @@ std::span<const std::uint32_t> SpatialOrder::sort(std::span<const Vec3> centers)
   return order_;
 }
 
-void SpatialOrder::sort_range(std::span<const Vec3> centers, std::size_t begin, std::size_t end) {
+void HilbertOrder::sort_range(std::span<const Vec3> centers, std::size_t begin, std::size_t end) {
   if (end - begin <= bvh::width) return;
   Vec3 low = centers[index_of(entries_[begin])], high = low;
   for (std::size_t i = begin; i < end; ++i) {
@@ -118,7 +118,7 @@ void SpatialOrder::sort_range(std::span<const Vec3> centers, std::size_t begin, 
   }
 }
 
-void SpatialOrder::sort_entries(std::size_t begin, std::size_t end) {
+void HilbertOrder::sort_entries(std::size_t begin, std::size_t end) {
   const std::span<Entry> entries(entries_.data() + begin, end - begin);
   if (entries.size() <= few) return std::sort(entries.begin(), entries.end());
   // By digits, the last one first. Entries of one cell stay in the order of their indices, if they were.
