@@ -12,7 +12,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "base/check.h"
+#include "core/check.h"
+#include "geometry/face.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
@@ -23,6 +24,7 @@ namespace limber {
 namespace {
 
 using geometry::after;
+using geometry::Face;
 using geometry::feature_of;
 using geometry::LocalFrame;
 using geometry::point_at;
@@ -40,49 +42,6 @@ Vec3 edge_weights(std::size_t edge, double parameter) {
   w[after[edge]] = parameter;
   return w;
 }
-
-/// A triangle with what its face tests need.
-struct Face : simd::FaceVectors {
-  Vec3 normal;
-
-  explicit Face(const Triangle& t) {
-    corner = t;
-    edge = {t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2};
-    normal = cross(edge[0], edge[1]);
-    for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
-  }
-
-  /// Weights of about the foot of p, and what they were divided by; false when it does not fall into the triangle or
-  /// the triangle has no area.
-  bool rough_foot(const Vec3& p, Vec3& weights, double& sum) const {
-    const double w2 = dot(inward[0], p - corner.v0);
-    const double w0 = dot(inward[1], p - corner.v1);
-    const double w1 = dot(inward[2], p - corner.v2);
-    sum = w0 + w1 + w2;
-    if (!(w0 >= 0 && w1 >= 0 && w2 >= 0 && sum > 0)) return false;
-    weights = {w0 / sum, w1 / sum, w2 / sum};
-    return true;
-  }
-
-  /// Weights of the foot of p when it falls into the triangle; false when it does not or the triangle has no area.
-  bool foot(const Vec3& p, Vec3& weights) const {
-    double sum = 0;
-    if (!rough_foot(p, weights, sum)) return false;
-    // The normal of a sliver is off by the roundoff over its smallest angle; what that costs the foot is measured and
-    // taken back, each time by the same factor.
-    Vec3 off = p - point_at(corner, weights);
-    for (int step = 0; step < 3; ++step) {
-      const Vec3 change = Vec3{dot(inward[1], off), dot(inward[2], off), dot(inward[0], off)} * (1 / sum);
-      const Vec3 better = max(weights + change, Vec3{});
-      const Vec3 normalised = better * (1 / (better.x + better.y + better.z));
-      const Vec3 better_off = p - point_at(corner, normalised);
-      if (!(length_sq(better_off) < length_sq(off))) break;  // also when a hopeless sliver gives no number
-      weights = normalised;
-      off = better_off;
-    }
-    return true;
-  }
-};
 
 /// The best pair of points found so far.
 struct Best {
@@ -204,8 +163,7 @@ bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3
     if ((height0 < 0) == (height1 < 0)) continue;
     point = owner.corner[i] + height0 / (height0 - height1) * owner.edge[i];
     Vec3 weights;
-    double sum = 0;
-    if (!target.rough_foot(point, weights, sum)) continue;
+    if (!target.foot(point, weights)) continue;
     if (length_sq(point - point_at(target.corner, weights)) <= tolerance * tolerance) return true;
   }
   return false;

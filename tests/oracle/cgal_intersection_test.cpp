@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, CgalIntersection,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates, PairKind::segment_like));
+                                           PairKind::tiny_coordinates, PairKind::segment_like, PairKind::one_line,
+                                           PairKind::needle));
 
 }  // namespace
 }  // namespace limber::testing

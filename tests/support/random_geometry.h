@@ -53,14 +53,16 @@ enum class PairKind {
   far_away,
   tiny_coordinates,
   segment_like,
+  one_line,
+  needle,
   count
 };
 
 /// The name of a test that has a kind as its parameter.
 inline void PrintTo(PairKind kind, std::ostream* out) {
-  constexpr const char* names[] = {"uniform",  "lattice",          "near_lattice", "touching",
-                                   "sliver",   "coplanar",         "shared_edge",  "mixed_scale",
-                                   "far_away", "tiny_coordinates", "segment_like"};
+  constexpr const char* names[] = {"uniform",      "lattice",     "near_lattice", "touching", "sliver",
+                                   "coplanar",     "shared_edge", "mixed_scale",  "far_away", "tiny_coordinates",
+                                   "segment_like", "one_line",    "needle"};
   *out << names[static_cast<std::size_t>(kind)];
 }
 
@@ -110,6 +112,27 @@ inline std::pair<Triangle, Triangle> segment_like_pair(Rng& rng) {
   const Vec3 along = kind == 1 ? (q - p) + sideways : uniform_point(rng);
   const double part = rng.below(2) == 0 ? 0 : rng.uniform();
   return {a, segment_like_triangle(rng, middle - part * along, middle + (1 - part) * along)};
+}
+
+/// Two triangles with a corner each at the origin or next to it, as thin as doubles allow.
+inline std::pair<Triangle, Triangle> needle_pair(Rng& rng) {
+  const auto tiny = [&] {
+    const std::uint64_t kind = rng.below(4);
+    if (kind == 0) return 0.0;
+    // Any, or such that its square is next to the smallest doubles.
+    return std::ldexp(1.0, -static_cast<int>(kind == 1 ? 500 + rng.below(50) : rng.below(1075)));
+  };
+  const auto some_needle = [&] {
+    const Vec3 along = rng.below(2) == 0 ? lattice_point(rng) : uniform_point(rng);
+    const Vec3 aside = rng.below(2) == 0 ? lattice_point(rng) : uniform_point(rng);
+    const double part = rng.below(3) == 0 ? 0 : rng.below(2) == 0 ? 1 / 3.0 : rng.uniform();
+    const Vec3 corners[3] = {Vec3{}, along, part * along + tiny() * aside};
+    const std::size_t first = rng.below(3);
+    return Triangle{corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
+  };
+  const Triangle a = some_needle(), b = some_needle();
+  const Vec3 by = tiny() * uniform_point(rng);
+  return {a, {b.v0 + by, b.v1 + by, b.v2 + by}};
 }
 
 /// Two triangles of a kind; see the switch.
@@ -178,6 +201,24 @@ inline std::pair<Triangle, Triangle> random_pair(Rng& rng, PairKind kind) {
     }
     case PairKind::segment_like:
       return segment_like_pair(rng);
+    case PairKind::one_line: {  // all six corners almost on one line
+      const Vec3 at = uniform_point(rng), along = uniform_point(rng);
+      const auto sliver = [&] {
+        // Any, or such that the normal is barely known.
+        const std::uint64_t bits = rng.below(2) == 0 ? rng.below(60) : 40 + rng.below(10);
+        const double height = std::ldexp(1.0, -static_cast<int>(bits));
+        const auto corner = [&] {
+          const double part = rng.uniform(-2, 2);
+          return at + part * along + height * uniform_point(rng);
+        };
+        const Vec3 v0 = corner(), v1 = corner(), v2 = corner();
+        return Triangle{v0, v1, v2};
+      };
+      const Triangle a = sliver(), b = sliver();
+      return {a, b};
+    }
+    case PairKind::needle:
+      return needle_pair(rng);
     default: {
       const Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
       return {a, b};

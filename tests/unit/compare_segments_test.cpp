@@ -72,7 +72,7 @@ TEST_P(CompareSegments, LeavesTheHugeTheTinyAndTheTouchingToOthers) {
 INSTANTIATE_TEST_SUITE_P(EveryKind, CompareSegments,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::mixed_scale),
+                                           PairKind::mixed_scale, PairKind::one_line),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

@@ -79,7 +79,8 @@ TEST_P(CompareTriangles, FindsTheFirstOfTheClosestEdgesAndAllFeet) {
 INSTANTIATE_TEST_SUITE_P(EveryKind, CompareTriangles,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away),
+                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
+                                           PairKind::one_line, PairKind::needle),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
@@ -23,13 +24,15 @@ double extent_from(const Vec3& p, const Triangle& t) {
 
 /// A point near a triangle: on it up to rounding, around it, far away.
 Vec3 point_near(Rng& rng, const Triangle& t) {
-  switch (rng.below(4)) {
+  switch (rng.below(5)) {
     case 0:
       return nudged(rng, point_on(t, rng.uniform(-1, 1), rng.uniform(-1, 1)));
     case 1:
       return t[rng.below(3)] + std::ldexp(1.0, -static_cast<int>(rng.below(60))) * uniform_point(rng);
     case 2:
       return 1000 * uniform_point(rng);
+    case 3:
+      return t[rng.below(3)] + std::ldexp(1.0, -static_cast<int>(rng.below(1075))) * uniform_point(rng);
     default:
       return uniform_point(rng);
   }
@@ -65,6 +68,31 @@ TEST(PointDistance, OfDegenerateTrianglesIsThatOfTheirHull) {
   EXPECT_EQ(geometry::closest_on({x, x, x}, x).distance, 0);
 }
 
+/// Whether weights are those of a point of a triangle.
+void expect_weights(const Vec3& w) {
+  EXPECT_TRUE(w.x >= 0 && w.y >= 0 && w.z >= 0);
+  EXPECT_NEAR(w.x + w.y + w.z, 1, 4 * half_ulp);
+}
+
+TEST(PointDistance, OfNeedlesWhoseAreasVanishHasWeights) {
+  for (int exponent = 0; exponent >= -1074; --exponent) {
+    const double width = std::ldexp(1.0, exponent);
+    const Triangle needle{{0, 1, 0}, {0, 0, width}, {0, 0, 0}};
+    for (const Vec3& p : {needle.v0, needle.v1, needle.v2, Vec3{width, 0.5, 0}, Vec3{width, width, width}}) {
+      SCOPED_TRACE("width 2^" + std::to_string(exponent));
+      expect_weights(geometry::closest_on(needle, p).weights);
+    }
+    // In one line up to rounding, and a point beside the end of it.
+    const Triangle line{{3, 1, 0}, {1, 1 / 3.0, 0}, {0, 0, 0}};
+    for (const Vec3& p : {Vec3{width, 0, 0}, Vec3{0, -width, 0}, Vec3{0, 0, width}, Vec3{-width, width, width}}) {
+      SCOPED_TRACE("distance 2^" + std::to_string(exponent));
+      const geometry::PointOnTriangle found = geometry::closest_on(line, p);
+      expect_weights(found.weights);
+      EXPECT_LE(found.distance, 2 * width);
+    }
+  }
+}
+
 class PointDistanceOfKind : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(PointDistanceOfKind, IsWithinEightRoundingsOfTheExactOne) {
@@ -77,11 +105,11 @@ TEST_P(PointDistanceOfKind, IsWithinEightRoundingsOfTheExactOne) {
     const double tolerance = 8 * half_ulp * extent_from(p, t) + 0x1p-1022;
     ASSERT_TRUE(exact::is_at_most(found.distance, truth_sq, tolerance)) << "case " << i;
     ASSERT_TRUE(exact::is_at_least(found.distance, truth_sq, tolerance)) << "case " << i;
-    const Vec3& w = found.weights;
-    ASSERT_TRUE(w.x >= 0 && w.y >= 0 && w.z >= 0) << "case " << i;
-    ASSERT_NEAR(w.x + w.y + w.z, 1, 4 * half_ulp) << "case " << i;
+    expect_weights(found.weights);
+    ASSERT_FALSE(HasFailure()) << "case " << i;
     const double largest = std::max({max_abs(t.v0), max_abs(t.v1), max_abs(t.v2), max_abs(p)});
-    ASSERT_NEAR(length(geometry::point_at(t, w) - p), found.distance, 2 * tolerance + 8 * half_ulp * largest)
+    ASSERT_NEAR(length(geometry::point_at(t, found.weights) - p), found.distance,
+                2 * tolerance + 8 * half_ulp * largest)
         << "case " << i;
   }
 }
@@ -104,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, PointDistanceOfKind,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
                                            PairKind::mixed_scale, PairKind::far_away, PairKind::tiny_coordinates,
-                                           PairKind::segment_like));
+                                           PairKind::segment_like, PairKind::one_line, PairKind::needle));
 
 TEST(PointDistance, NeverExceedsThatOfTheEdges) {
   // Where rounding decides about the signs of areas, the edges are all that is certain.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/primitives.h"
+#include "support/exact_distance.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
 
@@ -164,7 +165,7 @@ TEST_P(TriangleDistanceOfKind, SurvivesHugeOffsets) {
 INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleDistanceOfKind,
                          ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
                                            PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge));
+                                           PairKind::shared_edge, PairKind::needle));
 
 /// The smallest height of a triangle, rounded.
 double smallest_height(const Triangle& t) {
@@ -195,7 +196,7 @@ void expect_points_as_promised(const Triangle& a, const Triangle& b) {
 
 TEST(TriangleDistance, PointsLieOnTrianglesOfAnyScaleAnywhere) {
   Rng rng(131);
-  for (const PairKind kind : {PairKind::mixed_scale, PairKind::far_away}) {
+  for (const PairKind kind : {PairKind::mixed_scale, PairKind::far_away, PairKind::one_line, PairKind::needle}) {
     for (int i = 0; i < 3000 && !HasFailure(); ++i) {
       SCOPED_TRACE("case " + std::to_string(i));
       const auto [a, b] = random_pair(rng, kind);
@@ -236,6 +237,27 @@ TEST(TriangleDistance, ThinSliversThatAreTouchedKeepTheirDigits) {
     const double extent = extent_of(a, b);
     ASSERT_NEAR(found.distance, true_distance(a, b), 1e-14 * extent) << "case " << i;
     ASSERT_LE(misfit(found.point_b, b), 1e-13 * extent) << "case " << i;
+  }
+}
+
+TEST(TriangleDistance, OfTheSmallestSliversInOneLineIsWithinEightRoundings) {
+  // Heights from 2^-40 to 2^-49 of the length: the normals are off by up to a tenth, and a corner over a face may be
+  // nearer than all edges by more than rounding.
+  Rng rng(122);
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 at = uniform_point(rng), along = uniform_point(rng);
+    const double height = std::ldexp(1.0, -40 - i % 10);
+    const auto corner = [&] {
+      const double part = rng.uniform(-1, 1);
+      return at + part * along + height * uniform_point(rng);
+    };
+    const Vec3 corners[6] = {corner(), corner(), corner(), corner(), corner(), corner()};
+    const Triangle a{corners[0], corners[1], corners[2]}, b{corners[3], corners[4], corners[5]};
+    const exact::Fraction truth_sq = exact::squared_distance(a, b);
+    double tolerance = 0;
+    for (const Vec3& c : corners) tolerance = std::max({tolerance, 0x1p-50 * max_abs(c - a.v0), 0x1p-1022});
+    ASSERT_TRUE(exact::is_at_most(closest_points(a, b).distance, truth_sq, tolerance)) << "case " << i;
+    ASSERT_TRUE(exact::is_at_least(closest_points(a, b).distance, truth_sq, tolerance)) << "case " << i;
   }
 }
 

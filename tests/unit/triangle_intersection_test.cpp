@@ -102,7 +102,8 @@ TEST(TriangleIntersection, DoesNotDependOnOrderOrScale) {
     ASSERT_EQ(intersects(b, a), answer) << "case " << i;
     ASSERT_EQ(intersects({a.v1, a.v2, a.v0}, {b.v2, b.v1, b.v0}), answer) << "case " << i;
     for (const double scale : {0x1p-150, 0x1p-40, 0x1p190}) {
-      const bool has_subnormals = kind == PairKind::near_lattice || kind == PairKind::segment_like;
+      const bool has_subnormals =
+          kind == PairKind::near_lattice || kind == PairKind::segment_like || kind == PairKind::needle;
       if (has_subnormals && scale < 1) continue;  // zeros that were nudged would vanish
       const auto scaled = [&](const Triangle& t) { return Triangle{t.v0 * scale, t.v1 * scale, t.v2 * scale}; };
       ASSERT_EQ(intersects(scaled(a), scaled(b)), answer) << "case " << i << ", scale " << scale;
