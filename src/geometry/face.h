@@ -24,8 +24,8 @@ struct Face : simd::FaceVectors {
     for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
 
-  /// The areas between p and the edges, by opposite corner: negative where an edge separates the foot of p from the
-  /// triangle. All have one unknown factor >= 0.
+  /// Twice the areas between the foot of p and the edges, by opposite corner, times the length of the normal: negative
+  /// where an edge separates the foot from the triangle.
   Vec3 areas(const Vec3& p) const {
     return {dot(inward[1], p - corner.v1), dot(inward[2], p - corner.v2), dot(inward[0], p - corner.v0)};
   }
@@ -48,13 +48,13 @@ struct Face : simd::FaceVectors {
   /// more than rounding does, but far along it. The place along the edge is therefore measured afterwards, without the
   /// normal, and once more for what is left.
   Vec3 foot_weights(const Vec3& p) const {
-    constexpr double smallest = std::numeric_limits<double>::min();  // where rounding leaves nothing else
+    constexpr double smallest = std::numeric_limits<double>::min();  // rounding may leave 0, or less
     const Vec3 to_p = p - corner.v0, to_v1 = edge[0], to_v2 = -edge[2];
     const double per_height = 1 / std::max(dot(inward[0], to_v2), smallest);
     const double per_length_sq = 1 / std::max(length_sq(to_v1), smallest);
-    const double w2 = std::min(std::max(dot(inward[0], to_p) * per_height, 0.0), 1.0);
+    const double w2 = std::min(std::max(0.0, dot(inward[0], to_p) * per_height), 1.0);
     const Vec3 off = to_p - w2 * to_v2;
-    const auto clamped = [&](double weight) { return std::min(std::max(weight, 0.0), 1 - w2); };
+    const auto clamped = [&](double weight) { return std::min(std::max(0.0, weight), 1 - w2); };
     const double rough = clamped(dot(to_v1, off) * per_length_sq);
     const double w1 = clamped(rough + dot(to_v1, off - rough * to_v1) * per_length_sq);
     return {1 - w2 - w1, w1, w2};

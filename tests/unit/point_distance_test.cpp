@@ -71,6 +71,7 @@ TEST(PointDistance, OfDegenerateTrianglesIsThatOfTheirHull) {
 /// Whether weights are those of a point of a triangle.
 void expect_weights(const Vec3& w) {
   EXPECT_TRUE(w.x >= 0 && w.y >= 0 && w.z >= 0);
+  EXPECT_FALSE(std::signbit(w.x) || std::signbit(w.y) || std::signbit(w.z)) << "no -0";
   EXPECT_NEAR(w.x + w.y + w.z, 1, 4 * half_ulp);
 }
 
