@@ -144,16 +144,17 @@ LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b
 ///
 /// Promise  Distance, points and features are those of closest_features(). The normal has length 1 within 2^-50, for
 ///          every input.
-///          Apart: the normal is the direction from point_a to point_b. It differs from the true direction by no more
-///          than 2^-24 times the root of (extent / distance), and the triangles do not overlap along it by more than
-///          2^-48 of the extent.
+///          Apart: the normal is the direction from point_a to point_b, but for what rounding these has changed. It
+///          differs from the true direction by no more than 2^-24 times the root of (extent / true distance), and the
+///          triangles do not overlap along it by more than 2^-48 of the extent. The true distance may be less than
+///          2^-1022, which `distance` never is.
 ///          Intersecting: the normal is that normal of a face, or common perpendicular of two edges, along which the
 ///          triangles overlap least. `depth` is that overlap rounded up: once b has moved by depth + 2^-1000 (1 +
 ///          extent) along the normal, none of its points is behind a point of a, in exact arithmetic. `depth` exceeds
 ///          the least overlap by at most 2^-47 of the extent; if one is a sliver, by at most 2^-24. Coplanar triangles
 ///          get the normal of their plane, collinear ones a perpendicular, points at one place the z axis.
 ///          Swapping a and b negates the normal: to the bit if they intersect, unless their corners are equal in
-///          order, so that the swap changes nothing; if they are apart, within the above error.
+///          order, so that the swap changes nothing; if they are apart, each normal is within the above error.
 /// Throws   As closest_points().
 /// Cost     That of closest_points(), or twice that much if the triangles intersect.
 /// Source   docs/algorithms/triangle_distance.md; separating axes, [Ericson2005] 5.2.1.

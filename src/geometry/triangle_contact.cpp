@@ -88,14 +88,6 @@ Vec3 perpendicular(const Vec3& v) {
   return size.y <= size.z ? Vec3{-v.z, 0, v.x} : Vec3{v.y, -v.x, 0};
 }
 
-/// The part of v that is perpendicular to an edge; v for other features.
-Vec3 across_edge(const Vec3& v, const Triangle& t, const Feature& feature) {
-  if (feature.kind != FeatureKind::edge) return v;
-  const Vec3 edge = t[after[feature.index]] - t[feature.index];
-  if (max_abs(edge) == 0) return v;
-  return across(v, near_unit(edge));
-}
-
 /// Two triangles near the origin.
 class LocalPair {
  public:
@@ -106,6 +98,7 @@ class LocalPair {
 
   const Triangle& first() const { return first_; }
   const Triangle& second() const { return second_; }
+  double extent() const { return frame_.length_from_local(frame_.extent()); }
 
   /// At least the overlap along the normal n from the first to the second, in exact arithmetic.
   ///
@@ -132,14 +125,44 @@ class LocalPair {
 class LeastOverlap {
  public:
   LeastOverlap(const LocalPair& pair, const Triangle& first, const Triangle& second, bool intersect)
-      : first_(pair.first()), second_(pair.second()), intersect_(intersect) {
-    const std::array<Vec3, 3> e = directions_of_edges(first), f = directions_of_edges(second);
-    consider(normal_of(e));
-    consider(normal_of(f));
-    for (const Vec3& e_i : e) {
-      for (const Vec3& f_j : f) consider(perpendicular(e_i, f_j));
+      : first_(pair.first()),
+        second_(pair.second()),
+        edges_of_first_(directions_of_edges(first)),
+        edges_of_second_(directions_of_edges(second)),
+        intersect_(intersect) {
+    consider(normal_of(edges_of_first_));
+    consider(normal_of(edges_of_second_));
+    for (const Vec3& e : edges_of_first_) {
+      for (const Vec3& f : edges_of_second_) consider(perpendicular(e, f));
     }
-    if (is_well_conditioned_) return;
+    if (!is_well_conditioned_) consider_across_longest_edge();
+  }
+
+  /// Takes the line from corner i of the first triangle to corner j of the second, or the part of it across an edge at
+  /// one of them, if the triangles overlap less along it; but nothing longer than `longest`, beyond rounding.
+  ///
+  /// With the axes above these are all that can be between the closest points of triangles that are apart.
+  void consider_corners(const Vec3& line, std::size_t i, std::size_t j, double longest) {
+    if (max_abs(line) == 0) return;
+    const Vec3 direction = near_unit(line);
+    const double line_sq = length_sq(line), longest_sq = longest * longest * length_sq(direction);
+    // Where squares underflow, nothing is too long.
+    const auto is_too_long = [&](const Vec3& part) { return length_sq(part) * line_sq > longest_sq; };
+    if (!is_too_long(direction)) consider(direction);
+    constexpr std::array<std::size_t, 3> before{2, 0, 1};
+    for (const Vec3* edge : {&edges_of_first_[before[i]], &edges_of_first_[i], &edges_of_second_[before[j]],
+                             &edges_of_second_[j]}) {
+      if (max_abs(*edge) == 0) continue;
+      const Vec3 part = across(direction, *edge);
+      if (max_abs(part) == 0 || is_too_long(part)) continue;
+      consider(across(near_unit(part), *edge));  // again: rounding has left something along the edge
+    }
+  }
+
+  Vec3 normal() const { return unit(axis_); }
+
+ private:
+  void consider_across_longest_edge() {
     Vec3 longest;
     for (const Triangle* t : {&first_, &second_}) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -174,10 +197,8 @@ class LeastOverlap {
     if (overlap < least_) least_ = overlap, axis_ = back < ahead ? -axis : axis;
   }
 
-  Vec3 normal() const { return unit(axis_); }
-
- private:
   Triangle first_, second_;
+  std::array<Vec3, 3> edges_of_first_, edges_of_second_;
   bool intersect_;
   bool is_well_conditioned_ = false;
   double least_ = std::numeric_limits<double>::infinity();
@@ -258,20 +279,17 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
   contact.normal_side = NormalSide::outward;
 }
 
-/// The normal of triangles that are so close that rounding turns the line of the closest points. Across the edges that
-/// they lie on it is exact again.
-Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, const geometry::DirectedFeatures& found) {
-  const ClosestFeatures& closest = found.closest;
+/// The normal of triangles that are so close that rounding turns the line of the closest points.
+///
+/// Of all planes between them, that across the closest points leaves the largest gap.
+Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance) {
   const bool in_order = comes_first(a, b);
   const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
   const LocalPair pair(first, second);
   LeastOverlap least(pair, first, second, false);
-  for (const Vec3& line : {found.between, closest.point_b - closest.point_a}) {
-    if (max_abs(line) == 0) continue;
-    const Vec3 from_first = near_unit(in_order ? line : -line);
-    least.consider(from_first);
-    least.consider(across_edge(from_first, a, closest.feature_a));
-    least.consider(across_edge(from_first, b, closest.feature_b));
+  const double longest = 2 * (distance + 0x1p-48 * pair.extent());
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) least.consider_corners(second[j] - first[i], i, j, longest);
   }
   const Vec3 normal = least.normal();
   return in_order ? normal : -normal;
@@ -291,7 +309,7 @@ TriangleContact geometry::contact(const Triangle& a, const Triangle& b, Oriented
     return contact;
   }
   if (closest.distance > farthest) return contact;
-  contact.normal = found.are_proven_apart ? unit(found.between) : normal_of_a_small_gap(a, b, found);
+  contact.normal = found.are_proven_apart ? unit(found.between) : normal_of_a_small_gap(a, b, closest.distance);
   if (oriented != OrientedFaces::none) contact.normal_side = side_of(contact.normal, a, b, oriented);
   return contact;
 }

@@ -4,6 +4,7 @@
 
 #include <gmpxx.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -40,14 +41,15 @@ inline std::optional<std::array<Rational, 4>> solve(std::array<std::array<Ration
   return r;
 }
 
-/// Exact squared distance of the convex hulls of two corner lists (1 to 3 corners each).
+/// The shortest vector from a point of one triangle to one of the other, without rounding. There is only one.
 ///
 /// Every pair of sub-simplices is tried: if the closest points of their affine hulls are unique and have non-negative
 /// weights, the distance is attained by points of the hulls; the minimum over all pairs is the true distance.
-inline Rational squared_distance(const Triangle& a, const Triangle& b) {
+inline RationalVec closest_difference(const Triangle& a, const Triangle& b) {
   const std::array<RationalVec, 3> va{rational(a.v0), rational(a.v1), rational(a.v2)};
   const std::array<RationalVec, 3> vb{rational(b.v0), rational(b.v1), rational(b.v2)};
   std::optional<Rational> best;
+  RationalVec best_between;
   for (unsigned mask_a = 1; mask_a < 8; ++mask_a) {
     for (unsigned mask_b = 1; mask_b < 8; ++mask_b) {
       std::array<RationalVec, 4> direction;  // towards a's points positive, b's negative
@@ -80,10 +82,26 @@ inline Rational squared_distance(const Triangle& a, const Triangle& b) {
       }
       if (!inside || sum_a > 1 || sum_b > 1) continue;
       const Rational d_sq = dot(between, between);
-      if (!best || d_sq < *best) best = d_sq;
+      if (!best || d_sq < *best) best = d_sq, best_between = between;
     }
   }
-  return *best;
+  return {-best_between[0], -best_between[1], -best_between[2]};
+}
+
+inline Rational squared_distance(const Triangle& a, const Triangle& b) {
+  const RationalVec between = closest_difference(a, b);
+  return dot(between, between);
+}
+
+/// The extent of geometry.h without rounding.
+inline Rational rational_extent(const Triangle& a, const Triangle& b) {
+  Rational extent = 0;
+  for (const Triangle* t : {&a, &b}) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (const Rational& r : minus(rational((*t)[i]), rational(a.v0))) extent = std::max<Rational>(extent, abs(r));
+    }
+  }
+  return extent;
 }
 
 }  // namespace limber::testing

@@ -234,6 +234,19 @@ TEST(TriangleContact, TheSmallestGapHasANormal) {
   }
 }
 
+TEST(TriangleContact, BesideAnEdgeNextToItsEndHasTheNormalAcrossTheEdge) {
+  // The end of the edge is as close as the edge itself, up to rounding.
+  const Triangle a{{0, 0, 0}, {1, 0, 0}, {0, 0.3, 0}};
+  for (double gap = 0x1p-20; gap > 0x1p-48; gap /= 4) {
+    for (double along = 1; along > 0x1p-20; along /= 2) {
+      const Vec3 p{-0.6 * gap, 0.3 - along * gap, -0.8 * gap};
+      const double allowed = std::sqrt(16 * 0x1p-53 / gap);
+      EXPECT_LE(length(contact(a, {p, p, p}).normal - Vec3{-0.6, 0, -0.8}), allowed) << gap << ' ' << along;
+      EXPECT_LE(length(contact({p, p, p}, a).normal - Vec3{0.6, 0, 0.8}), allowed) << gap << ' ' << along;
+    }
+  }
+}
+
 TEST(TriangleContact, OfPiercedSliversIsSound) {
   Rng rng(402);
   const auto direction = [&] {
