@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 
-#include "base/rounding.h"
+#include "core/check.h"
+#include "core/rounding.h"
 #include "geometry/primitives.h"
 
 /// What distances of triangles are computed with.
@@ -38,6 +41,17 @@ class LocalFrame {
   double extent_ = 0;
   double scale_ = 1;
 };
+
+/// A vector times a power of two that brings its largest coordinate to [1, 2): its square neither overflows nor
+/// vanishes.
+///
+/// Pre      v is finite and not 0, and below 2^1000 in size.
+inline Vec3 near_unit(const Vec3& v) {
+  const double size = max_abs(v);
+  LIMBER_ASSERT(size > 0 && size < 0x1p1000);
+  if (size < std::numeric_limits<double>::min()) return near_unit(v * 0x1p60);
+  return v * (1 / std::bit_cast<double>(std::bit_cast<std::uint64_t>(size) & 0x7ff0'0000'0000'0000U));
+}
 
 /// Length that stays positive where the square underflows.
 inline double safe_length(const Vec3& v) {

@@ -13,10 +13,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
 #include "base/check.h"
@@ -28,19 +26,9 @@ namespace {
 
 using geometry::after;
 using geometry::LocalFrame;
+using geometry::near_unit;
 
-/// A vector times a power of two that brings its largest coordinate to [1, 2): its square neither overflows nor
-/// vanishes.
-///
-/// Pre      v is finite and not 0, and below 2^1000 in size.
-Vec3 near_unit(const Vec3& v) {
-  const double size = max_abs(v);
-  LIMBER_ASSERT(size > 0 && size < 0x1p1000);
-  if (size < std::numeric_limits<double>::min()) return near_unit(v * 0x1p60);
-  return v * (1 / std::bit_cast<double>(std::bit_cast<std::uint64_t>(size) & 0x7ff0'0000'0000'0000U));
-}
-
-/// Pre      As above.
+/// Pre      As near_unit().
 Vec3 unit(const Vec3& v) {
   const Vec3 w = near_unit(v);
   const double w_length = length(w);

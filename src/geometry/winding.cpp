@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/winding.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "core/check.h"
+#include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 
 namespace limber {
@@ -43,11 +43,9 @@ int geometry::winding_along(const Vec3& point, const Triangle& t, std::size_t ax
 
 double geometry::half_solid_angle(const Vec3& point, const Triangle& t) {
   Vec3 a = t.v0 - point, b = t.v1 - point, c = t.v2 - point;
-  const double size = std::max({max_abs(a), max_abs(b), max_abs(c)});
-  if (!(size > 0x1p-900)) return 0;
-  // So that no product leaves the range of float64.
-  const double scale = 1 / size;
-  a *= scale, b *= scale, c *= scale;
+  if (max_abs(a) == 0 || max_abs(b) == 0 || max_abs(c) == 0) return 0;
+  // Only directions count. Each is scaled on its own, so that no product leaves the range of float64.
+  a = near_unit(a), b = near_unit(b), c = near_unit(c);
   const double la = length(a), lb = length(b), lc = length(c);
   const double along = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   return std::atan2(dot(a, cross(b, c)), along);

@@ -22,8 +22,8 @@ bool lies_on(const Vec3& point, const Triangle& triangle);
 /// Pre      The point does not lie on the triangle.
 int winding_along(const Vec3& point, const Triangle& triangle, std::size_t axis, bool is_upward);
 
-/// Half of the solid angle under which a point sees a triangle, positive where it sees the back: from -pi to pi. 0
-/// where the triangle is degenerate, or all of it within 2^-900 of the point.
+/// Half of the solid angle under which a point sees a triangle, positive where it sees the back: from -pi to pi, at any
+/// scale. 0 where the triangle is degenerate or has the point as a corner.
 ///
 /// Source   [VanOosteromStrackee1983].
 double half_solid_angle(const Vec3& point, const Triangle& triangle);

@@ -103,5 +103,27 @@ TEST(PointsProperty, AreThoseOfBruteForceWhileModelsDeform) {
   }
 }
 
+TEST(PointsProperty, WindingNumbersDependOnDirectionsAlone) {
+  Rng rng(804);
+  for (int i = 0; i < 2000; ++i) {
+    // The point is the origin: inside of a ball, or outside of one beside it.
+    const bool is_inside = rng.below(2) == 0;
+    const Mesh ball = scenes::ball(3 + static_cast<std::uint32_t>(rng.below(9)), 8);
+    std::vector<Vec3> positions = ball.positions();
+    const auto lowest = static_cast<int>(rng.below(1200)), range = static_cast<int>(1 + rng.below(1220 - lowest));
+    for (Vec3& p : positions) {
+      const int exponent = lowest + static_cast<int>(rng.below(static_cast<std::uint64_t>(range))) - 1022;
+      if (!is_inside) p.x += 3;
+      p *= std::ldexp(1.0, exponent);
+    }
+    const Mesh mesh = Mesh::create(positions, ball.triangles()).value();
+    const Model model(mesh);
+    const double truth = is_inside ? 1 : 0;
+    ASSERT_NEAR(winding_number({model}, {}), truth, 1e-13) << "surface " << i;
+    ASSERT_NEAR(reference::winding_number({mesh}, {}), truth, 1e-13) << "surface " << i;
+    ASSERT_EQ(ClosedSurface::create(model).value().winding_number({}), truth) << "surface " << i;
+  }
+}
+
 }  // namespace
 }  // namespace limber::testing
