@@ -93,6 +93,30 @@ TEST(ContactSides, OfDegenerateTrianglesAreThoseOfTheOther) {
   EXPECT_EQ(contact(floor_face, needle, OrientedFaces::of_b).normal_side, NormalSide::unknown);
 }
 
+TEST(ContactSides, OfOneTriangleWithAnOutsideAreWithin20DegreesOfItsNormal) {
+  Rng rng(435);
+  const double cosine_of_20_degrees = std::cos(std::acos(-1.0) / 9);
+  int meeting = 0, looking_alike = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Triangle a = uniform_triangle(rng), b = uniform_triangle(rng);
+    if (i % 2 == 0) b = {a.v0 + 0.2 * b.v0, a.v1 + 0.2 * b.v1, a.v2 + 0.2 * b.v2};  // nearly parallel
+    const Vec3 n_a = face_normal(a), n_b = face_normal(b);
+    const TriangleContact of_a = contact(a, b, OrientedFaces::of_a), of_b = contact(a, b, OrientedFaces::of_b);
+    if (of_a.distance > 0) continue;
+    ++meeting;
+    const double along = dot(n_a, n_b);
+    looking_alike += along > 0.9 ? 1 : 0;
+    ASSERT_EQ(of_a.normal_side, NormalSide::outward) << "case " << i;
+    ASSERT_EQ(of_b.normal_side, NormalSide::outward) << "case " << i;
+    ASSERT_GT(dot(of_a.normal, n_a), cosine_of_20_degrees) << "case " << i;
+    ASSERT_LT(dot(of_b.normal, n_b), -cosine_of_20_degrees) << "case " << i;
+    ASSERT_LE(max_abs(of_a.normal - scaled_to_one(n_a + along * n_b)), 1e-9) << "case " << i;
+    ASSERT_LE(max_abs(of_b.normal + scaled_to_one(n_b + along * n_a)), 1e-9) << "case " << i;
+  }
+  EXPECT_GT(meeting, 2000);
+  EXPECT_GT(looking_alike, 500);
+}
+
 /// Checks what contact() promises of triangles with outsides.
 void expect_sided(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   const TriangleContact c = contact(a, b, oriented), plain = contact(a, b);
