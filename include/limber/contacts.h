@@ -102,7 +102,8 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 // --- one model with itself ---
 //
 // Pairs of different triangles of one model, each once, with a < b. Triangles that share vertices, by id, meet only if
-// they have a point in common beyond the shared vertices and the edge between them; that is decided exactly. Otherwise
+// they have a point in common beyond what they share by these: a vertex, the edge between two, or all of a triangle. So
+// two triangles of the same three vertices never meet, in whichever order these are. That is decided exactly. Otherwise
 // such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
 // triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
 // take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.

@@ -144,6 +144,7 @@ TEST(SelfContacts, CountNeighborsOnlyWhereTheyMeetElsewhere) {
   EXPECT_EQ(count(p, {{0, 1, 2}, {0, 1, 5}}), 0U);  // on the same side, folded up
   EXPECT_EQ(count(p, {{0, 1, 2}, {0, 5, 6}}), 1U);  // through the face, from a corner
   EXPECT_EQ(count(p, {{0, 1, 2}, {0, 1, 2}}), 0U);  // the same vertices twice
+  EXPECT_EQ(count(p, {{0, 1, 2}, {2, 1, 0}}), 0U);  // the other way round
   EXPECT_EQ(count({p[0], p[1], p[2], p[0], p[1], p[2]}, {{0, 1, 2}, {3, 4, 5}}), 1U);  // the same places only
 }
 
@@ -154,6 +155,21 @@ TEST(SelfContacts, OfOneTriangleAreNone) {
   const DistanceResult distance = self_distance(one);
   EXPECT_EQ(distance.status, Status::beyond_limit);
   EXPECT_FALSE(distance.witness.has_value());
+}
+
+TEST(SelfContacts, OfTrianglesOfTheSameThreeVerticesAreNone) {
+  const std::vector<Vec3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Corners> all{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}, {1, 0, 2}, {0, 2, 1}};
+  // Also where the three are on a line, or at one place.
+  for (const std::vector<Vec3>& positions : {p, {p[0], p[1], 0.25 * p[1]}, {p[0], p[0], p[0]}}) {
+    const Mesh mesh = Mesh::create(positions, all).value();
+    const Model model(mesh);
+    EXPECT_FALSE(self_collide(model).collision);
+    EXPECT_EQ(self_intersections(model, {}).count, 0U);
+    EXPECT_EQ(self_contacts(model, 1e300, {}).count, 0U);
+    EXPECT_EQ(self_distance(model).status, Status::beyond_limit);
+    EXPECT_TRUE(reference::self_intersections(mesh).empty());
+  }
 }
 
 TEST(SelfContacts, OfManyCoincidentTrianglesAreAllPairs) {

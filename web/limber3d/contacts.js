@@ -262,9 +262,9 @@ export function closestPairs(a, b, count, options = {}) {
 
 // --- one model with itself ---
 //
-// Triangles that share vertices, by id, meet only if they have a point in common beyond the shared vertices and the
-// edge between them. Otherwise such neighbors do not count, however close they are. Equal positions under different ids
-// are not shared.
+// Triangles that share vertices, by id, meet only if they have a point in common beyond what they share by these: a
+// vertex, the edge between two, or all of a triangle of the same three. Otherwise such neighbors do not count, however
+// close they are. Equal positions under different ids are not shared.
 
 /**
  * Whether a model meets itself; stops at the first such pair found, decided exactly.

@@ -95,10 +95,10 @@ distance tells them, in JSON an object distance. Where all triangles are neighbo
 --closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K is
 not defined.
 
-Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond the shared vertices
-and the edge between them, which is decided exactly; otherwise such a pair does not count, however large the margin. In
-files, vertices at equal positions are one, and so are shared. Each pair comes once, with triangle_a < triangle_b.
-Points and normals are in the model's own frame.
+Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond what they share: the
+vertex, the edge between two, or all of a triangle of the same three. That is decided exactly; otherwise such a pair
+does not count, however large the margin. In files, vertices at equal positions are one, and so are shared. Each pair
+comes once, with triangle_a < triangle_b. Points and normals are in the model's own frame.
 
 )";
 
