@@ -133,13 +133,12 @@ class LeastOverlap {
   void consider_corners(const Vec3& line, std::size_t i, std::size_t j, double longest) {
     if (max_abs(line) == 0) return;
     const Vec3 direction = near_unit(line);
-    const double line_sq = length_sq(line), longest_sq = longest * longest * length_sq(direction);
-    // Where squares underflow, nothing is too long.
-    const auto is_too_long = [&](const Vec3& part) { return length_sq(part) * line_sq > longest_sq; };
+    const double size = max_abs(line), most = longest * max_abs(direction);
+    const auto is_too_long = [&](const Vec3& part) { return max_abs(part) * size > most; };
     if (!is_too_long(direction)) consider(direction);
     constexpr std::array<std::size_t, 3> before{2, 0, 1};
-    for (const Vec3* edge : {&edges_of_first_[before[i]], &edges_of_first_[i], &edges_of_second_[before[j]],
-                             &edges_of_second_[j]}) {
+    for (const Vec3* edge :
+         {&edges_of_first_[before[i]], &edges_of_first_[i], &edges_of_second_[before[j]], &edges_of_second_[j]}) {
       if (max_abs(*edge) == 0) continue;
       const Vec3 part = across(direction, *edge);
       if (max_abs(part) == 0 || is_too_long(part)) continue;
