@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/winding.h"
 
-#include <cmath>
-
 #include "core/check.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
@@ -41,14 +39,9 @@ int geometry::winding_along(const Vec3& point, const Triangle& t, std::size_t ax
   return is_upward ? turn : -turn;
 }
 
-double geometry::half_solid_angle(const Vec3& point, const Triangle& t) {
-  Vec3 a = t.v0 - point, b = t.v1 - point, c = t.v2 - point;
+double geometry::half_solid_angle_next_to_a_corner(const Vec3& a, const Vec3& b, const Vec3& c) {
   if (max_abs(a) == 0 || max_abs(b) == 0 || max_abs(c) == 0) return 0;
-  // Only directions count. Each is scaled on its own, so that no product leaves the range of float64.
-  a = near_unit(a), b = near_unit(b), c = near_unit(c);
-  const double la = length(a), lb = length(b), lc = length(c);
-  const double along = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  return std::atan2(dot(a, cross(b, c)), along);
+  return half_solid_angle({}, {near_unit(a), near_unit(b), near_unit(c)});
 }
 
 }  // namespace limber

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "limber/geometry.h"
@@ -22,10 +24,21 @@ bool lies_on(const Vec3& point, const Triangle& triangle);
 /// Pre      The point does not lie on the triangle.
 int winding_along(const Vec3& point, const Triangle& triangle, std::size_t axis, bool is_upward);
 
+/// half_solid_angle(), given the corners as seen from the point, where squares of lengths may vanish. Only directions
+/// count, so each is scaled on its own.
+double half_solid_angle_next_to_a_corner(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Half of the solid angle under which a point sees a triangle, positive where it sees the back: from -pi to pi, at any
 /// scale. 0 where the triangle is degenerate or has the point as a corner.
 ///
 /// Source   [VanOosteromStrackee1983].
-double half_solid_angle(const Vec3& point, const Triangle& triangle);
+inline double half_solid_angle(const Vec3& point, const Triangle& t) {
+  const Vec3 a = t.v0 - point, b = t.v1 - point, c = t.v2 - point;
+  const double aa = length_sq(a), bb = length_sq(b), cc = length_sq(c);
+  if (std::min({aa, bb, cc}) < 0x1p-600) return half_solid_angle_next_to_a_corner(a, b, c);
+  const double la = std::sqrt(aa), lb = std::sqrt(bb), lc = std::sqrt(cc);
+  const double along = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+  return std::atan2(dot(a, cross(b, c)), along);
+}
 
 }  // namespace limber::geometry
