@@ -10,8 +10,8 @@
 #include <initializer_list>
 #include <limits>
 
-#include "core/check.h"
-#include "core/rounding.h"
+#include "base/check.h"
+#include "base/rounding.h"
 #include "geometry/primitives.h"
 
 /// What distances of triangles are computed with.

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/face.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"

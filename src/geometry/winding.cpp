@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/winding.h"
 
-#include "core/check.h"
+#include "base/check.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 

@@ -19,12 +19,12 @@ inline constexpr double smallest_square = 0x1p-960;
 /// Lets vertices move a little before the bounds that hold them are refitted, like the margin of a fat bounding box.
 ///
 /// Based on  the thesis this engine follows: loose bounds absorb small motions.
-/// Differs   The bounds are not enlarged. They hold the positions at the last refit, one for each vertex. A vertex may be
-///           a given margin away from its own; queries allow for the largest distance that occurs.
+/// Differs   The bounds are not enlarged. They hold the positions at the last refit, one for each vertex. A vertex may
+///           be a given margin away from its own; queries allow for the largest distance that occurs.
 ///
 /// States   Off: the bounds hold the vertices themselves. On, from start() to stop(): they hold the positions at the
-///          last refit. A vertex that is absorbed is within the margin and needs no refit; one that is refitted gets its
-///          present position as the one at the last refit, and its nodes become dirty.
+///          last refit. A vertex that is absorbed is within the margin and needs no refit; one that is refitted gets
+///          its present position as the one at the last refit, and its nodes become dirty.
 class MotionMargin {
  public:
   bool is_on() const { return !fitted_.empty(); }

@@ -23,9 +23,9 @@ namespace limber::pair {
 /// what it is, and there is no search direction.
 ///
 /// Based on  [Larsen1999]: pairs of nodes of two trees.
-/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are compared
-///           with the other node at once. A model is compared with itself node by node: the child slots of each with each
-///           other.
+/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are
+///           compared with the other node at once. A model is compared with itself node by node: the child slots of
+///           each with each other.
 template <typename Collector>
 class AllPairs {
  public:

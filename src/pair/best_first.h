@@ -30,8 +30,9 @@ namespace limber::pair {
 ///
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
-/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are compared
-///           with the other node at once. Bounds also use the search direction, in which the closest pair so far is apart.
+/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are
+///           compared with the other node at once. Bounds also use the search direction, in which the closest pair so
+///           far is apart.
 ///
 /// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. While a traversal runs, only
 /// it changes Pruning: collectors return updates and never change it, and placed models are constant.

@@ -164,7 +164,7 @@ TEST(SelfContacts, OfTrianglesOfTheSameThreeVerticesAreNone) {
   for (const std::vector<Vec3>& positions : {p, {p[0], p[1], 0.25 * p[1]}, {p[0], p[0], p[0]}}) {
     const Mesh mesh = Mesh::create(positions, all).value();
     const Model model(mesh);
-    EXPECT_FALSE(self_collide(model).collision);
+    EXPECT_FALSE(self_collide(model).is_yes());
     EXPECT_EQ(self_intersections(model, {}).count, 0U);
     EXPECT_EQ(self_contacts(model, 1e300, {}).count, 0U);
     EXPECT_EQ(self_distance(model).status, Status::beyond_limit);
