@@ -41,8 +41,7 @@ enum class Status {
 /// deadline is overrun by that much. Every query with a budget that is not cancelled or empty makes at least one step.
 struct QueryBudget {
   std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
-  /// Steps are the same on all machines. A query may make one more than this, where it compares two pairs of nodes side
-  /// by side.
+  /// Steps are the same on all machines.
   std::uint64_t max_steps = std::numeric_limits<std::uint64_t>::max();
   const std::atomic<bool>* cancel = nullptr;  ///< ends the query once it is true
 };
@@ -50,8 +49,7 @@ struct QueryBudget {
 /// Which limit of its budget has ended a query.
 enum class StoppedBy { nothing, deadline, max_steps, cancel };
 
-/// A pair of points, one on each model, and the triangles they lie on. Of within(), and of a distance with an error,
-/// they need not be the closest points of these triangles.
+/// The closest points of two triangles, one of each model, or a point that they share; and which triangles these are.
 ///
 /// Frame    World: the one that both poses map to.
 struct Witness {

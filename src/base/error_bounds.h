@@ -88,10 +88,6 @@ inline constexpr double root_error = 0x1p-20;
 /// a part of the lengths involved.
 inline constexpr double rigidity_error = 4e-8;
 
-/// The computed distance of two triangles exceeds that of any two of their vertices by at most this part of four times
-/// that distance and the largest extent of both.
-inline constexpr double triangle_distance_error = 0x1p-46;
-
 /// Rounding of the height of a vertex over a plane through another vertex, as a part of the largest coordinate of their
 /// difference.
 inline constexpr double fan_error = 0x1p-48;

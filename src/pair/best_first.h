@@ -63,7 +63,7 @@ class BestFirst {
       next_node_ = static_cast<std::uint32_t>(trees_.tree(Side::a).nodes.size());
       return;
     }
-    if constexpr (takes_points) prepare_seed();
+    if constexpr (looks_for_closest) prepare_seed();
     state_.least_sq = limits_.bound_of(root_bound);
     const NodePair roots{state_.least_sq, {bvh::root, bvh::root}, NodePair::no_record, 0};
     if constexpr (!has_front && !needs_several) {
@@ -77,7 +77,7 @@ class BestFirst {
   bool start_with_records() requires has_front {
     state_.clear();
     state_.leaves.try_some();
-    if constexpr (takes_points) prepare_seed();
+    if constexpr (looks_for_closest) prepare_seed();
     return push_records();
   }
   /// Goes on with a state that a traversal with a front has left.
@@ -89,32 +89,18 @@ class BestFirst {
     first_step_ = state_.steps;
   }
 
-  /// Processes one pair of the queue, or two side by side. False when no pair that matters is left, or the budget is
-  /// spent.
+  /// Processes one pair of the queue. False when no pair that matters is left, or the budget is spent.
   bool step() {
     if (search_.meter.is_spent(state_.steps - first_step_) || collector_.is_done()) return false;
     if (state_.queue.empty()) return Collector::is_self && next_node_ > 0 && compare_siblings();
     update_limits();
     Expansion e;
     e.pair = state_.queue.pop();
-    if constexpr (takes_points) {
+    if constexpr (looks_for_closest) {
       if (state_.seed.is_due() && e.pair.bound_sq < limits_.of(Side::a)) compare_seed();
       if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_again();
     }
     if (!begin(e)) return true;
-    if (takes_two()) {
-      Expansion second;
-      second.pair = state_.queue.pop();
-      const bool is_expanded = begin(second);
-      update_limits();  // leaves may have been compared
-      compare_children(e);
-      if (is_expanded) {
-        compare_children(second);
-        keep(second, false);
-      }
-      keep(e, false);
-      return true;
-    }
     compare_children(e);
     keep(e, state_.descents.is_descending());
     return true;
@@ -142,7 +128,7 @@ class BestFirst {
 
  private:
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
-  static constexpr bool takes_points = TakesPoints<Collector>;
+  static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
   static decltype(auto) state_of(Front* front) {
     if constexpr (has_front) {
@@ -161,10 +147,6 @@ class BestFirst {
     state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
   }
 
-  /// Whether to expand two pairs side by side. The processor then compares the children of one while it waits for those
-  /// of the other. Only where it matters little which pair comes first.
-  bool takes_two() const { return !state_.descents.is_descending() && state_.queue.has_only_ordered(); }
-
   /// Updates the squared limits, and spreads the buckets anew when the range of bounds that matter has halved.
   void update_limits() {
     if (!limits_.update(search_.pruning.distance())) return;
@@ -179,11 +161,7 @@ class BestFirst {
   void keep(const Expansion& e, bool descends) {
     if (e.kept.all == 0) return;
     unsigned overlapping = e.kept.overlapping;
-    if (overlapping == 0) {
-      const bool is_long = state_.steps >= nearest_last_from_step;
-      if (Collector::hits != Hits::any && (descends || is_long)) return push_nearest_last(e, descends);
-      return push(e, e.kept.all);
-    }
+    if (overlapping == 0 && descends && Collector::hits != Hits::any) return push_nearest_first(e);
     push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
     while (overlapping != 0) {
@@ -193,13 +171,11 @@ class BestFirst {
     }
   }
 
-  /// Queues the nearest child last: as the next pair, or so that it is taken before its siblings of the same bucket.
-  /// Not inlined: shorter queries should not pay for it.
-  [[gnu::noinline]] void push_nearest_last(const Expansion& e, bool is_next) {
+  /// Queues the nearest child as the next pair. Not inlined: shorter queries should not pay for it.
+  [[gnu::noinline]] void push_nearest_first(const Expansion& e) {
     const std::uint32_t nearest = e.first_of(e.kept.all);
     push(e, e.kept.all & ~(1U << nearest));
-    const NodePair pair = child_pair(e, nearest);
-    is_next ? state_.queue.push_first(pair) : state_.queue.push(pair);
+    state_.queue.push_first(child_pair(e, nearest));
   }
 
   void push(const Expansion& e, unsigned children) {
@@ -216,7 +192,7 @@ class BestFirst {
   /// the query, as they often do where models intersect.
   void descend_first(const NodePair& roots) {
     update_limits();
-    if constexpr (takes_points) {
+    if constexpr (looks_for_closest) {
       if (state_.seed.is_due() && roots.bound_sq < limits_.of(Side::a)) compare_seed();
     }
     if (!state_.descents.is_descending()) return state_.queue.push_first(roots);
@@ -290,7 +266,6 @@ class BestFirst {
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
     e.kept = {all, overlapping};
     const unsigned pruned = e.children & ~e.kept.all;
-    if (state_.aim.is_chosen()) judge_direction(e, pruned);
     if (has_front && pruned != 0) front_.settle_children(e, pruned, bound_sq, limits_);
   }
 
@@ -313,15 +288,6 @@ class BestFirst {
       keep(e, state_.descents.is_descending());
     }
     return true;
-  }
-
-  /// Gives a search direction up that has pruned nothing for a while.
-  void judge_direction(const Expansion& e, unsigned pruned) {
-    bool has_pruned = false;  // whether it has pruned a child that no other bound has
-    for (; pruned != 0; pruned &= pruned - 1) {
-      has_pruned |= e.order[std::countr_zero(pruned)] < limits_.of(e.side);
-    }
-    if (state_.aim.gives_up(has_pruned)) search_.pruning.forget_direction();
   }
 
   // --- seed ---
@@ -389,9 +355,6 @@ class BestFirst {
 
   // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
   static constexpr float worth_refocusing = 0.5F;
-  // From this step on the nearest child is pushed last, where none overlaps: in shorter queries, to find it costs more
-  // than it saves (docs/design/fast_engine.md).
-  static constexpr std::uint64_t nearest_last_from_step = 1024;
   // Expansions of two trees of at most 11 levels each, and the pair of leaves.
   static constexpr std::uint32_t longest_descent = 23;
   // A front is resumed if less than this part of its records has to be compared again, open ones not counted.

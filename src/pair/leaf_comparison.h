@@ -55,7 +55,7 @@ class LeafComparison {
     const bool is_first = !state_.descents.has_reached_leaves();
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
     simd::Candidates found;
-    if constexpr (TakesPoints<Collector>) {
+    if constexpr (looks_for_closest) {
       if (state_.leaves.are_tried() && prunes_whole_leaves(apart)) return true;
       if (is_first && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
       if (has_descended && search_.pruning.has_error()) {
@@ -67,12 +67,11 @@ class LeafComparison {
                              Collector::is_self ? &self : nullptr, needs_bound, found);
     ++state_.work;
     if (found.count == 0) {
-      if constexpr (!needs_several) aim(pair);
       if (needs_bound) apart = static_cast<double>(found.apart) / found.scale;
       return true;
     }
     if (!compare(found, steps)) return false;
-    if constexpr (TakesPoints<Collector>) {
+    if constexpr (looks_for_closest) {
       const bool has_found_any =
           search_.pruning.has_direction() && search_.pruning.distance() < collector_.initial_cutoff();
       if (has_found_any && state_.seed.may_look_near()) {
@@ -84,6 +83,7 @@ class LeafComparison {
 
  private:
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
+  static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
   /// Compares all candidates that may still improve the answer. False if the query has ended before the last.
   bool compare(simd::Candidates& found, std::uint64_t steps) {
@@ -99,10 +99,7 @@ class LeafComparison {
       if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) continue;
       if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) continue;
       ++search_.stats.triangle_tests;
-      if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) {
-        search_.pruning.update(*update);
-        state_.aim.replace();
-      }
+      if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);
       if (search_.meter.cuts_short(steps)) return false;
     }
     return true;
@@ -144,14 +141,6 @@ class LeafComparison {
     ++search_.stats.triangle_tests;
     const auto update = collector_.compare(a_.at(found.pairs[i].slot_a), b_.at(found.pairs[i].slot_b));
     if (update) search_.pruning.update(*update);
-  }
-
-  /// Chooses the normal of the flatter of two leaves without candidates as the search direction: what is near them is
-  /// likely to be apart along it, too. Not inlined: the loop of a query should not pay for it.
-  [[gnu::noinline]] void aim(const NodePair& pair) {
-    if (search_.pruning.has_direction() || !state_.aim.may_choose()) return;
-    search_.pruning.aim(trees_.normal_between_leaves(pair));
-    if (search_.pruning.has_direction()) state_.aim.choose();
   }
 
   Search search_;

@@ -41,9 +41,6 @@ class PlacedPair {
   Vec3 position(Side s, VertexId v) const { return pose(s)(local_position(s, v)); }
   /// Some triangle.
   TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
-  const Corners& first_corners(Side s) const { return tree(s).leaves[0].vertices[0]; }
-  /// The first corner of that triangle, in the world.
-  Vec3 first_vertex(Side s) const { return position(s, first_corners(s)[0]); }
 
   /// A lower bound of the distance of the models, from the bounds of their roots.
   double root_bound() const;

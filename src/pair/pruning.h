@@ -57,27 +57,16 @@ class Pruning {
       best_distance_ = update.distance;
       skips_ties_ = may_skip_ties_ && distance() == update.distance;
     }
-    aim(update.separation);
+    const double length = limber::length(update.separation);
+    if (length > shortest_separation) set_direction(update.separation * (1 / length));
   }
-
-  /// Chooses a search direction, from a to b in the world, of any length.
-  void aim(const Vec3& direction) {
-    const double length = limber::length(direction);
-    if (length > shortest_separation) set_direction(direction * (1 / length));
-  }
-
-  /// Goes on without a search direction.
-  void forget_direction() { in_frame_[0].has_direction = in_frame_[1].has_direction = false; }
 
   /// The search direction, if there is one.
   std::optional<Vec3> direction() const { return has_direction() ? std::optional(direction_) : std::nullopt; }
   /// Goes on with what direction() has returned before.
   void restore_direction(const std::optional<Vec3>& direction) {
-    if (direction) {
-      set_direction(*direction);
-    } else {
-      forget_direction();
-    }
+    in_frame_[0].has_direction = in_frame_[1].has_direction = false;
+    if (direction) set_direction(*direction);
   }
 
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is

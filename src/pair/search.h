@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "base/check.h"
-#include "base/error_bounds.h"
-#include "geometry/local_frame.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/all_pairs.h"
@@ -124,28 +122,6 @@ Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& c
   return left;
 }
 
-/// Offers a collector two vertices if they are close enough. Where the bound of the roots is almost the answer, any two
-/// vertices may be, at a small part of the cost of a descent. Their distance is rounded up: that of their triangles,
-/// which another query may compute, is no larger.
-template <TakesPoints Collector>
-void try_vertices(const PlacedPair& placed, double root_bound, Collector& collector, Pruning& pruning) {
-  const double good_enough = collector.good_enough(root_bound);
-  if (good_enough <= root_bound) return;
-  const Vec3 p = placed.first_vertex(Side::a), q = placed.first_vertex(Side::b);
-  const double distance = geometry::safe_length(q - p);
-  if (distance <= root_bound || distance > good_enough || distance < simd::smallest_cutoff) return;
-  const Corners &corners_a = placed.first_corners(Side::a), &corners_b = placed.first_corners(Side::b);
-  double extent = max_abs(q - p);
-  for (std::size_t k = 1; k < 3; ++k) {
-    extent = std::max(extent, max_abs(placed.position(Side::a, corners_a[k]) - p));
-    extent = std::max(extent, max_abs(placed.position(Side::b, corners_b[k]) - p));
-  }
-  const double upper = distance + base::triangle_distance_error * (4 * distance + extent);
-  if (upper > good_enough) return;
-  const Witness points{p, q, placed.first_triangle(Side::a), placed.first_triangle(Side::b)};
-  if (const auto update = collector.take(upper, points)) pruning.update(*update);
-}
-
 /// Offers a collector two triangles.
 template <typename Collector>
 void compare(TriangleId a, TriangleId b, const PlacedPair& placed, Collector& collector, Pruning& pruning,
@@ -165,10 +141,6 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return {root_bound};
-  if constexpr (TakesPoints<Collector>) {
-    if (!meter.is_limited()) try_vertices(placed, root_bound, collector, pruning);
-    if (collector.is_done() || root_bound >= pruning.distance()) return {root_bound};
-  }
   QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
   const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&
                         placed.has_triangle(Side::b, last->triangle_b);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "pair/aimed_direction.h"
 #include "pair/bucket_queue.h"
 #include "pair/descents.h"
 #include "pair/seeds/flat_seed.h"
@@ -20,7 +19,6 @@ struct TraversalState {
   std::uint64_t steps = 0;
   std::uint64_t work = 0;  // pairs that kernels have compared, those of records too, which are no steps
   Descents descents;
-  AimedDirection aim;
   WholeLeaves leaves;
   FlatSeed seed;
 
@@ -31,7 +29,7 @@ struct TraversalState {
     queue.clear();
     least_sq = 0, focus_sq = BucketQueue::no_limit_sq;
     steps = work = 0;
-    descents = {}, aim = {}, leaves = {}, seed = {};
+    descents = {}, leaves = {}, seed = {};
   }
 };
 

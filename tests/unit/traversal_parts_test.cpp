@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "pair/aimed_direction.h"
 #include "pair/descents.h"
 #include "pair/expansion.h"
 #include "pair/squared_limits.h"
@@ -68,31 +67,6 @@ TEST(WholeLeaves, AreTriedWhileThatPrunes) {
   leaves.try_some();
   for (int i = 0; i < 1000; ++i) leaves.note(i % 3 == 0);
   EXPECT_TRUE(leaves.are_tried());
-}
-
-TEST(AimedDirection, IsGivenUpWhenIdleAndNotChosenForEver) {
-  pair::AimedDirection aim;
-  EXPECT_FALSE(aim.is_chosen());
-  for (int direction = 0; direction < 2; ++direction) {
-    ASSERT_TRUE(aim.may_choose());
-    aim.choose();
-    EXPECT_FALSE(aim.gives_up(false));
-    EXPECT_FALSE(aim.gives_up(false));
-    EXPECT_FALSE(aim.gives_up(true));  // begins to count anew
-    EXPECT_FALSE(aim.gives_up(false));
-    EXPECT_FALSE(aim.gives_up(false));
-    EXPECT_TRUE(aim.gives_up(false));
-    EXPECT_FALSE(aim.is_chosen());
-  }
-  EXPECT_FALSE(aim.may_choose());
-}
-
-TEST(AimedDirection, ThatIsReplacedIsNotJudged) {
-  pair::AimedDirection aim;
-  aim.choose();
-  aim.replace();
-  EXPECT_FALSE(aim.is_chosen());
-  EXPECT_TRUE(aim.may_choose());
 }
 
 TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {

@@ -27,15 +27,6 @@ class ClosestPair {
   double initial_cutoff() const { return std::nextafter(options_.max_distance, infinity); }
   bool is_done() const { return upper <= close_enough_; }
 
-  /// Up to which distance any two points are an answer that ends the query, if all triangles are at least `lower`
-  /// apart. Where they may meet none are: a contact is one point.
-  double good_enough(double lower) const {
-    if (lower == 0) return 0;
-    const double relative = lower * (1 + options_.relative_error) * down_factor();
-    const double within_errors = std::max(relative, lower + options_.absolute_error);
-    return std::max(close_enough_, std::min(within_errors, options_.max_distance));
-  }
-
   std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {
     const ClosestPoints closest = geometry::closest_points(a.corners, b.corners);
     LIMBER_ASSERT(closest.distance >= 0);

@@ -17,6 +17,9 @@ namespace limber::pair {
 //          bool is_done() const;
 //          compare(const PlacedTriangle& a, const PlacedTriangle& b);
 //
+// One of the closest pair needs also, for a contact that was found without a distance:
+//          std::optional<BoundUpdate> take(double distance, const Witness& points);
+//
 // hits: AllPairs offers a collector of all hits each pair within the cutoff once. BestFirst is for the others; a front
 // is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
 // different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
@@ -57,17 +60,6 @@ struct LeafPair {
 template <typename Collector>
 concept ComparesLeaves = requires {
   requires Collector::compares_leaves && Collector::hits == Hits::all;
-};
-
-/// A collector that takes points of which it is only known how far apart they are.
-///
-/// Needs    double good_enough(double lower) const;
-///          std::optional<BoundUpdate> take(double distance, const Witness& points);
-///
-/// good_enough(): up to which distance points end the query, if everything is at least `lower` apart.
-template <typename Collector>
-concept TakesPoints = requires(Collector& collector) {
-  collector.take(0.0, Witness{});
 };
 
 }  // namespace limber::pair
