@@ -73,10 +73,28 @@ inline std::uint32_t child_of(const Tree& tree, SlotId id) { return tree.nodes[n
 /// Pre: has_leaf().
 inline const Leaf& leaf_of(const Tree& tree, SlotId id) { return tree.leaves[child_of(tree, id)]; }
 
+/// Whether a slot need not be expanded: it has a leaf, or all triangles below it coincide, so that any leaf below
+/// stands for it. With a motion margin, vertices may have moved since they coincided.
+inline bool has_leaf_or_coincides(const Tree& tree, SlotId id) {
+  return has_leaf(tree, id) || (is_coincident(tree, id) && tree.slack == 0);
+}
+
 /// The slot of the first leaf below a slot.
 inline SlotId first_leaf_slot(const Tree& tree, SlotId id) {
   while (!has_leaf(tree, id)) id = child_of(tree, id) * width;
   return id;
+}
+
+/// A leaf as kernels take it: with the node and the slot whose child it is.
+struct LeafInNode {
+  const Node& node;
+  std::uint32_t slot;
+  const Leaf& leaf;
+};
+/// The first leaf below a slot.
+inline LeafInNode first_leaf(const Tree& tree, SlotId id) {
+  const SlotId slot = first_leaf_slot(tree, id);
+  return {tree.nodes[node_of(slot)], slot_of(slot), leaf_of(tree, slot)};
 }
 
 /// Builds the tree of a mesh.

@@ -31,17 +31,10 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
   best_.reset();
   set_limit(max_distance);
   candidate_count_ = 0;
-  waiting_count_ = 1;
-  waiting_[0] = {limit_bound_, bvh::root, 0};
-  while (waiting_count_ > 0) {
-    const Waiting next = waiting_[waiting_count_ - 1];
-    if (next.bound > limit_bound_) {
-      waiting_count_ = next.siblings;  // which are no nearer
-      continue;
-    }
-    --waiting_count_;
+  waiting_.start(limit_bound_);
+  for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
     if (tree_.slack > 0) count_margin_cost(next);
-    is_leaf(next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
+    bvh::has_leaf_or_coincides(tree_, next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
   }
   compare_candidates(stats);
   return best_;
@@ -65,14 +58,8 @@ float ClosestPointSearch::bound_of(double distance) const {
   return std::max(squared, std::numeric_limits<float>::min());
 }
 
-/// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide. With a motion margin they may be
-/// elsewhere than the mark says.
-bool ClosestPointSearch::is_leaf(bvh::SlotId slot) const {
-  return bvh::has_leaf(tree_, slot) || (bvh::is_coincident(tree_, slot) && tree_.slack == 0);
-}
-
 /// Adds the chance that the slot would have been pruned without the margin, as the traversal of pairs does.
-void ClosestPointSearch::count_margin_cost(const Waiting& slot) {
+void ClosestPointSearch::count_margin_cost(const bvh::SlotStack::Entry& slot) {
   if (slot.bound < tight_bound_) return;
   if (limit_ > tree_.slack) {
     margin_cost_ += 1;
@@ -93,21 +80,15 @@ void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
   kernel(node, in_frame_, limit_bound_, found);
   const double upper = static_cast<double>(found.upper) * in_frame_.unit;
   if (upper < limit_) set_limit(upper);
-  const std::uint32_t first = waiting_count_;
-  LIMBER_ASSERT(first + bvh::width <= stack_capacity);
-  for (std::uint32_t k = 0; k < bvh::width; ++k) {
-    waiting_[first + found.place_of(k)] = {found.bound[k], n * bvh::width + k, first};
-  }
-  waiting_count_ += static_cast<std::uint32_t>(std::popcount(found.kept));
+  waiting_.add(n, found);
 }
 
 void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
-  const bvh::SlotId leaf_slot = bvh::first_leaf_slot(tree_, slot);
-  const bvh::Node& node = tree_.nodes[bvh::node_of(leaf_slot)];
-  const bvh::Leaf& leaf = bvh::leaf_of(tree_, leaf_slot);
+  const bvh::LeafInNode at = bvh::first_leaf(tree_, slot);
+  const bvh::Leaf& leaf = at.leaf;
   simd::TriangleIntervals found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_triangles_along : kernels_.bound_triangles_to_point;
-  kernel(node, bvh::slot_of(leaf_slot), leaf.corners, in_frame_, limit_, found);
+  kernel(at.node, at.slot, leaf.corners, in_frame_, limit_, found);
   if (candidate_count_ + bvh::width > candidate_capacity) compare_candidates(stats);
   for (; found.kept != 0; found.kept &= found.kept - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(found.kept));

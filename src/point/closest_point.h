@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "bvh/slot_stack.h"
 #include "bvh/tree.h"
 #include "limber/points.h"
 #include "point/placed_model.h"
@@ -33,11 +34,6 @@ class ClosestPointSearch {
   double margin_cost() const { return margin_cost_; }
 
  private:
-  struct Waiting {
-    float bound;  // in the measure of the kernel
-    bvh::SlotId slot;
-    std::uint32_t siblings;  // where the stack's entries of its siblings begin
-  };
   struct Candidate {
     double lower;  // of its distance
     const bvh::Leaf* leaf;
@@ -46,15 +42,13 @@ class ClosestPointSearch {
 
   void set_limit(double limit);
   float bound_of(double distance) const;
-  bool is_leaf(bvh::SlotId slot) const;
-  void count_margin_cost(const Waiting& slot);
+  void count_margin_cost(const bvh::SlotStack::Entry& slot);
   void expand(bvh::SlotId slot, QueryStats& stats);
   void compare_leaf(bvh::SlotId slot, QueryStats& stats);
   void compare_candidates(QueryStats& stats);
   void compare(const Candidate& candidate, QueryStats& stats);
 
-  // Every slot taken adds less than `width` more and goes one level down, of at most 11 (2^32 triangles).
-  static constexpr std::uint32_t stack_capacity = 96, candidate_capacity = 64;
+  static constexpr std::uint32_t candidate_capacity = 64;
 
   const PlacedModel& model_;
   const bvh::Tree& tree_;
@@ -66,8 +60,8 @@ class ClosestPointSearch {
   float limit_bound_ = 0, tight_bound_ = 0;  // the same in the measure of the kernels, and without a margin
   std::optional<SurfacePoint> best_;
   double margin_cost_ = 0;
-  std::uint32_t waiting_count_ = 0, candidate_count_ = 0;
-  Waiting waiting_[stack_capacity];  // the nearest last
+  bvh::SlotStack waiting_;
+  std::uint32_t candidate_count_ = 0;
   Candidate candidates_[candidate_capacity];
 };
 

@@ -5,7 +5,7 @@
 
 #include <bit>
 
-#include "base/check.h"
+#include "bvh/slot_stack.h"
 #include "geometry/winding.h"
 
 namespace limber::point {
@@ -14,9 +14,9 @@ namespace {
 /// Compares the triangles of a leaf that the ray may cross. False once the point lies on one of them.
 bool add_leaf(const PlacedModel& model, const AxisRay& ray, bvh::SlotId slot, Surrounding& surrounding,
               QueryStats& stats) {
-  const bvh::Node& node = model.tree().nodes[bvh::node_of(slot)];
-  const bvh::Leaf& leaf = bvh::leaf_of(model.tree(), slot);
-  unsigned crossed = simd::kernels().find_crossed_triangles(node, bvh::slot_of(slot), leaf.corners, ray.in_frame);
+  const bvh::LeafInNode at = bvh::first_leaf(model.tree(), slot);
+  const bvh::Leaf& leaf = at.leaf;
+  unsigned crossed = simd::kernels().find_crossed_triangles(at.node, at.slot, leaf.corners, ray.in_frame);
   for (; crossed != 0; crossed &= crossed - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(crossed));
     if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
@@ -36,23 +36,16 @@ Surrounding surrounding_of(const PlacedModel& model, const Vec3& point, QuerySta
   const std::optional<AxisRay> ray = model.ray_from(point);
   if (!ray) return surrounding;
   const bvh::Tree& tree = model.tree();
-  // Every slot taken adds less than `width` more and goes one level down, of at most 11 (2^32 triangles).
-  constexpr std::uint32_t stack_capacity = 96;
-  bvh::SlotId waiting[stack_capacity] = {bvh::root};
-  std::uint32_t waiting_count = 1;
-  while (waiting_count > 0) {
-    const bvh::SlotId slot = waiting[--waiting_count];
-    if (bvh::has_leaf(tree, slot)) {
-      if (!add_leaf(model, *ray, slot, surrounding, stats)) return {.is_on = true};
+  bvh::SlotStack waiting;
+  waiting.start(0);
+  for (bvh::SlotStack::Entry next; waiting.take(0, next);) {
+    if (bvh::has_leaf(tree, next.slot)) {
+      if (!add_leaf(model, *ray, next.slot, surrounding, stats)) return {.is_on = true};
       continue;
     }
-    const std::uint32_t n = bvh::child_of(tree, slot);
+    const std::uint32_t n = bvh::child_of(tree, next.slot);
     stats.node_tests += tree.nodes[n].child_count;
-    LIMBER_ASSERT(waiting_count + bvh::width <= stack_capacity);
-    unsigned crossed = simd::kernels().find_crossed_children(tree.nodes[n], ray->in_frame);
-    for (; crossed != 0; crossed &= crossed - 1) {
-      waiting[waiting_count++] = n * bvh::width + static_cast<std::uint32_t>(std::countr_zero(crossed));
-    }
+    waiting.add(n, simd::kernels().find_crossed_children(tree.nodes[n], ray->in_frame));
   }
   return surrounding;
 }

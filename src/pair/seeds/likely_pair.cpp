@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/check.h"
+#include "bvh/slot_stack.h"
 #include "simd/kernels.h"
 
 namespace limber::pair {
@@ -80,12 +80,12 @@ class HighestVertex {
   void bound(const bvh::Node& node, simd::ChildrenInOrder& found) const {
     simd::kernels().bound_children_along(node, along_, limit_, found);
   }
-  void compare(const bvh::Node&, std::uint32_t, const bvh::Leaf& leaf) {
+  void compare(const bvh::LeafInNode& at) {
     for (std::uint32_t k = 0; k < bvh::width; ++k) {
-      for (const VertexId v : leaf.vertices[k]) {
+      for (const VertexId v : at.leaf.vertices[k]) {
         const Vec3& p = placed_.local_position(side_, v);
         const double height = dot(direction_, p) - base_height_;
-        if (height > height_) height_ = height, position_ = p, triangle_ = leaf.triangle[k];
+        if (height > height_) height_ = height, position_ = p, triangle_ = at.leaf.triangle[k];
       }
     }
     limit_ = static_cast<float>(-height_ * along_.per_unit) - tolerance_;
@@ -117,14 +117,14 @@ class NearestTriangle {
     simd::kernels().bound_children_to_point(node, point_, limit_, found);
     limit_ = std::min(limit_, found.upper * found.upper);
   }
-  void compare(const bvh::Node& node, std::uint32_t slot, const bvh::Leaf& leaf) {
+  void compare(const bvh::LeafInNode& at) {
     simd::TriangleIntervals found;
     const double length = std::sqrt(static_cast<double>(limit_)) * point_.unit;
-    simd::kernels().bound_triangles_to_point(node, slot, leaf.corners, point_, length, found);
+    simd::kernels().bound_triangles_to_point(at.node, at.slot, at.leaf.corners, point_, length, found);
     for (; found.kept != 0; found.kept &= found.kept - 1) {
       const auto k = static_cast<std::uint32_t>(std::countr_zero(found.kept));
       const double lower = static_cast<double>(found.lower[k]) * found.step;
-      if (lower < least_) least_ = lower, triangle_ = leaf.triangle[k];
+      if (lower < least_) least_ = lower, triangle_ = at.leaf.triangle[k];
     }
     const auto upper = static_cast<float>(static_cast<double>(found.upper) * found.step * point_.per_unit);
     limit_ = std::min(limit_, upper * upper);
@@ -137,7 +137,8 @@ class NearestTriangle {
   float limit_ = std::numeric_limits<float>::max();
 };
 
-/// Whether no triangles below a slot need to be told apart.
+/// Whether no triangles below a slot need to be told apart. A guess may be wrong about those that have moved since they
+/// coincided.
 bool is_one(const bvh::Tree& tree, bvh::SlotId slot) {
   return bvh::has_leaf(tree, slot) || bvh::is_coincident(tree, slot);
 }
@@ -145,23 +146,12 @@ bool is_one(const bvh::Tree& tree, bvh::SlotId slot) {
 /// Shows a measure the leaves of a tree, the best first, until none is left that may be better, or there were enough.
 template <typename Measure>
 void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
-  struct Waiting {
-    float bound;
-    bvh::SlotId slot;
-  };
-  // Every slot taken adds less than `width` more and goes one level down, of at most 11 (2^32 triangles).
-  constexpr std::uint32_t capacity = 96;
-  Waiting waiting[capacity];  // the best last
-  std::uint32_t count = 0;
-  waiting[count++] = {-infinite, bvh::root};
-  for (int visits = 0; count > 0 && visits < most_visits;) {
-    const Waiting next = waiting[--count];
-    if (next.bound > measure.limit()) continue;
-    ++visits;
+  bvh::SlotStack waiting;
+  waiting.start(-infinite);
+  bvh::SlotStack::Entry next;
+  for (int visits = 0; visits < most_visits && waiting.take(measure.limit(), next); ++visits) {
     if (is_one(tree, next.slot)) {
-      const bvh::SlotId slot = bvh::first_leaf_slot(tree, next.slot);
-      const bvh::Node& parent = tree.nodes[bvh::node_of(slot)];
-      measure.compare(parent, bvh::slot_of(slot), bvh::leaf_of(tree, slot));
+      measure.compare(bvh::first_leaf(tree, next.slot));
       continue;
     }
     const std::uint32_t n = bvh::child_of(tree, next.slot);
@@ -169,11 +159,7 @@ void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
     stats.node_tests += node.child_count;
     simd::ChildrenInOrder found;
     measure.bound(node, found);
-    LIMBER_ASSERT(count + bvh::width <= capacity);
-    for (std::uint32_t k = 0; k < bvh::width; ++k) {
-      waiting[count + found.place_of(k)] = {found.bound[k], n * bvh::width + k};
-    }
-    count += static_cast<std::uint32_t>(std::popcount(found.kept));
+    waiting.add(n, found);
   }
 }
 
