@@ -18,6 +18,7 @@
 #include "base/prefetch.h"
 #include "base/rounding.h"
 #include "bvh/partition.h"
+#include "bvh/reach.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
@@ -62,17 +63,6 @@ Volume volume_of_slot(const Node& node, std::uint32_t k) {
           n.high[k]};
 }
 
-/// At least the distance from the origin of any point of a volume whose center is at `d`: by its sphere, or by its slab
-/// and the sphere across it.
-double farthest(const Volume& b, const Vec3& d) {
-  const double height = dot(b.normal, d), distance_sq = length_sq(d);
-  const double along = std::max(std::abs(height + b.low), std::abs(height + b.high));
-  const double across =
-      std::sqrt(std::max(0.0, distance_sq - height * height) + distance_sq * double{base::across_error}) + b.radius;
-  return std::min(std::sqrt(distance_sq) + b.radius,
-                  std::sqrt(along * along + across * across) * double{base::squares_up});
-}
-
 /// The radius of the root's sphere, fitted to the volumes two levels below the root; `node` has the root's children. A
 /// sphere around spheres around spheres is a quarter too large on a model that is a ball, and many queries end at the
 /// roots.
@@ -82,8 +72,8 @@ double root_radius(const Tree& tree, const Node& node, const Volume& root) {
     const Node& child = tree.nodes[node.first_child + k];
     const Vec3 shift = (child.origin - node.origin) * (1 / tree.unit) - root.center;
     for (std::uint32_t j = 0; j < child.child_count; ++j) {
-      const Volume volume = volume_of_slot(child, j);
-      radius = std::max(radius, farthest(volume, volume.center + shift));
+      const Reach reach = reach_of(child.bounds, j, local_slot_center(child, j) + shift);
+      radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
     }
   }
   return std::min(root.radius, radius * outward + (outward - 1) * (max_abs(root.center) + max_abs(root.half)));

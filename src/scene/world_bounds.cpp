@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/world_bounds.h"
 
+#include "bvh/reach.h"
+
 namespace limber::scene {
 namespace {
 
@@ -9,18 +11,13 @@ namespace {
 constexpr std::size_t most_vertices = 2048;
 constexpr std::uint32_t most_nodes = 32;
 
-/// At least the distance, in units, from a point of everything in a slot, without slack: by its sphere; by its box; by
-/// its slab and the sphere across that.
+/// At least the distance, in units, from a point of everything in a slot, without slack: by its sphere, box and slab.
 double farthest_in(const bvh::Node& node, std::uint32_t slot, const Vec3& origin_from_point) {
   const bvh::ChildBounds& n = node.bounds;
   const Vec3 d = origin_from_point + bvh::local_slot_center(node, slot);
-  const double d_sq = length_sq(d), radius = n.radius[slot];
+  const bvh::Reach reach = bvh::reach_of(n, slot, d);
   const Vec3 corner = abs(d) + Vec3{n.half_x[slot], n.half_y[slot], n.half_z[slot]};
-  const double height = dot(Vec3{n.normal_x[slot], n.normal_y[slot], n.normal_z[slot]}, d);
-  const double along = std::max(std::abs(height + n.low[slot]), std::abs(height + n.high[slot]));
-  const double across_sq = std::max(d_sq - height * height, 0.0) + d_sq * base::across_error;
-  const double across = std::sqrt(across_sq) + radius;
-  return std::min({std::sqrt(d_sq) + radius, length(corner), std::sqrt(along * along + across * across)});
+  return std::min({reach.by_sphere, length(corner), reach.by_slab});
 }
 
 /// The largest distance of a vertex from a point.
