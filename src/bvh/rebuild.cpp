@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "bvh/costs.h"
 #include "bvh/refit.h"
 
 namespace limber::bvh {
@@ -22,9 +23,8 @@ constexpr std::size_t small_range = 64;
 constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
 // What a step costs, in ns (docs/design/real_time.md): to read a triangle's center; for each time that a triangle is in
-// a range that is partitioned; to write a leaf; to refit a node on the lowest level or above; to take a dirty node.
-constexpr double ns_per_center = 30, ns_per_triangle = 16, ns_per_leaf = 60;
-constexpr double ns_per_lowest_node = 600, ns_per_node = 200, ns_per_taken_node = 2;
+// a range that is partitioned; to write a leaf; to take a dirty node.
+constexpr double ns_per_center = 30, ns_per_triangle = 16, ns_per_leaf = 60, ns_per_taken_node = 2;
 
 // While what has moved is refitted, a commit may spend this many times as long on it as refits of what it has moved
 // itself take in the second tree. More than once, or the second tree would never catch up.
@@ -34,7 +34,7 @@ std::size_t lowest_level(const Tree& tree) { return tree.level_begin.size() - 2;
 
 double ns_of_children(const Tree& tree, std::uint32_t n) {
   const Node& node = tree.nodes[n];
-  return node.child_count * (node.first_child >= tree.first_lowest_node() ? ns_per_lowest_node : ns_per_node);
+  return node.child_count * (node.first_child >= tree.first_lowest_node() ? ns_per_lowest_node : ns_per_upper_node);
 }
 
 }  // namespace
@@ -201,7 +201,7 @@ void Rebuild::refit_some(MeshView mesh, base::WorkBudget& budget) {
       }
       node = dirty_->take_node(level);
     }
-    budget.spend(level == lowest ? ns_per_lowest_node : ns_per_node);
+    budget.spend(level == lowest ? ns_per_lowest_node : ns_per_upper_node);
     if (refit_node(next_, mesh, node)) dirty_->add_node(level - 1, node_of(next_.nodes[node].parent));
   }
 }
@@ -214,7 +214,7 @@ std::size_t Rebuild::dirty_count() const {
 
 double Rebuild::ns_beside_budget() const {
   if (stage_ != Stage::fitting || step_ != Step::refitting) return 0;
-  const double ns_per_path = ns_per_lowest_node + ns_per_node * static_cast<double>(lowest_level(next_));
+  const double ns_per_path = ns_per_lowest_node + ns_per_upper_node * static_cast<double>(lowest_level(next_));
   return refits_beside_budget * ns_per_path * static_cast<double>(dirty_->marked_count());
 }
 

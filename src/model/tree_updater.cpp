@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
+#include "bvh/costs.h"
 #include "bvh/partition.h"
 #include "bvh/refit.h"
 #include "mesh/updates.h"
@@ -16,9 +17,7 @@
 namespace limber::model {
 namespace {
 
-// What things cost, in ns: only the ratios matter, and those are much the same on all machines (measured by
-// bench/develop/motion_margin.cpp; docs/design/deforming.md).
-constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225, ns_per_step = 110;
+using bvh::ns_per_refit, bvh::ns_per_refit_in_pass, bvh::ns_per_step;
 
 // Vertices that have moved that many units may be where float32 has no numbers in the unit of the tree.
 constexpr double outgrown = 0x1p40;
