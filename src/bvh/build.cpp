@@ -69,6 +69,13 @@ void create_nodes(Tree& tree, std::uint32_t leaves) {
 
 }  // namespace
 
+void Tree::exchange(TreeGeometry& other) {
+  LIMBER_ASSERT(level_begin == other.level_begin);
+  std::swap(static_cast<TreeGeometry&>(*this), other);
+  build_id = new_assignment_id();
+  displacement = 0;
+}
+
 Tree build(MeshView mesh) {
   LIMBER_ASSERT(!mesh.triangles.empty());
   Tree tree;

@@ -234,11 +234,7 @@ void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
     next_.unit = tree.unit;
   }
   for (const std::uint32_t node : round_) dirty_->add_node(lowest_level(next_), node);
-  std::swap(tree.unit, next_.unit);
-  tree.nodes.swap(next_.nodes);
-  tree.leaves.swap(next_.leaves);
-  tree.build_id = new_assignment_id();
-  tree.displacement = 0;
+  tree.exchange(next_);
   std::swap(dirty, *dirty_);
   stop();
 }

@@ -28,19 +28,26 @@
 ///   I7  All triangles below a slot that is marked coincident had equal corners, in order, at the last refit.
 namespace limber::bvh {
 
-struct Tree {
+struct TreeGeometry {
   std::vector<Node> nodes;
   std::vector<Leaf, base::UninitializedAllocator<Leaf>> leaves;
   std::vector<std::uint32_t> level_begin;  // first node of each level, and one past the last
   double unit = 1;                         // length of 1 in the nodes, a power of two
-  std::uint64_t build_id = 0;              // of the assignment of triangles to leaves: changes whenever that does
-  double displacement = 0;                 // at least how far any vertex has moved since the tree got its build_id
-  double slack = 0;                        // vertices are at most this far from their positions at the last refit
-  // Where queries add what the motion margin has cost them, in units of margin_cost_unit; null without a margin.
-  std::atomic<std::uint64_t>* margin_cost = nullptr;
 
   /// The first node whose children are leaves; all after it are of that kind too.
   std::uint32_t first_lowest_node() const { return level_begin[level_begin.size() - 2]; }
+};
+
+/// The same of a model, with how its vertices have moved.
+struct Tree : TreeGeometry {
+  std::uint64_t build_id = 0;  // of the assignment of triangles to leaves: changes whenever that does
+  double displacement = 0;     // at least how far any vertex has moved since the tree got its build_id
+  double slack = 0;            // vertices are at most this far from their positions at the last refit
+  // Where queries add what the motion margin has cost them, in units of margin_cost_unit; null without a margin.
+  std::atomic<std::uint64_t>* margin_cost = nullptr;
+
+  /// Changes places with the nodes and leaves of another tree of the same mesh, and gets a new build id.
+  void exchange(TreeGeometry& other);
 };
 
 /// Unit of Tree::margin_cost, in traversal steps that tight bounds would have made unnecessary.

@@ -131,11 +131,7 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   bvh::TreeCost cost(built);
   // From here on nothing fails.
   rebuilds_.start_over(dirty_, std::move(cost));
-  tree_.nodes.swap(built.nodes);
-  tree_.leaves.swap(built.leaves);
-  tree_.unit = built.unit;
-  tree_.build_id = built.build_id;
-  tree_.displacement = 0;
+  tree_.exchange(built);
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
   if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());
