@@ -2,67 +2,48 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/closedness.h"
 
-#include <algorithm>
-#include <cstdint>
+#include <span>
 #include <string>
-#include <tuple>
-#include <vector>
+#include <utility>
+
+#include "mesh/adjacency.h"
 
 namespace limber::mesh {
 namespace {
 
-/// A triangle that runs through an edge.
-struct EdgeUse {
-  VertexId low, high;  // the ends
-  TriangleId triangle;
-  bool is_forward;  // from the low one to the high one
-};
-
-Error not_closed(const EdgeUse& use, const std::string& what) {
+Error not_closed(TriangleId triangle, VertexId low, VertexId high, const std::string& what) {
   return {ErrorCode::not_closed,
-          "the surface is not closed: the edge of triangle " + std::to_string(use.triangle) + " between vertices " +
-              std::to_string(use.low) + " and " + std::to_string(use.high) + " " + what,
-          use.triangle};
+          "the surface is not closed: the edge of triangle " + std::to_string(triangle) + " between vertices " +
+              std::to_string(low) + " and " + std::to_string(high) + " " + what,
+          triangle};
 }
 
-/// What is wrong with an edge, by all of its uses.
-std::string fault_of(std::span<const EdgeUse> uses) {
-  if (uses.front().low == uses.front().high) return "is a point";
-  if (uses.size() == 1) return "belongs to no other triangle";
-  if (uses.size() > 2) return "belongs to " + std::to_string(uses.size()) + " triangles";
-  if (uses[0].is_forward == uses[1].is_forward) {
-    return "is run through in the same direction by triangle " + std::to_string(uses[1].triangle);
+/// What is wrong with an edge, by the sides of all its triangles.
+std::string fault_of(std::span<const Corners> triangles, VertexId low, std::span<const TriangleSide> sides) {
+  if (low == sides.front().high) return "is a point";
+  if (sides.size() == 1) return "belongs to no other triangle";
+  if (sides.size() > 2) return "belongs to " + std::to_string(sides.size()) + " triangles";
+  const auto is_forward = [&](const TriangleSide& side) { return triangles[side.triangle][side.corner] == low; };
+  if (is_forward(sides[0]) == is_forward(sides[1])) {
+    return "is run through in the same direction by triangle " + std::to_string(sides[1].triangle);
   }
   return {};
 }
 
 }  // namespace
 
-Result<void> check_closed(std::span<const Corners> triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * triangles.size());
-  for (TriangleId t = 0; t < triangles.size(); ++t) {
-    const Corners& c = triangles[t];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const VertexId from = c[i], to = c[(i + 1) % 3];
-      uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
-    }
-  }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
-  const EdgeUse* worst = nullptr;
+Result<void> check_closed(const Mesh& mesh) {
+  TriangleId worst = no_id;
+  VertexId worst_low = no_id, worst_high = no_id;
   std::string fault;
-  for (auto first = uses.begin(); first != uses.end();) {
-    const auto last = std::find_if(
-        first, uses.end(), [&](const EdgeUse& use) { return use.low != first->low || use.high != first->high; });
-    if (worst == nullptr || first->triangle < worst->triangle) {
-      const std::string found = fault_of({&*first, static_cast<std::size_t>(last - first)});
-      if (!found.empty()) worst = &*first, fault = found;
-    }
-    first = last;
-  }
-  if (worst != nullptr) return not_closed(*worst, fault);
+  for_each_edge(mesh.triangles(), mesh.positions().size(), [&](VertexId low, std::span<const TriangleSide> sides) {
+    if (sides.front().triangle >= worst) return;
+    std::string found = fault_of(mesh.triangles(), low, sides);
+    if (found.empty()) return;
+    worst = sides.front().triangle, worst_low = low, worst_high = sides.front().high;
+    fault = std::move(found);
+  });
+  if (worst != no_id) return not_closed(worst, worst_low, worst_high, fault);
   return {};
 }
 

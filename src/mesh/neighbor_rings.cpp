@@ -6,40 +6,26 @@
 #include <span>
 
 #include "base/check.h"
+#include "mesh/adjacency.h"
 
 namespace limber {
 namespace {
 
 /// Which triangles each vertex belongs to.
-class TrianglesOfVertices {
- public:
-  explicit TrianglesOfVertices(const Mesh& mesh)
-      : begin_(mesh.positions().size() + 2, 0), triangles_(3 * mesh.triangles().size()) {
-    // begin_[v + 2] counts, then begin_[v + 1] is where the next triangle of v goes; in the end that is the end of v.
-    for (const Corners& corners : mesh.triangles()) {
-      for (const VertexId v : corners) ++begin_[v + std::size_t{2}];
-    }
-    for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
-    for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-      for (const VertexId v : mesh.triangles()[t]) triangles_[begin_[v + std::size_t{1}]++] = t;
-    }
-  }
-
-  std::span<const TriangleId> of(VertexId v) const {
-    return std::span(triangles_).subspan(begin_[v], begin_[v + std::size_t{1}] - begin_[v]);
-  }
-
- private:
-  std::vector<std::size_t> begin_;
-  std::vector<TriangleId> triangles_;
-};
+mesh::VertexLists<TriangleId> triangles_of_vertices(const Mesh& mesh) {
+  return {mesh.positions().size(), [&](const auto& add) {
+            for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+              for (const VertexId v : mesh.triangles()[t]) add(v, t);
+            }
+          }};
+}
 
 /// Breadth-first search over the vertices of a mesh, from one triangle after the other.
 class RingSearch {
  public:
   explicit RingSearch(const Mesh& mesh)
       : mesh_(mesh),
-        triangles_of_(mesh),
+        triangles_of_(triangles_of_vertices(mesh)),
         vertex_seen_by_(mesh.positions().size(), no_id),
         triangle_seen_by_(mesh.triangles().size(), no_id) {}
 
@@ -76,7 +62,7 @@ class RingSearch {
   }
 
   const Mesh& mesh_;
-  TrianglesOfVertices triangles_of_;
+  const mesh::VertexLists<TriangleId> triangles_of_;
   std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the last search that has come by
   std::vector<VertexId> ring_, next_;  // as many edges away as the search has come, and one more
 };

@@ -26,7 +26,7 @@ SignedDistance signed_distance_of(const point::PlacedModel& placed, point::Close
 }  // namespace
 
 Result<ClosedSurface> ClosedSurface::create(const Model& model) {
-  if (auto closed = mesh::check_closed(model.mesh().triangles()); !closed) return closed.error();
+  if (auto closed = mesh::check_closed(model.mesh()); !closed) return closed.error();
   return ClosedSurface(model);
 }
 

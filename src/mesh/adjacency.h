@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/uninitialized.h"
+#include "geometry/primitives.h"
+#include "limber/mesh.h"
+
+/// What the vertices of a mesh belong to, by ids.
+namespace limber::mesh {
+
+/// A list of items for each vertex, all in one piece of memory.
+template <typename Item>
+class VertexLists {
+ public:
+  /// for_all(add) calls add(vertex, item) for every item. It is called twice. Lists keep the order of the items.
+  template <typename ForAll>
+  VertexLists(std::size_t vertex_count, const ForAll& for_all) : begin_(vertex_count + 2) {
+    // begin_[v + 2] counts, then begin_[v + 1] is where the next item of v goes; in the end that is the end of v.
+    for_all([&](VertexId v, const Item&) { ++begin_[v + std::size_t{2}]; });
+    for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
+    items_.resize(begin_.back());
+    for_all([&](VertexId v, const Item& item) { items_[begin_[v + std::size_t{1}]++] = item; });
+  }
+
+  std::span<Item> of(VertexId v) { return std::span(items_).subspan(begin_[v], count(v)); }
+  std::span<const Item> of(VertexId v) const { return std::span(items_).subspan(begin_[v], count(v)); }
+
+ private:
+  std::size_t count(VertexId v) const { return begin_[v + std::size_t{1}] - begin_[v]; }
+
+  std::vector<std::size_t> begin_;
+  std::vector<Item, base::UninitializedAllocator<Item>> items_;
+};
+
+/// One side of a triangle, from a corner to the next: an edge is as many of them as triangles have it.
+struct TriangleSide {
+  VertexId high;  // the larger vertex id
+  TriangleId triangle;
+  std::uint32_t corner;
+};
+
+/// Calls visit(low, sides) for every edge, in the order of its smaller vertex id, `low`, then of its larger one. The
+/// sides are in the order of triangles and corners. Sides between equal ids are edges too.
+template <typename Visit>
+void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit) {
+  VertexLists<TriangleSide> sides_of(vertex_count, [&](const auto& add) {
+    for (TriangleId t = 0; t < triangles.size(); ++t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const VertexId v = triangles[t][k], w = triangles[t][geometry::after[k]];
+        add(std::min(v, w), TriangleSide{std::max(v, w), t, k});
+      }
+    }
+  });
+  for (VertexId low = 0; low < vertex_count; ++low) {
+    std::span<TriangleSide> sides = sides_of.of(low);
+    std::sort(sides.begin(), sides.end(), [](const TriangleSide& s, const TriangleSide& t) {
+      if (s.high != t.high) return s.high < t.high;
+      return s.triangle != t.triangle ? s.triangle < t.triangle : s.corner < t.corner;
+    });
+    while (!sides.empty()) {
+      std::size_t count = 1;
+      while (count < sides.size() && sides[count].high == sides[0].high) ++count;
+      visit(low, std::span<const TriangleSide>(sides.first(count)));
+      sides = sides.subspan(count);
+    }
+  }
+}
+
+}  // namespace limber::mesh
