@@ -26,7 +26,7 @@ std::vector<float> simulated(const limber::Mesh& at_rest, double time) {
 
 int main() {
   const limber::Mesh at_rest = shapes::sheet(80, 6);
-  limber::Model cloth(at_rest, {.motion_margin = limber::ModelOptions::automatic});
+  limber::Model cloth(at_rest);
   const limber::Model ball(shapes::ball(32));
   const limber::Transform pose{{}, {0.5, 0, 1.4}};
 

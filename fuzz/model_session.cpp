@@ -25,10 +25,9 @@ constexpr std::size_t most_steps = 60;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ModelOptions some_options(ByteReader& bytes, double factor) {
-  constexpr std::array<std::optional<double>, 5> margins{0, ModelOptions::automatic, 0x1p-10, 0.25, 4};
+  constexpr std::array<double, 5> margins{0, 0x1p-20, 0x1p-10, 0.25, 4};
   constexpr std::array<std::optional<double>, 4> budgets{ModelOptions::automatic, 0, 1, 1e9};
-  std::optional<double> motion_margin = margins[bytes.below(5)];
-  if (motion_margin) *motion_margin *= factor;
+  const double motion_margin = margins[bytes.below(5)] * factor;
   const auto rebuild_policy = static_cast<RebuildPolicy>(bytes.below(3));
   const std::optional<double> budget_us = budgets[bytes.below(4)];
   return {.motion_margin = motion_margin,
@@ -201,9 +200,7 @@ void ModelSession::reject(Body& target) {
 
 void ModelSession::set_motion_margin(Body& target) {
   const std::uint32_t kind = bytes_.below(4);
-  std::optional<double> motion_margin = 0;
-  if (kind == 1) motion_margin = ModelOptions::automatic;
-  if (kind > 1) motion_margin = some_length();
+  const double motion_margin = kind == 0 ? 0 : some_length();
   in_environment(environment_, [&] { target.model.set_motion_margin(motion_margin); });
   require(target.model.options().motion_margin == motion_margin, "set_motion_margin() changes the option");
 }

@@ -152,7 +152,8 @@ LIMBER_API CollideResult collide(const Placed& a, const Placed& b, const QueryOp
 /// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
 /// Budget   If it is spent first, the status is `interrupted`; lower and upper keep their promises, and the witness
 ///          attains upper. The next call with the same cache goes on from there, whether or not the models have moved.
-///          While they rest, the interval never becomes wider; its ends may move back by rounding only.
+///          Asked the same again while they rest, the interval never becomes wider; its ends may move back by rounding
+///          only.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.

@@ -17,7 +17,7 @@
 /// with edges, of two models and of one model with itself.
 ///
 /// An element is closed: a vertex, an edge with its two ends, a face with its boundary. Elements that belong to several
-/// triangles come once. Distances are rounded as query.h says, so a pair whose distance equals the margin up to that
+/// triangles come once. Distances are rounded as distance.h says, so a pair whose distance equals the margin up to that
 /// rounding may be in or out.
 ///
 /// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the

@@ -134,8 +134,8 @@ LIMBER_API ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 ///          two vertices, a vertex and an edge, two edges, or a vertex and a face.
 ///          Intersecting: the two features meet, and at most one of them is a face. The shared point lies on both, or
 ///          the triangles cross in a line, and the features meet at the end of it that is next to the point.
-///          All this holds up to the rounding of the points. A degenerate triangle may have several features in one
-///          place; any of them is named, but none of length 0 that is not a vertex.
+///          All this holds up to twice the rounding of the points. A degenerate triangle may have several features in
+///          one place; any of them is named, but none of length 0 that is not a vertex.
 /// Throws   As closest_points().
 /// Source   docs/algorithms/triangle_distance.md.
 LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
@@ -152,7 +152,8 @@ LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b
 ///          triangles overlap least. `depth` is that overlap rounded up: once b has moved by depth + 2^-1000 (1 +
 ///          extent) along the normal, none of its points is behind a point of a, in exact arithmetic. `depth` exceeds
 ///          the least overlap by at most 2^-47 of the extent; if one is a sliver, by at most 2^-24. Coplanar triangles
-///          get the normal of their plane, collinear ones a perpendicular, points at one place the z axis.
+///          get the normal of their plane, which rounding turns where they are slivers; collinear ones a perpendicular,
+///          points at one place the z axis.
 ///          Swapping a and b negates the normal: to the bit if they intersect, unless their corners are equal in
 ///          order, so that the swap changes nothing; if they are apart, each normal is within the above error.
 /// Throws   As closest_points().
@@ -168,7 +169,8 @@ LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 ///          n_b; if only b has, of the negative of n_b + (n_a . n_b) n_a: within 20 degrees of n_a, or of -n_b. `depth`
 ///          is that without outsides, the least overlap there is: to move b by it parts the triangles, but in another
 ///          direction than this normal. Where both have an outside, and n_a and n_b are within 30 degrees of each
-///          other, or all triangles that have one are degenerate or nearly so, the answer is that without outsides.
+///          other, or all triangles that have one are degenerate or nearly so, the answer is that without outsides. A
+///          sliver lower than 10^-9 of its longest edge may be taken as either.
 ///          Swapping a and b, and with them what has an outside, negates the normal as above.
 /// Throws   As closest_points().
 /// Cost     As above.

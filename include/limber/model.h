@@ -25,10 +25,10 @@ struct ModelOptions {
   static constexpr std::nullopt_t automatic = std::nullopt;
 
   /// How far a vertex may move before its bounds are refitted, like the margin of a fat bounding box; queries allow for
-  /// the largest distance that occurs. A length in the model's frame, finite and >= 0, or `automatic`: the model
-  /// balances the cost of refits against what queries lose. With 0, every commit() refits all that has moved. Answers
-  /// do not depend on it beyond rounding.
-  std::optional<double> motion_margin = 0;
+  /// the largest distance that occurs. A length in the model's frame, finite and >= 0. With 0, every commit() refits
+  /// all that has moved. Answers do not depend on it beyond rounding. It pays for jitter, and for small moves all over
+  /// the mesh: docs/design/deforming.md has measurements.
+  double motion_margin = 0;
 
   RebuildPolicy rebuild_policy = RebuildPolicy::in_commit;
   /// Microseconds that one commit may spend on rebuilding, as estimated from counts; the step under way, of some 5 us,
@@ -65,7 +65,6 @@ struct MaintenanceStats {
   /// surveys in proportion to refits, are not counted.
   std::uint64_t whole_passes = 0;
   std::uint64_t absorbed = 0;           ///< vertex moves that stayed within the motion margin and needed no refit
-  double margin_steps = 0;              ///< node and triangle tests of queries that the motion margin has added
   double motion_margin = 0;             ///< the margin in use
   std::uint64_t rebuilt_triangles = 0;  ///< triangles assigned to leaves anew, to the next multiple of 8
   double rebuild_us = 0;                ///< what rebuilding has cost commits, in microseconds estimated from counts
@@ -128,7 +127,7 @@ class Model {
   /// Replaces ModelOptions::motion_margin, from the next move or commit on.
   ///
   /// Throws   std::invalid_argument if the margin is not what the option's comment says.
-  LIMBER_API void set_motion_margin(std::optional<double> motion_margin);
+  LIMBER_API void set_motion_margin(double motion_margin);
 
   /// Starts over with another mesh, whatever its triangles, as a new model with the same options; with the default ones
   /// if the model has been moved from.

@@ -12,7 +12,7 @@ from ._core import Model, RebuildPolicy, read_mesh_file
 def load(
     path: str | os.PathLike[str],
     *,
-    motion_margin: float | None = 0.0,
+    motion_margin: float = 0.0,
     rebuild_policy: RebuildPolicy = RebuildPolicy.in_commit,
     rebuild_budget_us: float | None = None,
     preallocate: bool = False,

@@ -59,7 +59,7 @@ MeshLike = Union[MeshWithFaces, MeshWithTriangles]
 class ModelOptions(TypedDict):
     """The options that a model was made with."""
 
-    motion_margin: float | None
+    motion_margin: float
     rebuild_policy: _core.RebuildPolicy
     rebuild_budget_us: float | None
     preallocate: bool

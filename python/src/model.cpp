@@ -50,7 +50,7 @@ std::pair<nb::object, nb::object> mesh_arrays(nb::object vertices, nb::object fa
   throw nb::type_error("Model: expected vertices and faces, or a mesh that has them: vertices and faces or triangles");
 }
 
-void construct(ModelObject* self, nb::object vertices, nb::object faces, std::optional<double> motion_margin,
+void construct(ModelObject* self, nb::object vertices, nb::object faces, double motion_margin,
                RebuildPolicy rebuild_policy, std::optional<double> rebuild_budget_us, bool preallocate) {
   const ModelOptions options{.motion_margin = motion_margin,
                              .rebuild_policy = rebuild_policy,
@@ -122,7 +122,7 @@ nb::tuple state_of(nb::handle_t<ModelObject> self) {
 void restore(nb::pointer_and_handle<ModelObject> self, const nb::tuple& state) {
   if (state.size() != 4) throw nb::value_error("the state is not that of a model");
   const nb::dict options = nb::cast<nb::dict>(state[2]);
-  construct(self.p, state[0], state[1], nb::cast<std::optional<double>>(options["motion_margin"]),
+  construct(self.p, state[0], state[1], nb::cast<double>(options["motion_margin"]),
             nb::cast<RebuildPolicy>(options["rebuild_policy"]),
             nb::cast<std::optional<double>>(options["rebuild_budget_us"]), nb::cast<bool>(options["preallocate"]));
   if (!state[3].is_none()) nb::getattr(self.h, "__dict__").attr("update")(state[3]);
@@ -139,7 +139,6 @@ void bind_stats(nb::module_& m) {
       .field("refits", &MaintenanceStats::refits, docs::MaintenanceStats_refits)
       .field("whole_passes", &MaintenanceStats::whole_passes, docs::MaintenanceStats_whole_passes)
       .field("absorbed", &MaintenanceStats::absorbed, docs::MaintenanceStats_absorbed)
-      .field("margin_steps", &MaintenanceStats::margin_steps, docs::MaintenanceStats_margin_steps)
       .field("motion_margin", &MaintenanceStats::motion_margin, docs::MaintenanceStats_motion_margin)
       .field("rebuilt_triangles", &MaintenanceStats::rebuilt_triangles, docs::MaintenanceStats_rebuilt_triangles)
       .field("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
@@ -184,11 +183,11 @@ Pickle   A pickled model keeps its mesh, with all moves, and its options. It is 
 Busy     A call that would change a model while another thread uses it raises BusyError, and so does a query of a model
          that is being changed. Nothing waits.)")
                               .c_str())
-      .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a.none() = 0.0,
+      .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a = 0.0,
            "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
            "preallocate"_a = false,
            nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, *, "
-                   "motion_margin: float | None = 0.0, rebuild_policy: RebuildPolicy = ..., "
+                   "motion_margin: float = 0.0, rebuild_policy: RebuildPolicy = ..., "
                    "rebuild_budget_us: float | None = None, preallocate: bool = False) -> None"),
            constructor_documentation().c_str())
       .def("move_vertices", &move_vertices, "ids"_a, "positions"_a,
@@ -202,10 +201,10 @@ Busy     A call that would change a model while another thread uses it raises Bu
           docs::Model_rebuild)
       .def(
           "set_motion_margin",
-          [](ModelObject& self, std::optional<double> margin) {
+          [](ModelObject& self, double margin) {
             changed(self, [&](Model& model) { model.set_motion_margin(margin); });
           },
-          "motion_margin"_a.none(), docs::Model_set_motion_margin)
+          "motion_margin"_a, docs::Model_set_motion_margin)
       .def("reset", &reset, "vertices"_a, "faces"_a = nb::none(),
            nb::sig("def reset(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None) -> None"),
            docs::Model_reset)

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What refits and steps of queries cost, in ns. Only the ratios matter, and those are much the same on all machines.
+/// What refits cost, in ns. Only the ratios matter, and those are much the same on all machines.
 namespace limber::bvh {
 
-/// In a commit: the refit of a dirty node, and that of each node where the whole tree is fitted. A step of a query
-/// (measured by bench/develop/motion_margin.cpp; docs/design/deforming.md).
-inline constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225, ns_per_step = 110;
+/// In a commit: the refit of a dirty node, and that of each node where the whole tree is fitted
+/// (docs/design/deforming.md).
+inline constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225;
 
 /// In a rebuild, which does them one by one, so that nothing is prefetched: the refit of a node on the lowest level,
 /// and of one above (docs/design/real_time.md).

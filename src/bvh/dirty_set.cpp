@@ -10,7 +10,7 @@
 namespace limber::bvh {
 namespace {
 
-// A node refitted on its own costs about a third more than in a pass over all of them (bench/develop/motion_margin).
+// A node refitted on its own costs about a third more than in a pass over all of them (docs/design/deforming.md).
 constexpr double worth_a_pass = 0.75;  // part of the lowest nodes
 
 }  // namespace
@@ -25,7 +25,6 @@ DirtySet::DirtySet(const Tree& tree)
   for (std::size_t level = 0; level < dirty_.size(); ++level) {
     make_room(dirty_[level], tree.level_begin[level + 1] - tree.level_begin[level]);
   }
-  make_room(avoided_, dirty_.back().capacity());
 }
 
 bool DirtySet::try_index_vertices(const Tree& tree, std::size_t vertex_count) {
@@ -63,8 +62,6 @@ void DirtySet::clear() {
     for (const std::uint32_t node : level) state_[node] = State::clean;
     level.clear();
   }
-  for (const std::uint32_t node : avoided_) state_[node] = State::clean;
-  avoided_.clear();
   all_ = false;
   LIMBER_ASSERT(empty());
 }

@@ -16,19 +16,17 @@ namespace limber::bvh {
 /// The nodes whose bounds have to be refitted, because vertices below them have moved.
 ///
 /// A vertex marks the nodes of the lowest level that have a triangle at it. The nodes above them are added while
-/// refit() goes up, level by level. Each node is listed once. Beside them the set counts the nodes that motion would
-/// have marked if it had not stayed within the motion margin: the refits that the margin has avoided.
+/// refit() goes up, level by level. Each node is listed once.
 ///
-/// States   A node of the lowest level is clean, avoided or dirty; it goes from clean to either and from avoided to
-///          dirty; clear() and being taken make it clean. add_all() makes the whole tree dirty whatever the nodes are.
+/// States   A node is clean or dirty; clear() and being taken make it clean. add_all() makes the whole tree dirty
+///          whatever the nodes are.
 /// Throws   Only the constructor and the vertex index allocate: every list has room for all nodes of its level.
 class DirtySet {
  public:
   /// Cost     O(nodes).
   explicit DirtySet(const Tree& tree);
 
-  /// The nodes at each vertex, which add() and add_avoided() need. To be dropped when triangles have been assigned to
-  /// other leaves.
+  /// The nodes at each vertex, which add() needs. To be dropped when triangles have been assigned to other leaves.
   VertexIndex& vertex_index() { return index_; }
   bool has_vertex_index() const { return index_.is_complete(); }
   /// Builds the index if there is none yet. Returns whether there is one now: false where memory is missing for it.
@@ -62,17 +60,6 @@ class DirtySet {
     append(dirty_[level], node);
   }
 
-  /// Notes the lowest nodes at a vertex that need no refit. Pre: has_vertex_index().
-  void add_avoided(VertexId vertex) {
-    for (const std::uint32_t node : index_.nodes_at(vertex)) {
-      if (state_[node] != State::clean) continue;
-      state_[node] = State::avoided;
-      append(avoided_, node);
-    }
-  }
-  /// How many nodes have been noted so; some of them may have become dirty since.
-  std::size_t avoided_count() const { return avoided_.size(); }
-
   /// Whether so much is dirty that it is cheaper to fit the whole tree.
   bool covers_most_of(const Tree& tree) const;
 
@@ -92,7 +79,7 @@ class DirtySet {
   void clear();
 
  private:
-  enum class State : std::uint8_t { clean, dirty, avoided };
+  enum class State : std::uint8_t { clean, dirty };
 
   void follow(VertexId vertex) {
     for (const std::uint32_t node : index_.nodes_at(vertex)) {
@@ -110,7 +97,6 @@ class DirtySet {
   VertexIndex index_;
   std::vector<State> state_;                       // by node
   std::vector<std::vector<std::uint32_t>> dirty_;  // by level
-  std::vector<std::uint32_t> avoided_;
   bool all_ = false;
   DirtySet* follower_ = nullptr;
   std::vector<std::uint64_t> marked_in_;  // the interval in which a node was last marked by the set that it follows

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -43,15 +42,10 @@ struct Tree : TreeGeometry {
   std::uint64_t build_id = 0;  // of the assignment of triangles to leaves: changes whenever that does
   double displacement = 0;     // at least how far any vertex has moved since the tree got its build_id
   double slack = 0;            // vertices are at most this far from their positions at the last refit
-  // Where queries add what the motion margin has cost them, in units of margin_cost_unit; null without a margin.
-  std::atomic<std::uint64_t>* margin_cost = nullptr;
 
   /// Changes places with the nodes and leaves of another tree of the same mesh, and gets a new build id.
   void exchange(TreeGeometry& other);
 };
-
-/// Unit of Tree::margin_cost, in traversal steps that tight bounds would have made unnecessary.
-inline constexpr double margin_cost_unit = 1.0 / 64;
 
 /// A child slot of a node, which stands for the child's bounding volume and subtree: node * width + slot.
 using SlotId = std::uint32_t;

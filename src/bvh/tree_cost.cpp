@@ -28,12 +28,6 @@ double sum_of_squared_radii(const Node& node) {
   return sum;
 }
 
-double sum_of_radii(const Node& node) {
-  double sum = 0;
-  for (std::uint32_t k = 0; k < node.child_count; ++k) sum += static_cast<double>(node.bounds.radius[k]);
-  return sum;
-}
-
 double squared_radius_of_root(const Tree& tree) { return std::max(sum_of_squared_radii(tree.nodes[0]), 0x1p-100); }
 
 /// The node of the lowest level that has a leaf, counted from the first of them.
@@ -99,15 +93,8 @@ double TreeCost::of(const Tree& tree, const Subtree& subtree) {
   return sum / squared_radius_of_root(tree);
 }
 
-double TreeCost::mean_leaf_radius(const Tree& tree) {
-  double sum = 0;
-  for (std::size_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) sum += sum_of_radii(tree.nodes[n]);
-  return tree.unit * sum / static_cast<double>(tree.leaves.size());
-}
-
 void TreeCost::start_survey(const Tree& tree) {
   root_radius_sq_ = squared_radius_of_root(tree);
-  radius_sum_ = 0, leaf_count_ = static_cast<double>(tree.leaves.size());
   surveyed_ = 0;
 }
 
@@ -121,7 +108,6 @@ bool TreeCost::survey(const Tree& tree, base::WorkBudget& budget) {
       const double now = sum_of_squared_radii(node) / root_radius_sq_;
       expected_sum_[n + 1] = expected_sum_[n] + expected;
       excess_sum_[n + 1] = excess_sum_[n] + std::max(0.0, now - expected);
-      radius_sum_ += tree.unit * sum_of_radii(node);
     }
     surveyed_ = end;
   }

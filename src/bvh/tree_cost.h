@@ -31,8 +31,6 @@ class TreeCost {
 
   /// The present cost of the leaves of a subtree together. Cost: O(nodes of the subtree).
   static double of(const Tree& tree, const Subtree& subtree);
-  /// The mean radius of the leaves, in the model's length unit. Cost: O(nodes).
-  static double mean_leaf_radius(const Tree& tree);
 
   /// Begins to compare the present cost with the expected one.
   void start_survey(const Tree& tree);
@@ -41,8 +39,6 @@ class TreeCost {
   /// The subtree to be rebuilt if the tree, or a large part of it, costs more than `tolerated` times what is expected:
   /// the smallest one that has nearly all of the excess. Pre: the survey is complete.
   std::optional<Subtree> most_degraded(const Tree& tree, double tolerated) const;
-  /// The mean radius of the leaves. Pre: the survey is complete.
-  double surveyed_leaf_radius() const { return radius_sum_ / leaf_count_; }
 
   /// Begins to compare the cost of a subtree before and after it was rebuilt.
   void start_comparison(const Tree& before, const Tree& after, const Subtree& subtree);
@@ -56,7 +52,6 @@ class TreeCost {
   // Of the survey: sums over all lowest nodes before each one.
   std::vector<double> expected_sum_, excess_sum_;
   double root_radius_sq_ = 1;
-  double radius_sum_ = 0, leaf_count_ = 1;
   std::size_t surveyed_ = 0;
   // Of the comparison.
   double root_radius_sq_before_ = 1, cost_before_ = 0, cost_after_ = 0;

@@ -20,13 +20,13 @@
 namespace limber {
 namespace {
 
-bool is_automatic_or_length(std::optional<double> x) { return !x || (std::isfinite(*x) && *x >= 0); }
+bool is_length(double x) { return std::isfinite(x) && x >= 0; }
 
 void check(const Mesh& mesh, const ModelOptions& options) {
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::Model: the mesh has been moved from");
-  LIMBER_REQUIRE(is_automatic_or_length(options.motion_margin),
-                 "limber::Model: options.motion_margin is neither a length nor automatic");
-  LIMBER_REQUIRE(is_automatic_or_length(options.rebuild_budget_us),
+  LIMBER_REQUIRE(is_length(options.motion_margin),
+                 "limber::Model: options.motion_margin is no length: finite and at least 0");
+  LIMBER_REQUIRE(!options.rebuild_budget_us || is_length(*options.rebuild_budget_us),
                  "limber::Model: options.rebuild_budget_us is neither a time nor automatic");
 }
 
@@ -139,11 +139,11 @@ void Model::rebuild() {
   commit();
 }
 
-void Model::set_motion_margin(std::optional<double> motion_margin) {
+void Model::set_motion_margin(double motion_margin) {
   const base::DefaultFloatEnvironment environment;
   require_valid("set_motion_margin");
-  LIMBER_REQUIRE(is_automatic_or_length(motion_margin),
-                 "limber::Model::set_motion_margin: the margin is neither a length nor automatic");
+  LIMBER_REQUIRE(is_length(motion_margin),
+                 "limber::Model::set_motion_margin: the margin is no length: finite and at least 0");
   if (impl_->updater) impl_->updater->set_motion_margin(impl_->mesh, motion_margin);
   impl_->options.motion_margin = motion_margin;
 }
@@ -153,7 +153,7 @@ void Model::reset(Mesh mesh) { *this = Model(std::move(mesh), is_valid() ? impl_
 MaintenanceStats Model::maintenance_stats() const {
   require_valid("maintenance_stats");
   MaintenanceStats stats = impl_->stats;
-  stats.motion_margin = impl_->updater ? impl_->updater->motion_margin() : impl_->options.motion_margin.value_or(0);
+  stats.motion_margin = impl_->options.motion_margin;
   return stats;
 }
 

@@ -32,7 +32,6 @@ double MotionMargin::largest_displacement() const { return std::sqrt(farthest_sq
 void MotionMargin::refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty) {
   fitted_[vertex] = mesh.positions()[vertex];
   dirty.add(vertex);
-  ++refitted_;
 }
 
 void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
@@ -43,8 +42,7 @@ void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
   farthest_sq_ = 0;
 }
 
-void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty,
-                          bool notes_avoided) {
+void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty) {
   for (const VertexId id : ids) {
     const double displacement_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
     if (displacement_sq > margin * margin) {
@@ -53,7 +51,6 @@ void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, doubl
     }
     farthest_sq_ = std::max(farthest_sq_, displacement_sq);
     ++absorbed_;
-    if (notes_avoided) dirty.add_avoided(id);
   }
   moves_since_exact_ += ids.size();
 }
@@ -77,7 +74,6 @@ std::size_t MotionMargin::absorb_all(const Mesh& mesh, double margin, const bvh:
     if (dirty.try_index_vertices(tree, positions.size())) {
       refit(mesh, v, dirty);
     } else {
-      ++refitted_;
       dirty.add_all();
     }
     if (!dirty.covers_most_of(tree)) continue;

@@ -29,9 +29,6 @@ class MotionMargin {
  public:
   bool is_on() const { return !fitted_.empty(); }
 
-  /// Makes room, so that start() allocates nothing. Throws std::bad_alloc.
-  void reserve(std::size_t vertex_count) { fitted_.reserve(vertex_count); }
-
   /// Takes the present positions as fitted. Throws std::bad_alloc; the margin is then off.
   void start(std::span<const Vec3> positions);
   void stop() { fitted_.clear(); }
@@ -42,10 +39,10 @@ class MotionMargin {
   /// At least the distance of any vertex from its position at the last refit.
   double largest_displacement() const;
 
-  /// Absorbs or refits vertices that have moved. Notes the refits that absorbing has avoided if asked to.
+  /// Absorbs or refits vertices that have moved.
   ///
   /// Pre      is_on(), dirty.has_vertex_index().
-  void absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty, bool notes_avoided);
+  void absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty);
 
   /// Absorbs or refits every vertex. If all can be absorbed, none is refitted; once refits have made most of the tree
   /// dirty, all are. Afterwards largest_displacement() is exact up to rounding. Returns how many were refitted.
@@ -59,12 +56,10 @@ class MotionMargin {
   /// Whether vertices have moved back so often that largest_displacement() may have become far too large.
   bool is_stale() const { return is_on() && moves_since_exact_ > fitted_.size(); }
 
-  /// Since the last call of clear_counts(): moves that were absorbed, and moves that were not.
+  /// Moves that were absorbed since the last call of clear_counts().
   std::uint64_t absorbed_count() const { return absorbed_; }
-  std::uint64_t refitted_count() const { return refitted_; }
   void count_absorbed(std::size_t moves) { absorbed_ += moves; }
-  void count_refitted(std::size_t moves) { refitted_ += moves; }
-  void clear_counts() { absorbed_ = refitted_ = 0; }
+  void clear_counts() { absorbed_ = 0; }
 
  private:
   void refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty);
@@ -72,7 +67,7 @@ class MotionMargin {
   std::vector<Vec3> fitted_;  // empty while the margin is off
   double farthest_sq_ = 0;    // from its position at the last refit
   std::size_t moves_since_exact_ = 0;
-  std::uint64_t absorbed_ = 0, refitted_ = 0;
+  std::uint64_t absorbed_ = 0;
 };
 
 }  // namespace limber::model

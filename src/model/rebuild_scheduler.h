@@ -41,8 +41,6 @@ class RebuildScheduler {
   /// as the tree has were refitted since the last survey began. Starts to rebuild what has degraded, if the policy says
   /// so. Returns whether a survey is complete.
   bool count_refits(const bvh::Tree& tree, const Mesh& mesh, std::uint64_t refits);
-  /// The mean radius of the leaves. Pre: the last count_refits() has completed a survey.
-  double surveyed_leaf_radius() const { return cost_.surveyed_leaf_radius(); }
 
   /// Gives up what is under way: the tree has been built anew, and costs what `cost` says.
   void start_over(bvh::DirtySet& dirty, bvh::TreeCost cost);

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "bvh/dirty_set.h"
 #include "limber/model.h"
-#include "model/margin_tuner.h"
 #include "model/motion_margin.h"
 #include "model/rebuild_scheduler.h"
 
@@ -17,8 +14,8 @@ namespace limber::model {
 
 /// Keeps a tree up to date with the vertices of its model: collects moves, and repairs the tree in commit().
 ///
-/// The work is done by four parts: the DirtySet knows which nodes to refit, the MotionMargin absorbs small moves, the
-/// MarginTuner chooses the margin, the RebuildScheduler rebuilds what has degraded.
+/// The work is done by three parts: the DirtySet knows which nodes to refit, the MotionMargin absorbs small moves, the
+/// RebuildScheduler rebuilds what has degraded.
 ///
 /// States   Up to date, or moved. Moves and rebuild_all() go to the second, a commit that ends goes to the first.
 /// Throws   The constructor, set_motion_margin() and rebuild_all() allocate; they change nothing when they throw
@@ -33,7 +30,7 @@ class TreeUpdater {
   TreeUpdater& operator=(const TreeUpdater&) = delete;
 
   /// Takes effect with the next move or commit.
-  void set_motion_margin(const Mesh& mesh, std::optional<double> margin);
+  void set_motion_margin(const Mesh& mesh, double margin);
 
   /// Moves some vertices of the mesh. Pre: the update is valid.
   void move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
@@ -49,19 +46,9 @@ class TreeUpdater {
   /// The mesh that the bounds are computed for.
   MeshView fitted(const Mesh& mesh) const { return margin_.fitted(mesh); }
   /// How far vertices may move away from their positions at the last refit.
-  double motion_margin() const { return chosen_margin_.value_or(tuner_.margin()); }
+  double motion_margin() const { return motion_margin_; }
 
  private:
-  /// What the refits of one commit were.
-  struct Refits {
-    std::uint64_t count;  // of nodes
-    std::size_t avoided;  // lowest nodes that an absorbed move would have made dirty; some may be dirty all the same
-    bool is_full;         // whether the whole tree was fitted at once
-  };
-
-  bool is_automatic() const { return !chosen_margin_; }
-  /// Whether avoided refits are counted until the next commit.
-  bool counts_avoided() const;
   void start_margin(const Mesh& mesh);
   void note_displacement(double length_sq);
   /// Builds the index of vertices if there is none. Returns false where memory is missing for it.
@@ -72,30 +59,22 @@ class TreeUpdater {
   // The steps of a commit.
   void update_margin(const Mesh& mesh);
   void adapt_unit(const Mesh& mesh);
-  Refits refit(const Mesh& mesh);
-  double publish(const Refits& refits, MaintenanceStats& stats);
-  void tune(const Mesh& mesh, const Refits& refits, double margin_cost, bool is_surveyed);
+  void publish(std::uint64_t refits, MaintenanceStats& stats);
   void begin_next_interval();
 
   bvh::Tree& tree_;
   bvh::DirtySet dirty_;
   MotionMargin margin_;
-  MarginTuner tuner_;
   RebuildScheduler rebuilds_;
 
-  std::optional<double> chosen_margin_;  // none: tuned
+  double motion_margin_;
   bool has_moved_ = false;
   bool must_check_all_ = false;  // the margin has changed: some vertices may be beyond it
-  std::uint64_t tuned_commits_ = 0;
 
   // Since the last commit.
   std::uint64_t moves_ = 0;
   std::uint64_t whole_passes_ = 0;
-  double longest_displacement_ = 0;  // of any vertex in any one batch
   double sum_of_displacements_ = 0;  // of the longest of each batch: no vertex has moved farther
-  bool moved_all_ = false;           // with the margin on: without it the whole tree would be refitted
-
-  std::atomic<std::uint64_t> margin_cost_{0};  // see bvh::Tree::margin_cost
 };
 
 }  // namespace limber::model

@@ -11,7 +11,6 @@
 #include "pair/collectors/collector.h"
 #include "pair/expansion.h"
 #include "pair/leaf_comparison.h"
-#include "pair/margin_cost.h"
 #include "pair/placed_leaf.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
@@ -35,7 +34,6 @@ class AllPairs {
         kernels_(simd::kernels()),
         trees_(search.placed),
         limits_(search.placed),
-        margin_cost_(search.placed),
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {
     static_assert(Collector::hits == Hits::all);
@@ -51,7 +49,6 @@ class AllPairs {
       push({limits_.bound_of(root_bound), {bvh::root, bvh::root}, NodePair::no_record, 0});
       visit_all();
     }
-    margin_cost_.note(search_.placed);
   }
 
  private:
@@ -71,7 +68,6 @@ class AllPairs {
       const Apart what = ComparesLeaves<Collector> ? Apart::elements : Apart::triangles;
       if (trees_.share_and_are_apart(pair, what, search_.pruning.distance())) return;
     }
-    margin_cost_.count_nodes(trees_, pair, limits_.tight());
     if (trees_.are_leaves(pair)) return compare_leaves(pair);
     Expansion e;
     const Side side = trees_.side_to_expand(pair);
@@ -127,7 +123,6 @@ class AllPairs {
     for (std::uint32_t i = 0; i < found.count && !collector_.is_done(); ++i) {
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
       if (bound_sq >= limit * limit * double{base::squares_up}) continue;
-      margin_cost_.count_triangles(limit, bound_sq, found.scale);
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
       if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
       ++search_.stats.triangle_tests;
@@ -144,7 +139,6 @@ class AllPairs {
   const simd::Kernels& kernels_;
   TreePair<true> trees_;
   SquaredLimits limits_;
-  MarginCost margin_cost_;
   PlacedLeaf a_, b_;  // of the leaves that were compared last
   NodePair stack_[capacity];
   std::uint32_t size_ = 0;

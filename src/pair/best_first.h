@@ -18,7 +18,6 @@
 #include "pair/front.h"
 #include "pair/front_recorder.h"
 #include "pair/leaf_comparison.h"
-#include "pair/margin_cost.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
 #include "pair/traversal_state.h"
@@ -48,8 +47,7 @@ class BestFirst {
         kernels_(simd::kernels()),
         trees_(search.placed),
         limits_(search.placed),
-        margin_cost_(search.placed),
-        leaves_(search, trees_, collector, state_, margin_cost_) {
+        leaves_(search, trees_, collector, state_) {
     static_assert(Collector::hits != Hits::all && !(has_front && Collector::hits == Hits::k_closest));
   }
 
@@ -124,7 +122,6 @@ class BestFirst {
 
   /// Pairs of nodes and of leaves that kernels have compared so far, not those that were pruned before.
   std::uint64_t work() const { return state_.work; }
-  const MarginCost& margin_cost() const { return margin_cost_; }
 
  private:
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
@@ -234,7 +231,6 @@ class BestFirst {
       if (trees_.share_and_are_apart(pair, Apart::triangles, search_.pruning.distance())) return false;
     }
     ++state_.steps;
-    margin_cost_.count_nodes(trees_, pair, limits_.tight());
     if (trees_.are_leaves(pair)) {
       double apart = 0;
       if (leaves_.compare(pair, state_.steps - first_step_, has_front, apart)) {
@@ -367,7 +363,6 @@ class BestFirst {
   const simd::Kernels& kernels_;
   TreePair<needs_several> trees_;
   SquaredLimits limits_;
-  MarginCost margin_cost_;
   LeafComparison<Collector> leaves_;
   std::uint64_t first_step_ = 0;  // of state_.steps: how many were made before this traversal went on
   std::uint32_t next_node_ = 0;   // for one model: one past the node to visit next; counts down to 0

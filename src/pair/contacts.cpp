@@ -119,7 +119,7 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
   DistanceResult result;
   const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
   const pair::Unsearched unsearched = pair::search_self(placed, last, collector, result.stats);
-  pair::set_answer(result, collector.closest, unsearched, options.max_distance);
+  pair::set_answer(result, collector.closest, unsearched, errors);
   if (result.witness) pair::remember(options.cache, *result.witness);
   return result;
 }

@@ -46,7 +46,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   DistanceResult result;
   pair::ClosestPair collector(options, 0);
   const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats);
-  pair::set_answer(result, collector, unsearched, options.max_distance);
+  pair::set_answer(result, collector, unsearched, options);
   if (result.witness) pair::remember(options.cache, *result.witness);
   return result;
 }

@@ -17,19 +17,27 @@ inline Status status_of(const DistanceResult& result) {
   return result.lower == result.upper ? Status::exact : Status::within_error;
 }
 
-/// Writes what a search for the closest pair has found.
+/// Whether an interval is as narrow as the errors allow.
+inline bool is_narrow_enough(const DistanceResult& result, const DistanceOptions& options) {
+  return result.upper / (1 + options.relative_error) <= result.lower ||
+         result.upper - result.lower <= options.absolute_error;
+}
+
+/// Writes what a search for the closest pair has found. A budget may be spent just when the errors are met; then the
+/// query has its answer.
 inline void set_answer(DistanceResult& result, const ClosestPair& collector, const Unsearched& unsearched,
-                       double max_distance) {
+                       const DistanceOptions& options) {
   result.stopped_by = unsearched.stopped_by;
-  if ((!collector.witness || collector.upper > max_distance) && unsearched.stopped_by == StoppedBy::nothing) {
+  if ((!collector.witness || collector.upper > options.max_distance) && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
-    result.lower = max_distance;
+    result.lower = options.max_distance;
     result.status = Status::beyond_limit;
     return;
   }
   result.upper = collector.upper;
   result.lower = std::min(collector.upper, unsearched.distance);
   result.witness = collector.witness;
+  if (result.upper <= options.max_distance && is_narrow_enough(result, options)) result.stopped_by = StoppedBy::nothing;
   result.status = status_of(result);
 }
 

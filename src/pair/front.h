@@ -96,12 +96,12 @@ class Front {
 
   /// Notes that the traversal has skipped pairs as far apart as the best, at `distance`, up to rounding.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
-  /// Whether a pair that is computed to be nearer than `cutoff` may be missing in the records and the bound. Motion is
-  /// rounded up by more than ties differ by, so that this can only be where the models rest.
-  bool may_lack_ties(const PlacedPair& placed, double cutoff) const {
+  /// Whether a pair within a limit may be missing in the records and the bound, because it was skipped as a tie. Motion
+  /// is rounded up by more than ties differ by, so that this can only be where the models rest.
+  bool may_lack_ties(const PlacedPair& placed, double limit) const {
     if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
     const double rounding = placed.error() + base::tie_error * tied_distance_;
-    return std::abs(cutoff - tied_distance_) <= 2 * rounding;
+    return std::abs(limit - tied_distance_) <= 2 * rounding;
   }
 
   /// Forgets all records, but not the bound of the distance.

@@ -9,7 +9,6 @@
 #include "base/error_bounds.h"
 #include "geometry/primitives.h"
 #include "pair/collectors/collector.h"
-#include "pair/margin_cost.h"
 #include "pair/placed_leaf.h"
 #include "pair/search_context.h"
 #include "pair/traversal_state.h"
@@ -33,13 +32,11 @@ class LeafComparison {
  public:
   using Trees = TreePair<Collector::hits == Hits::k_closest>;
 
-  LeafComparison(const Search& search, const Trees& trees, Collector& collector, TraversalState& state,
-                 MarginCost& margin_cost)
+  LeafComparison(const Search& search, const Trees& trees, Collector& collector, TraversalState& state)
       : search_(search),
         trees_(trees),
         collector_(collector),
         state_(state),
-        margin_cost_(margin_cost),
         kernels_(simd::kernels()),
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
@@ -94,7 +91,6 @@ class LeafComparison {
       const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
       const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
       if (bound_sq >= limit * limit * double{base::squares_up}) continue;
-      margin_cost_.count_triangles(limit, bound_sq, found.scale);
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
       if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) continue;
       if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) continue;
@@ -147,7 +143,6 @@ class LeafComparison {
   const Trees& trees_;
   Collector& collector_;
   TraversalState& state_;
-  MarginCost& margin_cost_;
   const simd::Kernels& kernels_;
   PlacedLeaf a_, b_;  // of the leaves that were compared last
 };

@@ -57,15 +57,6 @@ double PlacedPair::root_bound() const {
   return std::max(0.0, best - rounding);
 }
 
-void PlacedPair::add_margin_cost(double steps) const {
-  for (const Side s : {Side::a, Side::b}) {
-    const bvh::Tree& t = tree(s);
-    if (t.margin_cost == nullptr || t.slack == 0) continue;
-    const double share = steps * (t.slack / slack());
-    t.margin_cost->fetch_add(static_cast<std::uint64_t>(share / bvh::margin_cost_unit), std::memory_order_relaxed);
-  }
-}
-
 double PlacedPair::max_displacement(const Transform& before, double error_before, const Transform& after) const {
   const bvh::Tree &a = tree(Side::a), &b = tree(Side::b);
   const Vec3 center = bvh::slot_center(b, bvh::root), center_a = bvh::slot_center(a, bvh::root);

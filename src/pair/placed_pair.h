@@ -55,8 +55,6 @@ class PlacedPair {
 
   /// How far vertices of both models together may be outside of the bounds.
   double slack() const { return tree(Side::a).slack + tree(Side::b).slack; }
-  /// Notes traversal steps that the motion margin has added.
-  void add_margin_cost(double steps) const;
 
   /// An upper bound of what a motion of b, seen from a, can change the distance of any two points by: from the pose
   /// `before`, where error() was `error_before`, to the pose `after`.

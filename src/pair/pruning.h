@@ -42,8 +42,6 @@ class Pruning {
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
-  /// Whether every pair that is computed to be nearer than cutoff() has to be compared.
-  bool compares_ties() const { return !may_skip_ties_; }
   /// Whether pairs as far apart as the best are skipped now. They may be computed to be a little nearer.
   bool skips_ties() const { return skips_ties_; }
 

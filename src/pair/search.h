@@ -26,7 +26,6 @@ template <typename Collector, bool has_front>
 Unsearched finish(BestFirst<Collector, has_front>& traversal, const Search& search, double root_bound,
                   const Collector& collector) {
   const double open = traversal.finish();
-  traversal.margin_cost().note(search.placed);
   Unsearched left{0, StoppedBy::nothing, static_cast<double>(traversal.work())};
   if (collector.is_done()) return left;
   left.distance = std::max(root_bound, std::min(open, search.pruning.cutoff()));
@@ -46,9 +45,7 @@ Unsearched traverse(const Search& search, double root_bound, Collector& collecto
 
 /// Finishes a traversal whose front is full without recording: drops the records.
 template <typename Collector>
-Unsearched traverse_on(const BestFirst<Collector, true>& begun, const Search& search, double root_bound, Front& front,
-                       Collector& collector) {
-  begun.margin_cost().note(search.placed);
+Unsearched traverse_on(const Search& search, double root_bound, Front& front, Collector& collector) {
   front.forget_records();
   BestFirst<Collector, false> traversal(search, collector, nullptr);
   traversal.take_over(front.state());
@@ -77,7 +74,7 @@ Unsearched traverse_recording(const Search& search, double root_bound, bool cont
   const bool gives_up = is_new && !search.meter.is_limited();
   while (!(gives_up && front.overflows()) && traversal.step()) {
   }
-  const Unsearched left = gives_up && front.overflows() ? traverse_on(traversal, search, root_bound, front, collector)
+  const Unsearched left = gives_up && front.overflows() ? traverse_on(search, root_bound, front, collector)
                                                         : finish(traversal, search, root_bound, collector);
   if (search.meter.is_limited() || continues) return left;
   if (is_new) {
@@ -93,7 +90,7 @@ template <typename Collector>
 Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
   Front& front = cache.front;
   const PlacedPair& placed = search.placed;
-  if (search.pruning.compares_ties() && front.may_lack_ties(placed, search.pruning.cutoff())) front.clear();
+  if (front.may_lack_ties(placed, collector.initial_cutoff())) front.clear();
   const bool continues = front.can_continue(placed, search.pruning.cutoff());
   if (!continues && !search.meter.is_limited() && !cache.bound.is_due()) {
     front.clear();

@@ -26,8 +26,6 @@ class SquaredLimits {
     LIMBER_ASSERT(distance > 0);
     if (distance == distance_) return false;
     distance_ = distance;
-    const double tight = std::max(0.0, distance - placed_.slack()) / placed_.tree(Side::a).unit;
-    tight_sq_ = static_cast<float>(std::min(tight * tight, double{BucketQueue::no_limit_sq}));
     for (const Side s : {Side::a, Side::b}) {
       const double units = distance / placed_.tree(s).unit;
       const double limit = std::min(units * units * (1 + base::storage_error), double{BucketQueue::no_limit_sq});
@@ -39,8 +37,6 @@ class SquaredLimits {
 
   /// In squared units of the tree of that side.
   float of(Side s) const { return limit_sq_[index(s)]; }
-  /// What the limit would be without a motion margin, in squared units of a.
-  float tight() const { return tight_sq_; }
 
   /// Converts the bound of a child from squared units of its tree to those of a, and raises it to that of its parent.
   float bound_of_child(Side s, float order, float parent) const {
@@ -64,7 +60,6 @@ class SquaredLimits {
   const PlacedPair& placed_;
   double distance_ = -1;
   float limit_sq_[2] = {0, 0};
-  float tight_sq_ = 0;
   float to_a_sq_[2] = {1, 1};  // squared units of either tree in those of a
 };
 

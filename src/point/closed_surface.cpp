@@ -61,7 +61,6 @@ SignedDistance ClosedSurface::signed_distance(const Vec3& point, const Transform
   const point::PlacedModel model(placed(world_from_model));
   point::ClosestPointSearch search(model);
   const SignedDistance result = signed_distance_of(model, search, point, options.max_distance);
-  model.add_margin_cost(search.margin_cost());
   return result;
 }
 
@@ -77,7 +76,6 @@ void ClosedSurface::signed_distances(std::span<const Vec3> points, std::span<Sig
     for (std::size_t i = begin; i < end; ++i) {
       results[i] = signed_distance_of(model, search, points[i], options.max_distance);
     }
-    model.add_margin_cost(search.margin_cost());
   });
 }
 

@@ -33,7 +33,6 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
   candidate_count_ = 0;
   waiting_.start(limit_bound_);
   for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
-    if (tree_.slack > 0) count_margin_cost(next);
     bvh::has_leaf_or_coincides(tree_, next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
   }
   compare_candidates(stats);
@@ -43,7 +42,6 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
 void ClosestPointSearch::set_limit(double limit) {
   limit_ = limit;
   limit_bound_ = bound_of(limit);
-  tight_bound_ = bound_of(std::max(0.0, limit - tree_.slack));
 }
 
 /// A distance in the measure of the kernels, rounded up, a square to the nearest: bounds of children are lower by more
@@ -56,19 +54,6 @@ float ClosestPointSearch::bound_of(double distance) const {
   const double units = distance * p.per_unit;
   const auto squared = static_cast<float>(std::min(units * units, double{most_bound}));
   return std::max(squared, std::numeric_limits<float>::min());
-}
-
-/// Adds the chance that the slot would have been pruned without the margin, as the traversal of pairs does.
-void ClosestPointSearch::count_margin_cost(const bvh::SlotStack::Entry& slot) {
-  if (slot.bound < tight_bound_) return;
-  if (limit_ > tree_.slack) {
-    margin_cost_ += 1;
-    return;
-  }
-  const bvh::ChildBounds& n = tree_.nodes[bvh::node_of(slot.slot)].bounds;
-  const std::uint32_t k = bvh::slot_of(slot.slot);
-  const double loose = tree_.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F);
-  margin_cost_ += tree_.slack / (tree_.slack + loose);
 }
 
 void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {

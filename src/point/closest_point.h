@@ -30,9 +30,6 @@ class ClosestPointSearch {
   /// Pre: the point is finite and at most `max_coordinate` in size.
   std::optional<SurfacePoint> find(const Vec3& point, double max_distance, QueryStats& stats);
 
-  /// Steps of all calls that tight bounds would have made unnecessary, as far as can be told.
-  double margin_cost() const { return margin_cost_; }
-
  private:
   struct Candidate {
     double lower;  // of its distance
@@ -42,7 +39,6 @@ class ClosestPointSearch {
 
   void set_limit(double limit);
   float bound_of(double distance) const;
-  void count_margin_cost(const bvh::SlotStack::Entry& slot);
   void expand(bvh::SlotId slot, QueryStats& stats);
   void compare_leaf(bvh::SlotId slot, QueryStats& stats);
   void compare_candidates(QueryStats& stats);
@@ -56,10 +52,9 @@ class ClosestPointSearch {
   Vec3 point_;
   simd::QueryPoint in_frame_;
   double max_distance_ = 0;
-  double limit_ = 0;                         // triangles farther away do not matter
-  float limit_bound_ = 0, tight_bound_ = 0;  // the same in the measure of the kernels, and without a margin
+  double limit_ = 0;       // triangles farther away do not matter
+  float limit_bound_ = 0;  // the same in the measure of the kernels
   std::optional<SurfacePoint> best_;
-  double margin_cost_ = 0;
   bvh::SlotStack waiting_;
   std::uint32_t candidate_count_ = 0;
   Candidate candidates_[candidate_capacity];

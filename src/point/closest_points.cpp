@@ -18,7 +18,6 @@ PointResult closest_point(const Placed& model, const Vec3& point, const PointOpt
   point::ClosestPointSearch search(placed);
   PointResult result;
   result.closest = search.find(point, options.max_distance, result.stats);
-  placed.add_margin_cost(search.margin_cost());
   return result;
 }
 
@@ -34,7 +33,6 @@ void closest_points(const Placed& model, std::span<const Vec3> points, std::span
       results[i].stats = {};
       results[i].closest = search.find(points[i], options.max_distance, results[i].stats);
     }
-    placed.add_margin_cost(search.margin_cost());
   });
 }
 

@@ -89,9 +89,4 @@ std::optional<AxisRay> PlacedModel::ray_from(const Vec3& point) const {
   return ray;
 }
 
-void PlacedModel::add_margin_cost(double steps) const {
-  if (tree_->margin_cost == nullptr || tree_->slack == 0) return;
-  tree_->margin_cost->fetch_add(static_cast<std::uint64_t>(steps / bvh::margin_cost_unit), std::memory_order_relaxed);
-}
-
 }  // namespace limber::point

@@ -44,9 +44,6 @@ class PlacedModel {
   /// the model.
   std::optional<AxisRay> ray_from(const Vec3& point) const;
 
-  /// Notes traversal steps that the motion margin has added.
-  void add_margin_cost(double steps) const;
-
  private:
   const bvh::Tree* tree_;
   MeshView mesh_;

@@ -100,15 +100,7 @@ struct VisibleState {
   bool operator==(const VisibleState&) const = default;
 };
 
-using Margin = std::optional<double>;
-
-std::string words_of(const Margin& margin) { return margin ? std::to_string(*margin) : "automatic"; }
-
-/// The margin that the caller has chosen, and the one that is in use; a model starts to tune it when it likes.
-std::pair<Margin, double> margin_of(const Model& model) {
-  const Margin chosen = model.options().motion_margin;
-  return {chosen, chosen ? model.maintenance_stats().motion_margin : 0};
-}
+double margin_of(const Model& model) { return model.options().motion_margin; }
 double margin_of(const classic::Model& model) { return model.options().looseness.extra_radius; }
 
 /// Uses a model as usual, and checks its answers.
@@ -235,8 +227,6 @@ std::vector<Step<Model>> steps() {
        [](Model& model) { model.rebuild(); }},
       {"set_motion_margin before anything moves", nothing<Model>, [](Model& model) { model.set_motion_margin(0.25); }},
       {"set_motion_margin to a length", move_few<Model>, [](Model& model) { model.set_motion_margin(0.25); }},
-      {"set_motion_margin to automatic", move_few<Model>,
-       [](Model& model) { model.set_motion_margin(ModelOptions::automatic); }},
       {"set_motion_margin to 0", move_few<Model>, [](Model& model) { model.set_motion_margin(0); }},
       {"reset", move_few<Model>, [](Model& model) { model.reset(some_mesh()); }},
   };
@@ -245,10 +235,10 @@ std::vector<Step<Model>> steps() {
 }
 
 TEST(FailingHeap, LeavesAModelAsItWas) {
-  for (const Margin motion_margin : {Margin(0), Margin(0.5), Margin()}) {
+  for (const double motion_margin : {0.0, 0.5}) {
     for (const Step<Model>& step : steps()) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(step.name + ", motion margin " + words_of(motion_margin));
+        SCOPED_TRACE(step.name + ", motion margin " + std::to_string(motion_margin));
         const int count = fail_each_allocation<Placed>(step, ModelOptions{.motion_margin = motion_margin}, failing);
         if (HasFailure()) return;
         const bool takes_memory = step.name == "reset" || step.name == "rebuild, the first time";
@@ -292,13 +282,13 @@ TEST(FailingHeap, IsReportedByConstructors) {
 
 TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
   // A commit does without the memory that would only make later commits cheaper.
-  for (const Margin motion_margin : {Margin(0), Margin(0.1), Margin()}) {
+  for (const double motion_margin : {0.0, 0.1}) {
     Model model(some_mesh(), {.motion_margin = motion_margin});
     move_few(model);
     for (int i = 0; i < 20; ++i) {
       if (i % 3 == 0) move_all(model);
       if (i % 3 != 0) move_few(model);
-      if (i == 10 && motion_margin > 0) model.set_motion_margin(*motion_margin / 4);
+      if (i == 10 && motion_margin > 0) model.set_motion_margin(motion_margin / 4);
       const FailingHeap heap(0, Failing::always);
       EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
       EXPECT_TRUE(model.is_committed());
@@ -352,9 +342,9 @@ bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Fail
 TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRebuilt) {
   const scenes::Motion soup = scenes::shuffled_soup(256);
   for (const RebuildPolicy policy : {RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
-    for (const Margin motion_margin : {Margin(0), Margin()}) {
+    for (const double motion_margin : {0.0, 0.05}) {
       for (const Failing failing : {Failing::once, Failing::always}) {
-        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", motion margin " + words_of(motion_margin));
+        SCOPED_TRACE(std::to_string(static_cast<int>(policy)) + ", motion margin " + std::to_string(motion_margin));
         const ModelOptions options{.motion_margin = motion_margin, .rebuild_policy = policy, .rebuild_budget_us = 5};
         std::uint64_t rebuilt_triangles = 0;
         int k = 0;
@@ -364,20 +354,6 @@ TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRebuilt) {
         EXPECT_GT(rebuilt_triangles, 0U);  // in the last run, in which no allocation has failed
       }
     }
-  }
-}
-
-TEST(FailingHeap, LeavesModelsThatGrowFromAPointWithoutAMarginForATime) {
-  const Mesh mesh = some_mesh();
-  const Mesh point = Mesh::create(std::vector<Vec3>(mesh.positions().size()), mesh.triangles()).value();
-  Model model(point, {.motion_margin = ModelOptions::automatic});
-  for (int i = 0; i < 40; ++i) {
-    ASSERT_TRUE(static_cast<bool>(model.move_all(shaken(mesh.positions(), 1e-3, 8 + static_cast<std::uint64_t>(i)))));
-    {
-      const FailingHeap heap(0, Failing::always);
-      EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
-    }
-    expect_right_answers<Placed>(model);
   }
 }
 

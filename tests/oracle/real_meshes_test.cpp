@@ -50,7 +50,7 @@ TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
 
 TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
   const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
-  Model deforming(mesh, {.motion_margin = ModelOptions::automatic});
+  Model deforming(mesh, {.motion_margin = 0.02});
   const Model ball(scenes::thesis_ball());
   const Transform pose{{}, {1.6, 0.5, 0.2}};
   QueryCache cache;

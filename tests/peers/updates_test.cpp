@@ -34,7 +34,7 @@ void expect_like_new(const Model& model, const Placed& other) {
 const std::vector<ModelOptions> all_options{
     {},
     {.motion_margin = 0.05},
-    {.motion_margin = ModelOptions::automatic, .rebuild_policy = RebuildPolicy::off},
+    {.motion_margin = 0.3, .rebuild_policy = RebuildPolicy::off},
     ModelOptions::real_time(50),
 };
 

@@ -65,7 +65,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
   std::uint64_t interrupted = 0, unknown = 0, contacts = 0, narrowed = 0;
   for (std::uint64_t asked = 0; asked < count;) {
     Scene s = arbitrary_scene(rng);
-    const std::optional<double> margins[] = {0, 0.05 * s.size, ModelOptions::automatic};
+    const double margins[] = {0, 0.05 * s.size, 0.001 * s.size};
     Model model_a(s.mesh_a, {.motion_margin = margins[rng.below(3)]}), model_b(s.mesh_b);
     QueryCache cache;
     double lower = 0;  // of the last query, if nothing has happened since

@@ -232,7 +232,7 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceWhileModelsDeform) {
   for (int i = 0; i < 16; ++i) {
     SCOPED_TRACE(i);
     const RebuildPolicy policy = rng.below(2) == 0 ? RebuildPolicy::off : RebuildPolicy::in_commit;
-    const std::optional<double> margin = rng.below(2) == 0 ? std::optional<double>(0.05) : ModelOptions::automatic;
+    const double margin = rng.below(2) == 0 ? 0.05 : 0.002;
     Model model(crumpled(rng), {.motion_margin = margin, .rebuild_policy = policy});
     const double size = extent_of(model.mesh());
     for (int step = 0; step < 6; ++step) {

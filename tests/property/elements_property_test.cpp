@@ -187,8 +187,7 @@ TEST(SelfElementsProperty, AreThoseOfBruteForceWhileModelsDeform) {
   for (int i = 0; i < 12; ++i) {
     SCOPED_TRACE(i);
     const RebuildPolicy policy = rng.below(2) == 0 ? RebuildPolicy::off : RebuildPolicy::in_commit;
-    const std::optional<double> motion_margin =
-        rng.below(2) == 0 ? std::optional<double>(0.05) : ModelOptions::automatic;
+    const double motion_margin = rng.below(2) == 0 ? 0.05 : 0.002;
     Model model(crumpled(rng), {.motion_margin = motion_margin, .rebuild_policy = policy});
     const MeshEdges edges(model.mesh());
     const double size = extent_of(model.mesh());

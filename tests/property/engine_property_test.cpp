@@ -170,6 +170,9 @@ RC_GTEST_PROP(FastEngine, WithinIsThatOfComparingAllPairsWithAnyCache, (std::uin
       const double limit = limits[rng.below(limits.size())];
       RC_ASSERT(within(a, b, limit, {.cache = &cache}).is_yes() == (truth <= limit));
       RC_ASSERT(within(a, b, limit).is_yes() == (truth <= limit));
+      if (truth <= limit) {
+        RC_ASSERT(distance(a, b, {.max_distance = limit, .cache = &cache}).status != Status::beyond_limit);
+      }
     }
     s.pose_b = step_from(rng, s.pose_b, home, s.size);
   }

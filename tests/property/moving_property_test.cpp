@@ -27,7 +27,6 @@ void change_settings(Rng& rng, Model& model, double size) {
   }
   if (kind == 1) return model.rebuild();
   if (kind == 2) return model.set_motion_margin(0);
-  if (kind <= 4) return model.set_motion_margin(ModelOptions::automatic);
   model.set_motion_margin(size * std::pow(10.0, rng.uniform(-9, 0)));
 }
 

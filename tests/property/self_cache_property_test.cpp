@@ -132,7 +132,7 @@ TEST(SelfCacheProperty, ChangesNoAnswerWhileModelsDeformAndAreReplaced) {
   for (int i = 0; i < 60; ++i) {
     SCOPED_TRACE(i);
     const RebuildPolicy policy = rng.below(2) == 0 ? RebuildPolicy::off : RebuildPolicy::in_commit;
-    const std::optional<double> margin = rng.below(2) == 0 ? std::optional<double>(0.05) : ModelOptions::automatic;
+    const double margin = rng.below(2) == 0 ? 0.05 : 0.002;
     Model model(any_mesh(rng), {.motion_margin = margin, .rebuild_policy = policy});
     const Model other(any_mesh(rng));
     simd::use_kernels(rng.below(3) == 0 ? &simd::scalar_kernels : nullptr);

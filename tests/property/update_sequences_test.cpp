@@ -23,7 +23,7 @@ Shape drawn_shape(Rng& rng, std::uint32_t most) {
 }
 
 Start drawn_start(Rng& rng) {
-  const std::optional<double> margins[] = {0, ModelOptions::automatic, std::pow(10.0, rng.uniform(-4, 0.5))};
+  const double margins[] = {0, std::pow(10.0, rng.uniform(-4, 0.5)), std::pow(10.0, rng.uniform(-4, 0.5))};
   const Shape shape = drawn_shape(rng, rng.below(4) == 0 ? 150 : 12), still = drawn_shape(rng, 5);
   const std::optional<double> budgets_us[] = {ModelOptions::automatic, 2, 1e4};
   return {shape, still, margins[rng.below(3)], static_cast<RebuildPolicy>(rng.below(3)), budgets_us[rng.below(3)]};
@@ -72,8 +72,7 @@ rc::Gen<Shape> shapes(std::uint32_t most) {
 rc::Gen<Start> starts() {
   return rc::gen::build<Start>(
       rc::gen::set(&Start::shape, shapes(80)), rc::gen::set(&Start::still, shapes(5)),
-      rc::gen::set(&Start::motion_margin,
-                   rc::gen::element<std::optional<double>>(0.0, 1e-3, 0.1, 3.0, ModelOptions::automatic)),
+      rc::gen::set(&Start::motion_margin, rc::gen::element(0.0, 1e-3, 0.1, 3.0)),
       rc::gen::set(&Start::rebuild_policy,
                    rc::gen::element(RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker)),
       rc::gen::set(&Start::rebuild_budget_us,

@@ -66,11 +66,7 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape) {
 
 std::ostream& operator<<(std::ostream& out, const Start& start) {
   out << start.shape << "; beside it a " << start.still << "; ";
-  if (start.motion_margin) {
-    out << "motion margin " << *start.motion_margin << "; ";
-  } else {
-    out << "automatic motion margin; ";
-  }
+  out << "motion margin " << start.motion_margin << "; ";
   out << policy_names[static_cast<std::size_t>(start.rebuild_policy)];
   if (start.rebuild_budget_us) out << " within " << *start.rebuild_budget_us << " us";
   return out;
@@ -118,7 +114,7 @@ std::string Subject::apply(const Update& update) {
     case Update::Kind::reject:
       return reject(rng);
     case Update::Kind::set_motion_margin:
-      model_.set_motion_margin(update.count == 2 ? std::optional<double>() : update.count == 1 ? 0 : step);
+      model_.set_motion_margin(update.count == 1 ? 0 : step);
       return "";
     case Update::Kind::rebuild:
       model_.rebuild();

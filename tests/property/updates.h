@@ -29,7 +29,7 @@ std::ostream& operator<<(std::ostream& out, const Shape& shape);
 /// The initial state of a Subject.
 struct Start {
   Shape shape, still;
-  std::optional<double> motion_margin = 0;
+  double motion_margin = 0;
   RebuildPolicy rebuild_policy = RebuildPolicy::off;
   std::optional<double> rebuild_budget_us = ModelOptions::automatic;  // memory is allocated beforehand if there is one
 };
@@ -45,7 +45,7 @@ struct Update {
     regrow,             ///< all to where they were at first
     scale,              ///< all to 2^(draw % 121 - 60) times where they were at first
     reject,             ///< updates that are refused
-    set_motion_margin,  ///< to 0, automatic, or 10^exponent
+    set_motion_margin,  ///< to 0 or 10^exponent
     rebuild,
     reset,   ///< to the present mesh, moved by up to 10^exponent
     commit,  ///< and give a worker time

@@ -186,5 +186,22 @@ TEST(Budget, BeyondTheLimitIsFoundWhenItIsProven) {
   EXPECT_FALSE(found.witness);
 }
 
+TEST(Budget, ThatIsSpentWhenTheErrorsAreMetInterruptsNothing) {
+  scenes::Rng rng(2211);
+  int met = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Model a(scenes::random_soup(rng, 40, 0.3)), b(scenes::random_soup(rng, 40, 0.3));
+    const Placed far{b, {{}, {rng.uniform(1, 4), 0, 0}}};
+    const DistanceOptions errors{.relative_error = rng.uniform(0, 1), .absolute_error = rng.uniform(0, 0.5)};
+    const DistanceResult found = distance({a}, far, with(errors, nullptr, {.max_steps = rng.below(30)}));
+    const bool is_met =
+        found.upper / (1 + errors.relative_error) <= found.lower || found.upper - found.lower <= errors.absolute_error;
+    if (is_met) ASSERT_NE(found.status, Status::interrupted) << i;
+    ASSERT_EQ(found.stopped_by == StoppedBy::nothing, found.status != Status::interrupted) << i;
+    met += is_met && found.stats.node_tests > 1 ? 1 : 0;
+  }
+  EXPECT_GT(met, 50);
+}
+
 }  // namespace
 }  // namespace limber::testing

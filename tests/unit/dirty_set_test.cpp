@@ -58,30 +58,6 @@ TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
   EXPECT_GE(most, 2U);  // otherwise no vertex was at the border of two nodes
 }
 
-TEST(DirtySet, KeepsAvoidedNodesApartFromDirtyOnes) {
-  const Sheet sheet;
-  DirtySet dirty(sheet.tree);
-  dirty.try_index_vertices(sheet.tree, sheet.vertex_count);
-  const Nodes expected = nodes_at(sheet.tree, 0);
-  dirty.add_avoided(0);
-  dirty.add_avoided(0);
-  EXPECT_EQ(dirty.avoided_count(), expected.size());
-  EXPECT_TRUE(dirty.empty());
-  dirty.add(0);  // an avoided node may still become dirty
-  dirty.sort_lowest();
-  EXPECT_EQ(dirty.nodes(sheet.lowest), expected);
-  dirty.clear();
-  EXPECT_EQ(dirty.avoided_count(), 0U);
-
-  dirty.add(0);
-  dirty.add_avoided(0);  // a dirty one is refitted whatever the margin avoids
-  EXPECT_EQ(dirty.avoided_count(), 0U);
-  EXPECT_EQ(dirty.nodes(sheet.lowest).size(), expected.size());
-  dirty.clear();
-  dirty.add_avoided(0);  // clear() has made them clean
-  EXPECT_EQ(dirty.avoided_count(), expected.size());
-}
-
 TEST(DirtySet, LetsAnotherSetFollow) {
   const Sheet sheet;
   DirtySet dirty(sheet.tree), follower(sheet.tree);
@@ -89,10 +65,8 @@ TEST(DirtySet, LetsAnotherSetFollow) {
   ASSERT_TRUE(follower.try_index_vertices(sheet.tree, sheet.vertex_count));
   dirty.set_follower(&follower);
   dirty.add(7);
-  dirty.add_avoided(500);
   EXPECT_EQ(follower.nodes(sheet.lowest), dirty.nodes(sheet.lowest));
   EXPECT_FALSE(follower.empty());
-  EXPECT_EQ(follower.avoided_count(), 0U);
   const std::size_t marked = follower.marked_count();
   EXPECT_EQ(marked, dirty.nodes(sheet.lowest).size());
   dirty.add(7);

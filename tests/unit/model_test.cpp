@@ -251,8 +251,7 @@ TEST(Model, GrowsFromAPointAndByAnyFactor) {
     ASSERT_NEAR(distance({model}, {other, {{}, {0, 0, -3}}}).upper, truth, 1e-14 * size);
   };
   const std::vector<Vec3> nowhere(ball.positions().size());
-  for (const std::optional<double> motion_margin :
-       {std::optional<double>(0.0), std::optional<double>(0.1), std::optional<double>()}) {
+  for (const double motion_margin : {0.0, 0.1, 10.0}) {
     // A placeholder that becomes a shape, collapses, and comes back.
     Model model(Mesh::create(nowhere, ball.triangles()).value(), {.motion_margin = motion_margin});
     for (int i = 0; i < 3; ++i) {

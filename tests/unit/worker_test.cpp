@@ -135,7 +135,7 @@ TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
   const Model probe = some_probe(), ball(scenes::ball(16, 9)), square(scenes::grid(16, 16, -4, -4, 0.5, 0.5));
   const Transform above = scenes::ball_over_square(ball.mesh(), 0.75, 0);
   constexpr std::size_t thread_count = 4;
-  for (const std::optional<double> motion_margin : {std::optional<double>(0.05), std::optional<double>()}) {
+  for (const double motion_margin : {0.05, 0.005}) {
     Model model(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::on_worker});
     for (int frame = 1; frame <= 30; ++frame) {
       std::vector<std::jthread> threads;
@@ -158,7 +158,6 @@ TEST(Worker, SharesModelsWithQueriesBetweenUpdates) {
       for (const double d : found) ASSERT_EQ(d, alone);
     }
     expect_right_distance(model, probe);
-    EXPECT_GT(model.maintenance_stats().margin_steps, 0);
   }
 }
 

@@ -6,7 +6,6 @@
 #: bench peers [F]  compare with other libraries; F is a folder with stanford-bunny.obj and armadillo.obj
 #: bench mix [F]    a broad mix of scenes next to FCL, with all meshes of F that it knows; --poses N for fewer than 40
 #: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
-#: bench surfaces   distances of surfaces of 7.5 million triangles that run alongside each other; takes 3 GB
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
 #:                  what a cache saves and costs
 #: bench spikes     what moves and commits take at worst while trees stay as good as new
@@ -100,26 +99,22 @@ bench_against() {
 }
 
 bench_deforming() {
-  local meshes=() program
+  local meshes=()
   if (($#)); then meshes=(--meshes "$1"); fi
-  build_peers limber_bench_deforming limber_bench_motion_margin limber_bench_partial_rebuild
+  build_peers limber_bench_deforming limber_bench_partial_rebuild
   "$root/build/bench/bench/peers/limber_bench_deforming" --out "$results" "${meshes[@]}" </dev/null
-  for program in limber_bench_motion_margin limber_bench_partial_rebuild; do
-    say "running $program"
-    "$root/build/bench/bench/develop/$program" --out "$results" </dev/null
-  done
-}
-
-bench_surfaces() {
-  need build io program
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
-  build bench --target limber_bench_large_surfaces
-  "$root/build/bench/bench/develop/limber_bench_large_surfaces" --out "$results" "$@" </dev/null
+  say "running limber_bench_partial_rebuild"
+  "$root/build/bench/bench/develop/limber_bench_partial_rebuild" --out "$results" </dev/null
 }
 
 bench_deadlines() {
-  local meshes=()
-  if (($#)); then meshes=(--meshes "$1"); fi
+  local meshes=() results=$results
+  if (($#)); then
+    meshes=(--meshes "$1")
+  else
+    results=$root/build/bench/results
+    say "without FOLDER there are no scans: results go to $results"
+  fi
   need build io program
   configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
   build bench --target limber_bench_deadlines limber_bench_endings limber_bench_caches
@@ -230,7 +225,6 @@ case $name in
   peers) bench_peers "${@:2}" ;;
   mix) bench_mix "${@:2}" ;;
   deforming) bench_deforming "${@:2}" ;;
-  surfaces) bench_surfaces "${@:2}" ;;
   deadlines) bench_deadlines "${@:2}" ;;
   spikes) bench_spikes "${@:2}" ;;
   haptics) bench_haptics "${@:2}" ;;
@@ -241,6 +235,6 @@ case $name in
   cluster) bench_cluster "${@:2}" ;;
   web) bench_web "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, surfaces, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
 esac
 say "results are in $results"

@@ -13,9 +13,9 @@ import { Owner, check, copyOf, engine, number, point, word, writeInput } from ".
 
 /**
  * @typedef {object} ModelOptions
- * @property {number | "automatic"} [motionMargin] How far a vertex may move before its bounds are refitted. A length in
- *   the model's frame, finite and >= 0, or "automatic": the model balances the cost of refits against what queries
- *   lose. With 0, the default, every commit() refits all that has moved. Answers do not depend on it beyond rounding.
+ * @property {number} [motionMargin] How far a vertex may move before its bounds are refitted. A length in the model's
+ *   frame, finite and >= 0. With 0, the default, every commit() refits all that has moved. Answers do not depend on it
+ *   beyond rounding.
  * @property {"off" | "inCommit"} [rebuildPolicy] When a tree is rebuilt in part, because motion has degraded it: never,
  *   or in commits, a little each, which is the default. There is no worker thread, as C++ has it.
  * @property {number | "automatic"} [rebuildBudgetUs] Microseconds that one commit may spend on rebuilding, as estimated
@@ -41,23 +41,30 @@ import { Owner, check, copyOf, engine, number, point, word, writeInput } from ".
  * @property {number} refits 8-wide nodes whose bounds were recomputed
  * @property {number} wholePasses times that a move or commit has gone over the whole tree, or over all vertices
  * @property {number} absorbed vertex moves that stayed within the motion margin and needed no refit
- * @property {number} marginSteps node and triangle tests of queries that the motion margin has added
  * @property {number} motionMargin the margin in use
  * @property {number} rebuiltTriangles triangles assigned to leaves anew
  * @property {number} rebuildUs what rebuilding has cost commits, in microseconds estimated from counts
  */
 
 /**
- * @param {number | "automatic" | undefined} value
- * @param {number | "automatic"} usual
- * @param {string} name
+ * @param {number | undefined} margin
+ * @returns {number}
+ */
+function marginOf(margin = 0) {
+  if (!(Number.isFinite(margin) && margin >= 0)) throw invalid("motionMargin is not finite and >= 0");
+  return margin;
+}
+
+/**
+ * @param {number | "automatic" | undefined} budget
  * @returns {number} -1 for "automatic"
  */
-function automaticOr(value, usual, name) {
-  const wanted = value === undefined ? usual : value;
-  if (wanted === "automatic") return -1;
-  if (!(Number.isFinite(wanted) && wanted >= 0)) throw invalid(`${name} is neither finite and >= 0 nor "automatic"`);
-  return wanted;
+function budgetOf(budget = "automatic") {
+  if (budget === "automatic") return -1;
+  if (!(Number.isFinite(budget) && budget >= 0)) {
+    throw invalid('rebuildBudgetUs is neither finite and >= 0 nor "automatic"');
+  }
+  return budget;
 }
 
 /**
@@ -83,8 +90,8 @@ export class Model extends Owner {
       throw invalid('rebuildPolicy is neither "off" nor "inCommit"');
     }
     if (typeof preallocate !== "boolean") throw invalid("preallocate is neither true nor false");
-    const margin = automaticOr(motionMargin, 0, "motionMargin");
-    const budget = automaticOr(rebuildBudgetUs, "automatic", "rebuildBudgetUs");
+    const margin = marginOf(motionMargin);
+    const budget = budgetOf(rebuildBudgetUs);
     const coordinates = coordinatesOf(vertices, "vertices");
     const ids = idsOf(faces, "faces");
     if (ids.length % 3 !== 0) {
@@ -164,10 +171,10 @@ export class Model extends Owner {
   /**
    * Replaces the option, from the next move or commit on.
    *
-   * @param {number | "automatic"} motionMargin
+   * @param {number} motionMargin
    */
   setMotionMargin(motionMargin) {
-    check(engine().setMotionMargin(addressOf(this), automaticOr(motionMargin, 0, "motionMargin")));
+    check(engine().setMotionMargin(addressOf(this), marginOf(motionMargin)));
   }
 
   get vertexCount() {
@@ -239,10 +246,9 @@ export class Model extends Owner {
       refits: number(1),
       wholePasses: number(2),
       absorbed: number(3),
-      marginSteps: number(4),
-      motionMargin: number(5),
-      rebuiltTriangles: number(6),
-      rebuildUs: number(7),
+      motionMargin: number(4),
+      rebuiltTriangles: number(5),
+      rebuildUs: number(6),
     };
   }
 

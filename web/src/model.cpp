@@ -27,8 +27,6 @@ const T* after_positions(std::size_t count, bool is_float32) {
 // Stands for ModelOptions::automatic.
 constexpr double automatic = -1;
 
-std::optional<double> number_or_automatic(double x) { return x == automatic ? std::nullopt : std::optional(x); }
-
 void give_sphere(const Sphere& sphere, double* to) {
   to[0] = sphere.center.x, to[1] = sphere.center.y, to[2] = sphere.center.z, to[3] = sphere.radius;
 }
@@ -49,10 +47,11 @@ Model* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle
                   triangle_count * sizeof(Corners));
     }
     Mesh mesh = Mesh::create(positions_from(vertex_count, is_float32), std::move(triangles)).value();
-    const ModelOptions options{.motion_margin = number_or_automatic(motion_margin),
-                               .rebuild_policy = rebuilds ? RebuildPolicy::in_commit : RebuildPolicy::off,
-                               .rebuild_budget_us = number_or_automatic(rebuild_budget_us),
-                               .preallocate = preallocate};
+    const ModelOptions options{
+        .motion_margin = motion_margin,
+        .rebuild_policy = rebuilds ? RebuildPolicy::in_commit : RebuildPolicy::off,
+        .rebuild_budget_us = rebuild_budget_us == automatic ? std::nullopt : std::optional(rebuild_budget_us),
+        .preallocate = preallocate};
     model = new Model(std::move(mesh), options);
   });
   return model;
@@ -83,7 +82,7 @@ LIMBER_EXPORT(rebuild) bool rebuild(Model* model) {
 }
 
 LIMBER_EXPORT(setMotionMargin) bool set_motion_margin(Model* model, double motion_margin) {
-  return guarded([&] { model->set_motion_margin(number_or_automatic(motion_margin)); });
+  return guarded([&] { model->set_motion_margin(motion_margin); });
 }
 
 LIMBER_EXPORT(validate) bool validate(const Model* model) {
@@ -129,11 +128,10 @@ LIMBER_EXPORT(treeStats) void tree_stats(const Model* model) {
 
 LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const Model* model) {
   const MaintenanceStats stats = model->maintenance_stats();
-  const double numbers[8] = {static_cast<double>(stats.moved_vertices),
+  const double numbers[7] = {static_cast<double>(stats.moved_vertices),
                              static_cast<double>(stats.refits),
                              static_cast<double>(stats.whole_passes),
                              static_cast<double>(stats.absorbed),
-                             stats.margin_steps,
                              stats.motion_margin,
                              static_cast<double>(stats.rebuilt_triangles),
                              stats.rebuild_us};

@@ -6,7 +6,7 @@ import * as limber from "limber3d";
 import type { CollideResult, Contact, DistanceResult, ErrorCode, Point, Pose } from "limber3d";
 
 const vertices = new Float32Array(9), faces = new Uint32Array(3);
-const a = new limber.Model(vertices, faces, { motionMargin: "automatic", rebuildPolicy: "off", rebuildBudgetUs: 50 });
+const a = new limber.Model(vertices, faces, { motionMargin: 0.01, rebuildPolicy: "off", rebuildBudgetUs: 50 });
 const b: limber.Model = new limber.Model([0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2]);
 
 // What three.js has, without its types.

@@ -38,15 +38,6 @@ std::string word_of(const std::vector<std::pair<std::string, T>>& words, T wante
   throw std::logic_error("a choice has no word");
 }
 
-std::optional<double> read_margin(const std::string& text) {
-  if (text == "auto") return ModelOptions::automatic;
-  const std::optional<double> number = parsed_number(text);
-  if (!number || !(*number >= 0 && *number <= std::numeric_limits<double>::max())) {
-    throw CLI::ValidationError("--motion-margin", fmt::format("must be a finite number >= 0, or auto, not '{}'", text));
-  }
-  return *number;
-}
-
 std::variant<Model, classic::Model> made(Mesh mesh, const DeformingOptions& options) {
   using Either = std::variant<Model, classic::Model>;
   if (options.engine == DeformingEngine::fast) return Either(std::in_place_type<Model>, std::move(mesh), options.fast);
@@ -57,13 +48,9 @@ std::variant<Model, classic::Model> made(Mesh mesh, const DeformingOptions& opti
 
 void add_deforming(CLI::App& command, DeformingOptions& target) {
   add_choice(command, "--engine", target.engine, engine_words, "the engine that answers");
-  CLI::Option* const margin =
-      command
-          .add_option_function<std::string>(
-              "--motion-margin", [&target](const std::string& text) { target.fast.motion_margin = read_margin(text); },
-              "fast: how far a vertex may move before its bounds are refitted; auto: the model tunes it")
-          ->type_name("LENGTH|auto")
-          ->default_str("0");
+  CLI::Option* const margin = add_number(command, "--motion-margin", target.fast.motion_margin,
+                                         {0, std::numeric_limits<double>::max(), "a finite number >= 0"},
+                                         "fast: how far a vertex may move before its bounds are refitted");
   CLI::Option* const extra_radius = add_number(
       command, "--extra-radius", target.classic.looseness.extra_radius, {0, max_extra_radius, "a number from 0 to 100"},
       "classic: how much larger than needed spheres are made, as a fraction of their radius");
@@ -92,8 +79,7 @@ std::string words_of(const DeformingOptions& options) {
     return fmt::format("classic, {}, extra radius {}", word_of(mode_words, options.classic.maintenance),
                        options.classic.looseness.extra_radius);
   }
-  const std::optional<double> margin = options.fast.motion_margin;
-  return margin ? fmt::format("fast, motion margin {}", *margin) : "fast, tuned margin";
+  return fmt::format("fast, motion margin {}", options.fast.motion_margin);
 }
 
 DeformingWork& DeformingWork::operator+=(const DeformingWork& other) {
