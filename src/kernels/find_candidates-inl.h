@@ -226,8 +226,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
   candidates.apart = infinite;
-  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
-  std::uint64_t wanted = is_self && &self->a == &self->b ? later : ~std::uint64_t{0};
+  std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
   if (pruning.has_direction) {
     float beyond = 0;
     wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);

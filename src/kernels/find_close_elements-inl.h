@@ -363,7 +363,6 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
   // A byte for each kind of element, with a bit for each slot; the last kind is a slot in use.
   const std::uint64_t owned_a = transpose(owned_by_a.of_slots), owned_b = transpose(owned_by_b.of_slots);
-  constexpr std::uint64_t later = 0x0080c0e0f0f8fcfe;  // triangles of a leaf with those after them
   const bool is_same_leaf = self != nullptr && &self->a == &self->b;
   Boxes faces_a, faces_b;
   find_boxes(ca, faces_a), find_boxes(cb, faces_b);
@@ -372,7 +371,7 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
     const unsigned of_row = near_boxes(repeated(faces_a.low, row), repeated(faces_a.high, row), faces_b, 0, limit_sq);
     near |= std::uint64_t{of_row & row_of(owned_b, 6) & (0U - (row_of(owned_a, 6) >> row & 1))} << (8 * row);
   }
-  if (is_same_leaf) near &= later;
+  if (is_same_leaf) near &= bvh::each_pair_once;
   if (near == 0) return;
 
   const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =

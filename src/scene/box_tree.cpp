@@ -19,7 +19,7 @@ using bvh::width;
 constexpr std::size_t max_levels = 12;
 
 // What rounding of lengths and their squares, relative to the squares, may hide.
-constexpr double squares_down = 1 - 0x1p-48;
+constexpr double squared_length_down = 1 - 0x1p-48;
 
 BoxNode empty_boxes() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -57,12 +57,9 @@ unsigned near(const BoxNode& boxes, const Box& box, double margin) {
   return simd::kernels().overlapping_boxes(boxes, box.low - by, box.high + by);
 }
 
-// The pairs of a leaf with itself, of which the second slot is after the first.
-constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
-
 /// Whether a length may be at most another one, by their squares. Those below 2^-900 may be anything.
 bool may_be_at_most(double length_sq, double limit) {
-  return length_sq * squares_down <= limit * limit + base::tiny_square;
+  return length_sq * squared_length_down <= limit * limit + base::tiny_square;
 }
 
 }  // namespace
@@ -142,7 +139,7 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
   const auto visit_leaf = [&](std::uint32_t other) {
     std::uint64_t boxes_meet = simd::kernels().overlapping_pairs(own, boxes(0, other), box_of_leaf(other), margin);
-    if (other == leaf) boxes_meet &= each_pair_once;
+    if (other == leaf) boxes_meet &= bvh::each_pair_once;
     for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
       found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
