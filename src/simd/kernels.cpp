@@ -25,44 +25,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "kernels/bound_children-inl.h"
-#include "kernels/bound_far_point-inl.h"
-#include "kernels/bound_point-inl.h"
-#include "kernels/compare_segments-inl.h"
-#include "kernels/compare_triangles-inl.h"
-#include "kernels/extend_box-inl.h"
-#include "kernels/find_candidates-inl.h"
-#include "kernels/find_close_elements-inl.h"
-#include "kernels/find_crossed-inl.h"
-#include "kernels/fit_leaves-inl.h"
-#include "kernels/least_of_few-inl.h"
-#include "kernels/max_displacement-inl.h"
-#include "kernels/merge_bounds-inl.h"
-#include "kernels/overlapping_boxes-inl.h"
+#include "kernels/all-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {
 
 const Kernels* kernel_table() {
-  static const Kernels set{hwy::TargetName(HWY_TARGET),
-                           bound_children,
-                           find_candidates,
-                           find_close_elements,
-                           bound_children_to_point,
-                           bound_children_along,
-                           bound_triangles_to_point,
-                           bound_triangles_along,
-                           find_crossed_children,
-                           find_crossed_triangles,
-                           fit_leaves,
-                           merge_bounds,
-                           max_displacement,
-                           extend_box,
-                           least_of_few,
-                           overlapping_boxes,
-                           overlapping_pairs,
-                           compare_triangles,
-                           compare_segments};
+  static const Kernels set = table(hwy::TargetName(HWY_TARGET));
   return &set;
 }
 

@@ -280,25 +280,33 @@ using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, Tr
 /// The closest points of all pairs of segments.
 using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& found);
 
+/// The list of all kernels, as X(type, name). A kernel has its name in the namespace of each instruction set too.
+#define LIMBER_FOR_ALL_KERNELS(X)                    \
+  X(BoundChildren, bound_children)                   \
+  X(FindCandidates, find_candidates)                 \
+  X(FindCloseElements, find_close_elements)          \
+  X(BoundChildrenToPoint, bound_children_to_point)   \
+  X(BoundChildrenToPoint, bound_children_along)      \
+  X(BoundTrianglesToPoint, bound_triangles_to_point) \
+  X(BoundTrianglesToPoint, bound_triangles_along)    \
+  X(FindCrossedChildren, find_crossed_children)      \
+  X(FindCrossedTriangles, find_crossed_triangles)    \
+  X(FitLeaves, fit_leaves)                           \
+  X(MergeBounds, merge_bounds)                       \
+  X(MaxDisplacement, max_displacement)               \
+  X(ExtendBox, extend_box)                           \
+  X(LeastOfFew, least_of_few)                        \
+  X(OverlappingBoxes, overlapping_boxes)             \
+  X(OverlappingPairs, overlapping_pairs)             \
+  X(CompareTriangles, compare_triangles)             \
+  X(CompareSegments, compare_segments)
+
 /// The kernels for one instruction set.
 struct Kernels {
   const char* name;
-  BoundChildren bound_children;
-  FindCandidates find_candidates;
-  FindCloseElements find_close_elements;
-  BoundChildrenToPoint bound_children_to_point, bound_children_along;
-  BoundTrianglesToPoint bound_triangles_to_point, bound_triangles_along;
-  FindCrossedChildren find_crossed_children;
-  FindCrossedTriangles find_crossed_triangles;
-  FitLeaves fit_leaves;
-  MergeBounds merge_bounds;
-  MaxDisplacement max_displacement;
-  ExtendBox extend_box;
-  LeastOfFew least_of_few;
-  OverlappingBoxes overlapping_boxes;
-  OverlappingPairs overlapping_pairs;
-  CompareTriangles compare_triangles;
-  CompareSegments compare_segments;
+#define LIMBER_MEMBER(Type, kernel) Type kernel;
+  LIMBER_FOR_ALL_KERNELS(LIMBER_MEMBER)
+#undef LIMBER_MEMBER
 };
 
 /// The best set this processor runs.
