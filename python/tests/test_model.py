@@ -57,7 +57,7 @@ def test_reset_takes_another_mesh(tetra: limber3d.Model) -> None:
 
 def test_options_are_keywords_and_come_back() -> None:
     options = {
-        "motion_margin": None,
+        "motion_margin": 0.25,
         "rebuild_policy": limber3d.RebuildPolicy.off,
         "rebuild_budget_us": 30.0,
         "preallocate": True,
@@ -138,8 +138,8 @@ def test_files_are_loaded(tmp_path: object) -> None:
 
     folder = Path(str(tmp_path))
     path = shapes.write_obj(folder / "ball.obj", *shapes.ball())
-    model = limber3d.load(path, motion_margin=None)
-    assert (model.vertices == shapes.ball()[0]).all() and model.options["motion_margin"] is None
+    model = limber3d.load(path, motion_margin=0.25)
+    assert (model.vertices == shapes.ball()[0]).all() and model.options["motion_margin"] == 0.25
     with pytest.raises(OSError, match="missing.obj"):
         limber3d.load(folder / "missing.obj")
     (folder / "bad.obj").write_text("v 0 0 0\nf 1 2 3\n")
