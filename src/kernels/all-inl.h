@@ -32,7 +32,7 @@ namespace limber::simd::LIMBER_TARGET {
 namespace {
 
 constexpr Kernels table(const char* name) {
-#define LIMBER_ENTRY(Type, kernel) .kernel = kernel,
+#define LIMBER_ENTRY(Type, kernel) .kernel = (kernel),
   return {.name = name, LIMBER_FOR_ALL_KERNELS(LIMBER_ENTRY)};
 #undef LIMBER_ENTRY
 }
