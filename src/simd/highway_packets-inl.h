@@ -19,7 +19,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {
 namespace {
-
 using bvh::width;
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<float, width>;
