@@ -39,7 +39,7 @@ struct PointResult {
 
 /// The point of a placed model that is closest to a point of the world.
 ///
-/// Promise  The same bits as reference::closest_point(), whatever the tree, its history and motion margin, the
+/// Promise  The same bits as from a loop over all triangles, whatever the tree, its history and motion margin, the
 ///          instruction set and the number of threads. Of triangles that are equally close, to the bit, the one with
 ///          the lowest id is named; of triangles whose corners are equal, in order, any may be. The model is taken as
 ///          placed: every vertex is moved to the world in float64 first. The distance is within 2^-50 of the extent of

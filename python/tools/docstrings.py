@@ -28,7 +28,6 @@ WORDS = (
     (r"\b(query|geometry)\.h states\b", "the guide to numerics states"),
     (r"\b(query|geometry)\.h\b", "the library"),
     (r" \(contacts\.h\)", ""),
-    (r"\breference::", "a loop over all triangles as by "),
     (r"\b(\w+)::(\w+)", r"\1.\2"),
 )
 # Sentences about what Python does not have, or has otherwise. Each of them has to be found.

@@ -72,14 +72,14 @@ void create_nodes(Tree& tree, std::uint32_t leaves) {
 void Tree::exchange(TreeGeometry& other) {
   LIMBER_ASSERT(level_begin == other.level_begin);
   std::swap(static_cast<TreeGeometry&>(*this), other);
-  build_id = new_assignment_id();
+  build_id = new_build_id();
   displacement = 0;
 }
 
 Tree build(MeshView mesh) {
   LIMBER_ASSERT(!mesh.triangles.empty());
   Tree tree;
-  tree.build_id = new_assignment_id();
+  tree.build_id = new_build_id();
   const BoundingBox box = bounding_box_of(mesh);
   const Vec3 center = box.center();
   tree.unit = box.unit();

@@ -327,7 +327,7 @@ std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> p
   return primitives.subspan(i * width, std::min(primitives.size() - i * width, std::size_t{width}));
 }
 
-std::uint64_t new_assignment_id() {
+std::uint64_t new_build_id() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }

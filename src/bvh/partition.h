@@ -144,6 +144,6 @@ void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primiti
 std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i);
 
 /// An assignment id that no tree has had.
-std::uint64_t new_assignment_id();
+std::uint64_t new_build_id();
 
 }  // namespace limber::bvh
