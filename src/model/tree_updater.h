@@ -45,8 +45,6 @@ class TreeUpdater {
 
   /// The mesh that the bounds are computed for.
   MeshView fitted(const Mesh& mesh) const { return margin_.fitted(mesh); }
-  /// How far vertices may move away from their positions at the last refit.
-  double motion_margin() const { return motion_margin_; }
 
  private:
   void start_margin(const Mesh& mesh);
@@ -67,7 +65,7 @@ class TreeUpdater {
   MotionMargin margin_;
   RebuildScheduler rebuilds_;
 
-  double motion_margin_;
+  double motion_margin_;  // how far vertices may be from their positions at the last refit
   bool has_moved_ = false;
   bool must_check_all_ = false;  // the margin has changed: some vertices may be beyond it
 
