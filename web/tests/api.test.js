@@ -93,7 +93,7 @@ test("options of a model are checked", () => {
   refuses(() => model.setMotionMargin(-2), "invalidArgument", "motionMargin");
   model.setMotionMargin(0.5);
   assert.equal(model.maintenanceStats().motionMargin, 0.5);
-  model.setMotionMargin("automatic");
+  refuses(() => model.setMotionMargin("automatic"), "invalidArgument", "motionMargin");
 });
 
 test("the rebuild policy reaches the engine", () => {
