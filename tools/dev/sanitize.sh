@@ -28,7 +28,8 @@ if [[ ${1:-} == --quick ]]; then
   configure asan "${options[@]}" -DLIMBER_FEWER_KERNELS=ON
   targets=("${suites[@]/#/limber_}")
   build asan --target "${targets[@]/%/_tests}"
-  export RC_PARAMS=max_success=50 LIMBER_UPDATE_SEQUENCES=1000 LIMBER_INTERRUPTED_QUERIES=2000 LIMBER_NEIGHBOR_PAIRS=3000
+  export RC_PARAMS=max_success=50 LIMBER_UPDATE_SEQUENCES=1000 LIMBER_INTERRUPTED_QUERIES=2000
+  export LIMBER_NEIGHBOR_PAIRS=3000 LIMBER_NORMAL_PAIRS=1000
   run_programs asan "unit:-$left_out" "${suites[@]:1}"
 else
   configure asan "${options[@]}"
