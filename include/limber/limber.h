@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What most programs need. Beside it stand io.h, for mesh files; eigen.h; and
+/// This header brings what most programs need. Beside it stand io.h for mesh files, eigen.h for matrices of Eigen, and
 /// classic.h, the engine of the original source.
 #include "limber/base.h"
 #include "limber/contacts.h"

@@ -75,7 +75,7 @@ class Used {
   Object* object_;
 };
 
-/// What a query is given; no limits where there is no budget.
+/// The budget that a query gets: without limits if Python gave none.
 inline QueryBudget budget_of(const BudgetObject* budget) { return budget != nullptr ? budget->budget : QueryBudget{}; }
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.

@@ -29,7 +29,7 @@ inline bool is_limited(const QueryBudget& budget) {
   return budget.deadline || budget.cancel != nullptr || budget.max_steps < std::numeric_limits<std::uint64_t>::max();
 }
 
-/// Of engines that start from nothing, and go on to the end.
+/// The classic engine and brute force start from nothing and have no budget: they refuse options that ask for either.
 inline void check_has_no_cache_or_budget(const DistanceOptions& options, const char* function) {
   LIMBER_REQUIRE(options.cache == nullptr && !is_limited(options.budget),
                  (std::string(function) + ": takes no cache and no budget").c_str());

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What refits cost, in ns. Only the ratios matter, and those are much the same on all machines.
+/// Costs of refits, in ns. Only the ratios matter, and those are much the same on all machines.
 namespace limber::bvh {
 
 /// In a commit: the refit of a dirty node, and that of each node where the whole tree is fitted
