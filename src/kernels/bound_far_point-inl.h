@@ -44,9 +44,8 @@ LIMBER_KERNEL void bound_children_along(const bvh::Node& node, const QueryPoint&
   const Packet everywhere = Packet::set(static_cast<float>(4 * base::max_units));
   const Packet3 up = broadcast(point.normal);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet3 center{Packet::load(n.center_x + i), Packet::load(n.center_y + i), Packet::load(n.center_z + i)};
-    const Packet3 half{Packet::load(n.half_x + i), Packet::load(n.half_y + i), Packet::load(n.half_z + i)};
-    const Packet highest = at + dot(center, up) + min(Packet::load(n.radius + i), box_support(half, up));
+    const Packet highest =
+        at + dot(centers(n, i), up) + min(Packet::load(n.radius + i), box_support(half_sizes(n, i), up));
     // Infinite where the error is.
     of_children(zero() - min(highest, everywhere), i, node.child_count).store(children.bound + i);
   }

@@ -33,18 +33,16 @@ inline constexpr float smallest_sphere = 0x1p-100F;
 /// negative. Leaves in `farthest` the distances of the spheres' farthest points.
 LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, const Packet3& position, Packet error,
                                  Packet& farthest) {
-  const Packet3 d{position.x - Packet::load(n.center_x + i), position.y - Packet::load(n.center_y + i),
-                  position.z - Packet::load(n.center_z + i)};
+  const Packet3 d = position - centers(n, i), half = half_sizes(n, i), normal = normals(n, i);
   const Packet radius = Packet::load(n.radius + i);
   const Packet d_sq = dot(d, d), distance = sqrt(d_sq);
   const Packet sphere_gap = distance - radius;
   farthest = distance + radius;
   // The box.
-  const Packet x = max(abs(d.x) - Packet::load(n.half_x + i) - error, zero());
-  const Packet y = max(abs(d.y) - Packet::load(n.half_y + i) - error, zero());
-  const Packet z = max(abs(d.z) - Packet::load(n.half_z + i) - error, zero());
+  const Packet x = max(abs(d.x) - half.x - error, zero());
+  const Packet y = max(abs(d.y) - half.y - error, zero());
+  const Packet z = max(abs(d.z) - half.z - error, zero());
   // Along the slab's normal, together with the sphere across it.
-  const Packet3 normal{Packet::load(n.normal_x + i), Packet::load(n.normal_y + i), Packet::load(n.normal_z + i)};
   const Packet height = dot(d, normal);
   const Packet along = max(height - Packet::load(n.high + i), Packet::load(n.low + i) - height) - error;
   const Packet rounding = d_sq * Packet::set(base::across_error);
@@ -56,25 +54,17 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
 
 LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoint& point, float limit,
                                            ChildrenInOrder& children) {
-  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
-  alignas(16) float position[4];
-  double size = 0;
-  for (int j = 0; j < 4; ++j) {
-    const double units = (point.position[j] - origin[j]) * point.per_unit;
-    size += std::abs(units);
-    position[j] = static_cast<float>(units);
-  }
+  const LocalPoint local(point.position, node.origin, {}, point.per_unit);
   // Not less than: true also where the error is infinite.
-  if (!(size + static_cast<double>(point.error_units) < base::max_units)) {
+  if (!(local.size + static_cast<double>(point.error_units) < base::max_units)) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       of_children(zero(), i, node.child_count).store(children.bound + i);
     }
     children.upper = std::numeric_limits<float>::infinity();
     return order_children(limit, children);
   }
-  const float magnitude = std::abs(position[0]) + std::abs(position[1]) + std::abs(position[2]) + node.radius;
-  const float error = magnitude * base::point_error + point.error_units;
-  const Packet3 at = broadcast(position);
+  const float error = local.magnitude(node.radius) * base::point_error + point.error_units;
+  const Packet3 at = broadcast(local.position);
   Packet least = Packet::set(far_off);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     Packet farthest = zero();
@@ -92,12 +82,8 @@ struct PointTriangles {
 };
 
 LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, std::uint32_t i, const Packet3& point) {
-  const auto corner = [&](int k) {
-    return Packet3{Packet::from_int16(t.corner[3 * k] + i), Packet::from_int16(t.corner[3 * k + 1] + i),
-                   Packet::from_int16(t.corner[3 * k + 2] + i)};
-  };
-  const Packet3 a = corner(0);
-  return {a - point, corner(1) - a, corner(2) - a};
+  const Packet3 a = corners(t, 0, i);
+  return {a - point, corners(t, 1, i) - a, corners(t, 2, i) - a};
 }
 
 /// A point of each triangle near the closest one, relative to the query point. It is on the triangle whatever rounding
@@ -143,26 +129,19 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   const bvh::ChildBounds& n = node.bounds;
   intervals.step = static_cast<double>(n.radius[slot]) * point.unit / static_cast<double>(bvh::max_quantized);
   const double per_step = 1 / intervals.step;
-  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
-  const double center[4] = {n.center_x[slot], n.center_y[slot], n.center_z[slot], 0};
-  alignas(16) float position[4];
-  double size = 0;
-  for (int j = 0; j < 4; ++j) {
-    const double steps = ((point.position[j] - origin[j]) - center[j] * point.unit) * per_step;
-    size += std::abs(steps);
-    position[j] = static_cast<float>(steps);
-  }
+  const Vec3 center = point.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
+  const LocalPoint local(point.position, node.origin, center, per_step);
   constexpr double most_steps = 0x1p40, leaf_size = static_cast<double>(bvh::max_quantized) + 1;
-  const double error =
-      point.error * per_step + base::quantization_error + (size + leaf_size) * static_cast<double>(base::point_error);
+  const double error = point.error * per_step + base::quantization_error +
+                       (local.size + leaf_size) * static_cast<double>(base::point_error);
   // Not less than: true also where the error is infinite.
-  if (!(size + error < most_steps)) {
+  if (!(local.size + error < most_steps)) {
     std::fill(intervals.lower, intervals.lower + width, 0.0F);
     intervals.upper = std::numeric_limits<float>::infinity();
     intervals.kept = (1U << width) - 1;
     return;
   }
-  const Packet3 at = broadcast(position);
+  const Packet3 at = broadcast(local.position);
   const Packet off = Packet::set(base::float_up(error)), shortest = Packet::set(0x1p-60F);
   Packet least = Packet::set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {

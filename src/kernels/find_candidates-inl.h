@@ -131,15 +131,21 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
-/// How far the boxes of slots from `i` on are apart from that of a slot of the other leaf, along each axis; negative
-/// where they overlap.
-LIMBER_KERNEL Packet3 box_gaps(const Boxes& a, std::uint32_t row, const Boxes& b, std::uint32_t i) {
-  const auto gap = [&](int axis) {
-    const Packet above = Packet::load(b.low[axis] + i) - Packet::set(a.high[axis][row]);
-    const Packet below = Packet::set(a.low[axis][row]) - Packet::load(b.high[axis] + i);
-    return max(above, below);
-  };
-  return {gap(0), gap(1), gap(2)};
+/// The point of one slot, in every lane.
+LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
+  return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
+}
+
+/// How far the boxes from `i` on are apart from a box, which every lane has, along each axis; negative where they
+/// overlap.
+template <typename Boxes>
+LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const Boxes& boxes, std::uint32_t i) {
+  const Packet3 others_low{Packet::load(boxes.low[0] + i), Packet::load(boxes.low[1] + i),
+                           Packet::load(boxes.low[2] + i)};
+  const Packet3 others_high{Packet::load(boxes.high[0] + i), Packet::load(boxes.high[1] + i),
+                            Packet::load(boxes.high[2] + i)};
+  const Packet3 above = others_low - high, below = low - others_high;
+  return {max(above.x, below.x), max(above.y, below.y), max(above.z, below.z)};
 }
 
 /// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
@@ -153,8 +159,9 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
   const Packet far = Packet::set(infinite);
   Packet least = far;
   for (std::uint32_t row = 0; row < width; ++row) {
+    const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      const Packet3 gaps = box_gaps(low, high, boxes_b, i);
       const Packet3 out{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
       const Packet sum = dot(out, out);
       const Mask is_wanted = sum < limit_sq;
@@ -174,8 +181,9 @@ LIMBER_KERNEL std::uint64_t near_along_axes(const LeafCorners& a, const LeafCorn
   find_boxes(b, boxes_b);
   std::uint64_t wanted = 0;
   for (std::uint32_t row = 0; row < width; ++row) {
+    const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 gaps = box_gaps(boxes_a, row, boxes_b, i);
+      const Packet3 gaps = box_gaps(low, high, boxes_b, i);
       wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (8 * row + i);
     }
   }
@@ -194,13 +202,11 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
                 z = broadcast(transform.rotation[2]);
   const Packet3 shift = broadcast(offset);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    for (int k = 0; k < 9; k += 3) {
-      const Packet px = Packet::from_int16(leaf.corner[k] + i) * Packet::set(step);
-      const Packet py = Packet::from_int16(leaf.corner[k + 1] + i) * Packet::set(step);
-      const Packet pz = Packet::from_int16(leaf.corner[k + 2] + i) * Packet::set(step);
-      (x.x * px + y.x * py + z.x * pz + shift.x).store(c.v[k] + i);
-      (x.y * px + y.y * py + z.y * pz + shift.y).store(c.v[k + 1] + i);
-      (x.z * px + y.z * py + z.z * pz + shift.z).store(c.v[k + 2] + i);
+    for (int k = 0; k < 3; ++k) {
+      const Packet3 p = corners(leaf, k, i) * Packet::set(step);
+      (x.x * p.x + y.x * p.y + z.x * p.z + shift.x).store(c.v[3 * k] + i);
+      (x.y * p.x + y.y * p.y + z.y * p.z + shift.y).store(c.v[3 * k + 1] + i);
+      (x.z * p.x + y.z * p.y + z.z * p.z + shift.z).store(c.v[3 * k + 2] + i);
     }
   }
 }

@@ -79,10 +79,6 @@ LIMBER_KERNEL std::uint32_t edges_in(std::uint64_t owned) { return owned >> 24 &
 LIMBER_KERNEL unsigned row_of(std::uint64_t m, std::uint32_t row) {
   return static_cast<unsigned>(m >> (8 * row)) & 0xff;
 }
-LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
-  return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
-}
-
 /// A corner of one slot, in every lane.
 LIMBER_KERNEL Packet3 repeated(const LeafCorners& c, std::uint32_t corner, std::uint32_t slot) {
   return {Packet::set(c.v[3 * corner][slot]), Packet::set(c.v[3 * corner + 1][slot]),
@@ -95,14 +91,8 @@ LIMBER_KERNEL unsigned near_boxes(const Packet3& low, const Packet3& high, const
                                   Packet limit_sq) {
   unsigned found = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const std::uint32_t k = first + i;
-    const Packet3 others_low{Packet::load(boxes.low[0] + k), Packet::load(boxes.low[1] + k),
-                             Packet::load(boxes.low[2] + k)};
-    const Packet3 others_high{Packet::load(boxes.high[0] + k), Packet::load(boxes.high[1] + k),
-                              Packet::load(boxes.high[2] + k)};
-    const Packet3 above = others_low - high, below = low - others_high;
-    const Packet x = max(max(above.x, below.x), zero()), y = max(max(above.y, below.y), zero());
-    const Packet z = max(max(above.z, below.z), zero());
+    const Packet3 gaps = box_gaps(low, high, boxes, first + i);
+    const Packet x = max(gaps.x, zero()), y = max(gaps.y, zero()), z = max(gaps.z, zero());
     found |= bits(x * x + y * y + z * z < limit_sq) << i;
   }
   return found;

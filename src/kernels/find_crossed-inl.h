@@ -24,26 +24,16 @@ namespace {
 
 LIMBER_KERNEL unsigned find_crossed_children(const bvh::Node& node, const QueryRay& ray) {
   const unsigned used = (1U << node.child_count) - 1;
-  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
-  alignas(16) float position[4];
-  double size = 0;
-  for (int j = 0; j < 4; ++j) {
-    const double units = (ray.origin[j] - origin[j]) * ray.per_unit;
-    size += std::abs(units);
-    position[j] = static_cast<float>(units);
-  }
+  const LocalPoint local(ray.origin, node.origin, {}, ray.per_unit);
   // Not less than: true also where the error is infinite.
-  if (!(size + static_cast<double>(ray.error_units) < base::max_units)) return used;
-  const float magnitude = std::abs(position[0]) + std::abs(position[1]) + std::abs(position[2]) + node.radius;
-  const Packet error = Packet::set(magnitude * base::projection_error + ray.error_units);
-  const Packet3 at = broadcast(position);
+  if (!(local.size + static_cast<double>(ray.error_units) < base::max_units)) return used;
+  const Packet error = Packet::set(local.magnitude(node.radius) * base::projection_error + ray.error_units);
+  const Packet3 at = broadcast(local.position);
   const Packet3 forward = broadcast(ray.forward), left = broadcast(ray.left), up = broadcast(ray.up);
   const bvh::ChildBounds& n = node.bounds;
   unsigned crossed = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet3 d{Packet::load(n.center_x + i) - at.x, Packet::load(n.center_y + i) - at.y,
-                    Packet::load(n.center_z + i) - at.z};
-    const Packet3 half{Packet::load(n.half_x + i), Packet::load(n.half_y + i), Packet::load(n.half_z + i)};
+    const Packet3 d = centers(n, i) - at, half = half_sizes(n, i);
     const Packet radius = Packet::load(n.radius + i);
     const auto support = [&](const Packet3& direction) { return min(radius, box_support(half, direction)) + error; };
     const Mask is_crossed = (zero() - dot(d, forward) <= support(forward)) & (abs(dot(d, left)) <= support(left)) &
@@ -57,30 +47,19 @@ LIMBER_KERNEL unsigned find_crossed_triangles(const bvh::Node& node, std::uint32
                                               const bvh::QuantizedTriangles& triangles, const QueryRay& ray) {
   const bvh::ChildBounds& n = node.bounds;
   const double per_step = static_cast<double>(bvh::max_quantized) / (static_cast<double>(n.radius[slot]) * ray.unit);
-  const double origin[4] = {node.origin.x, node.origin.y, node.origin.z, 0};
-  const double center[4] = {n.center_x[slot], n.center_y[slot], n.center_z[slot], 0};
-  alignas(16) float position[4];
-  double size = 0;
-  for (int j = 0; j < 4; ++j) {
-    const double steps = ((ray.origin[j] - origin[j]) - center[j] * ray.unit) * per_step;
-    size += std::abs(steps);
-    position[j] = static_cast<float>(steps);
-  }
-  const double error = ray.error * per_step + base::quantization_error +
-                       (size + static_cast<double>(bvh::max_quantized)) * static_cast<double>(base::projection_error);
-  if (!(size + error < base::max_units)) return (1U << width) - 1;
+  const Vec3 center = ray.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
+  const LocalPoint local(ray.origin, node.origin, center, per_step);
+  const double error =
+      ray.error * per_step + base::quantization_error +
+      (local.size + static_cast<double>(bvh::max_quantized)) * static_cast<double>(base::projection_error);
+  if (!(local.size + error < base::max_units)) return (1U << width) - 1;
   const Packet off = Packet::set(base::float_up(error));
-  const Packet3 at = broadcast(position);
+  const Packet3 at = broadcast(local.position);
   const Packet3 forward = broadcast(ray.forward), left = broadcast(ray.left), up = broadcast(ray.up);
   unsigned crossed = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    Packet3 corner[3];
-    for (int k = 0; k < 3; ++k) {
-      corner[k] =
-          Packet3{Packet::from_int16(triangles.corner[3 * k] + i), Packet::from_int16(triangles.corner[3 * k + 1] + i),
-                  Packet::from_int16(triangles.corner[3 * k + 2] + i)} -
-          at;
-    }
+    const Packet3 corner[3] = {corners(triangles, 0, i) - at, corners(triangles, 1, i) - at,
+                               corners(triangles, 2, i) - at};
     const auto high = [&](const Packet3& v) {
       return max(max(dot(corner[0], v), dot(corner[1], v)), dot(corner[2], v));
     };

@@ -17,15 +17,15 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
+/// Corner `k` of the triangles in the slots `i` and following, in quantization steps.
+LIMBER_KERNEL Packet3 corners(const bvh::QuantizedTriangles& t, int k, std::uint32_t i) {
+  return {Packet::from_int16(t.corner[3 * k] + i), Packet::from_int16(t.corner[3 * k + 1] + i),
+          Packet::from_int16(t.corner[3 * k + 2] + i)};
+}
+
 /// The farthest of the corners of each triangle in direction n, in quantization steps.
 LIMBER_KERNEL Packet farthest_corners(const bvh::QuantizedTriangles& leaf, std::uint32_t i, const Packet3& n) {
-  Packet farthest[3];
-  for (int k = 0; k < 3; ++k) {
-    farthest[k] =
-        dot(n, Packet3{Packet::from_int16(leaf.corner[3 * k] + i), Packet::from_int16(leaf.corner[3 * k + 1] + i),
-                       Packet::from_int16(leaf.corner[3 * k + 2] + i)});
-  }
-  return max(max(farthest[0], farthest[1]), farthest[2]);
+  return max(max(dot(n, corners(leaf, 0, i)), dot(n, corners(leaf, 1, i))), dot(n, corners(leaf, 2, i)));
 }
 
 /// The support of all triangles of a leaf along `normal`, in quantization steps.

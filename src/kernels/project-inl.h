@@ -70,6 +70,25 @@ LIMBER_KERNEL void project_center(const bvh::Node& node, std::uint32_t slot, con
   projected[3] = 0;
 }
 
+/// A point relative to `origin` and then to `center`, times `scale`: in the units in which a kernel compares.
+struct LocalPoint {
+  alignas(16) float position[4];
+  double size = 0;  // the sum of its coordinates, without signs, before they are rounded
+
+  LIMBER_KERNEL LocalPoint(const double (&point)[4], const Vec3& origin, const Vec3& center, double scale) {
+    const double from[4] = {origin.x, origin.y, origin.z, 0}, then_from[4] = {center.x, center.y, center.z, 0};
+    for (int j = 0; j < 4; ++j) {
+      const double units = ((point[j] - from[j]) - then_from[j]) * scale;
+      size += std::abs(units);
+      position[j] = static_cast<float>(units);
+    }
+  }
+  /// Its coordinates without signs, and the radius of the node or leaf that it is compared with: errors grow with that.
+  LIMBER_KERNEL float magnitude(float radius) const {
+    return std::abs(position[0]) + std::abs(position[1]) + std::abs(position[2]) + radius;
+  }
+};
+
 /// The matrix with these columns times (x, y, z).
 LIMBER_KERNEL void multiply(const float (&columns)[3][4], float x, float y, float z, float* out) {
   for (int j = 0; j < 4; ++j) out[j] = columns[0][j] * x + columns[1][j] * y + columns[2][j] * z;

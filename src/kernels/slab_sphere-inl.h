@@ -18,6 +18,17 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
+/// The centers, half sizes of boxes and slab normals of the children `i` and following.
+LIMBER_KERNEL Packet3 centers(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.center_x + i), Packet::load(n.center_y + i), Packet::load(n.center_z + i)};
+}
+LIMBER_KERNEL Packet3 half_sizes(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.half_x + i), Packet::load(n.half_y + i), Packet::load(n.half_z + i)};
+}
+LIMBER_KERNEL Packet3 normals(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.normal_x + i), Packet::load(n.normal_y + i), Packet::load(n.normal_z + i)};
+}
+
 /// A plane of a slab that cuts a sphere: its height over the sphere's center along the slab's outward normal, negative
 /// where the slab does not contain the center, and the radius of the circle in which it cuts the sphere.
 struct Cap {
@@ -55,9 +66,9 @@ struct NodePairs {
 LIMBER_KERNEL NodePairs pair_up(const bvh::ChildBounds& children, std::uint32_t i, const ProjectedNode& other) {
   const bvh::ChildBounds& n = children;
   NodePairs p;
-  p.center = {Packet::load(n.center_x + i), Packet::load(n.center_y + i), Packet::load(n.center_z + i)};
-  p.half = {Packet::load(n.half_x + i), Packet::load(n.half_y + i), Packet::load(n.half_z + i)};
-  p.normal = {Packet::load(n.normal_x + i), Packet::load(n.normal_y + i), Packet::load(n.normal_z + i)};
+  p.center = centers(n, i);
+  p.half = half_sizes(n, i);
+  p.normal = normals(n, i);
   p.radius = Packet::load(n.radius + i);
   p.upper = cap(p.radius, Packet::load(n.high + i));
   p.lower = cap(p.radius, zero() - Packet::load(n.low + i));

@@ -4,10 +4,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <utility>
 
 #include "base/check.h"
-#include "base/error_bounds.h"
 #include "pair/collectors/collector.h"
 #include "pair/expansion.h"
 #include "pair/leaf_comparison.h"
@@ -117,17 +115,12 @@ class AllPairs {
                              search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
     if (found.count == 0) return;
     a_.take(self.a), b_.take(self.b);
-    const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
-    // The nearest first: it may end the query.
-    std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
-    for (std::uint32_t i = 0; i < found.count && !collector_.is_done(); ++i) {
-      const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
-      if (bound_sq >= limit * limit * double{base::squares_up}) continue;
-      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
-      if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
+    visit_candidates(found, search_.pruning, [&](std::uint32_t slot_a, std::uint32_t slot_b) {
+      if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) return true;
       ++search_.stats.triangle_tests;
       collector_.compare(a_.at(slot_a), b_.at(slot_b));
-    }
+      return !collector_.is_done();
+    });
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels

@@ -16,7 +16,7 @@
 
 namespace limber::pair {
 
-/// The candidate with the least bound. Pre: there are candidates.
+/// The index of the candidate with the least bound. Pre: there are candidates.
 inline std::uint32_t nearest_of(const simd::Candidates& found) {
   LIMBER_ASSERT(found.count > 0);
   std::uint32_t nearest = 0;
@@ -24,6 +24,20 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
     if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
   }
   return nearest;
+}
+
+/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, since it may prune the others. Leaves out those that
+/// are beyond the upper bound by then. `visit` returns whether to go on. False if it did not go on.
+template <typename Visit>
+bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
+  std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
+  for (std::uint32_t i = 0; i < found.count; ++i) {
+    const double limit = pruning.distance() * found.scale + static_cast<double>(found.error);
+    const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
+    if (bound_sq >= limit * limit * double{base::squares_up}) continue;
+    if (!visit(std::uint32_t{found.pairs[i].slot_a}, std::uint32_t{found.pairs[i].slot_b})) return false;
+  }
+  return true;
 }
 
 /// Compares the triangles of two leaves, for a collector that looks for the best.
@@ -84,21 +98,13 @@ class LeafComparison {
 
   /// Compares all candidates that may still improve the answer. False if the query has ended before the last.
   bool compare(simd::Candidates& found, std::uint64_t steps) {
-    // The nearest first: it may prune the others.
-    std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
-    for (std::uint32_t i = 0; i < found.count; ++i) {
-      if (collector_.is_done()) return false;
-      const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
-      const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
-      if (bound_sq >= limit * limit * double{base::squares_up}) continue;
-      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
-      if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) continue;
-      if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) continue;
+    return visit_candidates(found, search_.pruning, [&](std::uint32_t slot_a, std::uint32_t slot_b) {
+      if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) return true;
+      if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
       ++search_.stats.triangle_tests;
       if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);
-      if (search_.meter.cuts_short(steps)) return false;
-    }
-    return true;
+      return !collector_.is_done() && !search_.meter.cuts_short(steps);
+    });
   }
 
   /// Whether the search direction prunes the two leaves as a whole.
