@@ -13,37 +13,40 @@
 #include "limber/math.h"
 #include "limber/model.h"
 
-/// Queries of two models: whether they meet, how far apart they are, whether they are within a distance. What they are
-/// asked and what they answer is one vocabulary for every engine.
+/// Queries of two models: whether they meet, how far apart they are, whether they are within a distance.
+/// limber::classic (classic.h) takes the same options and gives the same results.
 ///
 /// Triangles are surfaces, not solids: a model wholly inside another does not collide with it. When models meet, the
-/// distance is 0, both points of the witness are one point that lies on both up to rounding, and the triangle ids name
-/// a pair that truly intersects. `collide` says yes exactly when `distance` gives 0. Models are compared as placed:
-/// every vertex is moved to the world frame in float64 first, and the answer is for those rounded vertices. Whether
-/// they meet is exact. Distances are rounded: with E the largest extent of a pair of triangles at about that distance,
-/// they are within 2^-46 E + 2^-44 distance of the true ones, plus 2^-45 of the sum of the models' largest coordinates
-/// and translations where a pose is not the identity. docs/algorithms/numerics.md has the details.
+/// distance is 0, the two points of the witness are the same and lie on both models up to rounding, and its triangles
+/// truly intersect. `collide` says yes if and only if `distance` gives 0.
+///
+/// Models are compared as placed: every vertex is moved to the world frame in float64 first, and answers are about
+/// these rounded vertices. Whether they meet is decided exactly. A distance d differs from the true one by at most
+///     2^-46 E + 2^-44 d, and 2^-45 M more if a pose is not the identity,
+/// where E is the size of the closest triangles, ties included (the largest coordinate of a corner relative to the
+/// first one), and M the sum of both models' largest coordinates and translations. See docs/algorithms/numerics.md.
 namespace limber {
 
 /// Why a query stopped where it did.
 enum class Status {
-  exact,         ///< lower == upper: the distance up to the rounding that docs/algorithms/numerics.md bounds
+  exact,         ///< lower == upper: there is no error but rounding
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
-  beyond_limit,  ///< nothing is as close as max_distance: lower >= max_distance, upper is infinite, no witness
-  interrupted,   ///< the budget was spent: lower <= distance <= upper, farther apart than the errors allow
+  beyond_limit,  ///< the distance is above max_distance: lower >= max_distance, upper is infinite, no witness
+  interrupted,   ///< the budget was spent: lower <= distance <= upper, and upper - lower exceeds the asked errors
 };
 
-/// When a query has to end, whether or not it has its answer. Set any of them: the first that is reached ends the
-/// query.
+/// When a query has to end, whether or not it has its answer: at the first of these limits that it reaches.
 ///
-/// A query looks at its budget after every few steps, each of which takes some 0.1 to 1 us, and now and then several: a
-/// deadline is overrun by that much. Every query with a budget that is not cancelled or empty makes at least one step.
+/// A step compares the children of one node with another node, or two leaves. It takes 0.1 to 1 us, rarely several. The
+/// clock is read every few steps, so a deadline is overrun by a few steps. A query makes at least one step, even if
+/// its deadline has passed, unless it is cancelled or `max_steps` is 0.
 struct QueryBudget {
   std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
-  /// Steps are the same on all machines.
+  /// A number of steps gives the same answer on every machine, however fast it is.
   std::uint64_t max_steps = std::numeric_limits<std::uint64_t>::max();
-  const std::atomic<bool>* cancel = nullptr;  ///< ends the query once it is true
+  /// Ends the query once it is true. Has to live as long as the query; may be set by any thread.
+  const std::atomic<bool>* cancel = nullptr;
 };
 
 /// Which limit of its budget has ended a query.
@@ -63,12 +66,13 @@ struct QueryStats {
   std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
 };
 
-/// What a query of two models has found, for the next query of the same two to start from: the triangles it ended with,
-/// the pairs of nodes that it pruned, which stay pruned while the models have moved little, and those that were open
-/// when its budget was spent. Answers do not depend on it beyond the asked error and rounding; a cache that was filled
-/// by other models only costs time, and little of that. Self-queries (contacts.h) use and leave the triangles alone.
+/// What a query of two models has found, for the next query of the same two to start from: the two triangles of its
+/// answer; the pairs of nodes that it pruned, which stay pruned while the models have moved little; and those that were
+/// still open when its budget was spent. A cache changes distances only within the asked errors and rounding, and no
+/// answer of yes or no. One that was filled by other models costs a little time. Self-queries (contacts.h) use only the
+/// two triangles.
 ///
-/// Cost     90 kB, allocated by the first query, which throws std::bad_alloc if it cannot, and then changes nothing.
+/// Cost     90 kB, allocated by the first query. It throws std::bad_alloc if that fails, and then changes nothing.
 /// Threads  One call at a time.
 /// Source   docs/algorithms/traversal.md, "Warm start".
 class QueryCache {
@@ -81,7 +85,7 @@ class QueryCache {
   /// Makes the next query start from nothing.
   LIMBER_API void clear();
 
-  /// For the library's own use: allocated when it is first asked for.
+  /// For the library's own use.
   struct Impl;
   Impl& impl();
 
@@ -95,11 +99,11 @@ struct QueryOptions {
   QueryBudget budget = {};      ///< when the query has to end; the default has no limits
 };
 
-/// How good the answer must be: within either error is enough. Contacts are found at any setting.
+/// How good the answer must be: within either error is enough. Models that meet are found to meet at any setting.
 struct DistanceOptions {
   double relative_error = 0;  ///< the answer may exceed the true distance by this fraction of it; finite, >= 0
   double absolute_error = 0;  ///< the answer may exceed the true distance by this length; finite, >= 0
-  /// Beyond this distance the query only reports `beyond_limit`; >= 0, infinity for no limit.
+  /// If the distance is above this, the query only reports `beyond_limit`; >= 0, infinity for no limit.
   double max_distance = std::numeric_limits<double>::infinity();
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< as in QueryOptions
@@ -109,8 +113,8 @@ struct DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to the rounding stated above
   double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
-  std::optional<Witness> witness;             ///< none exactly when `beyond_limit`
-  StoppedBy stopped_by = StoppedBy::nothing;  ///< something else exactly when `interrupted`
+  std::optional<Witness> witness;             ///< empty if and only if the status is `beyond_limit`
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `interrupted`
   QueryStats stats{};
 };
 
@@ -118,16 +122,16 @@ struct DistanceResult {
 enum class Answer {
   no,
   yes,
-  unknown,  ///< the budget was spent before either was proven
+  unknown,  ///< the budget was spent before either was proven; never without a budget
 };
 
-/// The answer of collide() and within(). Neither is_yes() nor is_no() if it is unknown, which takes a budget.
+/// The answer of collide() and within(). If it is unknown, neither is_yes() nor is_no() is true.
 struct CollideResult {
   Answer answer = Answer::unknown;
-  /// A pair of points, there exactly when the answer is yes: the same point if the models meet; else at most as far
-  /// apart as was asked, and not necessarily the closest.
+  /// Two points, if and only if the answer is yes: the same point twice if the models meet, else points at most as far
+  /// apart as was asked, not necessarily the closest.
   std::optional<Witness> witness;
-  StoppedBy stopped_by = StoppedBy::nothing;  ///< something else exactly when the answer is unknown
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the answer is unknown
   QueryStats stats{};
 
   bool is_yes() const { return answer == Answer::yes; }
@@ -139,21 +143,22 @@ struct CollideResult {
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
 /// Budget   With one, the answer is unknown if the budget is spent before there is a contact or a proof that there is
-///          none. The next call with the same cache goes on from there, whether or not the models have moved.
+///          none. The next call with the same cache goes on from there. If the models have moved since, what was proven
+///          holds less the motion.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
 LIMBER_API CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& options = {});
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
-/// Promise  lower <= true distance <= upper, each up to the rounding stated above. upper is within either of the
-///          asked errors. Contacts are found at every setting.
+/// Promise  lower <= true distance <= upper, each up to the rounding stated above. upper exceeds the true distance by
+///          no more than the larger of the asked errors. Models that meet are found to meet at any setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
-/// Limit    If nothing is as close as max_distance, lower is at least that, upper is infinite, the witness is empty.
-/// Budget   If it is spent first, the status is `interrupted`; lower and upper keep their promises, and the witness
-///          attains upper. The next call with the same cache goes on from there, whether or not the models have moved.
-///          Asked the same again while they rest, the interval never becomes wider; its ends may move back by rounding
-///          only.
+/// Limit    If the distance is above max_distance, lower is at least max_distance, upper is infinite, and there is no
+///          witness.
+/// Budget   If it is spent first, the status is `interrupted`: the distance is still between lower and upper, and upper
+///          is that of the witness. The next call with the same cache goes on from there, as in collide(). If the same
+///          query is repeated while the models rest, the interval never becomes wider, but for rounding.
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
@@ -165,11 +170,11 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
-/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as stated above. A cache or
-///          a motion margin does not change it. So it is true for a finite `upper` that distance() has returned for the
-///          same models, poses and order; for 0 it is true exactly when the models meet.
-/// Budget   As collide().
-/// Cost     As collide(), which is within() of 0.
+/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as stated above, whatever the
+///          cache and the motion margin. So it is yes for a finite `upper` that distance(a, b) has returned for the
+///          same poses. For 0 it is yes if and only if the models meet.
+/// Budget   See collide().
+/// Cost     See collide(), which does the same for a distance of 0.
 LIMBER_API CollideResult within(const Placed& a, const Placed& b, double max_distance,
                                 const QueryOptions& options = {});
 

@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Based on  [Quinlan1994] and the thesis this engine follows: two trees descended together, the larger sphere split,
-//           the nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the
-//           asked error.
+// The queries of the classic engine: the sphere tree as the source describes it, plain and recursive. It is what the
+// fast engine is measured against, and a second opinion in tests.
+//
+// Based on  [Quinlan1994] and the source (docs/notation.md): two trees descended together, the larger sphere split, the
+//           nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the asked
+//           error.
 // Differs   Both spheres of a pair are placed in the world, their bounds reduced by the rounding of the placement, so a
-//           bound never overstates a gap. Dropped bounds are remembered: the smallest of them and the answer make the
-//           certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error.
+//           bound never overstates a gap. The smallest bound of a dropped pair is remembered: it and the answer make
+//           the certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error:
+//           an absolute error above the distance makes the cutoff negative.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,7 +35,7 @@ void check_placed(const Placed& a, const Placed& b) {
     LIMBER_REQUIRE(placed->model().is_committed(),
                    "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
     LIMBER_REQUIRE(geometry::is_rigid(placed->pose),
-                   "limber::classic: a query needs rigid poses; one of a model is not (see is_rigid())");
+                   "limber::classic: a query needs rigid poses; a model's pose is not (see is_rigid())");
   }
 }
 
@@ -47,12 +51,13 @@ class PlacedTree {
     return {pose_(s.center), s.radius * stretch_};
   }
   Triangle triangle(TriangleId t) const {
-    const Triangle& model = tree_.mesh.triangle(t);
-    return {pose_(model.v0), pose_(model.v1), pose_(model.v2)};
+    const Triangle& local = tree_.mesh.triangle(t);
+    return {pose_(local.v0), pose_(local.v1), pose_(local.v2)};
   }
 
-  /// Bounds how far rounding can shift a placed vertex against a placed sphere: each coordinate of either is off by at
-  /// most 6 units (2^-53) of the magnitudes added, 2 * 6 * sqrt(3) < 2^5 for both together.
+  /// Bounds how far rounding can shift a placed vertex against a placed sphere. A coordinate of either is a sum of
+  /// three products and the translation: six roundings of at most 2^-53 times the magnitudes added. For both, and three
+  /// coordinates: 2 * 6 * sqrt(3) < 2^5.
   double placement_error() const {
     const Sphere& all = tree_.nodes[root].sphere;
     const double magnitude = length(pose_.translation) + stretch_ * (length(all.center) + all.radius);
@@ -62,18 +67,19 @@ class PlacedTree {
  private:
   const Tree& tree_;
   Transform pose_;
-  double stretch_;
+  double stretch_;  // of lengths: a rotation may be orthonormal up to rounding only
 };
 
 /// A node together with its sphere in the world.
-struct Visit {
+struct PlacedNode {
   std::uint32_t node;
   Sphere sphere;
 };
 
 /// The descent shared by all queries; `Query` says which bounds matter and what to do with two triangles.
 ///
-/// Needs    bool Query::matters(double lower_bound): whether a pair that far apart must still be looked at.
+/// Needs    bool Query::keeps(double lower_bound): whether a pair that far apart must still be looked at; else it is
+///          dropped.
 ///          void Query::compare(TriangleId a, TriangleId b, const Triangle&, const Triangle&).
 template <typename Query>
 class Descent {
@@ -82,40 +88,41 @@ class Descent {
       : a_(a), b_(b), query_(query), stats_(stats), error_(a_.placement_error() + b_.placement_error()) {}
 
   void run() {
-    const Visit a{root, a_.sphere(root)}, b{root, b_.sphere(root)};
+    const PlacedNode a{root, a_.sphere(root)}, b{root, b_.sphere(root)};
     visit(a, b, lower_bound(a.sphere, b.sphere));
   }
 
  private:
-  void visit(const Visit& a, const Visit& b, double bound) {
-    if (!query_.matters(bound)) return;
+  void visit(const PlacedNode& a, const PlacedNode& b, double bound) {
+    if (!query_.keeps(bound)) return;
     const Node& node_a = a_.node(a.node);
     const Node& node_b = b_.node(b.node);
     if (node_a.is_leaf() && node_b.is_leaf()) {
       ++stats_.triangle_tests;
       query_.compare(node_a.triangle, node_b.triangle, a_.triangle(node_a.triangle), b_.triangle(node_b.triangle));
     } else if (node_b.is_leaf() || (!node_a.is_leaf() && a.sphere.radius >= b.sphere.radius)) {
-      const Visit first = child(a_, node_a, 0), second = child(a_, node_a, 1);
-      const double bound0 = lower_bound(first.sphere, b.sphere), bound1 = lower_bound(second.sphere, b.sphere);
-      if (bound1 < bound0) visit(second, b, bound1);
-      visit(first, b, bound0);
-      if (bound1 >= bound0) visit(second, b, bound1);
+      PlacedNode near = child(a_, node_a, 0), far = child(a_, node_a, 1);
+      double near_bound = lower_bound(near.sphere, b.sphere), far_bound = lower_bound(far.sphere, b.sphere);
+      if (far_bound < near_bound) std::swap(near, far), std::swap(near_bound, far_bound);
+      visit(near, b, near_bound);
+      visit(far, b, far_bound);
     } else {
-      const Visit first = child(b_, node_b, 0), second = child(b_, node_b, 1);
-      const double bound0 = lower_bound(a.sphere, first.sphere), bound1 = lower_bound(a.sphere, second.sphere);
-      if (bound1 < bound0) visit(a, second, bound1);
-      visit(a, first, bound0);
-      if (bound1 >= bound0) visit(a, second, bound1);
+      PlacedNode near = child(b_, node_b, 0), far = child(b_, node_b, 1);
+      double near_bound = lower_bound(a.sphere, near.sphere), far_bound = lower_bound(a.sphere, far.sphere);
+      if (far_bound < near_bound) std::swap(near, far), std::swap(near_bound, far_bound);
+      visit(a, near, near_bound);
+      visit(a, far, far_bound);
     }
   }
 
-  static Visit child(const PlacedTree& tree, const Node& node, std::uint32_t which) {
+  static PlacedNode child(const PlacedTree& tree, const Node& node, std::uint32_t which) {
     LIMBER_ASSERT(!node.is_leaf());
     const std::uint32_t n = node.first_child + which;
     return {n, tree.sphere(n)};
   }
 
-  /// At most the distance of the triangles inside; 0 when the spheres meet.
+  /// A lower bound of the distance of the triangles inside; 0 when the spheres meet. The factor covers the rounding of
+  /// the subtraction and of itself.
   double lower_bound(const Sphere& a, const Sphere& b) {
     ++stats_.node_tests;
     const double radius_sum = base::add_up(base::add_up(a.radius, b.radius), error_);
@@ -131,7 +138,7 @@ class Descent {
 struct CollisionQuery {
   std::optional<Witness> witness;
 
-  bool matters(double lower_bound) const { return !witness && lower_bound == 0; }
+  bool keeps(double lower_bound) const { return !witness && lower_bound == 0; }
   void compare(TriangleId id_a, TriangleId id_b, const Triangle& a, const Triangle& b) {
     if (!geometry::intersects(a, b)) return;
     const Vec3 shared = geometry::shared_point(a, b);
@@ -141,19 +148,20 @@ struct CollisionQuery {
 
 struct DistanceQuery {
   DistanceOptions options;
-  double close_enough;  // a distance this small ends the query
+  double close_enough;  // a distance at most this ends the query
   double cutoff;        // pairs at least this far apart cannot improve the answer enough
   double upper = infinity;
-  double smallest_dropped = infinity;  // lower bound of everything that was not looked at
+  double smallest_dropped = infinity;  // a lower bound of the distance of all pairs that were dropped
   std::optional<Witness> witness;
 
-  // Closed: a pair exactly max_distance apart matters.
-  DistanceQuery(const DistanceOptions& asked, double ends_below)
-      : options(asked), close_enough(ends_below), cutoff(std::nextafter(asked.max_distance, infinity)) {}
+  // The cutoff begins just above max_distance: a pair exactly that far apart is an answer.
+  DistanceQuery(const DistanceOptions& asked, double ends_at)
+      : options(asked), close_enough(ends_at), cutoff(std::nextafter(asked.max_distance, infinity)) {}
 
-  bool matters(double lower_bound) {
+  /// Drops a pair where it may, and remembers its bound; not once the query has ended: nothing asks for it then.
+  bool keeps(double lower_bound) {
     if (upper <= close_enough) return false;
-    if (lower_bound < cutoff || (lower_bound == 0 && upper > 0)) return true;
+    if (lower_bound < cutoff || lower_bound == 0) return true;
     smallest_dropped = std::min(smallest_dropped, lower_bound);
     return false;
   }
@@ -163,7 +171,8 @@ struct DistanceQuery {
     if (closest.distance >= upper) return;
     upper = closest.distance;
     witness = Witness{closest.point_a, closest.point_b, id_a, id_b};
-    if (upper > options.max_distance) return;  // no answer, so nothing may be left out for its sake
+    if (upper > options.max_distance) return;  // not an answer: it must not lower the cutoff
+    // Pairs are dropped beyond the least of the three, which is safe with either error. The quotient is rounded down.
     const double e = options.relative_error;
     const double relative = e == 0 ? upper : upper / (1 + e) * (1 - 0x1p-51);
     cutoff = std::min({cutoff, relative, upper - options.absolute_error});

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+// reduce_contacts() of limber/contacts.h: sorts contacts by depth, groups them into patches, and keeps a few of each
+// patch. A contact joins the first patch whose first, deepest contact is near in position and normal; else it begins a
+// patch. A hash grid finds the patches near a contact. Of a patch, the first contact is kept, then always the one that
+// is farthest from those that are kept.
+//
 // Based on  The reduction of contact manifolds in Bullet, Jolt and Rapier: the deepest contact, then those that span
 //           most.
-// Differs   Those reduce the contacts of one pair of convex shapes. Here patches come first: by distance and normal
-//           from the deepest contact that is in none yet, found in a grid. Further contacts of a patch are sampled
-//           farthest first [Gonzalez1985], which serves any number of them.
+// Differs   Those reduce the contacts of one pair of convex shapes, so they need no patches, and keep four contacts.
+//           Sampling farthest first [Gonzalez1985] serves any number.
 #include "limber/contacts.h"
 
 #include <algorithm>
@@ -13,6 +17,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -25,7 +30,7 @@ namespace limber {
 namespace {
 
 constexpr std::uint32_t no_patch = std::numeric_limits<std::uint32_t>::max();
-// Of the radius: nearer contacts add next to nothing to what a manifold spans.
+// In radii. A contact that is this near to one that is kept adds next to nothing to what the patch spans.
 constexpr double spacing = 0.25;
 
 bool is_all_finite(const Contact& c) {
@@ -36,7 +41,7 @@ bool is_all_finite(const Contact& c) {
 void check(std::span<const Contact> contacts, const ReductionOptions& options) {
   LIMBER_REQUIRE(options.radius > 0 && std::isfinite(options.radius),
                  "limber::reduce_contacts: radius must be finite and above 0");
-  LIMBER_REQUIRE(options.max_angle >= 0 && options.max_angle <= 0x1.921fb54442d18p+1,
+  LIMBER_REQUIRE(options.max_angle >= 0 && options.max_angle <= std::numbers::pi,
                  "limber::reduce_contacts: max_angle must be at least 0 and at most pi");
   LIMBER_REQUIRE(options.max_points >= 1, "limber::reduce_contacts: max_points must be at least 1");
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -46,10 +51,11 @@ void check(std::span<const Contact> contacts, const ReductionOptions& options) {
   }
 }
 
-// Halves first: the sum may be too large.
+// The middle. Halves are added, because the sum of two points may overflow.
 Vec3 position_of(const Contact& c) { return 0.5 * c.point_a + 0.5 * c.point_b; }
 
-/// The deepest first; what follows makes equal depths independent of the input's order.
+/// The order of contacts: by how far the triangles are apart, less their depth. Ties are broken by everything else, so
+/// that the order does not depend on that of the input.
 bool is_deeper(const Contact& c, const Contact& d) {
   const double gap_c = c.distance - c.depth, gap_d = d.distance - d.depth;
   if (gap_c != gap_d) return gap_c < gap_d;
@@ -60,30 +66,33 @@ bool is_deeper(const Contact& c, const Contact& d) {
   return key(c) < key(d);
 }
 
-/// Component by component: the inverse of a tiny length may be too large.
+/// v / by, component by component: 1 / by may overflow.
 Vec3 divided(const Vec3& v, double by) { return {v.x / by, v.y / by, v.z / by}; }
 
-/// From one contact to another, in radii: squares of that neither underflow nor overflow where they matter.
+/// From one contact to another, in radii. Where contacts are about one radius apart, its square cannot underflow or
+/// overflow.
 Vec3 offset(const Contact& from, const Contact& to, double radius) {
   return divided(position_of(to) - position_of(from), radius);
 }
 
-/// The cells of one coordinate that numbers fall into: each a little wider than twice what counts as near.
+/// The cells of a grid along one axis. A cell is a little wider than twice `near`, so all coordinates near a given one
+/// are in at most two cells.
 ///
-/// A cell is named by its number, which is exact below 2^53. Where numbers would be larger, different coordinates are
-/// never near each other: there each coordinate is a cell of its own, named by itself.
-class Cells {
+/// A cell is named by its number, as long as that is below 2^53 and exact. Coordinates beyond are more than `near`
+/// apart unless they are equal: floating-point numbers of that size have larger steps. So there each coordinate is a
+/// cell of its own, named by the coordinate.
+class AxisCells {
  public:
   /// Pre      near > 0.
-  explicit Cells(double near) : reach_(near * (1 + 0x1p-10)), per_unit_(1 / std::max(2 * reach_, 0x1p-1020)) {}
+  explicit AxisCells(double near) : reach_(near * (1 + 0x1p-10)), per_unit_(1 / std::max(2 * reach_, 0x1p-1020)) {}
 
-  double of(double x) const {
+  double cell_of(double x) const {
     const double at = x * per_unit_;
     return std::abs(at) < most ? std::floor(at) : x;
   }
 
-  /// All cells that may have a number near x: two, or a few more where rounding makes steps as large as cells. Rounding
-  /// keeps the order of numbers, so what is within reach of x is in these.
+  /// The cells that may have a coordinate near x: two, or a few more where steps of floating-point numbers are as large
+  /// as cells. None is missed: rounding keeps the order of numbers.
   struct Range {
     double first, last;
   };
@@ -99,7 +108,7 @@ class Cells {
   double reach_, per_unit_;
 };
 
-/// What a contact is found by: its position and its normal.
+/// A point of the grid: position and normal of a contact.
 using Place = std::array<double, 6>;
 
 Place place_of(const Contact& c) {
@@ -107,22 +116,23 @@ Place place_of(const Contact& c) {
   return {p.x, p.y, p.z, c.normal.x, c.normal.y, c.normal.z};
 }
 
+/// The distance of two unit vectors at an angle. Normals are compared by it.
 double chord_of(double angle) { return 2 * std::sin(angle / 2); }
 
 /// Contacts that belong together.
 struct Patch {
-  std::size_t first;     // contact
-  std::uint32_t before;  // patch in the same bucket
-  std::size_t end;       // of its members, in the list of all
+  std::size_t first;             // the index of its first contact
+  std::uint32_t next_in_bucket;  // the patch that was added before to the same bucket
+  std::size_t end;               // where its members end in the list of all members
 };
 
-/// Patches in a hash table of cells, by the places of their first contacts.
-class RegionGrid {
+/// Patches in a hash table of grid cells, by the places of their first contacts.
+class PatchGrid {
  public:
-  RegionGrid(const ReductionOptions& options, std::size_t capacity)
+  PatchGrid(const ReductionOptions& options, std::size_t capacity)
       : positions_(options.radius),
         normals_(std::max(chord_of(options.max_angle), 0x1p-500)),
-        axis_count_(chord_of(options.max_angle) < 0.0625 ? 6 : 3),
+        axis_count_(chord_of(options.max_angle) < small_chord ? 6 : 3),
         last_in_(std::bit_ceil(2 * capacity + 1), no_patch) {
     patches_.reserve(capacity);
   }
@@ -131,60 +141,63 @@ class RegionGrid {
 
   void add(const Place& place, std::size_t first_contact) {
     std::uint64_t hash = 0;
-    for (std::size_t axis = 0; axis < axis_count_; ++axis) hash = mixed(hash, cells(axis).of(place[axis]));
+    for (std::size_t axis = 0; axis < axis_count_; ++axis) hash = mixed(hash, cells(axis).cell_of(place[axis]));
     std::uint32_t& last = last_in_[hash & (last_in_.size() - 1)];
     patches_.push_back({first_contact, last, 0});
     last = static_cast<std::uint32_t>(patches_.size() - 1);
   }
 
-  /// Calls visit(patch) for all that may be near, some of them more than once.
+  /// Calls visit(patch) for every patch that is near, for some of them more than once, and for a few others.
   template <typename Visit>
   void visit_near(const Place& place, const Visit& visit) const {
     visit_near(place, 0, 0, visit);
   }
 
  private:
-  const Cells& cells(std::size_t axis) const { return axis < 3 ? positions_ : normals_; }
+  const AxisCells& cells(std::size_t axis) const { return axis < 3 ? positions_ : normals_; }
 
-  // Cells that share a bucket cost time only.
+  // Multiplies by 2^64 over the golden ratio (Fibonacci hashing). Cells that share a bucket cost time only.
   static std::uint64_t mixed(std::uint64_t hash, double cell) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(cell + 0.0)) * 0x9e37'79b9'7f4a'7c15U;  // + 0.0: one zero of two
+    hash = (hash ^ std::bit_cast<std::uint64_t>(cell + 0.0)) * 0x9e37'79b9'7f4a'7c15U;  // + 0.0: -0 becomes 0
     return hash ^ hash >> 32U;
   }
 
+  /// Goes through the near cells of one axis after the other: at most two for each, 2^6 buckets in all.
   template <typename Visit>
   void visit_near(const Place& place, std::size_t axis, std::uint64_t hash, const Visit& visit) const {
     if (axis == axis_count_) {
       std::uint32_t i = last_in_[hash & (last_in_.size() - 1)];
-      for (; i != no_patch; i = patches_[i].before) visit(i);
+      for (; i != no_patch; i = patches_[i].next_in_bucket) visit(i);
       return;
     }
-    const Cells::Range range = cells(axis).around(place[axis]);
+    const AxisCells::Range range = cells(axis).around(place[axis]);
     LIMBER_ASSERT(range.first <= range.last);
-    for (double cell = range.first;; ++cell) {
+    for (double cell = range.first;; ++cell) {  // beyond 2^53, where ++ would do nothing, first and last are equal
       visit_near(place, axis + 1, mixed(hash, cell), visit);
       if (cell >= range.last) return;
     }
   }
 
-  // Normals tell places apart only where they must be so close that many patches fit around one point. Squares of
-  // differences below 2^-500 vanish, so these count as none.
-  Cells positions_, normals_;
+  // Normals are part of the hash only if max_angle is so small that many patches may be at one point.
+  static constexpr double small_chord = 1. / 16;
+
+  AxisCells positions_, normals_;  // of normals at least 2^-500 wide: squares of smaller differences vanish
   std::size_t axis_count_;
   std::vector<std::uint32_t> last_in_;  // of each bucket
   std::vector<Patch> patches_;
 };
 
-/// Where a contact belongs.
+/// What is decided of a contact.
 struct Membership {
   std::uint32_t patch;
   bool is_kept = false;
 };
 
-/// Which contacts belong together: each to the first patch it is close enough to. Sets the patch of each.
+/// Groups contacts: each joins the first patch, the one of deepest first contact, that it is near to. Sets the patch of
+/// each. Pre: the contacts are sorted by depth.
 std::vector<Patch> patches_of(std::span<const Contact> contacts, const ReductionOptions& options,
                               std::span<Membership> memberships) {
-  RegionGrid grid(options, contacts.size());
+  PatchGrid grid(options, contacts.size());
   std::vector<Patch>& patches = grid.patches();
   const double chord = chord_of(options.max_angle);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -205,14 +218,14 @@ std::vector<Patch> patches_of(std::span<const Contact> contacts, const Reduction
   return std::move(patches);
 }
 
-/// A contact of a patch, on the plane across the normal of its first one.
+/// A contact of a patch, projected along the normal of the patch's first contact.
 struct Member {
   std::size_t contact;
-  Vec3 flat;                                                  // from the first one, in radii
+  Vec3 flat;                                                  // that projection, from the first contact on, in radii
   double apart_sq = std::numeric_limits<double>::infinity();  // from the nearest that is kept
 };
 
-/// Calls keep(contact) for the first, and for those that span most.
+/// Calls keep(contact) for the first member, and then always for the one that is farthest from those that are kept.
 template <typename Keep>
 void keep_spanning(std::span<Member> members, std::size_t max_points, const Keep& keep) {
   LIMBER_ASSERT(!members.empty() && max_points >= 1);
@@ -232,10 +245,11 @@ void keep_spanning(std::span<Member> members, std::size_t max_points, const Keep
 /// All contacts, patch by patch. Sets the ends of the patches.
 std::vector<Member> members_of(std::span<Patch> patches, std::span<const Contact> contacts,
                                std::span<const Membership> memberships, double radius) {
-  // First how many each has, then where each begins; that becomes the end as members are added.
+  // `end` is first how many members a patch has, then where they begin, and in the end, as members are added, where
+  // they end.
   for (const Membership& m : memberships) ++patches[m.patch].end;
   std::size_t begin = 0;
-  for (Patch& r : patches) begin += std::exchange(r.end, begin);
+  for (Patch& patch : patches) begin += std::exchange(patch.end, begin);
   LIMBER_ASSERT(begin == contacts.size() && memberships.size() == contacts.size());
   std::vector<Member> members(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -250,24 +264,25 @@ std::vector<Member> members_of(std::span<Patch> patches, std::span<const Contact
 }  // namespace
 
 std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                            std::span<std::uint32_t> patches) {
+                            std::span<std::uint32_t> patch_ids) {
   const base::DefaultFloatEnvironment environment;
   check(contacts, options);
   if (contacts.empty()) return 0;
   std::vector<Contact> sorted(contacts.begin(), contacts.end());
   std::sort(sorted.begin(), sorted.end(), is_deeper);
   std::vector<Membership> memberships(sorted.size());
-  std::vector<Patch> found = patches_of(sorted, options, memberships);
-  std::vector<Member> members = members_of(found, sorted, memberships, options.radius);
+  std::vector<Patch> patches = patches_of(sorted, options, memberships);
+  std::vector<Member> members = members_of(patches, sorted, memberships, options.radius);
+  // The kept contacts come first in the caller's span, patch by patch, then all others.
   std::size_t next = 0, begin = 0;
-  for (std::size_t r = 0; r < found.size(); ++r) {
-    const std::span<Member> all = std::span(members).subspan(begin, found[r].end - begin);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const std::span<Member> all = std::span(members).subspan(begin, patches[p].end - begin);
     keep_spanning(all, options.max_points, [&](std::size_t i) {
       memberships[i].is_kept = true;
-      if (next < patches.size()) patches[next] = static_cast<std::uint32_t>(r);
+      if (next < patch_ids.size()) patch_ids[next] = static_cast<std::uint32_t>(p);
       contacts[next++] = sorted[i];
     });
-    begin = found[r].end;
+    begin = patches[p].end;
   }
   const std::size_t kept = next;
   for (std::size_t i = 0; i < sorted.size(); ++i) {

@@ -10,16 +10,18 @@
 namespace limber::io {
 namespace {
 
+// Values of componentType (glTF 2.0, 3.6.2.2).
 constexpr std::uint64_t unsigned_byte = 5121, unsigned_short = 5123, unsigned_int = 5125, float32 = 5126;
 
-std::optional<std::size_t> unsigned_bytes(std::uint64_t component_type) {
+/// The size of an unsigned integer of a component type, none if it is no such type.
+std::optional<std::size_t> bytes_of_unsigned(std::uint64_t component_type) {
   if (component_type == unsigned_byte) return 1;
   if (component_type == unsigned_short) return 2;
   if (component_type == unsigned_int) return 4;
   return {};
 }
 
-/// Replaces the elements that the sparse part of an accessor names, in rising order.
+/// Replaces the elements that the sparse part of an accessor names. Their indices have to rise.
 template <typename Element, typename Read>
 void apply_sparse(const GltfAccessor& accessor, std::size_t element_bytes, std::vector<Element>& elements,
                   const Read& read) {
@@ -39,6 +41,7 @@ void apply_sparse(const GltfAccessor& accessor, std::size_t element_bytes, std::
   }
 }
 
+/// Reads all elements of a checked accessor. Without bytes they are zero, apart from its sparse part.
 template <typename Element, typename Read>
 std::vector<Element> read_elements(const GltfAccessor& accessor, std::size_t element_bytes, const Read& read) {
   LIMBER_ASSERT(!accessor.elements.is_present ||
@@ -104,7 +107,7 @@ GltfAccessor GltfAccessors::check(std::uint64_t index, const JsonItem& user, Kin
       item.refuse("positions are of type " + in_quotes(item.text("type")) + ", not VEC3");
     result.component_bytes = 4;
   } else {
-    const std::optional<std::size_t> bytes = unsigned_bytes(component_type);
+    const std::optional<std::size_t> bytes = bytes_of_unsigned(component_type);
     if (!bytes)
       item.refuse("indices of component type " + std::to_string(component_type) + " are no unsigned integers");
     if (item.text("type") != "SCALAR")
@@ -131,7 +134,7 @@ void GltfAccessors::check_sparse(const JsonItem& accessor, std::size_t element_b
   const std::uint64_t count = sparse.whole("count");
   if (count == 0 || count > result.count) sparse.refuse("count is not from 1 to the accessor's");
   const JsonItem indices = sparse.item("indices"), values = sparse.item("values");
-  const std::optional<std::size_t> index_bytes = unsigned_bytes(indices.whole("componentType"));
+  const std::optional<std::size_t> index_bytes = bytes_of_unsigned(indices.whole("componentType"));
   if (!index_bytes) indices.refuse("componentType is not that of unsigned integers");
   result.sparse_count = static_cast<std::size_t>(count);
   result.sparse_index_bytes = *index_bytes;

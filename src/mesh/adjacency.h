@@ -12,17 +12,19 @@
 #include "geometry/primitives.h"
 #include "limber/mesh.h"
 
-/// What the vertices of a mesh belong to, by ids.
+/// The triangles and edges at each vertex of a mesh.
 namespace limber::mesh {
 
-/// A list of items for each vertex, all in one piece of memory.
+/// A list of items for each vertex, one after the other in one array (CSR).
 template <typename Item>
 class VertexLists {
  public:
-  /// for_all(add) calls add(vertex, item) for every item. It is called twice. Lists keep the order of the items.
+  /// for_all(add) calls add(vertex, item) for every item. for_all is called twice, to count and to fill, and has to do
+  /// the same both times. Lists keep the order in which items are added.
   template <typename ForAll>
   VertexLists(std::size_t vertex_count, const ForAll& for_all) : begin_(vertex_count + 2) {
-    // begin_[v + 2] counts, then begin_[v + 1] is where the next item of v goes; in the end that is the end of v.
+    // Counts are kept two places on. So after their sum begin_[v + 1] is where the list of v begins; it goes on with
+    // each item that is filled in, and at last is where the list of v ends and that of v + 1 begins.
     for_all([&](VertexId v, const Item&) { ++begin_[v + std::size_t{2}]; });
     for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
     items_.resize(begin_.back());
@@ -39,11 +41,12 @@ class VertexLists {
   std::vector<Item, base::UninitializedAllocator<Item>> items_;
 };
 
-/// One side of a triangle, from a corner to the next: an edge is as many of them as triangles have it.
+/// A half-edge: one side of a triangle. An edge that k triangles have is k of them. The smaller of its two vertex ids
+/// is known where it is used.
 struct TriangleSide {
   VertexId high;  // the larger vertex id
   TriangleId triangle;
-  std::uint32_t corner;
+  std::uint32_t corner;  // at which the side begins
 };
 
 /// Calls visit(low, sides) for every edge, in the order of its smaller vertex id, `low`, then of its larger one. The

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+// NeighborRings of limber/contacts.h: for each triangle the sorted list of larger ids near it.
 #include "limber/contacts.h"
 
 #include <algorithm>
@@ -20,7 +21,8 @@ mesh::VertexLists<TriangleId> triangles_of_vertices(const Mesh& mesh) {
           }};
 }
 
-/// Breadth-first search over the vertices of a mesh, from one triangle after the other.
+/// Breadth-first searches over the vertices of a mesh. Each begins at the corners of one triangle, by whose id the
+/// search is called; what it has seen is marked with that id, so that nothing has to be cleared before the next.
 class RingSearch {
  public:
   explicit RingSearch(const Mesh& mesh)
@@ -29,8 +31,9 @@ class RingSearch {
         vertex_seen_by_(mesh.positions().size(), no_id),
         triangle_seen_by_(mesh.triangles().size(), no_id) {}
 
-  /// Appends the triangles near `from` that have larger ids, ascending.
-  void append_near(TriangleId from, std::uint32_t edges, std::vector<TriangleId>& near) {
+  /// Appends the triangles that have a vertex at most `max_edges` edges away from a corner of `from`, and a larger id
+  /// than `from`; in ascending order.
+  void append_near(TriangleId from, std::uint32_t max_edges, std::vector<TriangleId>& near) {
     LIMBER_ASSERT(from < mesh_.triangles().size());
     const std::size_t first = near.size();
     next_.clear();
@@ -47,7 +50,7 @@ class RingSearch {
           see_vertices_of(t, from);
         }
       }
-      if (ring == edges || next_.empty()) break;
+      if (ring == max_edges || next_.empty()) break;
     }
     std::sort(near.begin() + static_cast<std::ptrdiff_t>(first), near.end());
   }
@@ -63,13 +66,14 @@ class RingSearch {
 
   const Mesh& mesh_;
   const mesh::VertexLists<TriangleId> triangles_of_;
-  std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the last search that has come by
-  std::vector<VertexId> ring_, next_;  // as many edges away as the search has come, and one more
+  std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the last search that has seen it
+  std::vector<VertexId> ring_, next_;  // vertices `ring` edges away from the first triangle, and one edge more
 };
 
 }  // namespace
 
 NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
+  // Only a mesh that has been moved from has no triangles.
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::NeighborRings: the mesh has been moved from");
   RingSearch search(mesh);
   begin_.reserve(mesh.triangles().size() + 1);
@@ -79,7 +83,7 @@ NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
     search.append_near(t, edges, near);
     begin_.push_back(near.size());
   }
-  near_.assign(near.begin(), near.end());  // without the room that it grew by
+  near_.assign(near.begin(), near.end());  // without spare capacity
 }
 
 bool NeighborRings::are_near(TriangleId a, TriangleId b) const {

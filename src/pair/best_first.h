@@ -25,20 +25,35 @@
 
 namespace limber::pair {
 
-/// The loop of queries that look for the best: pairs that overlap are taken first, then the nearest.
+/// The loop of queries that look for the closest pairs, or for any pair within a cutoff. A queue holds pairs of nodes.
+/// Pairs whose volumes overlap are taken first, then the nearest (BucketQueue). A pair that is taken is pruned if its
+/// lower bound is not below the cutoff (Pruning, SquaredLimits). Two leaves are compared (LeafComparison). Any other
+/// pair is expanded: the children of one of its nodes are compared with the other node (Expansion), and those that
+/// remain are queued.
 ///
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
-/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are
-///           compared with the other node at once. Bounds also use the search direction, in which the closest pair so
-///           far is apart.
+/// Differs   One node of a pair is expanded at a time, the one whose volume leaves more open
+///           (TreePair::split_priority()). Its eight children are compared with the other node at once. Bounds also use
+///           the search direction, in which the closest pair so far is apart.
 ///
-/// With `has_front` a front is recorded, or resumed, and owns the state of the traversal. While a traversal runs, only
-/// it changes Pruning: collectors return updates and never change it, and placed models are constant.
+/// Begin a traversal with one of:
+///   start()               from the roots, or for one model from its nodes, the last one first;
+///   start_with_records()  from the front of the last query, after the models have moved, or for another cutoff;
+///   go_on()               where the budget has interrupted the last query;
+///   start_with()          without a front, from the state of a traversal whose front is full.
+/// Then call step() until it returns false, and finish(). search.h decides between them.
+///
+/// Bounds are compared with Pruning::distance(); what is promised of everything left out is Pruning::cutoff(), which is
+/// the same but for tiny models.
+///
+/// With `has_front`, a front records what the traversal prunes and compares; the front also owns the traversal's state,
+/// so that the next query can go on with it. While a traversal runs, nobody else changes Pruning: collectors return
+/// updates, and placed models are constant.
 template <typename Collector, bool has_front>
 class BestFirst {
  public:
-  /// `front` is null without one.
+  /// `front` is null unless `has_front`.
   BestFirst(const Search& search, Collector& collector, Front* front)
       : search_(search),
         collector_(collector),
@@ -51,11 +66,11 @@ class BestFirst {
     static_assert(Collector::hits != Hits::all && !(has_front && Collector::hits == Hits::k_closest));
   }
 
-  /// Begins with the two roots; for one model, before its last node: step() visits all nodes. Pre: the collector is not
-  /// done.
+  /// Begins with the pair of roots. For one model, queues nothing: step() then visits the nodes one after the other.
+  /// Pre: the collector is not done.
   void start(double root_bound) {
     state_.clear();
-    if (has_front || search_.pruning.has_direction()) state_.leaves.try_some();
+    if (has_front || search_.pruning.has_direction()) state_.whole_leaves.allow_some();
     if constexpr (Collector::is_self) {
       static_assert(!has_front);
       next_node_ = static_cast<std::uint32_t>(trees_.tree(Side::a).nodes.size());
@@ -65,21 +80,24 @@ class BestFirst {
     state_.least_sq = limits_.bound_of(root_bound);
     const NodePair roots{state_.least_sq, {bvh::root, bvh::root}, NodePair::no_record, 0};
     if constexpr (!has_front && !needs_several) {
+      // The first descent is one long step: with a budget the traversal takes single steps.
       if (!search_.meter.is_limited()) return descend_first(roots);
     }
     state_.queue.push_first(roots);
   }
 
   /// Begins with the records of the front whose bounds are below the cutoff. False if these are so many that a new
-  /// traversal is cheaper, or if the front has no records. Pre: the collector is not done.
+  /// traversal is cheaper, or if the front has no records; then call start(), which drops what has been queued.
+  /// Pre: the collector is not done.
   bool start_with_records() requires has_front {
     state_.clear();
-    state_.leaves.try_some();
+    state_.whole_leaves.allow_some();
     if constexpr (looks_for_closest) prepare_seed();
     return push_records();
   }
-  /// Goes on with a state that a traversal with a front has left.
-  void take_over(const TraversalState& state) requires(!has_front) { state_ = state; }
+  /// Begins with a copy of the state, queue included, of a traversal that has recorded a front until it was full.
+  /// Pre: that traversal began with start(), so that no pair of the queue stands for a whole record.
+  void start_with(const TraversalState& state) requires(!has_front) { state_ = state; }
   /// Continues the traversal of the front that was interrupted. Pre: the collector is not done, and
   /// Front::can_continue().
   void go_on() requires has_front {
@@ -90,17 +108,24 @@ class BestFirst {
   /// Processes one pair of the queue. False when no pair that matters is left, or the budget is spent.
   bool step() {
     if (search_.meter.is_spent(state_.steps - first_step_) || collector_.is_done()) return false;
-    if (state_.queue.empty()) return Collector::is_self && next_node_ > 0 && compare_siblings();
+    if (state_.queue.empty()) {
+      if (!Collector::is_self || next_node_ == 0) return false;
+      compare_siblings();
+      return true;
+    }
     update_limits();
     Expansion e;
     e.pair = state_.queue.pop();
     if constexpr (looks_for_closest) {
+      // Where this pair is pruned, so are all others, and a seed would be looked for in vain.
       if (state_.seed.is_due() && e.pair.bound_sq < limits_.of(Side::a)) compare_seed();
-      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_again();
+      // A pair that overlaps is followed down to its leaves anyway.
+      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) begin_or_postpone_descent();
     }
-    if (!begin(e)) return true;
-    compare_children(e);
-    keep(e, state_.descents.is_descending());
+    if (has_children_to_compare(e)) {
+      compare_children(e);
+      keep(e, state_.descents.is_descending());
+    }
     return true;
   }
 
@@ -127,9 +152,16 @@ class BestFirst {
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
+  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
+  static constexpr float worth_refocusing = 0.5F;
+  // Expansions of two trees of at most 11 levels each, and the pair of leaves.
+  static constexpr std::uint32_t longest_descent = 23;
+  // A front is resumed if less than this part of its records has to be compared again, open ones not counted.
+  static constexpr double worth_resuming = 0.5;
+
   static decltype(auto) state_of(Front* front) {
     if constexpr (has_front) {
-      return (front->state());
+      return (front->state());  // in parentheses: a reference
     } else {
       return TraversalState();
     }
@@ -137,14 +169,14 @@ class BestFirst {
 
   // --- order ---
 
-  /// Descends from the nearest pair, but not with a front, nor after a seed that was close: a close pair is known then.
-  /// Called when no queued pair overlaps: the deepest overlap is followed to its leaves anyway. Not inlined: it is
-  /// rare.
-  [[gnu::noinline]] void descend_again() {
+  /// Begins a descent where it may find a closer pair. Where a close pair is known, from a front or a seed, it only
+  /// sets when to ask again. Not inlined: it is rare.
+  [[gnu::noinline]] void begin_or_postpone_descent() {
     state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
   }
 
-  /// Updates the squared limits, and spreads the buckets anew when the range of bounds that matter has halved.
+  /// Updates the squared limits. When the range of bounds that matter has halved, spreads the buckets of the queue over
+  /// what is left of it.
   void update_limits() {
     if (!limits_.update(search_.pruning.distance())) return;
     const float limit_sq = limits_.of(Side::a);
@@ -158,6 +190,7 @@ class BestFirst {
   void keep(const Expansion& e, bool descends) {
     if (e.kept.all == 0) return;
     unsigned overlapping = e.kept.overlapping;
+    // A collector of any hit gains nothing from a smaller distance that is still above its cutoff.
     if (overlapping == 0 && descends && Collector::hits != Hits::any) return push_nearest_first(e);
     push(e, e.kept.all & ~overlapping);
     // The deepest overlap last, so that it is taken first.
@@ -185,8 +218,8 @@ class BestFirst {
     return e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
   }
 
-  /// Straight down from the roots to the first two leaves. What is left on the way is queued only if these do not end
-  /// the query, as they often do where models intersect.
+  /// Goes straight down from the roots to two leaves and compares them. Only if that does not end the query, as it
+  /// often does where models intersect, are the other children of the nodes on the way queued.
   void descend_first(const NodePair& roots) {
     update_limits();
     if constexpr (looks_for_closest) {
@@ -200,7 +233,7 @@ class BestFirst {
       LIMBER_ASSERT(length < longest_descent);
       Expansion& e = way[length];
       e.pair = pair;
-      if (!expand(e)) break;
+      if (!start_expansion(e)) break;
       compare_children(e);
       if (e.kept.all == 0) break;
       const std::uint32_t child = e.first_child();
@@ -208,22 +241,22 @@ class BestFirst {
       e.kept.all &= ~(1U << child), e.kept.overlapping &= ~(1U << child);
     }
     if (collector_.is_done()) return;
-    for (std::uint32_t i = 0; i < length; ++i) keep(way[i], false);
+    for (std::uint32_t i = 0; i < length; ++i) keep(way[i], false);  // the lowest level ends on top of the stack
   }
 
   // --- pairs of nodes ---
 
-  /// Prepares the expansion of a pair from the queue. True if there are children to compare: a pair that is pruned, and
-  /// two leaves, are finished here.
-  bool begin(Expansion& e) {
-    return has_front && e.pair.child == NodePair::whole_record ? expand_record(e) : expand(e);
+  /// Prepares the expansion of a pair from the queue. True if there are children to compare. False if the pair was
+  /// pruned, or was two leaves, which are compared here.
+  bool has_children_to_compare(Expansion& e) {
+    return has_front && e.pair.child == NodePair::whole_record ? start_expansion_of_record(e) : start_expansion(e);
   }
-  bool expand(Expansion& e) {
+  bool start_expansion(Expansion& e) {
     const NodePair& pair = e.pair;
     const float limit_sq = limits_.of(Side::a);
     if (pair.bound_sq >= limit_sq) {
       front_.settle(pair, limits_.length_of(Side::a, pair.bound_sq));
-      // With a front, each remaining pair has to be settled on its own.
+      // With a front, each remaining pair has to be put into its record on its own.
       if (!has_front && !state_.queue.empty() && state_.queue.all_beyond(limit_sq)) state_.queue.clear();
       return false;
     }
@@ -236,7 +269,7 @@ class BestFirst {
       if (leaves_.compare(pair, state_.steps - first_step_, has_front, apart)) {
         front_.settle(pair, apart);
       } else {
-        state_.queue.push_first(pair);
+        state_.queue.push_first(pair);  // the query has ended before all its triangles were compared
       }
       return false;
     }
@@ -244,7 +277,7 @@ class BestFirst {
     e.start(trees_.tree(side), pair, side);
     e.record = front_.add(pair, side);
     e.has_record = e.record != NodePair::no_record;
-    if (!e.has_record) e.record = pair.record;
+    if (!e.has_record) e.record = pair.record;  // where `pair` then stands for all below it
     return true;
   }
 
@@ -258,17 +291,17 @@ class BestFirst {
     const simd::KeptSlots kept = kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair),
                                                          search_.frames.of(e.side), search_.pruning.of(e.side),
                                                          limits_.of(e.side), e.order, has_front ? bound_sq : nullptr);
-    // In variables of their own: GCC would combine the masks in memory, where the processor waits for them.
+    // In local variables: GCC would combine masks in memory, and the processor would wait for the memory.
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
     e.kept = {all, overlapping};
     const unsigned pruned = e.children & ~e.kept.all;
     if (has_front && pruned != 0) front_.settle_children(e, pruned, bound_sq, limits_);
   }
 
-  /// For one model: compares the child slots of the next node with each other, and its leaves with themselves, from the
-  /// last node to the first. Every pair of triangles has one lowest node above both, so each is visited once. Always
-  /// true.
-  bool compare_siblings() {
+  /// For one model: compares the child slots of the next node with each other, and each of its leaves with itself. Two
+  /// triangles of one leaf are compared with that leaf; any two others have one lowest node above both. So every pair
+  /// is visited once.
+  void compare_siblings() {
     LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
     update_limits();
     ++state_.steps;
@@ -283,13 +316,12 @@ class BestFirst {
       compare_children(e);
       keep(e, state_.descents.is_descending());
     }
-    return true;
   }
 
   // --- seed ---
 
-  /// Decides whether to look for a seed. With a finite `max_distance` the cutoff is low already: a seed is of use once
-  /// a pair within it is known.
+  /// Decides whether to look for a seed. With a finite `max_distance` the cutoff is low from the start, and the models
+  /// may be farther apart; so a seed is looked for only after a pair within that distance has been found.
   void prepare_seed() {
     if (std::isinf(search_.pruning.distance()) || search_.pruning.distance() < collector_.initial_cutoff()) {
       state_.seed.make_due();
@@ -307,7 +339,7 @@ class BestFirst {
     if (const auto update = collector_.compare(a, b)) {
       search_.pruning.update(*update);
       state_.seed.note_close();
-      state_.leaves.try_many();
+      state_.whole_leaves.allow_many();
     }
     update_limits();
   }
@@ -330,14 +362,15 @@ class BestFirst {
       state_.least_sq = std::min(state_.least_sq, bound_sq);
       state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
     }
-    // Open records cost the same in a new traversal, so they do not count.
-    const double of_no_use = static_cast<double>(count) - static_cast<double>(front.open_count());
-    return !records.empty() && of_no_use < worth_resuming * static_cast<double>(records.size());
+    // What the last traversal has left open is new work in any case. Each open pair makes its record count at most
+    // once.
+    const double compared_again = static_cast<double>(count) - static_cast<double>(front.open_count());
+    return !records.empty() && compared_again < worth_resuming * static_cast<double>(records.size());
   }
 
-  /// Prepares the children that a record holds, pruned or compared before, to be compared again. False if these are
-  /// beyond the cutoff.
-  bool expand_record(Expansion& e) {
+  /// Prepares the children that a record holds, pruned or compared before, to be compared again. False if they are
+  /// beyond the cutoff by now.
+  bool start_expansion_of_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_.get().records()[record];
     if (front_.get().bound_of(r) >= search_.pruning.cutoff()) return false;
@@ -349,14 +382,7 @@ class BestFirst {
     return true;
   }
 
-  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
-  static constexpr float worth_refocusing = 0.5F;
-  // Expansions of two trees of at most 11 levels each, and the pair of leaves.
-  static constexpr std::uint32_t longest_descent = 23;
-  // A front is resumed if less than this part of its records has to be compared again, open ones not counted.
-  static constexpr double worth_resuming = 0.5;
-
-  Search search_;
+  Search search_;  // references
   Collector& collector_;
   std::conditional_t<has_front, TraversalState&, TraversalState> state_;  // the front's, or our own
   FrontRecorder<has_front> front_;
@@ -364,7 +390,7 @@ class BestFirst {
   TreePair<needs_several> trees_;
   SquaredLimits limits_;
   LeafComparison<Collector> leaves_;
-  std::uint64_t first_step_ = 0;  // of state_.steps: how many were made before this traversal went on
+  std::uint64_t first_step_ = 0;  // the value of state_.steps when this call of the query began
   std::uint32_t next_node_ = 0;   // for one model: one past the node to visit next; counts down to 0
 };
 

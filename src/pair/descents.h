@@ -9,7 +9,8 @@
 
 namespace limber::pair {
 
-/// Decides when a traversal goes straight down to leaves, to the nearest child of each node, instead of best first.
+/// Decides when a traversal descends: goes straight down to two leaves, always to the nearest child, instead of taking
+/// the nearest pair of all.
 ///
 /// Best first comes to leaves late, so the upper bound would stay loose for long. So a traversal begins with a descent,
 /// and descends again from time to time (docs/design/fast_engine.md).
@@ -17,16 +18,16 @@ class Descents {
  public:
   bool is_descending() const { return descends_; }
   bool has_reached_leaves() const { return next_ != never; }
-  /// Whether to descend again.
+  /// Whether to begin another descent.
   bool is_due(std::uint64_t steps) const { return steps >= next_; }
 
-  /// Begins a descent that is due; if it is of no use, only puts the next one off.
+  /// Answers is_due(): begins a descent if it `is_of_use`, and sets when the next one is due in either case.
   void start(std::uint64_t steps, bool is_of_use) {
     descends_ = is_of_use;
     next_ = factor * steps;
   }
   void stop() { descends_ = false; }
-  /// Two leaves are compared: a descent ends here. Returns whether there was one.
+  /// Ends a descent: two leaves are compared. Returns whether there was one.
   bool end_at_leaves(std::uint64_t steps) {
     next_ = std::max(has_reached_leaves() ? next_ : 0, steps + steps_between);
     return std::exchange(descends_, false);

@@ -17,34 +17,40 @@
 
 namespace limber::pair {
 
-/// What a traversal has not expanded, pruned or still open, and how far the models may move before that has to be
-/// compared again.
+/// Remembers what a traversal has not expanded: pairs of nodes that were pruned, leaves that were compared, and what
+/// was still open when the budget was spent. The next traversal of the same models compares only those pairs again that
+/// may have come closer than its cutoff.
 ///
 /// Based on  Front tracking [EhmannLin2001]: the frontier of the last traversal is where the next one starts.
-/// Differs   The front is not compared as a whole. motion_bound() sums up all motion, as an upper bound of what two
-///           points can have come closer by; a pair is not compared again until that sum has used up its distance.
+/// Differs   The front is not compared as a whole. motion_bound() sums up all motion since the front was new: no two
+///           points of the models have come closer by more. A pair was recorded with a lower bound of its distance; it
+///           is compared again when the motion since has used up that distance.
 ///
 /// A record is one expansion: the node that was expanded, the slot of the other tree that its children were
 /// compared with, the children that were not expanded in turn, and a lower bound of their distance. The other children
 /// have records of their own, so all records together account for every pair of triangles. Where there is no room for
 /// another record, the child that was to be expanded stays with the record of its parent, and stands for all below it.
 ///
-/// The queue of an interrupted traversal stays in the front. A traversal that asks for no more goes on with it, and
-/// does no step again (docs/design/real_time.md). Where the models have moved, or more is asked, its pairs go to the
-/// records.
+/// The queue of an interrupted traversal stays in the front. The next traversal goes on with that queue and repeats no
+/// step, but for two leaves whose comparison was cut short (docs/design/real_time.md), unless the models have moved or
+/// its cutoff is larger. Then the pairs of the queue are given to the records that they come from.
 ///
-/// States   Complete or not. begin() starts a traversal; finish() or suspend() ends it and completes the front. An
-///          exception leaves it incomplete, and only a complete front is used again.
+/// States   Incomplete while a traversal runs, from begin() or go_on() on. finish() and suspend() complete the front; a
+///          suspended front keeps the queue. An exception leaves it incomplete, and only a complete front is used
+///          again.
 class Front {
  public:
-  /// Children that are not expanded: pruned or compared, some of them hardly beyond the cutoff; or still open
-  /// when the traversal was interrupted. Each kind is compared again as a whole.
-  enum Kind { settled, near, open };
+  /// Why children are not expanded. All children of one kind in a record share one bound and are compared again at
+  /// once; those of `near` apart from the others, so that little motion does not bring all back.
+  enum Kind {
+    settled,  ///< pruned, or leaves that were compared
+    near,     ///< the same, at a distance hardly beyond the cutoff
+    open      ///< neither, because the traversal was interrupted
+  };
   static constexpr std::size_t kinds = 3;
   struct Record {
-    double
-        distance[kinds];  ///< lower bounds for the children of each kind, when the motion_bound stood at `motion_bound`
-    double motion_bound;
+    double distance[kinds];  ///< lower bounds for the children of each kind, as of `motion_bound`
+    double recorded_at;      ///< the value of motion_bound() when these bounds were found
     bvh::SlotId slot[2];
     bool expands_a;
     std::uint8_t children[kinds];  ///< of each kind, a bit mask
@@ -53,8 +59,8 @@ class Front {
   /// The state of the traversal that is recorded, or was interrupted.
   TraversalState& state() { return state_; }
 
-  /// Whether the last traversal was interrupted, and one that leaves out only what is at least `cutoff` apart can go on
-  /// where it stopped: the models rest, and nothing was left out that is closer.
+  /// Whether a traversal with this cutoff can go on where the last one was interrupted: the models have not moved, and
+  /// the last one has pruned nothing that is closer than `cutoff`.
   bool can_continue(const PlacedPair& placed, double cutoff) const {
     return is_suspended_ && is_complete_ && is_of(placed) && is_at_rest(placed) && has_units_of(placed) &&
            cutoff <= cutoff_;
@@ -65,28 +71,29 @@ class Front {
     is_complete_ = is_suspended_ = false;
     return direction_;
   }
-  /// Begins a traversal: with the records and the bound of the last one if it was one of these models, less the motion
-  /// since, and with none otherwise.
+  /// Begins a traversal. If the last one was of the same models, its records and its bound stay, less the motion since.
+  /// Otherwise there are none.
   void begin(const PlacedPair& placed, const Transform& a_from_b) {
     if (!is_complete_ || !is_of(placed)) {
       clear();
       for (const Side s : {Side::a, Side::b}) build_id_[index(s)] = placed.tree(s).build_id;
     } else {
-      if (is_suspended_) open_pairs_ = put_back_queue(unit_[0]);  // in which its bounds are
+      if (is_suspended_) open_pairs_ = put_back_queue(unit_[0]);
       if (!is_at_rest(placed)) add_motion(placed, a_from_b);
     }
     without_room_ = 0;
     set_place(placed, a_from_b);
     is_complete_ = is_suspended_ = false;
   }
-  /// Interrupts a traversal: what it has left is in the queue of state(), all else is at least `cutoff` apart.
+  /// Ends a traversal that is interrupted: what it has left is in the queue of state(), all else is at least `cutoff`
+  /// apart.
   void suspend(double cutoff, const std::optional<Vec3>& direction) {
     LIMBER_ASSERT(!is_complete_ && cutoff > 0);
     is_complete_ = is_suspended_ = true;
     cutoff_ = cutoff;
     direction_ = direction;
   }
-  /// Ends a traversal: all that it has left is put back to the records.
+  /// Ends a traversal: all pairs that it has left in the queue, in units of a's tree, are put back to the records.
   void finish(double unit_a) {
     put_back_queue(unit_a);
     open_pairs_ = 0;
@@ -94,14 +101,17 @@ class Front {
   }
   double motion_bound() const { return motion_bound_; }
 
-  /// Notes that the traversal has skipped pairs as far apart as the best, at `distance`, up to rounding.
+  /// Notes that the traversal has skipped ties (Ties::skipped): pairs that are as far apart as the best, which is at
+  /// `distance`, up to rounding. Such a pair may be computed to be a little nearer than the best, and so than the
+  /// bounds of this front say.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
-  /// Whether a pair within a limit may be missing in the records and the bound, because it was skipped as a tie. Motion
-  /// is rounded up by more than ties differ by, so that this can only be where the models rest.
+  /// Whether a pair within `limit` may have been skipped as a tie, so that the records and the bound must not be used
+  /// to answer whether there is one. After any motion there is no such doubt: motion lowers all bounds by more than
+  /// ties differ by.
   bool may_lack_ties(const PlacedPair& placed, double limit) const {
     if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
     const double rounding = placed.error() + base::tie_error * tied_distance_;
-    return std::abs(limit - tied_distance_) <= 2 * rounding;
+    return std::abs(limit - tied_distance_) <= 2 * rounding;  // of the best and of the tie
   }
 
   /// Forgets all records, but not the bound of the distance.
@@ -111,12 +121,12 @@ class Front {
   /// How many pairs were open where the last traversal was interrupted.
   std::size_t open_count() const { return open_pairs_; }
 
-  /// A lower bound of the distance of what a record has not expanded.
+  /// A lower bound of the distance of all children of a record.
   double bound_of(const Record& record) const {
     return remaining(std::min({record.distance[settled], record.distance[near], record.distance[open]}),
-                     record.motion_bound);
+                     record.recorded_at);
   }
-  /// A lower bound of the distance of the models: the best that a traversal has found, less the motion since.
+  /// A lower bound of the distance of the models: the greatest that a traversal has found, less the motion since.
   double bound() const { return remaining(distance_, found_at_); }
   /// The lower bound that bound() will give after begin(), if the models are where they were; else 0.
   double bound_at_rest(const PlacedPair& placed) const {
@@ -148,7 +158,7 @@ class Front {
   /// Gives children to a record, being at least `distance` from what they were compared with.
   void put(std::uint16_t record, unsigned children, Kind kind, double distance) {
     LIMBER_ASSERT(record < count_ && distance >= 0);
-    Record& r = up_to_date(record);
+    Record& r = updated(record);
     r.children[kind] = static_cast<std::uint8_t>(r.children[kind] | children);
     r.distance[kind] = std::min(r.distance[kind], distance);
   }
@@ -156,7 +166,7 @@ class Front {
   /// Takes from a record the children of a kind that may be closer than `distance`, to be compared again.
   unsigned take(std::uint16_t record, double distance) {
     LIMBER_ASSERT(record < count_);
-    Record& r = up_to_date(record);
+    Record& r = updated(record);
     unsigned children = 0;
     for (const Kind kind : {settled, near, open}) {
       if (r.distance[kind] >= distance) continue;
@@ -170,7 +180,10 @@ class Front {
   std::span<const Record> records() const { return {records_, count_}; }
 
  private:
-  /// Gives all pairs of the queue to the records that they come from. Returns how many these are.
+  /// Empties the queue: gives its pairs to the records that they come from. Returns how many pairs it had. Two kinds of
+  /// pairs are only dropped: one that stands for a whole record, which still has its children; and one whose record is
+  /// not there, because it is the pair of the roots, or because the records were forgotten: without records the next
+  /// traversal starts from the roots. `unit_a` is the unit of a's tree in which the bounds of the queue are.
   std::size_t put_back_queue(double unit_a) {
     std::size_t count = 0;
     for (; !state_.queue.empty(); ++count) {
@@ -181,6 +194,8 @@ class Front {
     }
     return count;
   }
+  /// Adds what has happened since the last traversal: motion of the poses, and of the vertices in their models, with
+  /// the rounding of their sums.
   void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (base::sum_up - 1);
     motion_bound_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
@@ -190,10 +205,12 @@ class Front {
   bool is_of(const PlacedPair& placed) const {
     return build_id_[0] == placed.tree(Side::a).build_id && build_id_[1] == placed.tree(Side::b).build_id;
   }
-  /// At least what all vertices of both models together have moved within their models.
+  /// An upper bound of how much closer vertices of the two models have come by moving within their models.
   static double deformation_of(const PlacedPair& placed) {
     return placed.tree(Side::a).displacement + placed.tree(Side::b).displacement;
   }
+  /// Whether nothing has moved since the last traversal. Every motion of vertices makes `displacement` of a tree
+  /// larger.
   bool is_at_rest(const PlacedPair& placed) const {
     return pose_[0] == placed.pose(Side::a) && pose_[1] == placed.pose(Side::b) &&
            displacement_[0] == placed.tree(Side::a).displacement &&
@@ -212,16 +229,18 @@ class Front {
     a_from_b_ = a_from_b;
     error_ = placed.error();
   }
-  /// What is left of a distance, rounded down; all of it if nothing has moved since.
-  double remaining(double distance, double motion_bound) const {
+  /// What is left of a distance that was found at `recorded_at`, rounded down: each factor covers the two operations
+  /// before it. All of it if nothing has moved since.
+  double remaining(double distance, double recorded_at) const {
     constexpr double down = 2 - base::sum_up;
-    return motion_bound == motion_bound_ ? distance
-                                         : std::max(0.0, ((distance + motion_bound) * down - motion_bound_) * down);
+    return recorded_at == motion_bound_ ? distance
+                                        : std::max(0.0, ((distance + recorded_at) * down - motion_bound_) * down);
   }
-  Record& up_to_date(std::uint16_t record) {
+  /// A record, with its bounds made those of now.
+  Record& updated(std::uint16_t record) {
     Record& r = records_[record];
-    for (double& distance : r.distance) distance = remaining(distance, r.motion_bound);
-    r.motion_bound = motion_bound_;
+    for (double& distance : r.distance) distance = remaining(distance, r.recorded_at);
+    r.recorded_at = motion_bound_;
     return r;
   }
 

@@ -26,8 +26,8 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
   return nearest;
 }
 
-/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, since it may prune the others. Leaves out those that
-/// are beyond the upper bound by then. `visit` returns whether to go on. False if it did not go on.
+/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, since it may prune the others. Leaves out those
+/// that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not go on.
 template <typename Visit>
 bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
   std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
@@ -40,7 +40,9 @@ bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Vis
   return true;
 }
 
-/// Compares the triangles of two leaves, for a collector that looks for the best.
+/// Compares the triangles of two leaves, for BestFirst. In order: the two leaves may be pruned as a whole; where a
+/// descent has ended, one contact or one near pair is looked for, to lower the upper bound; then a kernel lists the
+/// candidates, pairs of triangles that it cannot prune, and these are compared, the one of least bound first.
 template <typename Collector>
 class LeafComparison {
  public:
@@ -55,19 +57,20 @@ class LeafComparison {
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
 
-  /// False if the query has ended: the collector is done, or the budget is spent. Otherwise `apart`, which is 0 before,
-  /// may be a lower bound of the distance of the leaves; with `needs_bound` it is one where no candidates were found.
+  /// Whether the query goes on: false if the collector is done, or the budget is spent. `apart` is to be 0 before. It
+  /// is a lower bound of the distance of the leaves afterwards, but stays 0 where triangles were compared, or where
+  /// none was needed: a front needs one to record leaves that were pruned.
   ///
-  /// `steps` is the number of steps since this call of the query began, this one included: the budget asks for it.
+  /// `steps` is the number of steps since this call of the query began, this one included; the budget may limit it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
     const simd::OtherNode leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
-    const bool is_first = !state_.descents.has_reached_leaves();
+    const bool is_first = !state_.descents.has_reached_leaves();  // before the next line changes that
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
     simd::Candidates found;
     if constexpr (looks_for_closest) {
-      if (state_.leaves.are_tried() && prunes_whole_leaves(apart)) return true;
+      if (state_.whole_leaves.are_tested() && prunes_whole_leaves(apart)) return true;
       if (is_first && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
       if (has_descended && search_.pruning.has_error()) {
         look_nearer(leaf_a, leaf_b, found);
@@ -81,8 +84,9 @@ class LeafComparison {
       if (needs_bound) apart = static_cast<double>(found.apart) / found.scale;
       return true;
     }
-    if (!compare(found, steps)) return false;
+    if (!compare_candidates(found, steps)) return false;
     if constexpr (looks_for_closest) {
+      // Once a pair within the limit is known, the surroundings of these leaves may give a closer one.
       const bool has_found_any =
           search_.pruning.has_direction() && search_.pruning.distance() < collector_.initial_cutoff();
       if (has_found_any && state_.seed.may_look_near()) {
@@ -96,8 +100,9 @@ class LeafComparison {
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
-  /// Compares all candidates that may still improve the answer. False if the query has ended before the last.
-  bool compare(simd::Candidates& found, std::uint64_t steps) {
+  /// Compares all candidates that may still improve the answer. False if the query has ended. Only a collector of
+  /// several pairs needs to know triangles that fill up a leaf: they would be found twice.
+  bool compare_candidates(simd::Candidates& found, std::uint64_t steps) {
     return visit_candidates(found, search_.pruning, [&](std::uint32_t slot_a, std::uint32_t slot_b) {
       if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) return true;
       if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
@@ -110,13 +115,14 @@ class LeafComparison {
   /// Whether the search direction prunes the two leaves as a whole.
   bool prunes_whole_leaves(double& apart) {
     const bool is_pruned = search_.pruning.prunes(a_, b_, apart);
-    state_.leaves.note(is_pruned);
+    state_.whole_leaves.note(is_pruned);
     return is_pruned;
   }
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap. A test for intersection is much
-  /// cheaper than one for distance, and a contact ends the query.
+  /// cheaper than one for distance, and a contact ends the query. Returns whether there is one.
   bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
+    static_assert(!Collector::is_self);
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_cutoff;
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
@@ -126,13 +132,14 @@ class LeafComparison {
       if (!geometry::intersects(a.corners, b.corners)) continue;
       const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       if (const auto update = collector_.take(0, {shared, shared, a.id, b.id})) search_.pruning.update(*update);
+      LIMBER_ASSERT(collector_.is_done());
       return true;
     }
     return false;
   }
 
-  /// Compares the nearest two triangles where a descent has ended. Their limit is the best distance, not the cutoff,
-  /// which the allowed error has made smaller: a nearer pair lowers the cutoff further.
+  /// Where an error is allowed, the cutoff is smaller than the best distance, and pairs between the two are pruned.
+  /// Here, where a descent has ended, the nearest of them is compared all the same: it lowers the cutoff further.
   [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
                                      simd::Candidates& found) {
     simd::PruneLimits nearer = search_.pruning.of(Side::a);

@@ -48,7 +48,7 @@ template <typename Collector>
 Unsearched traverse_on(const Search& search, double root_bound, Front& front, Collector& collector) {
   front.forget_records();
   BestFirst<Collector, false> traversal(search, collector, nullptr);
-  traversal.take_over(front.state());
+  traversal.start_with(front.state());
   while (traversal.step()) {
   }
   const Unsearched left = finish(traversal, search, root_bound, collector);

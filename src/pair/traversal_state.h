@@ -11,15 +11,16 @@
 
 namespace limber::pair {
 
-/// What a best-first traversal carries from one step to the next, apart from what it prunes by. A traversal that is
-/// interrupted and finds its state again does the steps that it would have done without the interruption.
+/// What a best-first traversal carries from one step to the next, except for its cutoff and direction (Pruning). A
+/// traversal that is interrupted and finds its state again does the steps that it would have done without the
+/// interruption.
 struct TraversalState {
   BucketQueue queue;
-  float least_sq = 0, focus_sq = BucketQueue::no_limit_sq;  // the focus of the queue
+  float least_sq = 0, focus_sq = BucketQueue::no_limit_sq;  // the bounds between which its buckets lie
   std::uint64_t steps = 0;
-  std::uint64_t work = 0;  // pairs that kernels have compared, those of records too, which are no steps
+  std::uint64_t work = 0;  // pairs that kernels have compared; those of a front's records too, which are no steps
   Descents descents;
-  WholeLeaves leaves;
+  WholeLeaves whole_leaves;
   FlatSeed seed;
 
   TraversalState() {}  // NOLINT: a defaulted one would let callers clear the queue's memory
@@ -29,7 +30,7 @@ struct TraversalState {
     queue.clear();
     least_sq = 0, focus_sq = BucketQueue::no_limit_sq;
     steps = work = 0;
-    descents = {}, leaves = {}, seed = {};
+    descents = {}, whole_leaves = {}, seed = {};
   }
 };
 

@@ -6,17 +6,18 @@
 
 namespace limber::pair {
 
-/// Decides whether two leaves are first tried to be pruned as a whole, along the search direction. That pays where the
-/// direction is that of a close pair, and everything is nearly as far apart.
+/// Decides whether two leaves are first tested as a whole: whether the search direction tells all their triangles
+/// apart. That test pays where the direction is that of a close pair, and everything is nearly as far apart. It is made
+/// on credit: a success adds to the credit, a failure takes from it, and without credit there are no more tests.
 class WholeLeaves {
  public:
-  bool are_tried() const { return credit_ > 0; }
+  bool are_tested() const { return credit_ > 0; }
 
-  /// A direction is known that may be that of a close pair.
-  void try_some() { credit_ = at_first; }
-  /// A close pair has been found.
-  void try_many() { credit_ = most; }
-  /// Notes what a try has given. Where too few succeed, there are no more.
+  /// Gives a little credit: a direction is known that may be that of a close pair.
+  void allow_some() { credit_ = at_first; }
+  /// Gives all credit: a close pair has been found.
+  void allow_many() { credit_ = most; }
+  /// Notes whether a test has pruned its two leaves.
   void note(bool is_pruned) { credit_ = is_pruned ? std::min(credit_ + gain, most) : credit_ - 1; }
 
  private:

@@ -15,10 +15,10 @@ namespace {
 using bvh::BoxNode;
 using bvh::width;
 
-// More levels than any tree has whose models can be numbered.
+// 2^32 models have 11 levels.
 constexpr std::size_t max_levels = 12;
 
-// What rounding of lengths and their squares, relative to the squares, may hide.
+// Lowers a squared length by more than rounding can have raised it, and the length it is compared with lowered.
 constexpr double squared_length_down = 1 - 0x1p-48;
 
 BoxNode empty_boxes() {
@@ -51,13 +51,14 @@ Box box_around(const BoxNode& boxes) {
   return box;
 }
 
-/// Which of some boxes may be within the margin of one more.
-unsigned near(const BoxNode& boxes, const Box& box, double margin) {
+/// The boxes that may be within the margin of another one: a bit mask.
+unsigned boxes_near(const BoxNode& boxes, const Box& box, double margin) {
   const Vec3 by{margin, margin, margin};
   return simd::kernels().overlapping_boxes(boxes, box.low - by, box.high + by);
 }
 
-/// Whether a length may be at most another one, by their squares. Those below 2^-900 may be anything.
+/// Whether a length may be at most another one, by their squares. Squares below 2^-900 may have underflowed, and prove
+/// nothing.
 bool may_be_at_most(double length_sq, double limit) {
   return length_sq * squared_length_down <= limit * limit + base::tiny_square;
 }
@@ -71,24 +72,27 @@ void BoxTree::build(std::span<const std::uint32_t> ids, std::span<const WorldBou
   const std::span<const std::uint32_t> order = spatial_order_.sort(centers_);
 
   level_begin_.assign(1, 0);
-  for (std::size_t count = ids.size(); count > 0 && (count > 1 || level_begin_.size() == 1);) {
+  // Every level has an eighth of the boxes below, until one node holds all. One model has a level too.
+  std::size_t count = ids.size();
+  while (count > 1 || (count == 1 && level_begin_.size() == 1)) {
     count = (count + width - 1) / width;
     level_begin_.push_back(level_begin_.back() + count);
   }
   LIMBER_ASSERT(level_count() <= max_levels);
   boxes_.resize(level_begin_.back());
   spheres_.resize(ids.size()), ids_.resize(ids.size());
+  // Only the last node of a level may be partly filled.
   for (std::size_t level = 0; level < level_count(); ++level) boxes_[level_begin_[level + 1] - 1] = empty_boxes();
   for (std::uint32_t rank = 0; rank < size(); ++rank) {
     ids_[rank] = ids[order[rank]];
-    const WorldBounds& of = bounds[ids_[rank]];
-    spheres_[rank] = of.sphere;
-    set_box(boxes_[rank / width], rank % width, of.box);
+    const WorldBounds& model = bounds[ids_[rank]];
+    spheres_[rank] = model.sphere;
+    set_box(boxes_[rank / width], rank % width, model.box);
   }
   for (std::size_t level = 1; level < level_count(); ++level) {
-    const std::size_t begin = level_begin_[level], below = level_begin_[level - 1];
-    for (std::size_t i = 0; i < begin - below; ++i) {
-      set_box(boxes_[begin + i / width], i % width, box_around(boxes_[below + i]));
+    const std::size_t begin = level_begin_[level], begin_below = level_begin_[level - 1];
+    for (std::size_t i = 0; begin_below + i < begin; ++i) {
+      set_box(boxes_[begin + i / width], i % width, box_around(boxes_[begin_below + i]));
     }
   }
 }
@@ -126,7 +130,8 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
   const Box around = box_of_leaf(leaf);
 
-  // Pairs are collected before they are visited, without branches that could not be foreseen.
+  // Pairs are collected before they are visited: a pair is written, and counted if it is near. So the loop has no
+  // branch that the processor could not predict.
   constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
   std::uint32_t found_a[room], found_b[room];
   std::size_t count = 0;
@@ -143,6 +148,7 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
     for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
       found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
+      // The kernel has compared the boxes as axis by axis; at margin 0 that is all that boxes can tell.
       const bool is_near = margin == 0 ? spheres_may_be_within(found_a[count], found_b[count], 0)
                                        : may_be_within(found_a[count], found_b[count], margin);
       count += is_near ? 1 : 0;
@@ -151,18 +157,22 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
 
   if (top == 0) return visit_leaf(leaf) && visit_found();
-  // Depth first, children in order, without those whose leaves are all before this one.
+  // Depth first, children in order. Left out are children whose leaves all come before this one: those pairs belong to
+  // the other leaf.
+  constexpr int bits_of_width = std::countr_zero(unsigned{width});
   std::uint32_t node[max_levels];
   unsigned waiting[max_levels];
   const auto enter = [&](std::size_t level, std::uint32_t i) {
-    const std::uint32_t first = leaf >> (3 * (level - 1));  // the child that this leaf is in, or below
+    const std::uint32_t first = leaf >> (bits_of_width * (level - 1));  // the child that is this leaf, or has it below
     node[level] = i;
-    waiting[level] = near(boxes(level, i), around, margin);
-    if (first / width == i) waiting[level] &= ~0U << first % width;
+    waiting[level] = boxes_near(boxes(level, i), around, margin);
+    if (first / width == i) waiting[level] &= ~0U << (first % width);
   };
   enter(top, 0);
-  for (std::size_t level = top; level <= top;) {
+  std::size_t level = top;
+  for (;;) {
     if (waiting[level] == 0) {
+      if (level == top) return visit_found();
       ++level;
       continue;
     }
@@ -175,7 +185,6 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
       return false;
     }
   }
-  return visit_found();
 }
 
 }  // namespace limber::scene

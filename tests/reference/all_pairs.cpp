@@ -1,5 +1,6 @@
-// SPDX-FileCopyrightText: The limber authors
-// SPDX-License-Identifier: BSD-3-Clause
+// SPDX-FileCopyrightText: The limber authors SPDX-License-Identifier: BSD-3-Clause Queries of all pairs of triangles,
+// compared one by one. They check what the traversals leave out, not how two triangles are compared: they call the same
+// functions of geometry/ for that, which have exact oracles of their own.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -27,6 +28,7 @@ bool are_neighbors(const Corners& a, const Corners& b) {
   return false;
 }
 
+/// Calls visit(i, j) for any two triangles, i < j.
 template <typename Visit>
 void for_all_pairs(MeshView mesh, const Visit& visit) {
   for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
@@ -34,8 +36,9 @@ void for_all_pairs(MeshView mesh, const Visit& visit) {
   }
 }
 
-/// Whether each edge is run through as often in one direction as in the other.
-bool is_closed(MeshView mesh) {
+/// Whether a mesh is closed, and its triangles are turned alike: each edge has as many triangles on one side as on the
+/// other. A side between equal ids is no edge.
+bool is_closed_and_oriented(MeshView mesh) {
   std::map<std::pair<VertexId, VertexId>, int> balance;
   for (const Corners& c : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -46,12 +49,14 @@ bool is_closed(MeshView mesh) {
   return std::all_of(balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
 }
 
-OrientedFaces closed_ones(MeshView a, MeshView b) {
-  if (is_closed(a)) return is_closed(b) ? OrientedFaces::both : OrientedFaces::of_a;
-  return is_closed(b) ? OrientedFaces::of_b : OrientedFaces::none;
+/// Which faces count as oriented if nothing is said: those of meshes that are closed.
+OrientedFaces oriented_by_default(MeshView a, MeshView b) {
+  if (is_closed_and_oriented(a)) return is_closed_and_oriented(b) ? OrientedFaces::both : OrientedFaces::of_a;
+  return is_closed_and_oriented(b) ? OrientedFaces::of_b : OrientedFaces::none;
 }
 
-bool meet(MeshView mesh, TriangleId i, TriangleId j) {
+/// Whether two triangles of a mesh meet elsewhere than in the vertices that they share.
+bool meet_elsewhere(MeshView mesh, TriangleId i, TriangleId j) {
   return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
 }
 
@@ -83,7 +88,7 @@ std::vector<Contact> contacts(const Placed& a, const Placed& b, double margin,
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::reference::contacts");
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
-  const OrientedFaces oriented = oriented_faces.value_or(closed_ones(a.mesh, b.mesh));
+  const OrientedFaces oriented = oriented_faces.value_or(oriented_by_default(a.mesh, b.mesh));
   std::vector<Contact> found;
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
@@ -98,7 +103,7 @@ std::vector<TrianglePair> self_intersections(MeshView mesh) {
   const base::DefaultFloatEnvironment environment;
   std::vector<TrianglePair> pairs;
   for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
-    if (meet(mesh, i, j)) pairs.push_back({i, j});
+    if (meet_elsewhere(mesh, i, j)) pairs.push_back({i, j});
   });
   return pairs;
 }
@@ -106,12 +111,14 @@ std::vector<TrianglePair> self_intersections(MeshView mesh) {
 std::vector<Contact> self_contacts(MeshView mesh, double margin, std::optional<OrientedFaces> oriented_faces) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::reference::self_contacts");
-  const OrientedFaces of_all = oriented_faces.value_or(closed_ones(mesh, mesh));
+  const OrientedFaces of_all = oriented_faces.value_or(oriented_by_default(mesh, mesh));
   std::vector<Contact> found;
   for_all_pairs(mesh, [&](TriangleId i, TriangleId j) {
-    const bool have_shared = are_neighbors(mesh.triangles[i], mesh.triangles[j]);
-    if (have_shared && !meet(mesh, i, j)) return;
-    const bool are_oriented = of_all != OrientedFaces::none && !have_shared;
+    // Neighbors are a contact only where they meet elsewhere. The surface is folded there, so that the sides of their
+    // faces say nothing of where inside is (contacts.h).
+    const bool share_vertex = are_neighbors(mesh.triangles[i], mesh.triangles[j]);
+    if (share_vertex && !meet_elsewhere(mesh, i, j)) return;
+    const bool are_oriented = of_all != OrientedFaces::none && !share_vertex;
     const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
     const Contact contact{geometry::contact(mesh.triangle(i), mesh.triangle(j), oriented), i, j};
     if (contact.distance <= margin) found.push_back(contact);

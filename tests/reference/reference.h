@@ -15,7 +15,7 @@
 
 /// Brute-force twins of every query: each triangle of one mesh against each of the other, no tree and no tricks.
 ///
-/// They are what every engine is tested against, and share the semantics of query.h.
+/// They are what every engine is tested against, and share the semantics of distance.h, contacts.h and points.h.
 namespace limber::reference {
 
 struct Placed {

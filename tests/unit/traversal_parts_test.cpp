@@ -52,21 +52,21 @@ TEST(Descents, AreDueAfterStepsWithoutLeavesAndAtThreeTimesTheStepOfTheLast) {
 
 TEST(WholeLeaves, AreTriedWhileThatPrunes) {
   pair::WholeLeaves leaves;
-  EXPECT_FALSE(leaves.are_tried());
-  leaves.try_some();
+  EXPECT_FALSE(leaves.are_tested());
+  leaves.allow_some();
   for (int i = 0; i < 8; ++i) {
-    EXPECT_TRUE(leaves.are_tried()) << i;
+    EXPECT_TRUE(leaves.are_tested()) << i;
     leaves.note(false);
   }
-  EXPECT_FALSE(leaves.are_tried());
-  leaves.try_many();
+  EXPECT_FALSE(leaves.are_tested());
+  leaves.allow_many();
   for (int i = 0; i < 1000; ++i) leaves.note(true);  // no success counts for more than some failures later
   for (int i = 0; i < 64; ++i) leaves.note(false);
-  EXPECT_FALSE(leaves.are_tried());
+  EXPECT_FALSE(leaves.are_tested());
   // One success in three tries is enough.
-  leaves.try_some();
+  leaves.allow_some();
   for (int i = 0; i < 1000; ++i) leaves.note(i % 3 == 0);
-  EXPECT_TRUE(leaves.are_tried());
+  EXPECT_TRUE(leaves.are_tested());
 }
 
 TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {

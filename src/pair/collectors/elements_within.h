@@ -19,8 +19,13 @@ namespace limber::pair {
 /// The collector of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
 /// edges, that are at most a margin apart.
 ///
-/// Only the representative triangle of an element offers it. Elements within the margin have representatives within the
-/// margin, and these are different triangles unless the elements share a vertex. So each pair comes once.
+/// A vertex or edge belongs to several triangles; only one of them, its representative (MeshEdges::represented_by()),
+/// brings it into a comparison. Two elements within the margin have representatives within the margin, and AllPairs
+/// offers each two triangles once, so each pair of elements is found once. In one model, elements with the same
+/// representative share a vertex, and such pairs do not count.
+///
+/// Vertices and faces are compared one pair at a time, in compare_leaves(). Pairs of edges are collected until there
+/// are enough for a kernel: call compare_collected() after the traversal for those that are left.
 template <bool self>
 class ElementsWithin {
  public:
@@ -37,36 +42,36 @@ class ElementsWithin {
         visit_edge_edge_(visit_edge_edge),
         kernels_(simd::kernels()) {}
 
-  /// Just above the margin: a pair exactly that far apart counts.
+  /// Just above the margin: pairs at the cutoff are pruned, and a pair exactly `margin` apart counts.
   double initial_cutoff() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
   bool is_done() const { return is_stopped_; }
 
   void compare_leaves(const LeafPair& pair, QueryStats& stats) {
     simd::ElementCandidates found;
-    const simd::SelfPair both{pair.a, pair.b};
+    const simd::SelfPair self_pair{pair.a, pair.b};
     kernels_.find_close_elements(pair.node_a, pair.node_b, pair.transform, pair.pruning, owned(Side::a, pair.a),
-                                 owned(Side::b, pair.b), is_self ? &both : nullptr, found);
+                                 owned(Side::b, pair.b), is_self ? &self_pair : nullptr, found);
     const std::uint32_t count = found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
     if (count == 0) return;
-    stats.triangle_tests += count;
+    stats.triangle_tests += count;  // pairs of elements count as pairs of triangles
     for (std::uint32_t i = 0; i < found.vertex_face.count && !is_stopped_; ++i) {
-      const auto [vertex, face] = found.vertex_face.pairs[i];
-      compare_vertex_face({Side::a, pair.a, vertex}, {Side::b, pair.b, face});
+      const auto [vertex_code, face_code] = found.vertex_face.pairs[i];
+      compare_vertex_face({Side::a, pair.a, vertex_code}, {Side::b, pair.b, face_code});
     }
     for (std::uint32_t i = 0; i < found.face_vertex.count && !is_stopped_; ++i) {
-      const auto [face, vertex] = found.face_vertex.pairs[i];
-      compare_vertex_face({Side::b, pair.b, vertex}, {Side::a, pair.a, face});
+      const auto [face_code, vertex_code] = found.face_vertex.pairs[i];
+      compare_vertex_face({Side::b, pair.b, vertex_code}, {Side::a, pair.a, face_code});
     }
     for (std::uint32_t i = 0; i < found.edge_edge.count && !is_stopped_; ++i) {
-      const auto [edge_a, edge_b] = found.edge_edge.pairs[i];
-      collect_edges({Side::a, pair.a, edge_a}, {Side::b, pair.b, edge_b});
+      const auto [code_a, code_b] = found.edge_edge.pairs[i];
+      collect_edges({Side::a, pair.a, code_a}, {Side::b, pair.b, code_b});
     }
   }
 
-  /// Compares the pairs of edges that have been collected. To be called at the end, too.
+  /// Compares the pairs of edges that have been collected.
   void compare_collected() {
     simd::ClosestOfSegments found;
-    kernels_.compare_segments(segments_, found);
+    kernels_.compare_segments(segments_, found);  // all places, also those that are not in use: they hold old pairs
     const std::uint32_t count = std::exchange(collected_, 0);
     for (std::uint32_t i = 0; i < count && !is_stopped_; ++i) {
       geometry::PointsOnSegments closest{found.distance[i], found.s[i], found.t[i]};
@@ -94,17 +99,19 @@ class ElementsWithin {
     TriangleId triangle() const { return leaf.triangle[code % bvh::width]; }
     const Corners& vertices() const { return leaf.vertices[code % bvh::width]; }
   };
-  /// From the smaller vertex id to the larger.
+  /// The vertices of an edge, the smaller id first.
   static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
     const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::after[e.corner()]];
     return {std::min(from, to), std::max(from, to)};
   }
 
-  /// In the world; of one model in its own frame.
+  /// The position of a vertex: in the world, or in its own frame where one model is compared with itself.
   Vec3 position(Side s, VertexId v) const { return is_self ? placed_.local_position(s, v) : placed_.position(s, v); }
 
+  /// The elements that the triangles of a leaf represent, a byte for each triangle. Triangles that fill up a leaf
+  /// represent nothing.
   simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
-    constexpr std::uint64_t is_in_use = 0x40;
+    constexpr std::uint64_t is_in_use = 0x40;  // (simd::OwnedElements)
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
       if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
@@ -131,8 +138,8 @@ class ElementsWithin {
     const std::array<VertexId, 2> a = vertices_of_edge(of_a), b = vertices_of_edge(of_b);
     LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
     const std::uint32_t i = collected_++;
-    // The answer to the bit depends on the order, so that is by id and not by where the leaves are. Selects, because
-    // branches would not be predicted.
+    // The last bits of a distance depend on which edge comes first. So in one model it is the one of smaller id,
+    // wherever the leaves are. Conditional moves: the processor could not predict branches.
     const bool swaps = is_self && id_b < id_a;
     collected_edges_[i] = {swaps ? id_b : id_a, swaps ? id_a : id_b};
     segments_.start_a[i] = position(Side::a, swaps ? b[0] : a[0]);
@@ -149,8 +156,7 @@ class ElementsWithin {
   EdgeEdgeVisitor visit_edge_edge_;
   const simd::Kernels& kernels_;
   bool is_stopped_ = false;
-  // Pairs of edges that are compared together.
-  std::uint32_t collected_ = 0;
+  std::uint32_t collected_ = 0;  // pairs of edges
   std::array<EdgeId, 2> collected_edges_[simd::SegmentPairs::room];
   simd::SegmentPairs segments_;
 };

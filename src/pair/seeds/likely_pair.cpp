@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pair/seeds/likely_pair.h"
-#include "limber/distance.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,15 +9,17 @@
 #include <limits>
 
 #include "bvh/slot_stack.h"
+#include "limber/distance.h"
 #include "simd/kernels.h"
 
 namespace limber::pair {
 namespace {
 
-// A part is flat if its slab is thinner than this part of the other model's radius (docs/algorithms/traversal.md,
-// "Flat parts").
+// A slot is flat if its slab is thinner than the other model's radius times this (docs/algorithms/traversal.md, "Flat
+// parts").
 constexpr double flat_thickness = 1. / 64;
-// Vertices whose heights differ by this part of the radius are as good as each other: float32 hardly tells them apart.
+// Of vertices whose heights differ by less than the radius times this, any will do: float32 bounds, with errors of some
+// 2^-19 of the radius, cannot tell which is higher.
 constexpr float negligible_height = 0x1p-18F;
 // Nodes and leaves that a search takes at most. It goes straight down first, so it always finds something.
 constexpr int most_visits = 32;
@@ -37,14 +38,15 @@ Vec3 normal_of(const bvh::Tree& tree, bvh::SlotId slot) {
   return {n.normal_x[k], n.normal_y[k], n.normal_z[k]};
 }
 
-/// How far at most a model reaches from the center of its root along a direction of its frame, by sphere and box.
+/// An upper bound of how far a model reaches from the center of its root along a direction of its frame, by sphere and
+/// box: its slab is rarely turned that way.
 double most_reach(const bvh::Tree& tree, const Vec3& direction) {
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half{n.half_x[0], n.half_y[0], n.half_z[0]};
   return tree.unit * std::min(static_cast<double>(n.radius[0]), dot(abs(direction), half));
 }
 
-/// The largest slot around a leaf's that is at most that thick; none if the leaf's own is thicker.
+/// The highest of a slot and its ancestors whose slabs, from the slot up, are all at most that thick.
 std::optional<bvh::SlotId> largest_flat(const bvh::Tree& tree, bvh::SlotId slot, double thickness) {
   std::optional<bvh::SlotId> flat;
   while (thickness_of(tree, slot) <= thickness) {
@@ -55,13 +57,14 @@ std::optional<bvh::SlotId> largest_flat(const bvh::Tree& tree, bvh::SlotId slot,
   return flat;
 }
 
-/// The vertex of a model that is highest along a direction of its frame.
-class HighestVertex {
+/// Searches for the vertex of a model that is farthest along a direction of its frame.
+class FarthestVertex {
  public:
-  HighestVertex(const PlacedPair& placed, Side s, const Vec3& direction)
+  FarthestVertex(const PlacedPair& placed, Side s, const Vec3& direction)
       : placed_(placed), direction_(direction), side_(s) {
     const bvh::Tree& tree = placed.tree(s);
     const Vec3 base = bvh::slot_center(tree, bvh::root);
+    // As a point infinitely far away in that direction: the kernel then bounds children by their heights along it.
     along_.unit = tree.unit, along_.per_unit = 1 / tree.unit;
     along_.is_far = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -72,7 +75,8 @@ class HighestVertex {
     tolerance_ = negligible_height * tree.nodes[0].bounds.radius[0];
   }
 
-  /// Children with a larger bound do not matter.
+  /// Children whose bound is not below it are pruned. Here bounds are heights, in units, with the sign turned round, so
+  /// that the highest child comes first.
   float limit() const { return limit_; }
   TriangleId triangle() const { return triangle_; }
   const Vec3& position() const { return position_; }
@@ -101,15 +105,15 @@ class HighestVertex {
   float limit_ = std::numeric_limits<float>::max(), tolerance_;
 };
 
-/// The triangle of a model that is nearest to a point of its frame.
-class NearestTriangle {
+/// Searches for a triangle of a model near a point of its frame: the one of least lower bound.
+class NearTriangle {
  public:
-  NearestTriangle(const bvh::Tree& tree, const Vec3& point) {
+  NearTriangle(const bvh::Tree& tree, const Vec3& point) {
     for (std::size_t k = 0; k < 3; ++k) point_.position[k] = point[k];
     point_.unit = tree.unit, point_.per_unit = 1 / tree.unit;
   }
 
-  /// Children with a larger bound do not matter.
+  /// Children whose bound is not below it are pruned. Here bounds are squared distances, in squared units.
   float limit() const { return limit_; }
   TriangleId triangle() const { return triangle_; }
 
@@ -137,28 +141,29 @@ class NearestTriangle {
   float limit_ = std::numeric_limits<float>::max();
 };
 
-/// Whether no triangles below a slot need to be told apart. A guess may be wrong about those that have moved since they
-/// coincided.
-bool is_one(const bvh::Tree& tree, bvh::SlotId slot) {
+/// Whether a search does not go below a slot: it has a leaf, or all its triangles coincided at the last refit. If they
+/// have moved since, the guess is a little worse.
+bool is_searched_as_leaf(const bvh::Tree& tree, bvh::SlotId slot) {
   return bvh::has_leaf(tree, slot) || bvh::is_coincident(tree, slot);
 }
 
-/// Shows a measure the leaves of a tree, the best first, until none is left that may be better, or there were enough.
-template <typename Measure>
-void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
+/// Visits leaves of a tree, the best first, until none is left that may be better, or the visits are used up. `goal`
+/// says what is looked for: it bounds children and compares leaves.
+template <typename Goal>
+void search_tree(const bvh::Tree& tree, Goal& goal, QueryStats& stats) {
   bvh::SlotStack waiting;
   waiting.start(-infinite);
   bvh::SlotStack::Entry next;
-  for (int visits = 0; visits < most_visits && waiting.take(measure.limit(), next); ++visits) {
-    if (is_one(tree, next.slot)) {
-      measure.compare(bvh::first_leaf(tree, next.slot));
+  for (int visits = 0; visits < most_visits && waiting.take(goal.limit(), next); ++visits) {
+    if (is_searched_as_leaf(tree, next.slot)) {
+      goal.compare(bvh::first_leaf(tree, next.slot));
       continue;
     }
     const std::uint32_t n = bvh::child_of(tree, next.slot);
     const bvh::Node& node = tree.nodes[n];
     stats.node_tests += node.child_count;
     simd::ChildrenInOrder found;
-    measure.bound(node, found);
+    goal.bound(node, found);
     waiting.add(n, found);
   }
 }
@@ -173,8 +178,11 @@ std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, 
   const bvh::Tree &tree = placed.tree(ground), &tree_above = placed.tree(above);
   const auto slot = largest_flat(tree, ground == Side::a ? near_a : near_b, flat_thickness * radius);
   if (!slot || radius_of(tree, *slot) < radius) return std::nullopt;
-  FlatPart part{ground, placed.pose(ground)(bvh::slot_center(tree, *slot)),
-                placed.pose(ground).rotation * normal_of(tree, *slot), 0, radius_of(tree_above, bvh::root)};
+  FlatPart part;
+  part.side = ground;
+  part.center = placed.pose(ground)(bvh::slot_center(tree, *slot));
+  part.normal = placed.pose(ground).rotation * normal_of(tree, *slot);
+  part.radius = radius;
   const Transform& pose = placed.pose(above);
   const double height = dot(part.normal, pose(bvh::slot_center(tree_above, bvh::root)) - part.center);
   if (height < 0) part.normal = -part.normal;
@@ -185,13 +193,13 @@ std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, 
 std::optional<TrianglePair> likely_pair(const PlacedPair& placed, const FlatPart& part, QueryStats& stats) {
   const Side ground = part.side, above = other(ground);
   const Transform &pose = placed.pose(ground), &pose_above = placed.pose(above);
-  HighestVertex lowest(placed, above, transpose(pose_above.rotation) * -part.normal);
+  FarthestVertex lowest(placed, above, transpose(pose_above.rotation) * -part.normal);
   search_tree(placed.tree(above), lowest, stats);
   const Vec3 vertex = pose_above(lowest.position());
   const double height = dot(part.normal, vertex - part.center);
   if (height <= 0) return std::nullopt;
   const Vec3 foot = vertex - height * part.normal;
-  NearestTriangle nearest(placed.tree(ground), transpose(pose.rotation) * (foot - pose.translation));
+  NearTriangle nearest(placed.tree(ground), transpose(pose.rotation) * (foot - pose.translation));
   search_tree(placed.tree(ground), nearest, stats);
   return ground == Side::a ? TrianglePair{nearest.triangle(), lowest.triangle()}
                            : TrianglePair{lowest.triangle(), nearest.triangle()};
