@@ -51,8 +51,8 @@ LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
 }
 
 /// Compares triangles of two leaves. Returns those of the `wanted` lanes that are not pruned, and leaves in `bound_sq`
-/// the best bounds that were computed: of these, and with `bounds_rest` of those that are pruned.
-template <bool bounds_rest>
+/// the best bounds that were computed: of these, and with `wants_pruned_bound` of those that are pruned.
+template <bool wants_pruned_bound>
 LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                      Packet& bound_sq) {
   // Along the line of the centroids: best where the triangles are small next to their distance.
@@ -64,7 +64,7 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
                                     interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
   const Packet least = Packet::set(smallest_direction_sq);
   const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
-  if (bounds_rest) bound_sq = gap_w / max(w_sq, least);
+  if (wants_pruned_bound) bound_sq = gap_w / max(w_sq, least);
   unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
   // Along the normal of either triangle, from a corner of a so that the numbers are small.
@@ -81,7 +81,7 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
   kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
   const Packet best_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
   // What the first direction has pruned keeps its bound, whatever else is in the packet.
-  bound_sq = bounds_rest ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
+  bound_sq = wants_pruned_bound ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
   return kept;
 }
 
@@ -92,27 +92,27 @@ LIMBER_KERNEL float smallest(Packet p) {
 }
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
-/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the cutoff.
-template <bool bounds_rest>
+/// `wants_pruned_bound`, leaves in `beyond` how far apart the others are along it at least, beyond the cutoff.
+template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                        const ProjectedLeaves& pair, const PruneLimits& pruning, float& beyond) {
   alignas(64) float high[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
+    (farthest_corners(a, i, broadcast(pruning.direction32)) * Packet::set(pair.step_a)).store(high + i);
   }
   std::uint64_t wanted = 0;
   const Packet gap = Packet::set(pair.gap), far = Packet::set(base::max_units);
   Packet least = far;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet other = farthest_corners(b, i, broadcast(pruning.other_normal)) * Packet::set(pair.step_b);
+    const Packet other = farthest_corners(b, i, broadcast(pruning.other_direction32)) * Packet::set(pair.step_b);
     for (std::uint32_t row = 0; row < width; ++row) {
       const Packet sum = Packet::set(high[row]) + other;
       const Mask is_wanted = sum > gap;
       wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      if (bounds_rest) least = min(least, select(is_wanted, far, gap - sum));
+      if (wants_pruned_bound) least = min(least, select(is_wanted, far, gap - sum));
     }
   }
-  if (bounds_rest) beyond = smallest(least);
+  if (wants_pruned_bound) beyond = smallest(least);
   return wanted;
 }
 
@@ -148,9 +148,9 @@ LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const Bo
   return {max(above.x, below.x), max(above.y, below.y), max(above.z, below.z)};
 }
 
-/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
+/// The pairs that bounding boxes do not prune. With `wants_pruned_bound`, leaves in `apart_sq` the least squared distance of
 /// the others' boxes.
-template <bool bounds_rest>
+template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
@@ -166,10 +166,10 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
       const Packet sum = dot(out, out);
       const Mask is_wanted = sum < limit_sq;
       wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      if (bounds_rest) least = min(least, select(is_wanted, far, sum));
+      if (wants_pruned_bound) least = min(least, select(is_wanted, far, sum));
     }
   }
-  if (bounds_rest) apart_sq = smallest(least);
+  if (wants_pruned_bound) apart_sq = smallest(least);
   return wanted;
 }
 
@@ -226,17 +226,17 @@ LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t 
   axis[0] = along == 0 ? 1 : 0, axis[1] = along == 2 ? 1 : 2;
 }
 
-template <bool bounds_rest, bool is_self>
-LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+template <bool wants_pruned_bound, bool is_self>
+LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
-  candidates.apart = infinite;
+  candidates.pruned_bound = infinite;
   std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
   if (pruning.has_direction) {
     float beyond = 0;
-    wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
-    if (bounds_rest) candidates.apart = (pair.cutoff + beyond) * base::squares_down;
+    wanted &= near_along<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, beyond);
+    if (wants_pruned_bound) candidates.pruned_bound = (pair.cutoff + beyond) * base::squares_down;
     if (wanted == 0) return;
   }
   LeafCorners ca, cb, own_b;  // of b also about its own center
@@ -254,7 +254,7 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
   float apart_sq = infinite;
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
     wanted &= is_self ? near_along_axes(ca, cb, Packet::set(limit * base::squares_up))
-                      : near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+                      : near_by_box<wants_pruned_bound>(ca, cb, limit_sq, apart_sq);
   }
   PairList pairs;
   pairs.add(wanted);
@@ -272,10 +272,10 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
     const Packet3 corners_a[3] = {ca.at(0, in_a), ca.at(1, in_a), ca.at(2, in_a)};
     const Packet3 corners_b[3] = {cb.at(0, in_b), cb.at(1, in_b), cb.at(2, in_b)};
     Packet bound_sq = zero();
-    unsigned kept = compare_pairs<bounds_rest>(corners_a, corners_b, limit_sq, lanes, bound_sq);
+    unsigned kept = compare_pairs<wants_pruned_bound>(corners_a, corners_b, limit_sq, lanes, bound_sq);
     alignas(64) float bounds[Packet::lanes];
     bound_sq.store(bounds);
-    for (unsigned pruned = bounds_rest ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
+    for (unsigned pruned = wants_pruned_bound ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
       apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
     }
     for (; kept != 0; kept &= kept - 1) {
@@ -285,18 +285,18 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
                                               static_cast<std::uint8_t>(slots % width)};
     }
   }
-  if (bounds_rest) {
-    candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * base::squares_down) - pair.error);
+  if (wants_pruned_bound) {
+    candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(apart_sq * base::squares_down) - pair.error);
   }
 }
 
-LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                   const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, const SelfPair* self, bool wants_pruned_bound,
                                    Candidates& candidates) {
   if (self != nullptr) {
-    LIMBER_ASSERT(!bounds_rest);
+    LIMBER_ASSERT(!wants_pruned_bound);
     find_candidates<false, true>(a, b, transform, pruning, self, candidates);
-  } else if (bounds_rest) {
+  } else if (wants_pruned_bound) {
     find_candidates<true, false>(a, b, transform, pruning, self, candidates);
   } else {
     find_candidates<false, false>(a, b, transform, pruning, self, candidates);

@@ -102,7 +102,7 @@ LIMBER_KERNEL float rim_radius(float radius, float height) {
 }
 
 /// `center` is what project_center() gives relative to the origin of `node`.
-LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
+LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                          const double* center) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
@@ -133,7 +133,7 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const OtherNode&
 }
 
 /// The support of a node or leaf along a direction of its own frame, about its center, rounded up, in its own units.
-LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
+LIMBER_KERNEL float support(const SlotRef& other, const float* direction) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
   const float radius = n.radius[k];
@@ -155,13 +155,13 @@ LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
 }
 
 /// `center` as for project_node(). Pre: there is a search direction.
-LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const OtherNode& other,
+LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const SlotRef& other,
                                                    const FrameTransform& transform, const PruneLimits& pruning,
                                                    const double* center) {
-  const double other_support = static_cast<double>(support(other, pruning.other_normal)) * transform.other_unit;
+  const double other_support = static_cast<double>(support(other, pruning.other_direction32)) * transform.other_unit;
   const double gap = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
   const double units = std::clamp(gap * transform.per_unit, -base::max_units, base::max_units);
-  return {pruning.normal, base::float_down(units) - node.radius * base::projection_error,
+  return {pruning.direction32, base::float_down(units) - node.radius * base::projection_error,
           base::float_up(std::min(pruning.distance * transform.per_unit, base::max_units))};
 }
 
@@ -170,7 +170,7 @@ LIMBER_KERNEL double scale_to_one(double size) {
   return std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
-LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                              const PruneLimits& pruning) {
   constexpr double smallest_size = 0x1p-900, largest_size = 0x1p900;
   const bvh::ChildBounds &na = a.node->bounds, &nb = b.node->bounds;

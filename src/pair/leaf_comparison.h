@@ -60,7 +60,7 @@ class LeafComparison {
   ///
   /// `steps` is the number of steps since this call of the query began, this one included: the budget asks for it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
-    const simd::OtherNode leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
+    const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
     const bool is_first = !state_.descents.has_reached_leaves();
@@ -78,7 +78,7 @@ class LeafComparison {
                              Collector::is_self ? &self : nullptr, needs_bound, found);
     ++state_.work;
     if (found.count == 0) {
-      if (needs_bound) apart = static_cast<double>(found.apart) / found.scale;
+      if (needs_bound) apart = static_cast<double>(found.pruned_bound) / found.scale;
       return true;
     }
     if (!compare(found, steps)) return false;
@@ -116,7 +116,7 @@ class LeafComparison {
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap. A test for intersection is much
   /// cheaper than one for distance, and a contact ends the query.
-  bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
+  bool find_contact(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b, simd::Candidates& found) {
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_cutoff;
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
@@ -133,7 +133,7 @@ class LeafComparison {
 
   /// Compares the nearest two triangles where a descent has ended. Their limit is the best distance, not the cutoff,
   /// which the allowed error has made smaller: a nearer pair lowers the cutoff further.
-  [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
+  [[gnu::noinline]] void look_nearer(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b,
                                      simd::Candidates& found) {
     simd::PruneLimits nearer = search_.pruning.of(Side::a);
     nearer.distance = search_.pruning.best_distance();

@@ -49,7 +49,7 @@ struct PruneLimits {
 };
 
 /// A child slot of a tree, or its leaf, to be compared with slots of the other tree.
-struct OtherNode {
+struct SlotRef {
   const bvh::Node* node;
   std::uint32_t slot;
   const bvh::QuantizedTriangles* triangles;  ///< nullptr unless it is a leaf
@@ -157,7 +157,7 @@ struct QueryRay {
 /// bound_sq[slot], unless that is nullptr, the best squared bound, the one along the search direction included. Both
 /// are written for all slots, those without a child included. Where only contacts matter, at the smallest prune
 /// distance and without bound_sq, order[slot] is some positive gap instead of a squared bound.
-using BoundChildren = KeptSlots (*)(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
+using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
 /// Two leaves of one tree, which is compared with itself, or one leaf twice.
@@ -166,13 +166,13 @@ struct SelfPair {
 };
 
 /// The pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are those
-/// of the tree of `a`. Candidates::apart is written if `bounds_rest`.
+/// of the tree of `a`. Candidates::apart is written if `wants_pruned_bound`.
 ///
 /// `self` is nullptr unless both are leaves of one tree. Then triangles are no candidates if they share a vertex or an
 /// edge and certainly have nothing else in common; and of a leaf and itself, triangles are compared with those after
 /// them.
-using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+using FindCandidates = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                const PruneLimits& pruning, const SelfPair* self, bool wants_pruned_bound,
                                 Candidates& candidates);
 
 /// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
@@ -203,7 +203,7 @@ struct ElementCandidates {
 ///
 /// `self` is nullptr unless both are leaves of one tree. Then elements that share a vertex, by id, are no candidates;
 /// and of a leaf and itself, the elements of each triangle are compared with those of triangles after it.
-using FindCloseElements = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                    const SelfPair* self, ElementCandidates& found);
 
