@@ -33,7 +33,8 @@ LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& dire
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
   // The gap along n falls short of the cutoff by `deficit`. The gap of the spheres across n may make up for it:
   // (cutoff - deficit)^2 + across^2 >= cutoff^2.
-  const Packet deficit = dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
+  const Packet deficit =
+      dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(base::squares_down) - p.radius_sum, zero());
   const Packet cutoff = Packet::set(direction.cutoff), missing = min(deficit, cutoff);
