@@ -34,44 +34,30 @@ constexpr double corner_plane_error = 32 * 0x1p-53;
 // multiplied.
 constexpr double edge_plane_underflow = 0x1p-660, corner_plane_underflow = 0x1p-1000;
 
-/// The inner products of n vectors: of[i][j] is that of vectors i and j.
-template <std::size_t n>
-struct InnerProducts {
-  std::array<std::array<double, n>, n> of;
-  explicit InnerProducts(const std::array<Vec3, n>& v) {
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) of[i][j] = of[j][i] = dot(v[i], v[j]);
-    }
-  }
-};
-
 /// Whether the plane through edge vector e, perpendicular to the plane of e and p, has p and q strictly on different
-/// sides, for certain: (e x p) . (e x q) < 0. Vectors are given by their indices.
-template <std::size_t n>
-bool edge_plane_separates(const InnerProducts<n>& products, std::size_t e, std::size_t p, std::size_t q) {
-  const auto& of = products.of;
-  const double bound = edge_plane_error * (of[e][e] * (of[p][p] + of[q][q])) + edge_plane_underflow;
-  return of[e][e] * of[p][q] - of[e][p] * of[e][q] + bound < 0;
+/// sides, for certain: (e x p) . (e x q) < 0.
+inline bool edge_plane_separates(const Vec3& e, const Vec3& p, const Vec3& q) {
+  const double ee = dot(e, e), bound = edge_plane_error * (ee * (dot(p, p) + dot(q, q))) + edge_plane_underflow;
+  return ee * dot(p, q) - dot(e, p) * dot(e, q) + bound < 0;
 }
 
 /// Whether a plane through the shared corner proves that two triangles meet only there. Their other corners, relative
 /// to the shared one, are p1, p2 and q1, q2. False proves nothing.
 bool are_separated_at_corner(const Vec3& p1, const Vec3& p2, const Vec3& q1, const Vec3& q2) {
-  const InnerProducts<4> products({p1, p2, q1, q2});
-  const auto& of = products.of;
   // The plane perpendicular to m = p1 + p2 - q1 - q2: each p . m and each -q . m is positive.
-  const double p1_m = of[0][0] + of[0][1] - (of[0][2] + of[0][3]), p2_m = of[0][1] + of[1][1] - (of[1][2] + of[1][3]);
-  const double minus_q1_m = of[2][2] + of[2][3] - (of[0][2] + of[1][2]);
-  const double minus_q2_m = of[2][3] + of[3][3] - (of[0][3] + of[1][3]);
-  const double least = std::min(std::min(p1_m, p2_m), std::min(minus_q1_m, minus_q2_m));
-  const double sum_of_squares = of[0][0] + of[1][1] + (of[2][2] + of[3][3]);
-  if (least > corner_plane_error * sum_of_squares + corner_plane_underflow) return true;
+  const double p11 = dot(p1, p1), p12 = dot(p1, p2), p22 = dot(p2, p2);
+  const double q11 = dot(q1, q1), q12 = dot(q1, q2), q22 = dot(q2, q2);
+  const double p1q1 = dot(p1, q1), p1q2 = dot(p1, q2), p2q1 = dot(p2, q1), p2q2 = dot(p2, q2);
+  const double least_p_m = std::min(p11 + p12 - (p1q1 + p1q2), p12 + p22 - (p2q1 + p2q2));
+  const double least_minus_q_m = std::min(q11 + q12 - (p1q1 + p2q1), q12 + q22 - (p1q2 + p2q2));
+  const double rounding = corner_plane_error * (p11 + p22 + (q11 + q22)) + corner_plane_underflow;
+  if (std::min(least_p_m, least_minus_q_m) > rounding) return true;
   // The plane through an edge e, perpendicular to its triangle, which has only e in it: but for the shared corner, the
   // other triangle is strictly on the other side.
-  const auto separates = [&](std::size_t e, std::size_t p, std::size_t q) {
-    return edge_plane_separates(products, e, p, q) && edge_plane_separates(products, e, p, q + 1);
-  };
-  return separates(0, 1, 2) || separates(1, 0, 2) || separates(2, 3, 0) || separates(3, 2, 0);
+  return (edge_plane_separates(p1, p2, q1) && edge_plane_separates(p1, p2, q2)) ||
+         (edge_plane_separates(p2, p1, q1) && edge_plane_separates(p2, p1, q2)) ||
+         (edge_plane_separates(q1, q2, p1) && edge_plane_separates(q1, q2, p2)) ||
+         (edge_plane_separates(q2, q1, p1) && edge_plane_separates(q2, q1, p2));
 }
 
 /// A triangle as the union of segments from a corner v to a far side that does not contain v: the opposite edge (x, y).
@@ -180,8 +166,8 @@ bool geometry::meet_beyond_shared_edge(const Triangle& a, std::size_t apex_a, co
   const Vec3 &v = a[next_corner[apex_a]], &w = a[next_corner[next_corner[apex_a]]];
   LIMBER_ASSERT((v == b[next_corner[apex_b]] && w == b[next_corner[next_corner[apex_b]]]) ||
                 (w == b[next_corner[apex_b]] && v == b[next_corner[next_corner[apex_b]]]));
-  const InnerProducts<3> products({w - v, a[apex_a] - v, b[apex_b] - v});
-  return !edge_plane_separates(products, 0, 1, 2) && meet_beyond_edge_exactly(v, w, a[apex_a], b[apex_b]);
+  return !edge_plane_separates(w - v, a[apex_a] - v, b[apex_b] - v) &&
+         meet_beyond_edge_exactly(v, w, a[apex_a], b[apex_b]);
 }
 
 bool geometry::meets_elsewhere(const Triangle& a, const std::array<VertexId, 3>& ids_a, const Triangle& b,

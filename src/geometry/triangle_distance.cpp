@@ -101,15 +101,15 @@ bool is_separated(const Triangle& a, const Triangle& b, const Vec3& direction, d
 }
 
 /// The point of a triangle that is closest to some point.
-struct Nearest {
+struct NearestOnFace {
   double distance_sq = std::numeric_limits<double>::infinity();
-  Vec3 weights;
+  Vec3 weights{};
 
   double distance() const { return std::sqrt(distance_sq); }
 };
 
-Nearest nearest_on(const Face& face, const Vec3& p) {
-  Nearest nearest;
+NearestOnFace nearest_on(const Face& face, const Vec3& p) {
+  NearestOnFace nearest;
   if (face.foot(p, nearest.weights)) nearest.distance_sq = length_sq(point_at(face.corner, nearest.weights) - p);
   for (std::size_t i = 0; i < 3; ++i) {
     // Where the edge is closest to p, from 0 to 1; 0 on an edge without length.

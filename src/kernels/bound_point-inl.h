@@ -27,7 +27,7 @@ namespace limber::simd::LIMBER_TARGET {
 namespace {
 
 // A divisor in place of smaller ones, for spheres that are points.
-inline constexpr float smallest_radius = 0x1p-100F;
+inline constexpr float smallest_child_radius = 0x1p-100F;
 
 /// Squared lower bounds of the distances from a point to the children `i` and following, a packet of them. Where a
 /// bound is 0, the result is how deep the point is inside of the child's sphere, as a fraction of the radius, negative.
@@ -52,7 +52,7 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   const Packet across = sqrt(max(d_sq - height * height - rounding, zero())) - radius - error;
   const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(along, across));
   // Only for the order of children: without errors.
-  const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_radius)), zero());
+  const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_child_radius)), zero());
   return select(best > zero(), best * Packet::set(base::squares_down), depth);
 }
 

@@ -345,7 +345,7 @@ LIMBER_KERNEL void find_close_elements(const SlotRef& a, const SlotRef& b, const
   unpack(*a.triangles, pair.step_a, ca);
   if (self != nullptr) {
     unpack(*b.triangles, pair.step_b, cb);
-    move(cb, pair.offset, cb);
+    shift_corners(cb, pair.offset, cb);
   } else {
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }

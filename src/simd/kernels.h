@@ -198,7 +198,8 @@ struct ElementCandidates {
 /// Compares the children of a node with one slot of the other tree, by lower bounds of squared distances in squared
 /// units of the tree of `node`. `transform` and `pruning` are those of that tree.
 ///
-/// returned  The children with a bound below `limit_sq`, less those that the search direction prunes.
+/// returned  The children with a bound below `limit_sq`, less those that the search direction prunes. Callers derive
+///           `limit_sq` and `pruning.distance` from one cutoff.
 /// order     For each slot the bound without the search direction, if positive. Otherwise how deep the spheres overlap,
 ///           as a fraction of the sum of their radii, negative: sorted by it, the deepest overlap comes first.
 /// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
@@ -239,8 +240,7 @@ using BoundChildrenToPoint = void (*)(const bvh::Node& node, const QueryPoint& p
 /// Intervals of the distances between a point and the triangles of the leaf in a slot of `node`. A triangle that is not
 /// kept is farther away than `limit`, a length, or than another triangle.
 ///
-/// bound_triangles_along is for far points: its lower bounds are 0 and `upper` is infinite, only `kept` tells
-/// something.
+/// bound_triangles_along is for far points: lower bounds are 0 and `upper` is infinite, so only `kept` counts.
 using BoundTrianglesToPoint = void (*)(const bvh::Node& node, std::uint32_t slot,
                                        const bvh::QuantizedTriangles& triangles, const QueryPoint& point, double limit,
                                        TriangleIntervals& intervals);
@@ -266,8 +266,8 @@ struct Displacement {
   double farthest_sq;  ///< the longest displacement of a point, squared; 0 if not is_bounded
   bool is_bounded;     ///< whether all new coordinates are numbers of at most a given size
 };
-/// Measures how far points move from `from` to `to`, and checks that no coordinate of `to` is larger than `largest` in
-/// size, or not a number.
+/// Measures how far points move from `from` to `to`, and whether all coordinates of `to` are numbers of at most
+/// `largest` in size.
 using MaxDisplacement = Displacement (*)(const Vec3* from, const Vec3* to, std::size_t count, double largest);
 
 /// The least and the greatest coordinates of points.
@@ -287,8 +287,7 @@ struct FewLeast {
 /// read. Pre: 0 < n <= count <= few_points.
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
-/// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`. Pre: `low`, `high` are
-/// finite.
+/// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`, which are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
 /// The pairs of boxes that have a point in common once those of `a` are made larger by a margin on all sides. Bit width
