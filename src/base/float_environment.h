@@ -15,54 +15,63 @@
     "limber decides exactly and bounds its rounding: compile its sources without -ffast-math (programs that use it may)"
 #endif
 
-/// Exactness and bounds hold in the IEEE default environment: rounding to nearest, subnormal numbers kept, no traps.
-/// Callers may run in another one: a program linked with -ffast-math flushes subnormals, interval libraries change the
-/// rounding mode.
+/// The library's exact decisions and its bounds need the IEEE default environment: rounding to nearest, subnormal
+/// numbers kept, no traps. Callers may run in another one: a program linked with -ffast-math flushes subnormals,
+/// interval libraries change the rounding mode.
 namespace limber::base {
 
-/// Puts the calling thread into the default floating-point environment for the lifetime of the object.
+/// A scope guard: the constructor puts the calling thread into the default floating-point environment, the destructor
+/// restores the caller's.
 ///
-/// A function whose last step is arithmetic on its return value passes that value through `settled`: a compiler may
-/// otherwise move the arithmetic behind the change back.
+/// Compilers do not know that arithmetic depends on the control register, so they may move it across a write of that
+/// register. Two barriers hold it inside the scope. Operands in memory are not loaded before the constructor's write:
+/// public functions take coordinates by reference or read them from models. A value that a function computes in its
+/// return statement goes through computed_before_restore().
 ///
+/// Limits   Exception flags may be lost or stay raised. On i386 the environment is that of SSE: compile with
+///          -mfpmath=sse. On processors other than x86, AArch64 and WebAssembly only the rounding mode is set.
 /// Cost     One read of the control register when the environment is the default one, about 1 ns.
 class DefaultFloatEnvironment {
  public:
   DefaultFloatEnvironment() : saved_(read()) {
-    if (!is_default(saved_)) [[unlikely]]
+    if (!is_default(saved_)) [[unlikely]] {
       write(default_control);
+    }
   }
   ~DefaultFloatEnvironment() {
-    if (!is_default(saved_)) [[unlikely]]
+    if (!is_default(saved_)) [[unlikely]] {
       write(saved_);
+    }
   }
   DefaultFloatEnvironment(const DefaultFloatEnvironment&) = delete;
   DefaultFloatEnvironment& operator=(const DefaultFloatEnvironment&) = delete;
 
-  /// `value`, computed before this object changes the environment back.
+  /// Returns `value`, and makes sure that it has been computed before the destructor restores the environment: the asm
+  /// reads it from memory, and compilers do not move the destructor's write before a volatile asm.
   template <typename T>
-  T settled(T value) const {
-#if !defined(__wasm__)
+  T computed_before_restore(T value) const {
+#if !defined(__wasm__)  // WebAssembly has no environment to restore
     asm volatile("" : "+m"(value) : : "memory");
 #endif
     return value;
   }
 
  private:
-  // The barriers keep loads of operands, and so the arithmetic on them, from moving across a change.
 #if defined(__x86_64__) || defined(__i386__)
   using Control = std::uint32_t;
+  // MXCSR: all exceptions masked, rounding to nearest, neither flush-to-zero nor denormals-are-zero. The six bits that
+  // note past exceptions do not matter.
   static constexpr Control default_control = 0x1f80, sticky_flags = 0x3f;
   static Control read() { return _mm_getcsr(); }
   static void write(Control control) {
-    asm volatile("" ::: "memory");
+    asm volatile("" ::: "memory");  // no load or store moves across
     _mm_setcsr(control);
     asm volatile("" ::: "memory");
   }
   static bool is_default(Control control) { return (control & ~sticky_flags) == default_control; }
 #elif defined(__aarch64__)
   using Control = std::uint64_t;
-  static constexpr Control default_control = 0;
+  static constexpr Control default_control = 0;  // FPCR: traps off, rounding to nearest, no flush-to-zero
   static Control read() {
     Control control;
     asm volatile("mrs %0, fpcr" : "=r"(control)::"memory");
@@ -79,7 +88,7 @@ class DefaultFloatEnvironment {
   static bool is_default(Control) { return true; }
 #else
   using Control = int;
-  static constexpr Control default_control = FE_TONEAREST;
+  static constexpr Control default_control = FE_TONEAREST;  // the rounding mode is all that <cfenv> can set
   static Control read() { return std::fegetround(); }
   static void write(Control control) { std::fesetround(control); }
   static bool is_default(Control control) { return control == default_control; }

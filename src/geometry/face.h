@@ -11,7 +11,9 @@
 
 namespace limber::geometry {
 
-/// A triangle with what feet on it are computed from: projections of points that fall into it.
+/// A triangle prepared for projecting points on it. The foot of a point is its projection on the triangle's plane. Edge
+/// i goes from corner i to the next; inward[i] is perpendicular to it and to the normal, and points to the third
+/// corner. No vector has length 1.
 ///
 /// Pre      Coordinates are at most 2^100 in size, so that fourth powers stay finite.
 struct Face : simd::FaceVectors {
@@ -24,29 +26,32 @@ struct Face : simd::FaceVectors {
     for (std::size_t i = 0; i < 3; ++i) inward[i] = cross(normal, edge[i]);
   }
 
-  /// Twice the areas between the foot of p and the edges, by opposite corner, times the length of the normal: negative
-  /// where an edge separates the foot from the triangle.
+  /// The numbers that are to each other as the weights of the corners at the foot of p: for each corner twice the area
+  /// between the foot and the opposite edge, times the length of the normal. A number is negative if and only if that
+  /// edge separates the foot from the triangle.
   Vec3 areas(const Vec3& p) const {
     return {dot(inward[1], p - corner.v1), dot(inward[2], p - corner.v2), dot(inward[0], p - corner.v0)};
   }
-  /// Whether such areas say that the foot falls into the triangle; no if the triangle has no area.
+  /// Whether the foot of a point is in the triangle, by its areas(). No if the triangle has no area.
   static bool are_inside(const Vec3& areas) {
     return areas.x >= 0 && areas.y >= 0 && areas.z >= 0 && areas.x + areas.y + areas.z > 0;
   }
 
-  /// Weights of the foot of p when it falls into the triangle; false when it does not or the triangle has no area.
+  /// Sets `weights` to those of the foot of p if it is in the triangle. Returns false if it is not, or if the triangle
+  /// has no area.
   bool foot(const Vec3& p, Vec3& weights) const {
     if (!are_inside(areas(p))) return false;
     weights = foot_weights(p);
     return true;
   }
 
-  /// Weights of the foot of p, which falls into the triangle: >= 0, together 1 up to rounding.
+  /// Weights of the foot of p: >= 0, together 1 up to rounding. Pre: the foot is in the triangle.
   ///
-  /// The normal of a sliver is off by the roundoff over its smallest angle. So only the weight of v2, its height over
-  /// the edge from v0 to v1, comes from the normal. What that weight is off by moves the foot across the edge by no
-  /// more than rounding does, but far along it. The place along the edge is therefore measured afterwards, without the
-  /// normal, and once more for what is left.
+  /// The normal of a sliver is off by the roundoff over its smallest angle. So only the weight of v2, which is the
+  /// foot's height over the edge from v0 to v1, comes from the normal. The error of that weight moves the foot
+  /// perpendicular to the edge by no more than rounding does, but far in the direction of the edge. The place in that
+  /// direction is therefore measured afterwards, by inner products with the edge; and once more for what is left of the
+  /// vector.
   Vec3 foot_weights(const Vec3& p) const {
     constexpr double smallest = std::numeric_limits<double>::min();  // rounding may leave 0, or less
     const Vec3 to_p = p - corner.v0, to_v1 = edge[0], to_v2 = -edge[2];

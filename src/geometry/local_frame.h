@@ -64,7 +64,7 @@ inline double safe_length(const Vec3& v) {
 /// The point of a triangle with the given weights; a corner is met exactly.
 inline Vec3 point_at(const Triangle& t, const Vec3& weights) {
   const std::size_t k = weights.x >= weights.y ? (weights.x >= weights.z ? 0 : 2) : (weights.y >= weights.z ? 1 : 2);
-  const std::size_t i = after[k], j = after[i];
+  const std::size_t i = next_corner[k], j = next_corner[i];
   return t[k] + (weights[i] * (t[i] - t[k]) + weights[j] * (t[j] - t[k]));
 }
 
@@ -75,7 +75,7 @@ inline Feature feature_of(const Vec3& weights) {
   };
   for (std::size_t i = 0; i < 3; ++i) {
     if (weights[i] != 0) continue;
-    const std::size_t j = after[i], k = after[j];  // edge j goes from corner j to corner k
+    const std::size_t j = next_corner[i], k = next_corner[j];  // edge j goes from corner j to corner k
     return weights[j] == 0   ? named(FeatureKind::vertex, k)
            : weights[k] == 0 ? named(FeatureKind::vertex, j)
                              : named(FeatureKind::edge, j);

@@ -19,7 +19,7 @@
 namespace limber {
 namespace {
 
-using geometry::after;
+using geometry::next_corner;
 
 /// The closest point so far, relative to the point, and its weights.
 struct Nearest {
@@ -37,8 +37,8 @@ struct Nearest {
 void consider_edge(const Triangle& corner, std::size_t i, const Vec3& edge, Nearest& nearest) {
   const double t = geometry::clamped_quotient(-dot(edge, corner[i]), length_sq(edge));
   Vec3 weights;
-  weights[i] = 1 - t, weights[after[i]] = t;
-  nearest.consider(t == 1 ? corner[after[i]] : corner[i] + t * edge, weights);
+  weights[i] = 1 - t, weights[next_corner[i]] = t;
+  nearest.consider(t == 1 ? corner[next_corner[i]] : corner[i] + t * edge, weights);
 }
 
 }  // namespace

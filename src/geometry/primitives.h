@@ -53,6 +53,6 @@ struct PointsOnSegments {
 PointsOnSegments closest_on(const Segment& a, const Segment& b);
 
 /// The corner that follows each corner of a triangle.
-inline constexpr std::array<std::size_t, 3> after{1, 2, 0};
+inline constexpr std::array<std::size_t, 3> next_corner{1, 2, 0};
 
 }  // namespace limber::geometry

@@ -1,16 +1,18 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Source   docs/algorithms/intersection.md, "Triangles that share corners", has the proofs.
+// Decides exactly whether two triangles that share a corner or an edge meet anywhere else. First a filter looks for a
+// plane through the shared corner or edge that separates the rest of them. In smooth meshes one that does is nearly
+// perpendicular to both triangles: inner products find it reliably, where the volume of four nearly coplanar corners is
+// all rounding. The few other pairs are decided by signs of volumes and, where a volume is 0, of areas.
 //
-// A plane through what is shared proves nearly all pairs apart elsewhere. In smooth and flat meshes such a plane stands
-// across the triangles, so inner products of edges find it, where volumes are lost in rounding. The few other pairs are
-// decided by signs of volumes, and of areas where these are 0.
+// Source   Proofs: docs/algorithms/intersection.md, "Triangles that share corners".
 #include "geometry/shared_corners.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "base/check.h"
@@ -20,44 +22,46 @@
 namespace limber {
 namespace {
 
-// With u = 2^-53, the value of (e x p) . (e x q) that is computed from rounded differences is off by at most
-// 25 u |e|^2 |p| |q|: 8 u for the differences, 7 u for each of two products of inner products, 2 u for the subtraction.
-// |p| |q| is at most the mean of the squares, so 12.5 u |e|^2 (|p|^2 + |q|^2).
-constexpr double across_bound = 16 * 0x1p-53;
-// The same for a sum of four inner products, as a part of the sum of the squares of their vectors: 12.5 u for the inner
-// products, of which one vector is in all, and 5 u for three additions.
-constexpr double side_bound = 32 * 0x1p-53;
-// Products that underflow are off by 2^-1075 each. Times the square of a difference, below 2^404, that is 2^-671 each.
-constexpr double across_underflow = 0x1p-660;
-constexpr double side_underflow = 0x1p-1000;
+// With u = 2^-53, an inner product x . y of rounded differences is off by 5 u |x| |y|: 2 u for the differences, 3 u for
+// a product and two additions. In (e x p) . (e x q) = (e.e) (p.q) - (e.p) (e.q) each product is off by 5 + 5 + 1 u, the
+// difference by 2 u more: by 24 u |e|^2 |p| |q|, so by 12 u |e|^2 (|p|^2 + |q|^2). The rest is room.
+constexpr double edge_plane_error = 16 * 0x1p-53;
+// Let x be one of p1, p2, q1, q2 and S the sum of their squares. In x . p1 + x . p2 - x . q1 - x . q2 the products
+// |x| |y| <= (|x|^2 + |y|^2) / 2 are together at most 2.5 S; 5 u each, and 2 u for two levels of sums, make 17.5 u S.
+constexpr double corner_plane_error = 32 * 0x1p-53;
+// A product that underflows is off by 2^-1075. In the first expression a dozen such errors are multiplied by squares
+// below 2^404, because coordinates are at most 2^200 in size: below 2^-667 in all. In the second they are not
+// multiplied.
+constexpr double edge_plane_underflow = 0x1p-660, corner_plane_underflow = 0x1p-1000;
 
-/// Whether p and q point to different sides of the line along e, for certain: (e x p) . (e x q) < 0.
-///
-/// Then the plane along e that is perpendicular to the plane of e and p separates p and q strictly. The inner products
-/// are given: of e with itself, p and q, of p with q, and the sum of those of p and of q with themselves.
-bool point_apart(double ee, double ep, double eq, double pq, double pp_plus_qq) {
-  return ee * pq - ep * eq + (across_bound * (ee * pp_plus_qq) + across_underflow) < 0;
+/// Whether the plane through edge vector e, perpendicular to the plane of e and p, has p and q strictly on different
+/// sides, for certain: (e x p) . (e x q) < 0.
+inline bool edge_plane_separates(const Vec3& e, const Vec3& p, const Vec3& q) {
+  const double ee = dot(e, e), bound = edge_plane_error * (ee * (dot(p, p) + dot(q, q))) + edge_plane_underflow;
+  return ee * dot(p, q) - dot(e, p) * dot(e, q) + bound < 0;
 }
 
-/// Whether a plane through the common corner separates two triangles strictly, for certain, but for that corner; p and
-/// q are the other corners of the two, relative to the common one.
+/// Whether a plane through the shared corner proves that two triangles meet only there. Their other corners, relative
+/// to the shared one, are p1, p2 and q1, q2. False proves nothing.
 bool are_separated_at_corner(const Vec3& p1, const Vec3& p2, const Vec3& q1, const Vec3& q2) {
+  // The plane perpendicular to m = p1 + p2 - q1 - q2: each p . m and each -q . m is positive.
   const double p11 = dot(p1, p1), p12 = dot(p1, p2), p22 = dot(p2, p2);
   const double q11 = dot(q1, q1), q12 = dot(q1, q2), q22 = dot(q2, q2);
   const double p1q1 = dot(p1, q1), p1q2 = dot(p1, q2), p2q1 = dot(p2, q1), p2q2 = dot(p2, q2);
-  // The plane across the sum of the p minus that of the q.
-  const double least_of_p = std::min(p11 + p12 - (p1q1 + p1q2), p12 + p22 - (p2q1 + p2q2));
-  const double least_of_q = std::min(q11 + q12 - (p1q1 + p2q1), q12 + q22 - (p1q2 + p2q2));
-  if (std::min(least_of_p, least_of_q) > side_bound * (p11 + p22 + (q11 + q22)) + side_underflow) return true;
-  // The planes along an edge across its triangle.
-  return (point_apart(p11, p12, p1q1, p2q1, p22 + q11) && point_apart(p11, p12, p1q2, p2q2, p22 + q22)) ||
-         (point_apart(p22, p12, p2q1, p1q1, p11 + q11) && point_apart(p22, p12, p2q2, p1q2, p11 + q22)) ||
-         (point_apart(q11, q12, p1q1, p1q2, q22 + p11) && point_apart(q11, q12, p2q1, p2q2, q22 + p22)) ||
-         (point_apart(q22, q12, p1q2, p1q1, q11 + p11) && point_apart(q22, q12, p2q2, p2q1, q11 + p22));
+  const double least_p_m = std::min(p11 + p12 - (p1q1 + p1q2), p12 + p22 - (p2q1 + p2q2));
+  const double least_minus_q_m = std::min(q11 + q12 - (p1q1 + p2q1), q12 + q22 - (p1q2 + p2q2));
+  const double rounding = corner_plane_error * (p11 + p22 + (q11 + q22)) + corner_plane_underflow;
+  if (std::min(least_p_m, least_minus_q_m) > rounding) return true;
+  // The plane through an edge e, perpendicular to its triangle, which has only e in it: but for the shared corner, the
+  // other triangle is strictly on the other side.
+  return (edge_plane_separates(p1, p2, q1) && edge_plane_separates(p1, p2, q2)) ||
+         (edge_plane_separates(p2, p1, q1) && edge_plane_separates(p2, p1, q2)) ||
+         (edge_plane_separates(q1, q2, p1) && edge_plane_separates(q1, q2, p2)) ||
+         (edge_plane_separates(q2, q1, p1) && edge_plane_separates(q2, q1, p2));
 }
 
-/// The parts of a triangle that are stars about a corner of it, each by its far side: a segment without that corner.
-/// Every point of a part is on a segment from the corner to the far side.
+/// A triangle as the union of segments from a corner v to a far side that does not contain v: the opposite edge (x, y).
+/// Only if v is on that edge, the triangle is two segments from v, and its far sides are (x, x) and (y, y).
 struct FarSides {
   std::array<Segment, 2> side;
   std::size_t count = 0;
@@ -67,10 +71,10 @@ struct FarSides {
 /// Pre      x and y are the other corners of a triangle with corner v.
 FarSides far_sides(const Vec3& v, const Vec3& x, const Vec3& y) {
   using geometry::lexicographically_less;
-  const bool is_between = lexicographically_less(x, y) ? !lexicographically_less(v, x) && !lexicographically_less(y, v)
-                                                       : !lexicographically_less(v, y) && !lexicographically_less(x, v);
+  const auto [low, high] = std::minmax(x, y, lexicographically_less);
+  const bool is_within = !lexicographically_less(v, low) && !lexicographically_less(high, v);
   FarSides far;
-  if (!is_between || geometry::faithful_axis(v, x, y)) {
+  if (!is_within || !geometry::are_collinear(v, x, y)) {
     far.add(x, y);
   } else {
     if (x != v) far.add(x, x);
@@ -79,58 +83,70 @@ FarSides far_sides(const Vec3& v, const Vec3& x, const Vec3& y) {
   return far;
 }
 
-/// The far sides of the first meet the stars of the second triangle.
-bool far_sides_meet(const FarSides& of, const Vec3& v, const FarSides& other) {
-  for (std::size_t i = 0; i < of.count; ++i) {
-    for (std::size_t j = 0; j < other.count; ++j) {
-      if (geometry::intersects(of.side[i], Triangle{v, other.side[j].p0, other.side[j].p1})) return true;
+/// Whether a far side of one triangle meets the other triangle; v is the corner that both share.
+bool far_side_meets(const FarSides& of_one, const Vec3& v, const FarSides& of_other) {
+  for (std::size_t i = 0; i < of_one.count; ++i) {
+    for (std::size_t j = 0; j < of_other.count; ++j) {
+      const Triangle part{v, of_other.side[j].p0, of_other.side[j].p1};
+      if (geometry::intersects(of_one.side[i], part)) return true;
     }
   }
   return false;
 }
 
-/// As meet_beyond_shared_corner(), for triangles (v, a1, a2) and (v, b1, b2), decided by signs.
+/// Whether triangles (v, a1, a2) and (v, b1, b2) share any point but v, by signs alone.
+///
+/// A plane through v proves that they do not, if all of one triangle but v is strictly on one side of it and none of
+/// the other is; or if it has one edge of each and the triangles are on different sides. Six planes contain two of the
+/// four edges at v: that of a, that of b, and those of ai and bj. Four volumes tell the sides of corners for all six.
 bool meet_beyond_corner_exactly(const Vec3& v, const Vec3& a1, const Vec3& a2, const Vec3& b1, const Vec3& b2) {
-  // Volumes of three of the four edges at v. They are the sides that b1 and b2 have of the plane of a, and the reverse,
-  // and also the sides that the other edges have of a plane along an edge of each.
-  const int b1_of_a = geometry::orient3d(v, a1, a2, b1), b2_of_a = geometry::orient3d(v, a1, a2, b2);
-  if (b1_of_a * b2_of_a > 0) return false;
-  const int a1_of_b = geometry::orient3d(v, b1, b2, a1), a2_of_b = geometry::orient3d(v, b1, b2, a2);
-  if (a1_of_b * a2_of_b > 0) return false;
-  if (b1_of_a * a1_of_b > 0 || b1_of_a * a2_of_b < 0 || b2_of_a * a1_of_b < 0 || b2_of_a * a2_of_b > 0) return false;
-  if (b1_of_a != 0 && b2_of_a != 0 && a1_of_b != 0 && a2_of_b != 0) return true;
+  const int p = geometry::orient3d(v, a1, a2, b1), q = geometry::orient3d(v, a1, a2, b2);
+  if (p * q > 0) return false;  // the plane of a: b1 and b2 are on one side
+  const int r = geometry::orient3d(v, b1, b2, a1), s = geometry::orient3d(v, b1, b2, a2);
+  if (r * s > 0) return false;  // the plane of b: a1 and a2 are on one side
+  // The plane of ai and bj: the remaining corners are on different sides. Exchanging two vectors negates a determinant,
+  // so of the plane (v, a1, b1), a2 is on the side -p and b2 on the side r. The other three are alike.
+  if (p * r > 0 || q * r < 0 || p * s < 0 || q * s > 0) return false;
+  // If no volume is 0, a plane that separates the triangles can be turned about v until it contains two of the edges
+  // and still separates. None of the six does, so they meet.
+  if (p != 0 && q != 0 && r != 0 && s != 0) return true;
   const FarSides far_a = far_sides(v, a1, a2), far_b = far_sides(v, b1, b2);
-  return far_sides_meet(far_a, v, far_b) || far_sides_meet(far_b, v, far_a);
+  return far_side_meets(far_a, v, far_b) || far_side_meets(far_b, v, far_a);
 }
 
-/// As meet_beyond_shared_edge(), for triangles (v, w, a) and (v, w, b), decided by signs.
+/// Whether triangles (v, w, a) and (v, w, b) share any point off the edge vw, by signs alone.
 bool meet_beyond_edge_exactly(const Vec3& v, const Vec3& w, const Vec3& a, const Vec3& b) {
   using geometry::lexicographically_less;
-  if (v == w) return meet_beyond_corner_exactly(v, v, a, v, b);
-  if (geometry::orient3d(v, w, a, b) != 0) return false;
+  if (v == w) return meet_beyond_corner_exactly(v, v, a, v, b);  // the edge is a point, the triangles are segments
+  if (geometry::orient3d(v, w, a, b) != 0) return false;         // different planes meet in the line vw only
+  // In one plane a and b must be on one side of the line vw. If b is on the line, its area is 0.
   if (const std::optional<std::size_t> axis = geometry::faithful_axis(v, w, a)) {
     return geometry::orient2d(v, w, a, *axis) * geometry::orient2d(v, w, b, *axis) > 0;
   }
-  if (geometry::faithful_axis(v, w, b)) return false;
+  if (!geometry::are_collinear(v, w, b)) return false;  // a is on the line vw, which leaves (v, w, b) at v and w
+  // Both triangles are on the line: they overlap off vw if and only if a and b are beyond one end of it.
   const auto [low, high] = std::minmax(v, w, lexicographically_less);
   return (lexicographically_less(a, low) && lexicographically_less(b, low)) ||
          (lexicographically_less(high, a) && lexicographically_less(high, b));
 }
 
-/// As meets_elsewhere(), where a triangle may name a vertex more than once.
-bool meet_with_repeated_ids(const Triangle& a, const std::array<VertexId, 3>& ids_a, const Triangle& b,
-                            const std::array<VertexId, 3>& ids_b) {
-  std::array<std::size_t, 3> at_a{}, at_b{};  // where the two name the ids that they share
+/// meets_elsewhere() for triangles that share vertices, of which one may name a vertex more than once.
+bool meets_elsewhere_with_repeats(const Triangle& a, const std::array<VertexId, 3>& ids_a, const Triangle& b,
+                                  const std::array<VertexId, 3>& ids_b) {
+  std::array<std::size_t, 3> at_a{}, at_b{};  // for each shared vertex the first corner of a, and of b, that names it
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto* const found = std::find(ids_b.begin(), ids_b.end(), ids_a[i]);
-    if (found == ids_b.end() || std::find(ids_a.begin(), ids_a.begin() + i, ids_a[i]) != ids_a.begin() + i) continue;
+    const bool is_repeated = std::find(ids_a.begin(), ids_a.begin() + i, ids_a[i]) != ids_a.begin() + i;
+    const auto found = std::find(ids_b.begin(), ids_b.end(), ids_a[i]);
+    if (is_repeated || found == ids_b.end()) continue;
     at_a[count] = i, at_b[count] = static_cast<std::size_t>(found - ids_b.begin());
     ++count;
   }
   LIMBER_ASSERT(count > 0);
   if (count == 1) return geometry::meet_beyond_shared_corner(a, at_a[0], b, at_b[0]);
-  return count == 2 && geometry::meet_beyond_shared_edge(a, 3 - at_a[0] - at_a[1], b, 3 - at_b[0] - at_b[1]);
+  if (count == 3) return false;  // both are the same set of points
+  const auto third = [](const std::array<std::size_t, 3>& at) { return 3 - at[0] - at[1]; };  // 0 + 1 + 2 = 3
+  return geometry::meet_beyond_shared_edge(a, third(at_a), b, third(at_b));
 }
 
 }  // namespace
@@ -140,19 +156,17 @@ bool geometry::meet_beyond_shared_corner(const Triangle& a, std::size_t corner_a
   LIMBER_ASSERT(corner_a < 3 && corner_b < 3);
   const Vec3& v = a[corner_a];
   LIMBER_ASSERT(v == b[corner_b]);
-  const Vec3 &a1 = a[after[corner_a]], &a2 = a[after[after[corner_a]]];
-  const Vec3 &b1 = b[after[corner_b]], &b2 = b[after[after[corner_b]]];
+  const Vec3 &a1 = a[next_corner[corner_a]], &a2 = a[next_corner[next_corner[corner_a]]];
+  const Vec3 &b1 = b[next_corner[corner_b]], &b2 = b[next_corner[next_corner[corner_b]]];
   return !are_separated_at_corner(a1 - v, a2 - v, b1 - v, b2 - v) && meet_beyond_corner_exactly(v, a1, a2, b1, b2);
 }
 
 bool geometry::meet_beyond_shared_edge(const Triangle& a, std::size_t apex_a, const Triangle& b, std::size_t apex_b) {
   LIMBER_ASSERT(apex_a < 3 && apex_b < 3);
-  const Vec3 &v = a[after[apex_a]], &w = a[after[after[apex_a]]];
-  LIMBER_ASSERT((v == b[after[apex_b]] && w == b[after[after[apex_b]]]) ||
-                (w == b[after[apex_b]] && v == b[after[after[apex_b]]]));
-  const Vec3 e = w - v, p = a[apex_a] - v, q = b[apex_b] - v;
-  const double pp_plus_qq = length_sq(p) + length_sq(q);
-  return !point_apart(length_sq(e), dot(e, p), dot(e, q), dot(p, q), pp_plus_qq) &&
+  const Vec3 &v = a[next_corner[apex_a]], &w = a[next_corner[next_corner[apex_a]]];
+  LIMBER_ASSERT((v == b[next_corner[apex_b]] && w == b[next_corner[next_corner[apex_b]]]) ||
+                (w == b[next_corner[apex_b]] && v == b[next_corner[next_corner[apex_b]]]));
+  return !edge_plane_separates(w - v, a[apex_a] - v, b[apex_b] - v) &&
          meet_beyond_edge_exactly(v, w, a[apex_a], b[apex_b]);
 }
 
@@ -166,15 +180,13 @@ bool geometry::meets_elsewhere(const Triangle& a, const std::array<VertexId, 3>&
     }
   }
   if (shared_a == 0) return geometry::intersects(a, b);
-  // The corner that is shared alone, or that is not while the others are; 3 stands for all other sets of corners.
-  constexpr std::array<std::uint8_t, 8> shared_alone{3, 0, 1, 3, 2, 3, 3, 3}, not_shared{3, 3, 3, 2, 3, 1, 0, 3};
-  if (not_shared[shared_a] < 3 && not_shared[shared_b] < 3) {
-    return meet_beyond_shared_edge(a, not_shared[shared_a], b, not_shared[shared_b]);
-  }
-  if (shared_alone[shared_a] < 3 && shared_alone[shared_b] < 3) {
-    return meet_beyond_shared_corner(a, shared_alone[shared_a], b, shared_alone[shared_b]);
-  }
-  return meet_with_repeated_ids(a, ids_a, b, ids_b);
+  // The corner whose bit alone is set in a mask; 3 for masks of no corner or several.
+  constexpr std::array<std::uint8_t, 8> only_corner{3, 0, 1, 3, 2, 3, 3, 3};
+  const std::size_t apex_a = only_corner[7 & ~shared_a], apex_b = only_corner[7 & ~shared_b];
+  if (apex_a < 3 && apex_b < 3) return meet_beyond_shared_edge(a, apex_a, b, apex_b);
+  const std::size_t corner_a = only_corner[shared_a], corner_b = only_corner[shared_b];
+  if (corner_a < 3 && corner_b < 3) return meet_beyond_shared_corner(a, corner_a, b, corner_b);
+  return meets_elsewhere_with_repeats(a, ids_a, b, ids_b);
 }
 
 }  // namespace limber

@@ -26,12 +26,12 @@ Vec3 orthonormality_errors(const Mat3& rotation) {
 double max_stretch(const Mat3& rotation) {
   const base::DefaultFloatEnvironment environment;
   // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
-  return environment.settled(std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48);
+  return environment.computed_before_restore(std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48);
 }
 
 bool is_rigid(const Transform& transform) {
   const base::DefaultFloatEnvironment environment;
-  return environment.settled(geometry::is_rigid(transform));
+  return environment.computed_before_restore(geometry::is_rigid(transform));
 }
 
 Result<Mat3> orthonormalized(const Mat3& matrix) {

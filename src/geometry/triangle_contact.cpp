@@ -24,9 +24,9 @@
 namespace limber {
 namespace {
 
-using geometry::after;
 using geometry::LocalFrame;
 using geometry::near_unit;
+using geometry::next_corner;
 
 /// Pre      As near_unit().
 Vec3 unit(const Vec3& v) {
@@ -40,7 +40,7 @@ Vec3 unit(const Vec3& v) {
 std::array<Vec3, 3> directions_of_edges(const Triangle& t) {
   std::array<Vec3, 3> result;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 edge = t[after[i]] - t[i];
+    const Vec3 edge = t[next_corner[i]] - t[i];
     if (max_abs(edge) > 0) result[i] = near_unit(edge);
   }
   return result;
@@ -63,7 +63,7 @@ Vec3 perpendicular(const Vec3& e, const Vec3& f) {
 Vec3 normal_of(const std::array<Vec3, 3>& edge) {
   Vec3 best;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 n = perpendicular(edge[i], edge[after[i]]);
+    const Vec3 n = perpendicular(edge[i], edge[next_corner[i]]);
     if (max_abs(n) > max_abs(best)) best = n;
   }
   return best;
@@ -153,7 +153,7 @@ class LeastOverlap {
     Vec3 longest;
     for (const Triangle* t : {&first_, &second_}) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 edge = (*t)[after[i]] - (*t)[i];
+        const Vec3 edge = (*t)[next_corner[i]] - (*t)[i];
         if (max_abs(edge) > max_abs(longest)) longest = edge;
       }
     }
@@ -296,7 +296,7 @@ TriangleContact geometry::contact(const Triangle& a, const Triangle& b, Oriented
     return contact;
   }
   if (closest.distance > farthest) return contact;
-  contact.normal = found.are_proven_apart ? unit(found.between) : normal_of_a_small_gap(a, b, closest.distance);
+  contact.normal = found.are_proven_apart ? unit(found.a_to_b) : normal_of_a_small_gap(a, b, closest.distance);
   if (oriented != OrientedFaces::none) contact.normal_side = side_of(contact.normal, a, b, oriented);
   return contact;
 }

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+// Distances of two triangles, and of two segments: closest points and features, a point shared by triangles that
+// intersect, and the direction between the closest points (geometry/primitives.h, geometry/triangle_contact.h).
+//
 // Based on  [Larsen1999]: the closest points of disjoint triangles lie on a pair of edges or on a corner and a face.
-// Differs   All fifteen feature pairs are compared; none is dropped by a threshold, so slivers and tiny triangles take
-//           the same path. The direction between the best points must then prove the triangles apart by projection; if
-//           it cannot, the exact predicate decides, so that distance 0 and intersection are one fact. All arithmetic is
-//           relative to a corner and, at extreme scales, divided by a power of two.
+// Differs   All fifteen feature pairs are compared, most of it in simd::CompareTriangles; none is dropped by a
+//           threshold, so slivers and tiny triangles take the same path. The direction between the best points must
+//           then prove the triangles apart by projection; if it cannot, the exact predicate decides. So the distance is
+//           0 if and only if the triangles intersect. All arithmetic is in a LocalFrame: relative to corner v0 of a
+//           and, at extreme scales, divided by a power of two.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,108 +27,130 @@
 namespace limber {
 namespace {
 
-using geometry::after;
 using geometry::Face;
 using geometry::feature_of;
 using geometry::LocalFrame;
+using geometry::next_corner;
 using geometry::point_at;
 using geometry::safe_length;
 
+// Rounding, as parts of the extent of the frame, with u = 2^-53. docs/algorithms/numerics.md, "Distances", has what is
+// promised to users.
+//
+// The height of a corner along a direction d is off by 9 u max|d|, three products with three roundings each, and by 3 u
+// max|d| for the rounded corner: 24 u for two heights.
+constexpr double separation_error = 0x1p-48;
+// The shared point of triangles that intersect may be found the fast way if it is on both within 16 u: half of the
+// promised 32 u.
+constexpr double shared_point_tolerance = 0x1p-49;
+// Closest points within 128 u touch: a choice, above all errors. It decides which features are named, nothing else.
+constexpr double touching_distance = 0x1p-46;
+
 Vec3 corner_weights(std::size_t corner) {
-  Vec3 w;
+  Vec3 w{};
   w[corner] = 1;
   return w;
 }
 
 Vec3 edge_weights(std::size_t edge, double parameter) {
-  Vec3 w;
+  Vec3 w{};
   w[edge] = 1 - parameter;
-  w[after[edge]] = parameter;
+  w[next_corner[edge]] = parameter;
   return w;
 }
 
-/// The best pair of points found so far.
+/// The closest pair of points found so far, by the weights of the corners.
 struct Best {
   double distance_sq = std::numeric_limits<double>::infinity();
-  Vec3 between;  ///< from the point on a to the point on b
+  Vec3 a_to_b;  ///< from the point on a to the point on b
   Vec3 weights_a, weights_b;
 
-  bool improves(const Vec3& candidate) const { return length_sq(candidate) < distance_sq; }
-  void set(const Vec3& candidate, const Vec3& w_a, const Vec3& w_b) {
-    distance_sq = length_sq(candidate);
-    between = candidate;
-    weights_a = w_a;
-    weights_b = w_b;
+  void improve(const Vec3& candidate, const Vec3& w_a, const Vec3& w_b) {
+    if (length_sq(candidate) < distance_sq) *this = {length_sq(candidate), candidate, w_a, w_b};
   }
 };
 
+/// The closest points of the boundaries, or of a corner and the other face. The kernel finds the closest of the nine
+/// edge pairs, and the corners whose foot, their projection on the other plane, is inside the other triangle.
 Best closest_pair(const Face& a, const Face& b) {
   simd::TriangleFeatures found;
   simd::kernels().compare_triangles(a, b, found);
   Best best;
   const std::size_t i = found.edge_a, j = found.edge_b;
-  const Vec3 of_edges = (b.corner[j] - a.corner[i]) + (found.at_b * b.edge[j] - found.at_a * a.edge[i]);
-  if (best.improves(of_edges)) best.set(of_edges, edge_weights(i, found.at_a), edge_weights(j, found.at_b));
-  Vec3 weights;
+  const Vec3 between_edges = (b.corner[j] - a.corner[i]) + (found.at_b * b.edge[j] - found.at_a * a.edge[i]);
+  best.improve(between_edges, edge_weights(i, found.at_a), edge_weights(j, found.at_b));
   for (std::size_t k = 0; k < 3; ++k) {
-    if ((found.feet_of_a >> k & 1) != 0 && b.foot(a.corner[k], weights)) {
-      const Vec3 between = point_at(b.corner, weights) - a.corner[k];
-      if (best.improves(between)) best.set(between, corner_weights(k), weights);
+    if ((found.feet_of_a >> k & 1) != 0) {
+      const Vec3 weights = b.foot_weights(a.corner[k]);
+      best.improve(point_at(b.corner, weights) - a.corner[k], corner_weights(k), weights);
     }
-    if ((found.feet_of_b >> k & 1) != 0 && a.foot(b.corner[k], weights)) {
-      const Vec3 between = b.corner[k] - point_at(a.corner, weights);
-      if (best.improves(between)) best.set(between, weights, corner_weights(k));
+    if ((found.feet_of_b >> k & 1) != 0) {
+      const Vec3 weights = a.foot_weights(b.corner[k]);
+      best.improve(b.corner[k] - point_at(a.corner, weights), weights, corner_weights(k));
     }
   }
   return best;
 }
 
-/// Whether the planes across the best points' connection leave the triangles on different sides, beyond rounding.
+/// Whether a plane perpendicular to `direction`, which leads from a to b, separates the triangles by more than
+/// rounding.
 bool is_separated(const Triangle& a, const Triangle& b, const Vec3& direction, double extent) {
   const double end_of_a = std::max({dot(direction, a.v0), dot(direction, a.v1), dot(direction, a.v2)});
   const double start_of_b = std::min({dot(direction, b.v0), dot(direction, b.v1), dot(direction, b.v2)});
-  return start_of_b - end_of_a > 0x1p-48 * max_abs(direction) * extent;
+  return start_of_b - end_of_a > separation_error * max_abs(direction) * extent;
 }
 
-/// Where an edge is closest to p, from 0 to 1.
-double closest_parameter(const Face& face, std::size_t edge, const Vec3& p) {
-  return geometry::clamped_quotient(dot(face.edge[edge], p - face.corner[edge]), length_sq(face.edge[edge]));
-}
+/// The point of a triangle that is closest to some point.
+struct NearestOnFace {
+  double distance_sq = std::numeric_limits<double>::infinity();
+  Vec3 weights{};
 
-double distance_to(const Face& face, const Vec3& p) {
-  double best_sq = std::numeric_limits<double>::infinity();
-  Vec3 weights;
-  if (face.foot(p, weights)) best_sq = length_sq(point_at(face.corner, weights) - p);
+  double distance() const { return std::sqrt(distance_sq); }
+};
+
+NearestOnFace nearest_on(const Face& face, const Vec3& p) {
+  NearestOnFace nearest;
+  if (face.foot(p, nearest.weights)) nearest.distance_sq = length_sq(point_at(face.corner, nearest.weights) - p);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double t = closest_parameter(face, i, p);
-    best_sq = std::min(best_sq, length_sq(face.corner[i] + t * face.edge[i] - p));
+    // Where the edge is closest to p, from 0 to 1; 0 on an edge without length.
+    const double t = geometry::clamped_quotient(dot(face.edge[i], p - face.corner[i]), length_sq(face.edge[i]));
+    const double distance_sq = length_sq(face.corner[i] + t * face.edge[i] - p);
+    if (distance_sq < nearest.distance_sq) nearest = {distance_sq, edge_weights(i, t)};
   }
-  return std::sqrt(best_sq);
+  return nearest;
 }
 
-/// The point of an edge of one triangle that is nearest to where its line passes through the plane of the other.
+/// The point where the line of an edge of one triangle, its owner, crosses the plane of the other, the target; or the
+/// end of the edge nearest to that point.
 struct Crossing {
-  double misfit;  ///< distance from the other triangle
+  double distance;  ///< of the point from the target
   Vec3 point;
   std::size_t edge;
-  double parameter;  ///< on the edge, from 0 to 1
+  double parameter;  ///< of the point on the edge, from 0 to 1
   bool is_edge_of_a;
 };
 
-/// The crossings of two triangles: those of edges of a, then those of edges of b. Edges parallel to the other's plane
-/// have none.
+/// Signed distances of the corners of `owner` from the plane of `target`, times the length of its normal.
+std::array<double, 3> scaled_heights(const Face& owner, const Face& target) {
+  std::array<double, 3> heights;
+  for (std::size_t i = 0; i < 3; ++i) heights[i] = dot(owner.corner[i] - target.corner.v0, target.normal);
+  return heights;
+}
+
+/// The crossings of two triangles: those of edges of a, then those of edges of b. All edges have one that are not
+/// parallel to the other's plane: even if both ends seem to be on one side, rounding may be to blame.
 class Crossings {
  public:
   Crossings(const Face& a, const Face& b) {
     for (const bool of_a : {true, false}) {
       const Face &owner = of_a ? a : b, &target = of_a ? b : a;
+      const std::array<double, 3> heights = scaled_heights(owner, target);
       for (std::size_t i = 0; i < 3; ++i) {
-        const double height0 = dot(owner.corner[i] - target.corner.v0, target.normal);
-        const double height1 = dot(owner.corner[after[i]] - target.corner.v0, target.normal);
-        if (height0 == height1) continue;
-        const double parameter = std::clamp(height0 / (height0 - height1), 0.0, 1.0);
+        const double start = heights[i], end = heights[next_corner[i]];
+        if (start == end) continue;
+        const double parameter = std::clamp(start / (start - end), 0.0, 1.0);
         const Vec3 point = owner.corner[i] + parameter * owner.edge[i];
-        crossings_[count_++] = {distance_to(target, point), point, i, parameter, of_a};
+        crossings_[count_++] = {nearest_on(target, point).distance(), point, i, parameter, of_a};
       }
     }
   }
@@ -136,32 +162,34 @@ class Crossings {
   std::size_t count_ = 0;
 };
 
-/// The point that fits best on both triangles, which are known to intersect.
+/// A point that is on both triangles as nearly as rounding allows. Pre: they intersect.
 ///
-/// Candidates are the closest features (contacts of boundaries, coplanar overlap) and the points where an edge passes
-/// through the other's plane. The one nearest to both is taken, so no case distinction can pick a bad one.
+/// Candidates are the closest point of a and all crossings. The one whose distance from the farther triangle is least
+/// is taken, so no case distinction can pick a bad one.
 Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
-  double misfit = distance_to(b, contact);
+  double misfit = nearest_on(b, contact).distance();  // its distance from a is 0
   for (const Crossing& c : Crossings(a, b)) {
-    if (!(c.misfit < misfit)) continue;
-    const double candidate = std::max(c.misfit, distance_to(c.is_edge_of_a ? a : b, c.point));
+    if (!(c.distance < misfit)) continue;
+    const double candidate = std::max(c.distance, nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
     if (candidate < misfit) contact = c.point, misfit = candidate;
   }
-  // Let h be the smallest height of the triangles. Rounding moves a point on a plane by about u * extent^2 / h, and
-  // no point of a triangle is further than h / 2 from an edge. The smaller of the two is largest at h = 2^-26 * extent.
+  // Let h be the smallest height of the two triangles. Misfits of crossings are about u * extent^2 / h, by the rounding
+  // of normals. The misfit of the closest points is at most h / 2 where no edge crosses the other triangle: any shared
+  // point is within h / 2 of an edge, and that edge has been compared. The smaller of both is at most 2^-27 * extent,
+  // which it reaches at h = 2^-26 * extent. The assertion has room for a factor of 2.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
 
-/// A point where an edge of `owner` passes through `target`, if one is found that is on it up to `tolerance`.
+/// Finds a point where an edge of `owner` crosses `target`, and that lies on `target` within `tolerance`. Only edges
+/// whose ends are on different sides are looked at: it is the fast way, and may find none.
 bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3& point) {
-  std::array<double, 3> height;
-  for (std::size_t i = 0; i < 3; ++i) height[i] = dot(owner.corner[i] - target.corner.v0, target.normal);
+  const std::array<double, 3> heights = scaled_heights(owner, target);
   for (std::size_t i = 0; i < 3; ++i) {
-    const double height0 = height[i], height1 = height[after[i]];
-    if ((height0 < 0) == (height1 < 0)) continue;
-    point = owner.corner[i] + height0 / (height0 - height1) * owner.edge[i];
+    const double start = heights[i], end = heights[next_corner[i]];
+    if ((start < 0) == (end < 0)) continue;
+    point = owner.corner[i] + start / (start - end) * owner.edge[i];
     Vec3 weights;
     if (!target.foot(point, weights)) continue;
     if (length_sq(point - point_at(target.corner, weights)) <= tolerance * tolerance) return true;
@@ -169,21 +197,21 @@ bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3
   return false;
 }
 
-/// A point of both triangles, if one is found without the care of contact_point().
+/// Finds a point of both triangles where that is easy. If it finds none, contact_point() does.
 bool find_shared_point(const Face& a, const Face& b, double extent, Vec3& point) {
-  const double tolerance = 0x1p-49 * extent;
+  const double tolerance = shared_point_tolerance * extent;
   return find_crossing(a, b, tolerance, point) || find_crossing(b, a, tolerance, point);
 }
 
-/// Two triangles compared once, for everything that is asked about them.
+/// Two triangles compared once, for all answers about them. It refers to its arguments, which must outlive it.
 ///
-/// Pre      The extent of the frame is not 0.
+/// Pre      The extent of the frame is not 0: not all corners are one point.
 class Comparison {
  public:
   Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
       : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
-    const Best best = closest_pair(local_a_, local_b_);  // a local variable stays in registers
-    are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.between, frame.extent());
+    const Best best = closest_pair(local_a_, local_b_);  // a local: nothing has to be stored before the calls below
+    are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.a_to_b, frame.extent());
     intersect_ = !are_proven_apart_ && geometry::intersects(a, b);
     best_ = best;
   }
@@ -197,7 +225,8 @@ class Comparison {
       shared = frame_.from_local(shared);
       return {0, shared, shared};
     }
-    const double distance = frame_.length_from_local(safe_length(best_.between));
+    const double distance = frame_.length_from_local(safe_length(best_.a_to_b));
+    // 0 would say that they intersect.
     return {std::max(distance, std::numeric_limits<double>::min()), point_at(a_, best_.weights_a),
             point_at(b_, best_.weights_b)};
   }
@@ -222,19 +251,6 @@ LocalFrame frame_of(const Triangle& a, const Triangle& b) {
   return {a.v0, {a.v1, a.v2, b.v0, b.v1, b.v2}};
 }
 
-/// The best pair of a point and a triangle, which is the second; the point has no weights.
-Best closest_pair(const Vec3& point, const Face& face) {
-  Best best;
-  Vec3 weights;
-  if (face.foot(point, weights)) best.set(point_at(face.corner, weights) - point, {}, weights);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double t = closest_parameter(face, i, point);
-    const Vec3 between = face.corner[i] + t * face.edge[i] - point;
-    if (best.improves(between)) best.set(between, {}, edge_weights(i, t));
-  }
-  return best;
-}
-
 struct FeaturePair {
   Feature a, b;
 };
@@ -243,26 +259,27 @@ FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), 
 
 /// The features that meet at the contact point of two intersecting triangles, or next to it.
 ///
-/// Those of the best pair do if they are no further apart than rounding. Otherwise the line in which the triangles
-/// cross ends where an edge of one passes through the other; the end next to the contact point counts.
+/// The features of the closest points are returned if these touch. Otherwise the triangles cross in a line, which ends
+/// where an edge of one crosses the other triangle: the features are those at the end that is nearest to the contact
+/// point. Crossings are good if they are as close to their target as the best one, up to rounding.
 FeaturePair features_at(const Vec3& contact, const Comparison& c) {
-  const double rounding = 0x1p-46 * c.extent();
-  if (max_abs(c.best().between) <= rounding) return features_of(c.best());
+  const double rounding = touching_distance * c.extent();
+  if (max_abs(c.best().a_to_b) <= rounding) return features_of(c.best());
   const Crossings crossings(c.local_a(), c.local_b());
-  double least_misfit = std::numeric_limits<double>::infinity();
-  for (const Crossing& crossing : crossings) least_misfit = std::min(least_misfit, crossing.misfit);
+  double least_distance = std::numeric_limits<double>::infinity();
+  for (const Crossing& crossing : crossings) least_distance = std::min(least_distance, crossing.distance);
   const Crossing* nearest = nullptr;
   for (const Crossing& crossing : crossings) {
-    if (crossing.misfit > least_misfit + rounding) continue;
+    if (crossing.distance > least_distance + rounding) continue;
     if (nearest == nullptr || length_sq(crossing.point - contact) < length_sq(nearest->point - contact)) {
       nearest = &crossing;
     }
   }
-  if (nearest == nullptr) return features_of(c.best());  // both are degenerate
+  if (nearest == nullptr) return features_of(c.best());  // parallel or without area: the boundaries are what meets
   const Feature of_edge = feature_of(edge_weights(nearest->edge, nearest->parameter));
-  const Face& other = nearest->is_edge_of_a ? c.local_b() : c.local_a();
-  const Feature of_other = feature_of(closest_pair(nearest->point, other).weights_b);
-  return nearest->is_edge_of_a ? FeaturePair{of_edge, of_other} : FeaturePair{of_other, of_edge};
+  const Face& target = nearest->is_edge_of_a ? c.local_b() : c.local_a();
+  const Feature of_target = feature_of(nearest_on(target, nearest->point).weights);
+  return nearest->is_edge_of_a ? FeaturePair{of_edge, of_target} : FeaturePair{of_target, of_edge};
 }
 
 }  // namespace
@@ -273,6 +290,7 @@ ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
   return Comparison(frame, a, b).points();
 }
 
+// Pre: a and b intersect. Otherwise the result is the closest point of a.
 Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return a.v0;
@@ -290,9 +308,8 @@ geometry::DirectedFeatures geometry::directed_features(const Triangle& a, const 
   const Comparison c(frame, a, b);
   const ClosestPoints points = c.points();
   const FeaturePair features = c.intersect() ? features_at(frame.to_local(points.point_a), c) : features_of(c.best());
-  return {{points.distance, points.point_a, points.point_b, features.a, features.b},
-          c.best().between,
-          c.are_proven_apart()};
+  return {
+      {points.distance, points.point_a, points.point_b, features.a, features.b}, c.best().a_to_b, c.are_proven_apart()};
 }
 
 ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b) {
@@ -302,13 +319,13 @@ ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b)
 geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment& b) {
   const auto closest = [](const Segment& local_a, const Segment& local_b) {
     const auto [s, t] = geometry::closest_parameters(local_a, local_b);
-    const Vec3 between = (local_b.p0 - local_a.p0) + (t * (local_b.p1 - local_b.p0) - s * (local_a.p1 - local_a.p0));
-    return PointsOnSegments{safe_length(between), s, t};
+    const Vec3 a_to_b = (local_b.p0 - local_a.p0) + (t * (local_b.p1 - local_b.p0) - s * (local_a.p1 - local_a.p0));
+    return PointsOnSegments{safe_length(a_to_b), s, t};
   };
-  // Where the frame would not scale, which is nearly always, it is not worth its time.
+  // A LocalFrame is built only where it may scale, which is rare: the difference to a.p0 is all that it does else.
   const Segment from_a{{}, a.p1 - a.p0}, from_b{b.p0 - a.p0, b.p1 - a.p0};
   const Vec3 sums = abs(from_a.p1) + abs(from_b.p0) + abs(from_b.p1);
-  const double size = sums.x + sums.y + sums.z;  // 1 to 9 times the extent
+  const double size = sums.x + sums.y + sums.z;  // 1 to 9 times the extent: three coordinates of three points
   if (size > base::smallest_unscaled_size && size < base::largest_unscaled_size) return closest(from_a, from_b);
   const LocalFrame frame(a.p0, {a.p1, b.p0, b.p1});
   PointsOnSegments found = closest(frame.to_local(a), frame.to_local(b));
@@ -318,6 +335,7 @@ geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment&
 
 ClosestPoints geometry::closest_points(const Segment& a, const Segment& b) {
   const auto [distance, s, t] = closest_on(a, b);
+  // A segment is a triangle whose third corner has no weight. point_at() meets the ends exactly.
   return {distance, point_at({a.p0, a.p1, a.p1}, {1 - s, s, 0}), point_at({b.p0, b.p1, b.p1}, {1 - t, t, 0})};
 }
 

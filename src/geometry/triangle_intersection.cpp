@@ -20,9 +20,9 @@
 namespace limber {
 namespace {
 
-using geometry::after;
 using geometry::faithful_axis;
 using geometry::lexicographically_less;
+using geometry::next_corner;
 
 bool opposite(int sign_a, int sign_b) { return sign_a * sign_b < 0; }
 
@@ -62,8 +62,8 @@ bool flat_segment_meets(const Segment& s, const Triangle& t) {
   const int turn = geometry::orient2d(t.v0, t.v1, t.v2, *axis);
   bool inside = true;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (coplanar_segments_meet(s, {t[i], t[after[i]]}, *axis)) return true;
-    inside = inside && geometry::orient2d(t[i], t[after[i]], s.p0, *axis) == turn;
+    if (coplanar_segments_meet(s, {t[i], t[next_corner[i]]}, *axis)) return true;
+    inside = inside && geometry::orient2d(t[i], t[next_corner[i]], s.p0, *axis) == turn;
   }
   return inside;
 }
@@ -99,11 +99,11 @@ class SideTests {
 
   bool edge_of_a_meets_b(std::size_t i) {
     return edge_meets(
-        side_of_b_[i], side_of_b_[after[i]], [&](std::size_t j) { return volume(i, j); }, a_, i, b_);
+        side_of_b_[i], side_of_b_[next_corner[i]], [&](std::size_t j) { return volume(i, j); }, a_, i, b_);
   }
   bool edge_of_b_meets_a(std::size_t j) {
     return edge_meets(
-        side_of_a_[j], side_of_a_[after[j]], [&](std::size_t i) { return volume(i, j); }, b_, j, a_);
+        side_of_a_[j], side_of_a_[next_corner[j]], [&](std::size_t i) { return volume(i, j); }, b_, j, a_);
   }
 
  private:
@@ -118,14 +118,14 @@ class SideTests {
   }
   /// The corner after another, or the one before it.
   static std::size_t after_if(std::size_t corner, bool turns) {
-    return geometry::after[turns ? geometry::after[corner] : corner];
+    return geometry::next_corner[turns ? geometry::next_corner[corner] : corner];
   }
 
   template <typename Volume>
   static bool edge_meets(int side0, int side1, const Volume& volume_at, const Triangle& owner, std::size_t edge,
                          const Triangle& target) {
     if (side0 * side1 > 0) return false;
-    if (side0 == 0 && side1 == 0) return flat_segment_meets({owner[edge], owner[after[edge]]}, target);
+    if (side0 == 0 && side1 == 0) return flat_segment_meets({owner[edge], owner[next_corner[edge]]}, target);
     // The edge's line crosses the plane in one point, inside unless it passes two of the target's edges on different
     // sides.
     const int first = volume_at(0), second = volume_at(1);
@@ -137,7 +137,7 @@ class SideTests {
   /// Sign of the volume spanned by edge i of a and edge j of b.
   int volume(std::size_t i, std::size_t j) {
     int& known = volumes_[i][j];
-    if (known == unknown) known = geometry::orient3d(a_[i], a_[after[i]], b_[j], b_[after[j]]);
+    if (known == unknown) known = geometry::orient3d(a_[i], a_[next_corner[i]], b_[j], b_[next_corner[j]]);
     return known;
   }
 

@@ -26,14 +26,15 @@ inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-1
 /// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
 /// `bound_sq` to the squared bound along it, for all children.
 LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& direction, Packet& bound_sq) {
-  const Packet3 n = broadcast(direction.normal);
+  const Packet3 n = broadcast(direction.direction);
   const Packet cosine = dot(p.normal, n);
   const Packet3 crossed = cross(p.normal, n);
   const Packet sphere_support =
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
   // The gap along n falls short of the cutoff by `deficit`. The gap of the spheres across n may make up for it:
   // (cutoff - deficit)^2 + across^2 >= cutoff^2.
-  const Packet deficit = dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.gap);
+  const Packet deficit =
+      dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(base::squares_down) - p.radius_sum, zero());
   const Packet cutoff = Packet::set(direction.cutoff), missing = min(deficit, cutoff);
@@ -147,7 +148,7 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
   return {kept, kept & bits(best <= zero())};
 }
 
-LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
+LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                        const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq) {
   alignas(32) double center[4];
   project_center(*other.node, other.slot, transform, node.origin, center);

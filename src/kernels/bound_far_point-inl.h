@@ -42,7 +42,7 @@ LIMBER_KERNEL void bound_children_along(const bvh::Node& node, const QueryPoint&
   const float error = (std::abs(height) + node.radius) * base::projection_error + point.error_units;
   const Packet at = Packet::set(height + error);
   const Packet everywhere = Packet::set(static_cast<float>(4 * base::max_units));
-  const Packet3 up = broadcast(point.normal);
+  const Packet3 up = broadcast(point.direction32);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet highest =
         at + dot(centers(n, i), up) + min(Packet::load(n.radius + i), box_support(half_sizes(n, i), up));
@@ -70,7 +70,7 @@ LIMBER_KERNEL void bound_triangles_along(const bvh::Node& node, std::uint32_t sl
   const Packet least = Packet::set(base::float_down(steps));
   intervals.kept = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    intervals.kept |= bits(farthest_corners(triangles, i, broadcast(point.normal)) >= least) << i;
+    intervals.kept |= bits(farthest_corners(triangles, i, broadcast(point.direction32)) >= least) << i;
   }
 }
 

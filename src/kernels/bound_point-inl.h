@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::bound_children_to_point and Kernels::bound_triangles_to_point.
+// Kernels::bound_children_to_point and Kernels::bound_triangles_to_point: bounds of the distances from a point to the
+// volumes of children, and to the quantized triangles of a leaf. Far points: bound_far_point-inl.h.
 
 #if defined(LIMBER_SIMD_BOUND_POINT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_POINT_INL_H
@@ -25,12 +26,13 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Against a division by 0.
-inline constexpr float smallest_sphere = 0x1p-100F;
+// A divisor in place of smaller ones, for spheres that are points.
+inline constexpr float smallest_child_radius = 0x1p-100F;
 
-/// Squared lower bounds of the distances from a point to the children `i` and following; `position` is relative to the
-/// origin of their node. Where they are 0, how deep the point is inside the sphere, as a fraction of its radius,
-/// negative. Leaves in `farthest` the distances of the spheres' farthest points.
+/// Squared lower bounds of the distances from a point to the children `i` and following, a packet of them. Where a
+/// bound is 0, the result is how deep the point is inside of the child's sphere, as a fraction of the radius, negative.
+/// The point's `position` is relative to the origin of the node. `farthest` becomes the distances of the farthest
+/// points of the spheres.
 LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, const Packet3& position, Packet error,
                                  Packet& farthest) {
   const Packet3 d = position - centers(n, i), half = half_sizes(n, i), normal = normals(n, i);
@@ -38,24 +40,26 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   const Packet d_sq = dot(d, d), distance = sqrt(d_sq);
   const Packet sphere_gap = distance - radius;
   farthest = distance + radius;
-  // The box.
+  // The distance of the box.
   const Packet x = max(abs(d.x) - half.x - error, zero());
   const Packet y = max(abs(d.y) - half.y - error, zero());
   const Packet z = max(abs(d.z) - half.z - error, zero());
-  // Along the slab's normal, together with the sphere across it.
+  // The distance of the cylinder that contains the sphere's part in the slab: its axis is the slab's normal. d_sq -
+  // height^2 loses digits, so what rounding may have added is subtracted.
   const Packet height = dot(d, normal);
   const Packet along = max(height - Packet::load(n.high + i), Packet::load(n.low + i) - height) - error;
   const Packet rounding = d_sq * Packet::set(base::across_error);
   const Packet across = sqrt(max(d_sq - height * height - rounding, zero())) - radius - error;
   const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(along, across));
-  const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_sphere)), zero());
+  // Only for the order of children: without errors.
+  const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_child_radius)), zero());
   return select(best > zero(), best * Packet::set(base::squares_down), depth);
 }
 
 LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoint& point, float limit,
                                            ChildrenInOrder& children) {
   const LocalPoint local(point.position, node.origin, {}, point.per_unit);
-  // Not less than: true also where the error is infinite.
+  // "Not less than" is true also where the error is infinite or a number is not a number.
   if (!(local.size + static_cast<double>(point.error_units) < base::max_units)) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       of_children(zero(), i, node.child_count).store(children.bound + i);
@@ -72,13 +76,17 @@ LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoi
     of_children(bound, i, node.child_count).store(children.bound + i);
     least = min(least, of_children(farthest, i, node.child_count));
   }
-  children.upper = (error - largest(zero() - least)) * base::squares_up;
+  children.upper = (error - largest(zero() - least)) * base::squares_up;  // -largest(-x) is the smallest lane
   order_children(limit, children);
 }
 
-/// The triangles of the slots from `i` on, and a point, in quantization steps.
+// A divisor in place of smaller ones, for lengths and squares in quantization steps.
+inline constexpr float smallest_divisor_of_steps = 0x1p-60F;
+
+/// Triangles (a, b, c) of the slots `i` and following, and a point, in quantization steps.
 struct PointTriangles {
-  Packet3 to_corner, edge_b, edge_c;  // from the point to the first corner, and from there to the others
+  Packet3 to_corner;       // from the point to a
+  Packet3 edge_b, edge_c;  // from a to b, and from a to c
 };
 
 LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, std::uint32_t i, const Packet3& point) {
@@ -86,14 +94,15 @@ LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, s
   return {a - point, corners(t, 1, i) - a, corners(t, 2, i) - a};
 }
 
-/// A point of each triangle near the closest one, relative to the query point. It is on the triangle whatever rounding
-/// does to its weights.
+/// A point of each triangle near the closest one, relative to the query point. Rounding may make it a worse point, but
+/// it is always on the triangle: weights of b and c are never negative, and never above 1 together.
 LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
-  const Packet one = Packet::set(1), least = Packet::set(0x1p-60F);
+  const Packet one = Packet::set(1), least = Packet::set(smallest_divisor_of_steps);
   const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
   const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
   const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
-  // On the three edges; of squared distances, less that of the first corner, half.
+  // The closest points of the edges ab, ac and bc, called far. With x a point of an edge and p the query point, each
+  // sq_ is (|x - p|^2 - |a - p|^2) / 2: enough to compare them, and free of the cancellation of large squares.
   const Packet half = Packet::set(0.5F);
   const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
   const Packet far_sq = bb - bc - bc + cc;
@@ -106,7 +115,7 @@ LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
   const Mask far_is_nearest = sq_far < min(sq_b, sq_c);
   weight_b = select(far_is_nearest, from_far, weight_b), weight_c = select(far_is_nearest, at_far, weight_c);
-  // On the face.
+  // The foot of the point, if it is inside of the triangle: weights are to each other as these areas, up to a factor.
   const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
   const Packet area = bb * cc - bc * bc, area_a = area - area_b - area_c;
   const Mask is_inside = (area_a > zero()) & (area_b > zero()) & (area_c > zero());
@@ -115,8 +124,8 @@ LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   return t.to_corner + t.edge_b * weight_b + t.edge_c * weight_c;
 }
 
-/// How far the triangles are at least from the point along a direction, times its length. Negative if the point's
-/// height is among those of the triangle.
+/// The gap between the point and each triangle along a direction, times the direction's length. It is negative if the
+/// point's height along the direction is within the interval of the corners' heights.
 LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& direction) {
   const Packet height = dot(t.to_corner, direction);
   const Packet b = dot(t.edge_b, direction), c = dot(t.edge_c, direction);
@@ -131,10 +140,11 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   const double per_step = 1 / intervals.step;
   const Vec3 center = point.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
   const LocalPoint local(point.position, node.origin, center, per_step);
-  constexpr double most_steps = 0x1p40, leaf_size = static_cast<double>(bvh::max_quantized) + 1;
+  constexpr double most_steps = 0x1p40;  // farther away, the error exceeds the leaf by far
+  constexpr double leaf_size = static_cast<double>(bvh::max_quantized) + 1;  // of a coordinate, with room for rounding
   const double error = point.error * per_step + base::quantization_error +
                        (local.size + leaf_size) * static_cast<double>(base::point_error);
-  // Not less than: true also where the error is infinite.
+  // "Not less than" is true also where the error is infinite or a number is not a number.
   if (!(local.size + error < most_steps)) {
     std::fill(intervals.lower, intervals.lower + width, 0.0F);
     intervals.upper = std::numeric_limits<float>::infinity();
@@ -142,7 +152,7 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
     return;
   }
   const Packet3 at = broadcast(local.position);
-  const Packet off = Packet::set(base::float_up(error)), shortest = Packet::set(0x1p-60F);
+  const Packet off = Packet::set(base::float_up(error)), shortest = Packet::set(smallest_divisor_of_steps);
   Packet least = Packet::set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const PointTriangles t = point_triangles(triangles, i, at);
@@ -150,13 +160,16 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
     const Packet near_length = sqrt(dot(near, near));
     const Packet3 normal = cross(t.edge_b, t.edge_c);
     const Packet normal_length = sqrt(dot(normal, normal));
+    // A gap along any direction is a lower bound of the distance. The direction to the closest point is the best one,
+    // so one that nearly leads there is nearly as good. `off` covers rounding.
     const Packet along = gap_times_length(t, near) / max(near_length, shortest);
     const Packet above = gap_times_length(t, normal) / max(normal_length, shortest);
     (max(along, above) - off).store(intervals.lower + i);
-    least = min(least, near_length);
+    least = min(least, near_length);  // an upper bound, because `near` is on the triangle
   }
-  intervals.upper = -largest(zero() - least) + base::float_up(error);
-  const Packet farthest = Packet::set(std::min(intervals.upper, base::float_up(std::min(limit * per_step, 0x1p60))));
+  intervals.upper = -largest(zero() - least) + base::float_up(error);         // the smallest lane of `least`
+  const double limit_in_steps = std::min(limit * per_step, base::max_units);  // finite as a float
+  const Packet farthest = Packet::set(std::min(intervals.upper, base::float_up(limit_in_steps)));
   intervals.kept = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     intervals.kept |= bits(Packet::load(intervals.lower + i) <= farthest) << i;

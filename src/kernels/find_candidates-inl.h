@@ -1,7 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::find_candidates.
+// Kernels::find_candidates: the pairs of triangles of two leaves that may be closer than the cutoff.
+//
+// Triangles are quantized corners. A pair is pruned if its gap along some direction is at least the cutoff plus all
+// errors. Directions are tried in this order, each on the pairs that are left: the search direction; the axes of boxes;
+// then, with a pair in each SIMD lane, the line of centroids and the normals of both triangles. Cross products of edges
+// are left to the float64 routines. For two leaves of one tree, neighbors that certainly meet nowhere else than in what
+// they share are removed before the lanes are filled (separated_neighbors-inl.h).
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
@@ -28,91 +34,97 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Directions shorter than the root of this have lost too many digits.
+// Squared length of the shortest direction that may prune, where the pair is scaled so that its size is about 1.
+// Lengths of 0 would prune everything, as 0 >= 0. Beyond this one nothing underflows: limits are at least 2^-17
+// (leaf_pair_error), so squared gaps that prune are above 2^-34 * 1e-20 = 6e-31.
 inline constexpr float smallest_direction_sq = 1e-20F;
 
 inline constexpr float infinite = std::numeric_limits<float>::infinity();
 
-/// The interval of three numbers, one for each corner.
+/// The interval that three numbers, one for each corner, span.
 struct Interval {
   Packet low, high;
 };
 LIMBER_KERNEL Interval interval(Packet x, Packet y, Packet z) { return {min(min(x, y), z), max(max(x, y), z)}; }
 
-/// Squared gap of two triangles along a direction of squared length `w_sq`, times `w_sq`.
-LIMBER_KERNEL Packet gap_along_sq(const Interval& a, const Interval& b) {
+/// The squared gap of two intervals. For projections on a direction w, not of length 1: (gap of the triangles * |w|)^2.
+LIMBER_KERNEL Packet gap_sq(const Interval& a, const Interval& b) {
   const Packet gap = max(max(b.low - a.high, a.low - b.high), zero());
   return gap * gap;
 }
 
-/// Whether such a gap prunes a pair. Directions too short for float32 prune nothing.
-LIMBER_KERNEL Mask is_pruned(Packet gap, Packet w_sq, Packet limit_sq) {
-  return (gap >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
+/// Whether the gap along a direction of squared length w_sq prunes a pair; `gap_w_sq` is (gap * |w|)^2.
+LIMBER_KERNEL Mask is_pruned(Packet gap_w_sq, Packet w_sq, Packet limit_sq) {
+  return (gap_w_sq >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
 }
 
-/// Compares triangles of two leaves. Returns those of the `wanted` lanes that are not pruned, and leaves in `bound_sq`
-/// the best bounds that were computed: of these, and with `bounds_rest` of those that are pruned.
-template <bool bounds_rest>
+/// Compares a pair of triangles in each lane. Returns the `wanted` lanes that are not pruned.
+///
+/// `bound_sq` becomes the squared lower bound, too large by errors at most, of each returned lane; with
+/// `wants_pruned_bound` that of pruned lanes too. Otherwise their numbers mean nothing.
+template <bool wants_pruned_bound>
 LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                      Packet& bound_sq) {
-  // Along the line of the centroids: best where the triangles are small next to their distance.
+  // Along w, three times the vector between the centroids: best where the triangles are small next to their distance.
   const Packet3 w{b[0].x + b[1].x + b[2].x - (a[0].x + a[1].x + a[2].x),
                   b[0].y + b[1].y + b[2].y - (a[0].y + a[1].y + a[2].y),
                   b[0].z + b[1].z + b[2].z - (a[0].z + a[1].z + a[2].z)};
   const Packet w_sq = dot(w, w);
-  const Packet gap_w = gap_along_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])),
-                                    interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
+  const Packet gap_w =
+      gap_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])), interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
   const Packet least = Packet::set(smallest_direction_sq);
   const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
-  if (bounds_rest) bound_sq = gap_w / max(w_sq, least);
+  if (wants_pruned_bound) bound_sq = gap_w / max(w_sq, least);
   unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
-  // Along the normal of either triangle, from a corner of a so that the numbers are small.
+  // Along the normals n of a and m of b, from a corner of a so that the numbers are small.
   const Packet3 r0[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
   const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0];
   const Packet3 n = cross(e1, e2);
   const Packet n_sq = dot(n, n);
   const Packet gap_n =
-      gap_along_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
+      gap_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
   const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
   const Packet m_sq = dot(m, m);
   const Packet gap_m =
-      gap_along_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
+      gap_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
   kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
   const Packet best_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
-  // What the first direction has pruned keeps its bound, whatever else is in the packet.
-  bound_sq = bounds_rest ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
+  // A lane that the first direction has pruned keeps that bound, whether or not other lanes have made the code come
+  // here: results must not depend on how many lanes there are.
+  bound_sq = wants_pruned_bound ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
   return kept;
 }
 
-LIMBER_KERNEL float smallest(Packet p) {
+LIMBER_KERNEL float smallest_lane(Packet p) {
   alignas(64) float x[Packet::lanes];
   p.store(x);
   return *std::min_element(x, x + Packet::lanes);
 }
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
-/// `bounds_rest`, leaves in `beyond` how far apart the others are along it at least, beyond the cutoff.
-template <bool bounds_rest>
-LIMBER_KERNEL std::uint64_t near_along(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
-                                       const ProjectedLeaves& pair, const PruneLimits& pruning, float& beyond) {
-  alignas(64) float high[width];
+/// `wants_pruned_bound`, `beyond` becomes a lower bound, beyond the cutoff, of the gaps of all pruned pairs along it.
+template <bool wants_pruned_bound>
+LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
+                                                 const ProjectedLeaves& pair, const PruneLimits& pruning,
+                                                 float& beyond) {
+  alignas(64) float support_a[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    (farthest_corners(a, i, broadcast(pruning.normal)) * Packet::set(pair.step_a)).store(high + i);
+    (farthest_corners(a, i, broadcast(pruning.direction32)) * Packet::set(pair.step_a)).store(support_a + i);
   }
   std::uint64_t wanted = 0;
-  const Packet gap = Packet::set(pair.gap), far = Packet::set(base::max_units);
+  const Packet pruned = Packet::set(pair.pruned_support), far = Packet::set(base::max_units);
   Packet least = far;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet other = farthest_corners(b, i, broadcast(pruning.other_normal)) * Packet::set(pair.step_b);
+    const Packet support_b = farthest_corners(b, i, broadcast(pruning.other_direction32)) * Packet::set(pair.step_b);
     for (std::uint32_t row = 0; row < width; ++row) {
-      const Packet sum = Packet::set(high[row]) + other;
-      const Mask is_wanted = sum > gap;
-      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      if (bounds_rest) least = min(least, select(is_wanted, far, gap - sum));
+      const Packet support = Packet::set(support_a[row]) + support_b;
+      const Mask is_wanted = support > pruned;
+      wanted |= std::uint64_t{bits(is_wanted)} << (width * row + i);
+      if (wants_pruned_bound) least = min(least, select(is_wanted, far, pruned - support));
     }
   }
-  if (bounds_rest) beyond = smallest(least);
+  if (wants_pruned_bound) beyond = smallest_lane(least);
   return wanted;
 }
 
@@ -136,7 +148,7 @@ LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
   return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
 }
 
-/// How far the boxes from `i` on are apart from a box, which every lane has, along each axis; negative where they
+/// The gaps along the three axes between one box, in all lanes, and the boxes `i` and following; negative where they
 /// overlap.
 template <typename Boxes>
 LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const Boxes& boxes, std::uint32_t i) {
@@ -148,10 +160,11 @@ LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const Bo
   return {max(above.x, below.x), max(above.y, below.y), max(above.z, below.z)};
 }
 
-/// The pairs that bounding boxes do not prune. With `bounds_rest`, leaves in `apart_sq` the least squared distance of
-/// the others' boxes.
-template <bool bounds_rest>
-LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners& b, Packet limit_sq, float& apart_sq) {
+/// The pairs whose bounding boxes are closer than the limit. With `wants_pruned_bound`, `pruned_sq` becomes the least
+/// squared distance of the boxes of the other pairs.
+template <bool wants_pruned_bound>
+LIMBER_KERNEL std::uint64_t kept_by_boxes(const LeafCorners& a, const LeafCorners& b, Packet limit_sq,
+                                          float& pruned_sq) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
   find_boxes(b, boxes_b);
@@ -165,17 +178,17 @@ LIMBER_KERNEL std::uint64_t near_by_box(const LeafCorners& a, const LeafCorners&
       const Packet3 out{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
       const Packet sum = dot(out, out);
       const Mask is_wanted = sum < limit_sq;
-      wanted |= std::uint64_t{bits(is_wanted)} << (8 * row + i);
-      if (bounds_rest) least = min(least, select(is_wanted, far, sum));
+      wanted |= std::uint64_t{bits(is_wanted)} << (width * row + i);
+      if (wants_pruned_bound) least = min(least, select(is_wanted, far, sum));
     }
   }
-  if (bounds_rest) apart_sq = smallest(least);
+  if (wants_pruned_bound) pruned_sq = smallest_lane(least);
   return wanted;
 }
 
-/// The pairs whose bounding boxes are closer than `limit` along every axis. That prunes less and takes less, and is as
-/// good where the limit is small next to the triangles.
-LIMBER_KERNEL std::uint64_t near_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
+/// The pairs whose bounding boxes are closer than `limit` along every axis. This takes less time than kept_by_boxes()
+/// and prunes fewer pairs, but as many where the limit is small next to the triangles, as it is within one mesh.
+LIMBER_KERNEL std::uint64_t kept_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
   find_boxes(b, boxes_b);
@@ -184,18 +197,19 @@ LIMBER_KERNEL std::uint64_t near_along_axes(const LeafCorners& a, const LeafCorn
     const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       const Packet3 gaps = box_gaps(low, high, boxes_b, i);
-      wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (8 * row + i);
+      wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (width * row + i);
     }
   }
   return wanted;
 }
 
-/// The corners of a leaf about its center; or in the frame and about the center of the other leaf.
+/// The corners of a leaf relative to its center.
 LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, LeafCorners& c) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     for (int k = 0; k < 9; ++k) (Packet::from_int16(leaf.corner[k] + i) * Packet::set(step)).store(c.v[k] + i);
   }
 }
+/// The corners of a leaf in the frame of the other leaf, relative to that one's center.
 LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const FrameTransform& transform,
                           const float* offset, LeafCorners& c) {
   const Packet3 x = broadcast(transform.rotation[0]), y = broadcast(transform.rotation[1]),
@@ -212,58 +226,61 @@ LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, const
 }
 
 /// The corners of a leaf moved by `offset`.
-LIMBER_KERNEL void move(const LeafCorners& from, const float* offset, LeafCorners& to) {
+LIMBER_KERNEL void shift_corners(const LeafCorners& from, const float* offset, LeafCorners& to) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     for (int k = 0; k < 9; ++k) (Packet::load(from.v[k] + i) + Packet::set(offset[k % 3])).store(to.v[k] + i);
   }
 }
 
-/// The two axes across which the triangles of a slot are seen best.
+/// The two axes of the coordinate plane in which the triangles of a slot look largest: without the axis that is nearest
+/// to the slab's normal.
 LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axis)[2]) {
   const float x = std::abs(bounds.normal_x[slot]), y = std::abs(bounds.normal_y[slot]);
   const float z = std::abs(bounds.normal_z[slot]);
-  const int along = z >= std::max(x, y) ? 2 : static_cast<int>(y >= x);
-  axis[0] = along == 0 ? 1 : 0, axis[1] = along == 2 ? 1 : 2;
+  const int dropped = z >= std::max(x, y) ? 2 : static_cast<int>(y >= x);
+  axis[0] = dropped == 0 ? 1 : 0, axis[1] = dropped == 2 ? 1 : 2;
 }
 
-template <bool bounds_rest, bool is_self>
-LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+template <bool wants_pruned_bound, bool is_self>
+LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
-  candidates.apart = infinite;
+  candidates.pruned_bound = infinite;
   std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
   if (pruning.has_direction) {
     float beyond = 0;
-    wanted &= near_along<bounds_rest>(*a.triangles, *b.triangles, pair, pruning, beyond);
-    if (bounds_rest) candidates.apart = (pair.cutoff + beyond) * base::squares_down;
+    wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, beyond);
+    // No error is subtracted: pair.pruned_support contains them all. The factor covers the sum.
+    if (wants_pruned_bound) candidates.pruned_bound = (pair.cutoff + beyond) * base::squares_down;
     if (wanted == 0) return;
   }
-  LeafCorners ca, cb, own_b;  // of b also about its own center
+  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a, own_b to that of b
   unpack(*a.triangles, pair.step_a, ca);
   if (is_self) {
     unpack(*b.triangles, pair.step_b, own_b);
-    move(own_b, pair.offset, cb);
+    shift_corners(own_b, pair.offset, cb);
   } else {
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }
 
   const float limit = pair.cutoff + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
-  // Boxes prune something only where triangles that matter are closer than they are large.
-  float apart_sq = infinite;
+  // With a limit above the size of both leaves boxes prune next to nothing.
+  float pruned_sq = infinite;
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
-    wanted &= is_self ? near_along_axes(ca, cb, Packet::set(limit * base::squares_up))
-                      : near_by_box<bounds_rest>(ca, cb, limit_sq, apart_sq);
+    wanted &= is_self ? kept_along_axes(ca, cb, Packet::set(limit * base::squares_up))
+                      : kept_by_boxes<wants_pruned_bound>(ca, cb, limit_sq, pruned_sq);
   }
   PairList pairs;
   pairs.add(wanted);
   if (is_self) {
-    const float away = base::float_up(transform.error * pair.scale);
-    int axis[2];
+    const float slack = base::float_up(transform.error * pair.scale);
+    int axis
+        [2];  // those of a suit b well enough: neighbors mostly have similar normals, and any axes give right answers
     find_wide_axes(a.node->bounds, a.slot, axis);
-    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
-                               LeafOfMesh(self->b, own_b, pair.step_b, away), axis, pairs);
+    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, slack),
+                               LeafOfMesh(self->b, own_b, pair.step_b, slack), axis, pairs);
   }
   pairs.fill_last_packet();
   for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
@@ -272,11 +289,11 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
     const Packet3 corners_a[3] = {ca.at(0, in_a), ca.at(1, in_a), ca.at(2, in_a)};
     const Packet3 corners_b[3] = {cb.at(0, in_b), cb.at(1, in_b), cb.at(2, in_b)};
     Packet bound_sq = zero();
-    unsigned kept = compare_pairs<bounds_rest>(corners_a, corners_b, limit_sq, lanes, bound_sq);
+    unsigned kept = compare_pairs<wants_pruned_bound>(corners_a, corners_b, limit_sq, lanes, bound_sq);
     alignas(64) float bounds[Packet::lanes];
     bound_sq.store(bounds);
-    for (unsigned pruned = bounds_rest ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
-      apart_sq = std::min(apart_sq, bounds[std::countr_zero(pruned)]);
+    for (unsigned pruned = wants_pruned_bound ? lanes & ~kept : 0; pruned != 0; pruned &= pruned - 1) {
+      pruned_sq = std::min(pruned_sq, bounds[std::countr_zero(pruned)]);
     }
     for (; kept != 0; kept &= kept - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(kept));
@@ -285,18 +302,19 @@ LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const
                                               static_cast<std::uint8_t>(slots % width)};
     }
   }
-  if (bounds_rest) {
-    candidates.apart = std::min(candidates.apart, std::sqrt(apart_sq * base::squares_down) - pair.error);
+  if (wants_pruned_bound) {
+    // Bounds from corners contain no errors yet.
+    candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }
 
-LIMBER_KERNEL void find_candidates(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                   const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
+LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                   const PruneLimits& pruning, const SelfPair* self, bool wants_pruned_bound,
                                    Candidates& candidates) {
   if (self != nullptr) {
-    LIMBER_ASSERT(!bounds_rest);
+    LIMBER_ASSERT(!wants_pruned_bound);
     find_candidates<false, true>(a, b, transform, pruning, self, candidates);
-  } else if (bounds_rest) {
+  } else if (wants_pruned_bound) {
     find_candidates<true, false>(a, b, transform, pruning, self, candidates);
   } else {
     find_candidates<false, false>(a, b, transform, pruning, self, candidates);

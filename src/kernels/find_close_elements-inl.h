@@ -335,7 +335,7 @@ LIMBER_KERNEL void keep_close(const List& list, Packet limit_sq, const Points& e
   }
 }
 
-LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+LIMBER_KERNEL void find_close_elements(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                        const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                        const SelfPair* self, ElementCandidates& found) {
   LIMBER_ASSERT(!pruning.has_direction);
@@ -345,7 +345,7 @@ LIMBER_KERNEL void find_close_elements(const OtherNode& a, const OtherNode& b, c
   unpack(*a.triangles, pair.step_a, ca);
   if (self != nullptr) {
     unpack(*b.triangles, pair.step_b, cb);
-    move(cb, pair.offset, cb);
+    shift_corners(cb, pair.offset, cb);
   } else {
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }

@@ -49,7 +49,7 @@ LIMBER_KERNEL void order_children(float limit, ChildrenInOrder& children) {
       even = even + select(Packet::set(key[k]) > own, one, zero());
       odd = odd + select(Packet::set(key[k + 1]) > own, one, zero());
     }
-    (even + odd).store(children.behind + i);
+    (even + odd).store(children.place_in_bits + i);
   }
 }
 

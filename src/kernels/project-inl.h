@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Projects nodes and leaves of one tree into the frame of the other.
+// Brings nodes and leaves of one tree, and points, to the frame and unit in which a kernel compares them. In order:
+// points, bounding volumes, the search direction, pairs of leaves.
+//
+// Float64 finds where a center lies relative to the local origin it is compared at. From there on float32 resolves
+// everything that matters, however far the models are from the world's origin. All errors on the way are added to the
+// bounds here, so that comparisons need not care. Plain loops over four numbers become one instruction each.
 
 #if defined(LIMBER_SIMD_PROJECT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_PROJECT_INL_H
@@ -24,40 +29,40 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Plain loops over four numbers, which compilers turn into one instruction each. Float64 finds where a center lies
-// relative to the local origin it is compared at; from there on float32 resolves everything that matters, however far
-// the models are from the world's origin. All errors on the way are added to the bounds of the projected node.
-
-/// A node in the frame and unit of the node it is compared with, relative to that node's origin; enlarged by rounding
-/// errors and by how far vertices of both models are from their positions at the last refit.
+/// A node in the frame and unit of the node it is compared with, relative to that node's origin. It is enlarged by
+/// rounding errors, and by how far vertices of both models may have moved since their trees were fitted (Tree::slack).
 struct ProjectedNode {
   alignas(16) float center[4];
-  alignas(16) float half[4];  // along the axes of that frame
-  float own_half[3];          // along the axes of its own
+  alignas(16) float half[4];  // half extents of a box along the axes of that frame
+  float own_half[3];          // half extents along the axes of the node's own frame
   alignas(16) float normal[4];
   float radius, low, high;
 };
 
-/// The search direction, for the children of one node and a projected node. A child whose support along `normal`,
-/// measured from the node's origin, is at most `gap` is pruned.
+/// The search direction for the children of one node and a projected node. A child is pruned if its support along
+/// `direction`, from the node's origin, is at most `pruned_support`: then the gap is at least the cutoff, all errors
+/// included.
 struct ProjectedDirection {
-  const float* normal;
-  float gap;
-  float cutoff;  // in units
+  const float* direction;
+  float pruned_support;
+  float cutoff;  // prune distance in units
 };
 
-/// Two leaves in the frame of a, about the center of a, scaled so that all numbers are about 1 or less.
+/// Two leaves in the frame of a, relative to the center of a, scaled so that all numbers are about 1 or less.
+///
+/// The support of a triangle is how far it extends from its leaf's center along the search direction, towards the other
+/// leaf. A pair of triangles is pruned if the sum of both supports is at most `pruned_support`: then their gap is at
+/// least the cutoff, all errors included. Other gaps do not include `error`, and are compared with cutoff + error.
 struct ProjectedLeaves {
   float step_a, step_b;  // lengths of one quantization step
   float offset[4];       // from the center of a to that of b
-  float error;           // more than rounding and quantization can change any gap by
-  float cutoff;
-  float gap;     // triangles whose supports towards each other together are at most that are pruned
-  double scale;  // from lengths
+  float error;           // upper bound of how much rounding and quantization can change a gap
+  float cutoff;          // prune distance
+  float pruned_support;
+  double scale;  // factor from lengths to scaled ones
 };
 
-/// The center of a slot in the frame that `transform` leads to, relative to `origin`, in lengths; the fourth number is
-/// 0.
+/// The center of a slot in the frame that `transform` leads to, relative to `origin`, as lengths; then a 0.
 LIMBER_KERNEL void project_center(const bvh::Node& node, std::uint32_t slot, const FrameTransform& transform,
                                   const Vec3& origin, double* projected) {
   const double x = node.origin.x + transform.other_unit * static_cast<double>(node.bounds.center_x[slot]);
@@ -70,10 +75,10 @@ LIMBER_KERNEL void project_center(const bvh::Node& node, std::uint32_t slot, con
   projected[3] = 0;
 }
 
-/// A point relative to `origin` and then to `center`, times `scale`: in the units in which a kernel compares.
+/// A query point relative to `origin` + `center`, times `scale`: in the units in which a kernel compares.
 struct LocalPoint {
   alignas(16) float position[4];
-  double size = 0;  // the sum of its coordinates, without signs, before they are rounded
+  double size = 0;  // sum of the absolute coordinates before they are rounded to float32
 
   LIMBER_KERNEL LocalPoint(const double (&point)[4], const Vec3& origin, const Vec3& center, double scale) {
     const double from[4] = {origin.x, origin.y, origin.z, 0}, then_from[4] = {center.x, center.y, center.z, 0};
@@ -83,7 +88,8 @@ struct LocalPoint {
       position[j] = static_cast<float>(units);
     }
   }
-  /// Its coordinates without signs, and the radius of the node or leaf that it is compared with: errors grow with that.
+  /// What rounding errors are proportional to: the sum of the absolute coordinates and the radius of the node or leaf
+  /// that the point is compared with.
   LIMBER_KERNEL float magnitude(float radius) const {
     return std::abs(position[0]) + std::abs(position[1]) + std::abs(position[2]) + radius;
   }
@@ -96,23 +102,24 @@ LIMBER_KERNEL void multiply(const float (&columns)[3][4], float x, float y, floa
 
 LIMBER_KERNEL double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Radius of the circle in which a plane at that height over its center cuts a sphere; 0 where it does not.
+/// The radius of the circle in which a sphere is cut by a plane at some height over its center; 0 if it is not cut.
 LIMBER_KERNEL float rim_radius(float radius, float height) {
   return std::sqrt(std::max(0.0F, radius * radius - height * height));
 }
 
-/// `center` is what project_center() gives relative to the origin of `node`.
-LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
+/// Projects a slot, for comparison with the children of `node`. `center` is that of project_center(), with the origin
+/// of `node`.
+LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                          const double* center) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
   double units[3];
   for (int j = 0; j < 3; ++j) units[j] = center[j] * transform.per_unit;
   const float radius = n.radius[k] * transform.ratio;
-  // Not less than: true also where radius or error are infinite, or the product of 0 and infinity.
+  // "Not less than" is true also where radius or error are infinite, or not a number: 0 times an infinite ratio.
   const double size = static_cast<double>(radius) + static_cast<double>(transform.error_units);
   if (!(std::abs(units[0]) + std::abs(units[1]) + std::abs(units[2]) + size < base::max_units)) {
-    constexpr auto everywhere = static_cast<float>(4 * base::max_units);
+    constexpr auto everywhere = static_cast<float>(4 * base::max_units);  // overlaps all that is smaller than max_units
     const float all = everywhere;
     return {{}, {all, all, all}, {all, all, all}, {1, 0, 0}, all, -all, all};
   }
@@ -132,8 +139,9 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const OtherNode&
   return p;
 }
 
-/// The support of a node or leaf along a direction of its own frame, about its center, rounded up, in its own units.
-LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
+/// Upper bound of the support of a slot along a direction of its own frame, from its center, in its own units: of the
+/// quantized corners of a leaf; otherwise of the sphere cut by the slab, or of the box (docs/algorithms/bounds.md).
+LIMBER_KERNEL float support(const SlotRef& other, const float* direction) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
   const float radius = n.radius[k];
@@ -154,23 +162,24 @@ LIMBER_KERNEL float support(const OtherNode& other, const float* direction) {
   return std::min(sphere, box) + radius * base::projection_error;
 }
 
-/// `center` as for project_node(). Pre: there is a search direction.
-LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const OtherNode& other,
+/// The search direction for the children of `node` and a slot. `center` as for project_node(). Pre: there is one.
+LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const SlotRef& other,
                                                    const FrameTransform& transform, const PruneLimits& pruning,
                                                    const double* center) {
-  const double other_support = static_cast<double>(support(other, pruning.other_normal)) * transform.other_unit;
-  const double gap = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
-  const double units = std::clamp(gap * transform.per_unit, -base::max_units, base::max_units);
-  return {pruning.normal, base::float_down(units) - node.radius * base::projection_error,
+  const double other_support = static_cast<double>(support(other, pruning.other_direction32)) * transform.other_unit;
+  const double room = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
+  const double units = std::clamp(room * transform.per_unit, -base::max_units, base::max_units);
+  return {pruning.direction32, base::float_down(units) - node.radius * base::projection_error,
           base::float_up(std::min(pruning.distance * transform.per_unit, base::max_units))};
 }
 
-/// The power of two that brings a size to 1 or more, but below 2. Pre: 2^-1000 < size < 2^1000.
+/// The power of two by which a size becomes 1 or more, but below 2: with e the biased exponent of the size, the one
+/// with the biased exponent 2046 - e, as 1 has 1023. Pre: 2^-1000 < size < 2^1000.
 LIMBER_KERNEL double scale_to_one(double size) {
   return std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
-LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                              const PruneLimits& pruning) {
   constexpr double smallest_size = 0x1p-900, largest_size = 0x1p900;
   const bvh::ChildBounds &na = a.node->bounds, &nb = b.node->bounds;
@@ -192,12 +201,12 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const OtherNode& a, const OtherNode
   const double steps = base::quantization_error * (step_a + step_b);
   p.error = base::float_up(steps + transform.error * scale) + base::leaf_pair_error;
   p.cutoff = base::float_up(std::min(pruning.distance * scale, base::max_units));
-  p.gap = 0;
+  p.pruned_support = 0;
   if (pruning.has_direction) {
     const double rounding = (radius_a + radius_b) * static_cast<double>(base::projection_error);
-    const double gap =
+    const double room =
         (dot3(pruning.direction, offset) - pruning.distance - transform.error - rounding) * scale - steps;
-    p.gap = base::float_down(std::clamp(gap, -base::max_units, base::max_units));
+    p.pruned_support = base::float_down(std::clamp(room, -base::max_units, base::max_units));
   }
   return p;
 }

@@ -147,7 +147,7 @@ struct EdgeProducts {
 
 /// Whether (e x p) . (e x q) is certainly negative: p and q are on different sides of the plane along e that is
 /// perpendicular to the plane of e and p (docs/algorithms/intersection.md).
-LIMBER_KERNEL Mask point_apart(const EdgeProducts& d, Packet error_e, Packet error_p, Packet error_q) {
+LIMBER_KERNEL Mask edge_plane_separates(const EdgeProducts& d, Packet error_e, Packet error_p, Packet error_q) {
   const Packet across = d.ee * d.pq - d.ep * d.eq;
   const Packet e = sqrt(d.ee), p = sqrt(d.pp), q = sqrt(d.qq), most_e = e + error_e;
   // What errors of the three change the product by, and what rounding does.
@@ -166,8 +166,8 @@ LIMBER_KERNEL unsigned separated_at_edge(const SharedCorners& shared, const Pack
   const Packet3 w = select(shared.a[0], select(shared.a[1], a[1], a[2]), a[2]);
   const Packet3 apex_b = select(shared.b[0], select(shared.b[1], b[2], b[1]), b[0]);
   const Packet3 e = w - v, p = apex_a - v, q = apex_b - select(shared.b[0], b[0], b[1]);
-  return bits(point_apart({dot(e, e), dot(e, p), dot(e, q), dot(p, q), dot(p, p), dot(q, q)}, error_a.length,
-                          error_a.length, error_b.length));
+  return bits(edge_plane_separates({dot(e, e), dot(e, p), dot(e, q), dot(p, q), dot(p, p), dot(q, q)}, error_a.length,
+                                   error_a.length, error_b.length));
 }
 
 /// The same for one shared corner, with the planes along the edges of `a` from there, perpendicular to that triangle: b
@@ -180,7 +180,7 @@ LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Pa
   const Packet3 q1 = select(shared_b[0], b[1], b[0]) - at_b, q2 = select(shared_b[2], b[1], b[2]) - at_b;
   const Packet p11 = dot(p1, p1), p12 = dot(p1, p2), p22 = dot(p2, p2), q11 = dot(q1, q1), q22 = dot(q2, q2);
   const Packet p1q1 = dot(p1, q1), p1q2 = dot(p1, q2), p2q1 = dot(p2, q1), p2q2 = dot(p2, q2);
-  const auto apart = [&](const EdgeProducts& d) { return point_apart(d, error_a, error_a, error_b); };
+  const auto apart = [&](const EdgeProducts& d) { return edge_plane_separates(d, error_a, error_a, error_b); };
   return bits((apart({p11, p12, p1q1, p2q1, p22, q11}) & apart({p11, p12, p1q2, p2q2, p22, q22})) |
               (apart({p22, p12, p2q1, p1q1, p11, q11}) & apart({p22, p12, p2q2, p1q2, p11, q22})));
 }

@@ -56,7 +56,7 @@ void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count,
   VertexLists<TriangleSide> sides_of(vertex_count, [&](const auto& add) {
     for (TriangleId t = 0; t < triangles.size(); ++t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
-        const VertexId v = triangles[t][k], w = triangles[t][geometry::after[k]];
+        const VertexId v = triangles[t][k], w = triangles[t][geometry::next_corner[k]];
         add(std::min(v, w), TriangleSide{std::max(v, w), t, k});
       }
     }

@@ -178,14 +178,14 @@ Box Model::bounding_box() const {
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
   const Vec3 center = bvh::slot_center(tree, bvh::root),
              extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root));
-  return environment.settled(Box{center - extents, center + extents});
+  return environment.computed_before_restore(Box{center - extents, center + extents});
 }
 
 Sphere Model::bounding_sphere() const {
   const base::DefaultFloatEnvironment environment;
   require_valid("bounding_sphere");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
-  return environment.settled(slot_sphere(impl_->tree, bvh::root));
+  return environment.computed_before_restore(slot_sphere(impl_->tree, bvh::root));
 }
 
 std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {

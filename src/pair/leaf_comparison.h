@@ -63,7 +63,7 @@ class LeafComparison {
   ///
   /// `steps` is the number of steps since this call of the query began, this one included; the budget may limit it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
-    const simd::OtherNode leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
+    const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
     const bool is_first = !state_.descents.has_reached_leaves();  // before the next line changes that
@@ -81,7 +81,7 @@ class LeafComparison {
                              Collector::is_self ? &self : nullptr, needs_bound, found);
     ++state_.work;
     if (found.count == 0) {
-      if (needs_bound) apart = static_cast<double>(found.apart) / found.scale;
+      if (needs_bound) apart = static_cast<double>(found.pruned_bound) / found.scale;
       return true;
     }
     if (!compare_candidates(found, steps)) return false;
@@ -121,7 +121,7 @@ class LeafComparison {
 
   /// Looks for triangles that intersect in the first two leaves, whose volumes overlap. A test for intersection is much
   /// cheaper than one for distance, and a contact ends the query. Returns whether there is one.
-  bool find_contact(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b, simd::Candidates& found) {
+  bool find_contact(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b, simd::Candidates& found) {
     static_assert(!Collector::is_self);
     simd::PruneLimits contact{};
     contact.distance = simd::smallest_cutoff;
@@ -140,7 +140,7 @@ class LeafComparison {
 
   /// Where an error is allowed, the cutoff is smaller than the best distance, and pairs between the two are pruned.
   /// Here, where a descent has ended, the nearest of them is compared all the same: it lowers the cutoff further.
-  [[gnu::noinline]] void look_nearer(const simd::OtherNode& leaf_a, const simd::OtherNode& leaf_b,
+  [[gnu::noinline]] void look_nearer(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b,
                                      simd::Candidates& found) {
     simd::PruneLimits nearer = search_.pruning.of(Side::a);
     nearer.distance = search_.pruning.best_distance();

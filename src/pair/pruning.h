@@ -113,8 +113,8 @@ class Pruning {
     a.has_direction = b.has_direction = true;
     for (std::size_t k = 0; k < 3; ++k) {
       a.direction[k] = out_of_a_[k], b.direction[k] = out_of_b_[k];
-      a.normal[k] = b.other_normal[k] = static_cast<float>(out_of_a_[k]);
-      b.normal[k] = a.other_normal[k] = static_cast<float>(out_of_b_[k]);
+      a.direction32[k] = b.other_direction32[k] = static_cast<float>(out_of_a_[k]);
+      b.direction32[k] = a.other_direction32[k] = static_cast<float>(out_of_b_[k]);
     }
     offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
   }

@@ -44,17 +44,17 @@ class TreePair {
   }
 
   /// A slot as the kernels take it, without triangles and with those of its leaf.
-  simd::OtherNode as_node(Side s, const NodePair& pair) const {
+  simd::SlotRef as_node(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     return {&placed_.tree(s).nodes[bvh::node_of(slot)], bvh::slot_of(slot), nullptr};
   }
-  simd::OtherNode as_leaf(Side s, const NodePair& pair) const {
+  simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
     return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
   }
   /// With the triangles of its leaf if the slot is not expanded.
-  simd::OtherNode as_other(Side s, const NodePair& pair) const {
+  simd::SlotRef as_other(Side s, const NodePair& pair) const {
     return is_leaf(s, pair) ? as_leaf(s, pair) : as_node(s, pair);
   }
 

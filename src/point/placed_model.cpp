@@ -57,7 +57,7 @@ simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
     const Vec3 world_direction = up * (1 / distance), direction = transpose(pose_.rotation) * world_direction;
     store(direction, in.direction), store(center_, in.base);
     in.height = dot(world_direction, point - pose_.translation) - dot(direction, center_);
-    for (std::size_t k = 0; k < 3; ++k) in.normal[k] = static_cast<float>(direction[k]);
+    for (std::size_t k = 0; k < 3; ++k) in.direction32[k] = static_cast<float>(direction[k]);
   }
   return in;
 }

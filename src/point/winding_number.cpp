@@ -32,7 +32,7 @@ double winding_number(const Placed& model, const Vec3& point) {
   });
   double sum = 0;
   for (const double part : sums) sum += part;
-  return environment.settled(sum * (0.5 * std::numbers::inv_pi));
+  return environment.computed_before_restore(sum * (0.5 * std::numbers::inv_pi));
 }
 
 }  // namespace limber

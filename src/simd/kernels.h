@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -11,127 +12,144 @@
 #include "bvh/node.h"
 #include "limber/geometry.h"
 
-/// The SIMD kernels: bounds, and what they prune. Numbers that reach the user come from float64 routines.
+/// The SIMD kernels, in this order: the types they read and write; their contracts; the table of kernels for each
+/// instruction set, and its choice at run time.
 ///
-/// Every operation is an IEEE one, none is fused, and SIMD lanes do not mix except in minima and maxima of numbers, so
-/// all instruction sets give the same bits.
+/// Kernels that compare nodes and leaves work in float32 and only prune: numbers that reach the user come from float64.
+/// compare_triangles and compare_segments are float64. Every operation is an IEEE one, no multiplication and addition
+/// are fused (no FMA), and SIMD lanes are combined only by minima and maxima. So all instruction sets give equal bits.
+///
+/// Frames    One of two trees is the kernel's own: that of `node` or of `a`. The other one's slots are brought to its
+///           frame.
+/// Distance  `distance`, in PruneLimits, is a length from which on pairs are pruned; a cutoff is that length in the
+///           units of a kernel. A limit belongs to one call.
 namespace limber::simd {
 
 using bvh::width;
 
 // --- inputs and outputs of the query kernels ---
 
-/// How to get from the other model's frame and unit to this one's. Matrices are stored by columns and padded, so that
-/// four numbers are worked on at once.
+/// The way from the frame and unit of the other tree to those of a kernel's own tree. Matrices are stored by columns
+/// and padded, so that four numbers are worked on at once.
+///
+/// `error` is an upper bound of how much the rounding of placed points, and the slack of both models, can change a
+/// length (Tree::slack). A number that float32 could not square is infinite here; kernels then take the other slot to
+/// be everywhere.
 struct FrameTransform {
   alignas(32) double from_other[4][4];  ///< the columns of the rotation, then the translation
   alignas(16) float rotation[3][4];     ///< the same rotation, rounded
   float rotation_abs[3][4];
   double unit, per_unit, other_unit;
-  float ratio;        ///< other_unit / unit; infinite where float32 could not square it
-  float error_units;  ///< `error` in units; infinite where float32 could not square it
-  double error;       ///< most that rounding of placed points and the slack of both models change a length by
+  float ratio;        ///< other_unit / unit, may be infinite
+  float error_units;  ///< error / unit, rounded up, may be infinite
+  double error;
 };
 
-/// The least distance from which on pairs are pruned: where only contacts matter. It is above 0, so that contacts are
-/// never pruned; and so far above the smallest number that scaling it to a pair of leaves gives no subnormal one, which
-/// processors take long to compute with.
+/// The prune distance of queries for which only contacts matter. It is above 0, so that contacts are never pruned.
+/// Kernels scale it by about 1 / the size of a pair of leaves. It is so far above 2^-1022 that the product is
+/// subnormal, which processors take long to compute with, only where leaves are 2^62 or larger.
 inline constexpr double smallest_cutoff = 0x1p-960;
 
-/// What a query prunes: pairs at least `distance` apart. It measures that along a search direction too, if there is
-/// one: the direction in which the closest pair so far is apart.
+/// What a query prunes: pairs whose distance is at least `distance`. If there is a search direction, the direction
+/// between the closest points found so far, pairs are also pruned by their gap along it.
 struct PruneLimits {
   double distance;
   bool has_direction;
-  double direction[3];    ///< from this model to the other, in this frame, of length 1
-  float normal[3];        ///< the same, rounded
-  float other_normal[3];  ///< the opposite direction, in the other's frame
+  double direction[3];         ///< from this model to the other, in this frame, of length 1
+  float direction32[3];        ///< `direction`, rounded
+  float other_direction32[3];  ///< from the other model to this one, in the other's frame, rounded
 };
 
-/// A child slot of a tree, or its leaf, to be compared with slots of the other tree.
-struct OtherNode {
+/// A child slot of a node: the subtree or leaf in it, with its bounding volume.
+struct SlotRef {
   const bvh::Node* node;
   std::uint32_t slot;
-  const bvh::QuantizedTriangles* triangles;  ///< nullptr unless it is a leaf
+  const bvh::QuantizedTriangles* triangles;  ///< nullptr unless the slot holds a leaf
 };
 
-/// Child slots, as bit masks.
+/// Children of a node, as bit masks.
 struct KeptSlots {
-  unsigned all;          ///< those that are not pruned
-  unsigned overlapping;  ///< of these, those whose bound is 0
+  unsigned all;          ///< the children that are not pruned
+  unsigned overlapping;  ///< the children in `all` whose volume may overlap the other one
 };
 
 /// Two triangles of two leaves that are not pruned.
 struct Candidate {
-  float bound_sq;  ///< at most (their distance * Candidates::scale + Candidates::error)^2
+  float bound_sq;  ///< lower bound of (distance * Candidates::scale + Candidates::error)^2
   std::uint8_t slot_a, slot_b;
 };
 
 struct Candidates {
   std::uint32_t count;
-  float error;   ///< more than rounding and quantization can change any gap by
-  double scale;  ///< from lengths to those of bounds and error, a power of two
-  float apart;   ///< at most distance * scale of every pair that is not a candidate
+  float error;         ///< upper bound of how much rounding and quantization can change a gap, scaled
+  double scale;        ///< factor from lengths to scaled ones, a power of two
+  float pruned_bound;  ///< lower bound of distance * scale of the pairs that are no candidates
   Candidate pairs[width * width];
 };
 
 /// A point to be compared with a tree, in the tree's frame.
+///
+/// A point is far if float32 cannot tell its distances from parts of the model apart. Then, and only then, it has a
+/// direction, and kernels compare heights along that direction over the point `base` of the model.
 struct QueryPoint {
   alignas(32) double position[4];  ///< the fourth number is 0
   double unit, per_unit;           ///< of the tree
-  double error;       ///< most that rounding of placed points and the slack of the model change a length by
-  float error_units;  ///< the same in units; infinite where float32 could not square it
-  bool is_far;        ///< next to the size of the model; only then there is a direction
-  /// From the model to the point: heights along it are measured from `base`. `height` is that of the point itself. In
-  /// the world the direction has length 1.
-  double direction[3], base[3], height;
-  float normal[3];  ///< the direction, rounded
+  double error;       ///< upper bound of how much rounding of placed points and the model's slack can change a length
+  float error_units;  ///< error / unit, rounded up; infinite where float32 could not square it
+  bool is_far;
+  double direction[3];  ///< from the model to the point, of length 1 in the world, so nearly 1 here
+  double base[3];
+  double height;  ///< of the query point over base
+  float direction32[3];
 };
 
-/// How far the children of a node are from a point at least.
+/// Lower bounds of the distances of the children of a node from a point, and the order of the children by them.
 struct ChildrenInOrder {
-  alignas(32) float bound[width];   ///< in the measure of the kernel; infinite for slots without a child
-  alignas(32) float behind[width];  ///< see place_of()
-  float upper;                      ///< there is a triangle within that distance, in units
-  unsigned kept;                    ///< bit mask: children whose bound is at most the limit
+  alignas(32) float bound[width];  ///< squared or not, as the kernel says; infinite for slots without a child
+  /// 2^23 + place_of(slot). The last bits of floats of this size count ones, so they are the place.
+  alignas(32) float place_in_bits[width];
+  float upper;    ///< upper bound, in units, of the distance of the nearest triangle from the point
+  unsigned kept;  ///< bit mask: children whose bound is at most the limit
 
-  /// The place of a slot when the kept children are lined up, the nearest last; behind them for those not kept. Every
+  /// The place of a slot when the kept children are lined up, the nearest one last, and the others after them. Every
   /// slot has a place of its own.
-  std::uint32_t place_of(std::uint32_t slot) const { return std::bit_cast<std::uint32_t>(behind[slot]) % width; }
+  std::uint32_t place_of(std::uint32_t slot) const { return std::bit_cast<std::uint32_t>(place_in_bits[slot]) % width; }
 };
 
 /// Intervals of the distances of a point from the triangles of a leaf, in quantization steps of the leaf.
 struct TriangleIntervals {
   alignas(32) float lower[width];
-  float upper;    ///< of the nearest: at least one of the triangles is at most that far away
+  float upper;    ///< upper bound of the distance of the nearest triangle
   unsigned kept;  ///< bit mask: triangles whose lower bound is at most the limit, and at most `upper`
   double step;    ///< length of one step
 };
 
-/// A triangle with vectors across its edges, in its plane, towards the third corner.
+/// A triangle with its edges, and for each edge the vector in its plane, perpendicular to it, that points to the third
+/// corner. No vector has length 1.
 struct FaceVectors {
-  Triangle corner;
+  Triangle corner;             ///< all three corners
   std::array<Vec3, 3> edge;    ///< edge k goes from corner k to the next
-  std::array<Vec3, 3> inward;  ///< inward[k] is across edge k
+  std::array<Vec3, 3> inward;  ///< inward[k] is perpendicular to edge k
 };
 
-/// Features of two triangles that may be closest.
+/// Features of two triangles that may be closest: the closest pair of edges, and corners with the other face. The foot
+/// of a corner is its projection on the plane of the other triangle.
 struct TriangleFeatures {
   double distance_sq;            ///< of the closest edges; infinite if no distance is a number
-  double at_a, at_b;             ///< where on the two edges, from 0 to 1
-  std::uint32_t edge_a, edge_b;  ///< of equally close pairs the first, in the order of edges of a
-  unsigned feet_of_a;            ///< bit mask: corners of a whose foot on the plane of b is in b
-  unsigned feet_of_b;            ///< bit mask: the other way round
+  double at_a, at_b;             ///< their closest points as parts of the edges, from 0 to 1
+  std::uint32_t edge_a, edge_b;  ///< among equally close pairs the one with the least (edge_a, edge_b)
+  unsigned feet_of_a;            ///< bit mask: corners of a whose foot is in triangle b
+  unsigned feet_of_b;            ///< bit mask: corners of b whose foot is in triangle a
 };
 
-/// Pairs of segments, of which not all need to be of use; what is not is finite.
+/// Pairs of segments. Entries that are not in use must be finite.
 struct SegmentPairs {
   static constexpr std::uint32_t room = 16;
   Vec3 start_a[room]{}, end_a[room]{}, start_b[room]{}, end_b[room]{};
 };
 
-/// What geometry::closest_on() gives for pairs of segments, to the bit: of those whose bit in `are_ordinary` is set.
-/// The others are so large, small or close that they need another unit.
+/// What geometry::closest_on() gives for pairs of segments, to the bit, if the pair's bit in `are_ordinary` is set.
+/// Other pairs are so large, small or close that they need another unit.
 struct ClosestOfSegments {
   double distance[SegmentPairs::room], s[SegmentPairs::room], t[SegmentPairs::room];
   unsigned are_ordinary;
@@ -141,39 +159,16 @@ struct ClosestOfSegments {
 struct QueryRay {
   alignas(32) double origin[4];  ///< the fourth number is 0
   double unit, per_unit;         ///< of the tree
-  double error;                  ///< as QueryPoint::error
-  float error_units;             ///< as QueryPoint::error_units
+  double error;                  ///< as in QueryPoint
+  float error_units;             ///< as in QueryPoint
   float forward[3];              ///< the direction of the ray, of length 1 up to rounding
-  float left[3], up[3];          ///< normal to it and to each other, of length 1
+  float left[3], up[3];          ///< perpendicular to `forward` and to each other, of length 1
 };
 
-// --- kernels ---
-
-/// Lower bounds of the distances between the children of a node and one slot of the other tree.
-///
-/// `transform` and `pruning` are those of the tree of `node`. Returns the children whose squared bound is below
-/// `limit_sq` and that the search direction does not prune. Writes to order[slot] the squared bound where that is above
-/// 0, otherwise how deep the spheres overlap, as a fraction of the sum of their radii, negative. Writes to
-/// bound_sq[slot], unless that is nullptr, the best squared bound, the one along the search direction included. Both
-/// are written for all slots, those without a child included. Where only contacts matter, at the smallest prune
-/// distance and without bound_sq, order[slot] is some positive gap instead of a squared bound.
-using BoundChildren = KeptSlots (*)(const bvh::Node& node, const OtherNode& other, const FrameTransform& transform,
-                                    const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
-
-/// Two leaves of one tree, which is compared with itself, or one leaf twice.
+/// Two leaves of one tree that is compared with itself; both may be the same leaf.
 struct SelfPair {
   const bvh::Leaf &a, &b;
 };
-
-/// The pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are those
-/// of the tree of `a`. Candidates::apart is written if `bounds_rest`.
-///
-/// `self` is nullptr unless both are leaves of one tree. Then triangles are no candidates if they share a vertex or an
-/// edge and certainly have nothing else in common; and of a leaf and itself, triangles are compared with those after
-/// them.
-using FindCandidates = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
-                                const PruneLimits& pruning, const SelfPair* self, bool bounds_rest,
-                                Candidates& candidates);
 
 /// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
 /// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use. A slot that is not owns nothing.
@@ -181,8 +176,8 @@ struct OwnedElements {
   std::uint64_t of_slots;
 };
 
-/// An element of each of two leaves, as corner * width + slot: a vertex, or the edge that starts there; of a face the
-/// corner is 0.
+/// An element of each of two leaves, as corner * width + slot. A vertex is named by its corner, an edge by the corner
+/// where it starts, a face by corner 0.
 struct ElementCandidate {
   std::uint8_t a, b;
 };
@@ -192,95 +187,123 @@ struct ElementCandidates {
   template <std::size_t room>
   struct List {
     std::uint32_t count;
-    ElementCandidate pairs[room + 1];  // the last is never counted
+    ElementCandidate pairs[room + 1];  // one more: kernels write every pair, and count it only if it is not pruned
   };
   List<3 * width * width> vertex_face, face_vertex;
   List<9 * width * width> edge_edge;
 };
 
-/// The pairs of owned vertices and of faces in use, and of owned edges, of two leaves that are not pruned. `transform`
-/// and `pruning` are those of the tree of `a`; there is no search direction.
+// --- kernels ---
+
+/// Compares the children of a node with one slot of the other tree, by lower bounds of squared distances in squared
+/// units of the tree of `node`. `transform` and `pruning` are those of that tree.
+///
+/// returned  The children with a bound below `limit_sq`, less those that the search direction prunes. Callers derive
+///           `limit_sq` and `pruning.distance` from one cutoff.
+/// order     For each slot the bound without the search direction, if positive. Otherwise how deep the spheres overlap,
+///           as a fraction of the sum of their radii, negative: sorted by it, the deepest overlap comes first.
+/// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
+///
+/// Slots without a child get numbers that mean nothing. Only whether a bound is 0 matters, and that takes less time, if
+/// pruning.distance is smallest_cutoff and bound_sq is nullptr: bounds are then lengths of some gap, not squares.
+using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
+                                    const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
+
+/// Finds the pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are
+/// those of the tree of `a`. Candidates::pruned_bound is computed if `wants_pruned_bound`.
+///
+/// `self` is nullptr unless both are leaves of one tree. Then pairs are left out that share a vertex or an edge and
+/// certainly meet nowhere else; and in a leaf with itself, each triangle is compared with those after it.
+using FindCandidates = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                const PruneLimits& pruning, const SelfPair* self, bool wants_pruned_bound,
+                                Candidates& candidates);
+
+/// Finds the pairs of elements of two leaves that are not pruned: owned vertices with faces in use, and owned edges
+/// with each other. `transform` and `pruning` are those of the tree of `a`; there is no search direction.
 ///
 /// `self` is nullptr unless both are leaves of one tree. Then elements that share a vertex, by id, are no candidates;
-/// and of a leaf and itself, the elements of each triangle are compared with those of triangles after it.
-using FindCloseElements = void (*)(const OtherNode& a, const OtherNode& b, const FrameTransform& transform,
+/// and in a leaf with itself, the elements of each triangle are compared with those of triangles after it.
+using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                    const SelfPair* self, ElementCandidates& found);
 
-/// Bounds of the distances between a point and the children of a node, and the order of those whose bound is at
+/// Bounds of the distances between a point and the children of a node, and the order of the children whose bound is at
 /// most `limit`, which is finite.
 ///
-/// bound_children_to_point gives squared distances in squared units; for children that may hold the point how deep it
-/// is inside their sphere, as a fraction of the radius, negative. bound_children_along, for points far away, gives how
-/// far the highest points of the children are under QueryPoint::base, in units, so large distances take no precision
-/// away; its `upper` is infinite.
+/// bound_children_to_point gives squared distances in squared units. Where one is 0 it gives how deep the point is
+/// inside of the child's sphere, as a fraction of the radius, negative. bound_children_along is for far points: large
+/// distances take no precision away, because bounds are depths, in units, of the highest point of a child below
+/// QueryPoint::base. Its `upper` is infinite.
 using BoundChildrenToPoint = void (*)(const bvh::Node& node, const QueryPoint& point, float limit,
                                       ChildrenInOrder& children);
 
-/// Intervals of the distances between a point and the triangles of a leaf, which is the child of a slot of `node`. The
-/// triangles that are not kept are farther away than `limit`, a length, or than another one.
+/// Intervals of the distances between a point and the triangles of the leaf in a slot of `node`. A triangle that is not
+/// kept is farther away than `limit`, a length, or than another triangle.
 ///
-/// bound_triangles_along, for points far away, has 0 for all lower bounds and an infinite upper one.
+/// bound_triangles_along is for far points: lower bounds are 0 and `upper` is infinite, so only `kept` counts.
 using BoundTrianglesToPoint = void (*)(const bvh::Node& node, std::uint32_t slot,
                                        const bvh::QuantizedTriangles& triangles, const QueryPoint& point, double limit,
                                        TriangleIntervals& intervals);
 
-/// The children of a node, as a bit mask, that a ray may cross: their boxes along the ray's three directions do.
+/// The children of a node, as a bit mask, that a ray may cross. For the others its three directions prove that it does
+/// not: it passes beside their extent along `left` or `up`, or they are behind its origin.
 using FindCrossedChildren = unsigned (*)(const bvh::Node& node, const QueryRay& ray);
 
-/// The triangles of a leaf, which is the child of a slot of `node`, that a ray may cross.
+/// The triangles, as a bit mask, of the leaf in a slot of `node` that a ray may cross.
 using FindCrossedTriangles = unsigned (*)(const bvh::Node& node, std::uint32_t slot,
                                           const bvh::QuantizedTriangles& triangles, const QueryRay& ray);
 
 /// Fits a node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
-/// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. The leaves that
-/// follow are those that will be fitted next. Returns a bound of all the triangles.
+/// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. Leaves after
+/// these are fetched from memory ahead of time, for the next call. Returns a bound of all the triangles.
 using FitLeaves = bvh::MergedBounds (*)(const Vec3* positions, double unit, bvh::Node& node,
                                         std::span<bvh::Leaf> leaves);
 
-/// A bound around the children of a node.
+/// A bounding volume around the children of a node.
 using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node);
 
 struct Displacement {
-  double farthest_sq;  ///< the longest displacement of a point, squared; 0 unless is_bounded
+  double farthest_sq;  ///< the longest displacement of a point, squared; 0 if not is_bounded
   bool is_bounded;     ///< whether all new coordinates are numbers of at most a given size
 };
-/// The displacements of points from `from` to `to`, and whether all coordinates of `to` are at most `most` in size.
-using MaxDisplacement = Displacement (*)(const Vec3* from, const Vec3* to, std::size_t count, double most);
+/// Measures how far points move from `from` to `to`, and whether all coordinates of `to` are numbers of at most
+/// `largest` in size.
+using MaxDisplacement = Displacement (*)(const Vec3* from, const Vec3* to, std::size_t count, double largest);
 
 /// The least and the greatest coordinates of points.
 struct PointBox {
   float low[3], high[3];
 };
-/// Extends a box by points of four numbers each, the last of which is not used. Zeros may get either sign.
+/// Extends a box by points. Each is four floats, of which the last is not read. Zeros may get either sign.
 using ExtendBox = void (*)(const float* points, std::size_t count, PointBox& box);
 
 inline constexpr std::size_t few_points = 64;
-/// The n least of a few coordinates, as bit masks.
+/// The n least of a few coordinates, as bit masks. The rank of a coordinate is the number of coordinates less than it.
 struct FewLeast {
-  std::uint64_t least;     ///< those with fewer than n less than them: n, or more if the greatest are equal
-  std::uint64_t greatest;  ///< the greatest of these, one or several that are equal
+  std::uint64_t least;     ///< coordinates of rank below n: n of them, or more if the greatest are equal
+  std::uint64_t greatest;  ///< the greatest coordinate in `least`, and all that are equal to it
 };
-/// Finds the n least of the coordinates of points along an axis, and those equal to the greatest of them. Points are of
-/// four numbers each, the last of which is not used. Pre: 0 < n <= count <= few_points.
+/// Finds the n least of the coordinates of points along an axis. Each point is four floats, of which the last is not
+/// read. Pre: 0 < n <= count <= few_points.
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
-/// Which of some boxes have a point in common with the box from `low` to `high`, as a bit mask. Pre: these are finite.
+/// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`, which are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
-/// Which boxes of `a`, made larger by a margin on all sides, have points in common with which of `b`, whose boxes are
-/// all inside of `around_b`: bit 8 k + i stands for box k of a and box i of b. Pre: the margin is finite.
+/// The pairs of boxes that have a point in common once those of `a` are made larger by a margin on all sides. Bit width
+/// * k + i stands for box k of a and box i of b. `around_b` contains all boxes of b. Pre: the margin is finite.
 using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b,
                                            double margin);
 
-/// Compares the edges of two triangles, and their corners with the other's face. Pre: coordinates are at most 2^100 in
-/// size.
+/// Finds the closest edges of two triangles, and the corners whose foot is in the other one. Pre: coordinates are at
+/// most 2^100 in size.
 using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
 
 /// The closest points of all pairs of segments.
 using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& found);
 
-/// The list of all kernels, as X(type, name). A kernel has its name in the namespace of each instruction set too.
+/// The list of all kernels, as X(type, name). The function of that name in the namespace of an instruction set is the
+/// kernel for it.
 #define LIMBER_FOR_ALL_KERNELS(X)                    \
   X(BoundChildren, bound_children)                   \
   X(FindCandidates, find_candidates)                 \

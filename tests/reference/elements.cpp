@@ -30,7 +30,7 @@ struct Elements {
     for (const Corners& c : faces) {
       all_vertices.insert(c.begin(), c.end());
       for (std::size_t k = 0; k < 3; ++k) {
-        const VertexId v = c[k], w = c[geometry::after[k]];
+        const VertexId v = c[k], w = c[geometry::next_corner[k]];
         if (v != w) all_edges.insert({std::min(v, w), std::max(v, w)});
       }
     }

@@ -47,7 +47,7 @@ double winding_number(const Placed& mesh, const Vec3& point) {
   base::check_point(point, "limber::reference::winding_number");
   double sum = 0;
   for (const Triangle& triangle : place(mesh)) sum += geometry::half_solid_angle(point, triangle);
-  return environment.settled(sum * (0.5 * std::numbers::inv_pi));
+  return environment.computed_before_restore(sum * (0.5 * std::numbers::inv_pi));
 }
 
 }  // namespace limber::reference

@@ -47,7 +47,7 @@ void for_all_elements(const std::array<Triangle, 8>& a, const std::array<Triangl
   const auto has = [](std::uint64_t owned, int slot, int bit) { return (owned >> (8 * slot + bit) & 1) != 0; };
   const auto edge = [](const Triangle& t, int k) {
     const auto from = static_cast<std::size_t>(k);
-    return Segment{t[from], t[geometry::after[from]]};
+    return Segment{t[from], t[geometry::next_corner[from]]};
   };
   for (int s = 0; s < 8; ++s) {
     for (int t = 0; t < 8; ++t) {

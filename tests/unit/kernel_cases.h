@@ -49,7 +49,7 @@ inline const bvh::Node& lowest_node(const Model& model) {
 }
 
 /// A slot of that node, as a node or as a leaf.
-inline simd::OtherNode at_slot(const Model& model, std::uint32_t slot, bool as_leaf) {
+inline simd::SlotRef at_slot(const Model& model, std::uint32_t slot, bool as_leaf) {
   return {&lowest_node(model), slot, as_leaf ? &tree_of(model).leaves[slot].corners : nullptr};
 }
 

@@ -160,7 +160,7 @@ TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
     };
     const std::uint32_t slot_a = leaf_of(a, 0), slot_b = leaf_of(b, 0);
     const double smallest = std::numeric_limits<double>::min();
-    const simd::OtherNode other = at_slot(b, slot_b, false);
+    const simd::SlotRef other = at_slot(b, slot_b, false);
     alignas(32) float order[bvh::width], bound_sq[bvh::width];
     const Pruning any(c.placed, smallest);
     simd::kernels().bound_children(lowest_node(a), other, c.frames.of(Side::a), any.of(Side::a), no_limit_sq, order,

@@ -72,7 +72,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     // Roughly from one model to the other.
     const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
-    const simd::OtherNode other = at_slot(c.b, slot_b, rng.below(2) == 0);
+    const simd::SlotRef other = at_slot(c.b, slot_b, rng.below(2) == 0);
     alignas(32) float order[bvh::width] = {}, bound_sq[bvh::width] = {};
     const auto kept = [&](double cutoff) {
       const Pruning pruning = pruning_along(placed, cutoff, direction);
@@ -121,7 +121,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     simd::Candidates found;
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
                                     pruning.of(Side::a), nullptr, true, found);
-    const double apart = static_cast<double>(found.apart) / found.scale;
+    const double apart = static_cast<double>(found.pruned_bound) / found.scale;
     for (std::uint8_t s = 0; s < bvh::width; ++s) {
       for (std::uint8_t t = 0; t < bvh::width; ++t) {
         const double true_distance = closest_points(c.world_a[la.triangle[s]], c.world_b[lb.triangle[t]]).distance;
@@ -156,8 +156,8 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     const double cutoff = rng.uniform(0, 4);
     const Pruning pruning = pruning_along(placed, cutoff, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
     const auto limit_sq = static_cast<float>(cutoff * cutoff);
-    const simd::OtherNode other = at_slot(c.a, slot, rng.below(2) == 0);
-    const simd::OtherNode leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
+    const simd::SlotRef other = at_slot(c.a, slot, rng.below(2) == 0);
+    const simd::SlotRef leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
     const simd::FrameTransform &in_a = frames.of(Side::a), &in_b = frames.of(Side::b);
     const simd::PruneLimits &of_a = pruning.of(Side::a), &of_b = pruning.of(Side::b);
 
@@ -184,7 +184,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
       set.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
-      ASSERT_EQ(std::memcmp(&found.apart, &found0.apart, sizeof(float)), 0) << set.name;
+      ASSERT_EQ(std::memcmp(&found.pruned_bound, &found0.pruned_bound, sizeof(float)), 0) << set.name;
       ASSERT_EQ(std::memcmp(&found.scale, &found0.scale, sizeof(double)), 0) << set.name;
       for (std::uint32_t k = 0; k < found0.count; ++k) {
         ASSERT_EQ(std::memcmp(&found.pairs[k].bound_sq, &found0.pairs[k].bound_sq, sizeof(float)), 0) << set.name;

@@ -46,7 +46,7 @@ struct BoundUpdate {
 
 /// Two leaves that are not pruned, as the kernels take them.
 struct LeafPair {
-  simd::OtherNode node_a, node_b;
+  simd::SlotRef node_a, node_b;
   const bvh::Leaf &a, &b;
   const simd::FrameTransform& transform;  ///< to the frame of a
   const simd::PruneLimits& pruning;       ///< in the frame of a

@@ -101,7 +101,7 @@ class ElementsWithin {
   };
   /// The vertices of an edge, the smaller id first.
   static std::array<VertexId, 2> vertices_of_edge(const Element& e) {
-    const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::after[e.corner()]];
+    const VertexId from = e.vertices()[e.corner()], to = e.vertices()[geometry::next_corner[e.corner()]];
     return {std::min(from, to), std::max(from, to)};
   }
 

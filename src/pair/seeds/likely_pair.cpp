@@ -69,7 +69,7 @@ class FarthestVertex {
     along_.is_far = true;
     for (std::size_t k = 0; k < 3; ++k) {
       along_.direction[k] = direction[k], along_.base[k] = base[k];
-      along_.normal[k] = static_cast<float>(direction[k]);
+      along_.direction32[k] = static_cast<float>(direction[k]);
     }
     base_height_ = dot(direction, base);
     tolerance_ = negligible_height * tree.nodes[0].bounds.radius[0];
