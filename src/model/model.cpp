@@ -176,8 +176,8 @@ Box Model::bounding_box() const {
   const bvh::Tree& tree = impl_->tree;
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
-  const Vec3 center = bvh::slot_center(tree, bvh::root),
-             extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root));
+  const Vec3 center = bvh::slot_center(tree, bvh::root_slot),
+             extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root_slot));
   return environment.settled(Box{center - extents, center + extents});
 }
 
@@ -185,7 +185,7 @@ Sphere Model::bounding_sphere() const {
   const base::DefaultFloatEnvironment environment;
   require_valid("bounding_sphere");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
-  return environment.settled(slot_sphere(impl_->tree, bvh::root));
+  return environment.settled(slot_sphere(impl_->tree, bvh::root_slot));
 }
 
 std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {

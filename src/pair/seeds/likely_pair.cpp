@@ -49,7 +49,7 @@ std::optional<bvh::SlotId> largest_flat(const bvh::Tree& tree, bvh::SlotId slot,
   std::optional<bvh::SlotId> flat;
   while (thickness_of(tree, slot) <= thickness) {
     flat = slot;
-    if (slot == bvh::root) break;
+    if (slot == bvh::root_slot) break;
     slot = tree.nodes[bvh::node_of(slot)].parent;
   }
   return flat;
@@ -61,7 +61,7 @@ class HighestVertex {
   HighestVertex(const PlacedPair& placed, Side s, const Vec3& direction)
       : placed_(placed), direction_(direction), side_(s) {
     const bvh::Tree& tree = placed.tree(s);
-    const Vec3 base = bvh::slot_center(tree, bvh::root);
+    const Vec3 base = bvh::slot_center(tree, bvh::root_slot);
     along_.unit = tree.unit, along_.per_unit = 1 / tree.unit;
     along_.is_far = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -166,17 +166,17 @@ void search_tree(const bvh::Tree& tree, Measure& measure, QueryStats& stats) {
 }  // namespace
 
 std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, bvh::SlotId near_b) {
-  const double radius_a = radius_of(placed.tree(Side::a), bvh::root);
-  const double radius_b = radius_of(placed.tree(Side::b), bvh::root);
+  const double radius_a = radius_of(placed.tree(Side::a), bvh::root_slot);
+  const double radius_b = radius_of(placed.tree(Side::b), bvh::root_slot);
   const Side ground = radius_a >= radius_b ? Side::a : Side::b, above = other(ground);
   const double radius = std::min(radius_a, radius_b);
   const bvh::Tree &tree = placed.tree(ground), &tree_above = placed.tree(above);
   const auto slot = largest_flat(tree, ground == Side::a ? near_a : near_b, flat_thickness * radius);
   if (!slot || radius_of(tree, *slot) < radius) return std::nullopt;
   FlatPart part{ground, placed.pose(ground)(bvh::slot_center(tree, *slot)),
-                placed.pose(ground).rotation * normal_of(tree, *slot), 0, radius_of(tree_above, bvh::root)};
+                placed.pose(ground).rotation * normal_of(tree, *slot), 0, radius_of(tree_above, bvh::root_slot)};
   const Transform& pose = placed.pose(above);
-  const double height = dot(part.normal, pose(bvh::slot_center(tree_above, bvh::root)) - part.center);
+  const double height = dot(part.normal, pose(bvh::slot_center(tree_above, bvh::root_slot)) - part.center);
   if (height < 0) part.normal = -part.normal;
   part.room = std::abs(height) - most_reach(tree_above, transpose(pose.rotation) * part.normal);
   return part;
