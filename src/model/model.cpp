@@ -208,7 +208,7 @@ Result<void> Model::validate() const {
   require_valid("validate");
   const Impl& impl = *impl_;
   if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);
-  const MeshView fitted = impl.updater->fitted(impl.mesh);
+  const MeshView fitted = impl.updater->fitted_mesh(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
     if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.slack) continue;
     return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};
