@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
@@ -10,12 +12,19 @@
 #include "base/parallel.h"
 #include "bvh/partition.h"
 #include "bvh/tree.h"
+#include "bvh/unit.h"
 
 namespace limber::bvh {
 namespace {
 
 // Fewer are not worth a task.
 constexpr std::size_t primitives_per_task = 4096, leaves_per_task = 1024;
+
+/// A build id that no tree has had.
+std::uint64_t new_build_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 /// Appends, for each of `children` children, how many of `leaves` leaves are below it.
 void distribute_leaves(std::uint32_t leaves, std::uint32_t children, std::vector<std::uint32_t>& counts) {
@@ -25,7 +34,7 @@ void distribute_leaves(std::uint32_t leaves, std::uint32_t children, std::vector
   distribute_leaves(leaves - first, children - children / 2, counts);
 }
 
-/// How many leaves are below each slot of a level, level by level: first below the root's, at last below those that
+/// How many leaves are below each slot of a level, level by level: first below the root slot, at last below those that
 /// have a leaf each.
 std::vector<std::vector<std::uint32_t>> leaves_below_slots(std::uint32_t leaves) {
   std::vector<std::vector<std::uint32_t>> levels{{leaves}};

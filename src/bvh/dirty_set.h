@@ -29,18 +29,18 @@ class DirtySet {
   /// The nodes at each vertex, which add() needs. To be dropped when triangles have been assigned to other leaves.
   VertexIndex& vertex_index() { return index_; }
   bool has_vertex_index() const { return index_.is_complete(); }
-  /// Builds the index if there is none yet. Returns whether there is one now: false where memory is missing for it.
+  /// Builds the index if there is none yet. Returns whether there is one now: false if memory is missing for it.
   ///
   /// Cost     O(n) for the first call and the first after the index was dropped.
   bool try_index_vertices(const Tree& tree, std::size_t vertex_count);
 
-  /// From now on this set marks in another one too what add() and add_all() mark here; null for none. It must have an
-  /// index of the same vertices, usually for another tree.
+  /// From now on add() and add_all() of this set are passed on to a follower: the set of a second tree of the same
+  /// mesh, with a vertex index of its own. Null for none.
   void set_follower(DirtySet* follower) { follower_ = follower; }
 
   bool empty() const { return !all_ && dirty_.back().empty(); }
 
-  /// Marks the whole tree.
+  /// Makes the whole tree dirty.
   void add_all() {
     all_ = true;
     if (follower_ != nullptr) follower_->add_all();
@@ -50,7 +50,8 @@ class DirtySet {
     for (const std::uint32_t node : index_.nodes_at(vertex)) add_node(dirty_.size() - 1, node);
     if (follower_ != nullptr) follower_->follow(vertex);
   }
-  /// How many of the lowest nodes the set that it follows has marked here since start_interval(), dirty before or not.
+  /// Of a follower: how many of its lowest nodes have been marked through the other set since start_interval(),
+  /// counting nodes that were dirty already.
   std::size_t marked_count() const { return marked_; }
   void start_interval() { ++interval_, marked_ = 0; }
   /// Marks a node of a level.

@@ -47,7 +47,7 @@ struct alignas(64) Node {
   float radius;                    //   4         of a sphere about the origin that holds the spheres of all children
   std::uint32_t first_child;       //   4         node, or leaf on the lowest level, in slot 0; slot k: the k-th after
   std::uint32_t child_count;       //   4         slots in use, the first ones
-  std::uint32_t parent;            //   4         slot whose child this is; 0 for the root
+  std::uint32_t parent;            //   4         slot whose child this is; 0 for the header
   std::uint32_t coincident_slots;  //   4         bit mask: slots below which all triangles have equal corners, in order
 };
 static_assert(sizeof(Node) == 448);

@@ -1,15 +1,25 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Split finds the median by sampling, as [FloydRivest1975], with steps that can be interrupted:
+//   measuring       finds the longest side of the bounding box of all centers.
+//   sampling        draws a sample of the window, and from it two limits that probably enclose the median.
+//   moving_below    moves the primitives of the window below the lower limit to its front.
+//   moving_between  moves those between the limits next to them; left out if the median is already in front.
+//                   The part that holds the median becomes the window. Back to sampling while the window is large.
+//   finishing       selects the median of a small window directly, and moves what is less to the front.
+// Primitives are ordered by a key, the coordinate followed by the triangle's id, so all keys are distinct, and which
+// primitives go to which half does not depend on the samples. Limits are compared with coordinates only, which is
+// faster. If that leaves more than three quarters of a window, many coordinates may be equal, and from then on limits
+// are compared with keys. After an unlucky sample another is drawn, with new random numbers.
 #include "bvh/partition.h"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 #include "base/check.h"
 #include "base/parallel.h"
@@ -21,50 +31,48 @@ namespace {
 // Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
 constexpr std::size_t worth_a_task = 8192;
 
-// A bounding box is found in parts: at least so many triangles in each, and at most so many parts.
-constexpr std::size_t triangles_per_box = 8192, most_boxes = 64;
+// Windows up to this size are finished directly: by a kernel up to simd::few_points primitives, else by quickselect.
+constexpr std::size_t finished_directly = 512;
 
-// Primitives among which the median is found at once: by quickselect, or by counting up to simd::few_points.
-constexpr std::size_t few = 512;
-
-// Primitives of a sample, and how far from the median of it those are between which the median of all is likely to be:
-// two standard deviations.
+// Primitives in a sample. The limits are this many ranks below and above the rank that the median is expected to have
+// in the sample: two standard deviations, of at most sqrt(128) / 2 = 5.7 each.
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
-// Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in
-// a pass, in a pass that moves some, and when it is one of few.
+// Primitives that one step of a pass over the window takes.
 constexpr std::size_t primitives_at_once = 1024;
-constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
 
-/// Moves those of the primitives `begin` to `end` for which is_first() holds, by their index, before the others. Those
-/// from `first_end` to `begin` are not. Returns where the first ones end then. No branch depends on the primitives:
-/// nobody could predict it.
-template <typename IsFirst>
-std::size_t move_first(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t begin, std::size_t end,
-                       const IsFirst& is_first) {
+// Upper bounds of what one primitive costs, in ns (bench/develop/partial_rebuild.cpp).
+constexpr double ns_to_measure = 2, ns_to_move = 5, ns_to_select = 10;
+
+/// Swaps those of the primitives `begin` to `end` for whose index is_below() holds to the places from `below_end` on.
+/// Pre: it does not hold for any from `below_end` to `begin`. Returns the new `below_end`, where the swapped ones end.
+/// No branch depends on the primitives, because nobody could predict it.
+template <typename IsBelow>
+std::size_t move_below_to_front(std::span<PrimitiveRef> primitives, std::size_t below_end, std::size_t begin,
+                                std::size_t end, const IsBelow& is_below) {
   for (std::size_t i = begin; i < end; ++i) {
-    // Before the primitive is copied: to read one coordinate of a copy, GCC writes it to memory first.
-    const bool goes_first = is_first(i);
+    // GCC would write the copy below to memory in order to read one of its coordinates. So this comes first.
+    const bool moves = is_below(i);
     const PrimitiveRef primitive = primitives[i];
-    primitives[i] = primitives[first_end];
-    primitives[first_end] = primitive;
-    first_end += goes_first ? 1 : 0;
+    primitives[i] = primitives[below_end];
+    primitives[below_end] = primitive;
+    below_end += moves ? 1 : 0;
   }
-  return first_end;
+  return below_end;
 }
 
-/// The `n`-th least of some numbers, from 0 on; their order changes. By quickselect, again without branches on
-/// single numbers.
+/// The number of rank `n` among some numbers, of which the least has rank 0; reorders them. Quickselect, without
+/// branches on single numbers. Quadratic at worst, so it is meant for a few hundred numbers.
 std::uint64_t nth_least(std::span<std::uint64_t> numbers, std::size_t n) {
   LIMBER_ASSERT(n < numbers.size());
   while (true) {
     const std::size_t last = numbers.size() - 1;
-    std::uint64_t &low = numbers[0], &middle = numbers[last / 2], &high = numbers[last];
-    // The median of the three becomes the last.
-    if (low > middle) std::swap(low, middle);
-    if (middle < high) std::swap(middle, high);
-    if (low > high) std::swap(low, high);
-    const std::uint64_t pivot = high;
+    std::uint64_t &at_front = numbers[0], &at_middle = numbers[last / 2], &at_back = numbers[last];
+    // Puts the largest of the three at the middle, then the median at the back: that is the pivot.
+    if (at_front > at_middle) std::swap(at_front, at_middle);
+    if (at_middle < at_back) std::swap(at_middle, at_back);
+    if (at_front > at_back) std::swap(at_front, at_back);
+    const std::uint64_t pivot = at_back;
     std::size_t less = 0;
     for (std::size_t i = 0; i < last; ++i) {
       const std::uint64_t number = numbers[i];
@@ -76,28 +84,36 @@ std::uint64_t nth_least(std::span<std::uint64_t> numbers, std::size_t n) {
     if (n < less) {
       numbers = numbers.first(less);
     } else {
-      // The pivot is at the end; what was not less is between.
+      // Leaves out the pivot, too, which is still at the back.
       numbers = numbers.subspan(less, last - less);
       n -= less + 1;
     }
   }
 }
 
-/// A number that is larger for a larger coordinate.
-std::uint32_t ordered(float x) {
+/// An unsigned number in the order of coordinates: the bits of the float, all flipped if it is negative, else only the
+/// sign bit.
+std::uint32_t sortable_bits(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x + 0.0F);  // -0 becomes 0
   return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
 }
-/// The coordinate of such a number.
-float unordered(std::uint32_t number) {
-  return std::bit_cast<float>((number >> 31) != 0 ? number & 0x7fffffffU : ~number);
+float from_sortable_bits(std::uint32_t bits) {
+  return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7fffffffU : ~bits);
+}
+float coordinate_of(std::uint64_t key) { return from_sortable_bits(static_cast<std::uint32_t>(key >> 32)); }
+
+/// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
+const float* as_points(std::span<const PrimitiveRef> primitives) {
+  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
+  return primitives.front().center.data();
 }
 
-/// The `n` least of at most simd::few_points primitives along an axis, of equal ones those of the first triangles, as a
-/// bit mask.
+/// The `n` primitives with the least coordinates along an axis, as a bit mask; of equal coordinates, the smaller
+/// triangle ids are less. Pre: there are at most simd::few_points primitives.
 std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
   if (n == 0) return 0;
-  simd::FewLeast found = simd::kernels().least_of_few(primitives.front().center.data(), axis, primitives.size(), n);
+  simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives), axis, primitives.size(), n);
+  // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids of these.
   for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
     auto last = std::countr_zero(found.greatest);
     for (std::uint64_t others = found.greatest; others != 0; others &= others - 1) {
@@ -114,7 +130,7 @@ std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t
 std::uint32_t leaf_count(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + width - 1) / width); }
 
 std::uint32_t child_count(std::uint32_t leaves) {
-  std::uint64_t full = 1;
+  std::uint64_t full = 1;  // leaves of a full subtree, which each child can be
   while (full * width < leaves) full *= width;
   return static_cast<std::uint32_t>((leaves + full - 1) / full);
 }
@@ -134,15 +150,15 @@ Split::Split(const BuildRange& range)
               std::size_t{first_half_leaves(leaf_count(range.end - range.begin), range.children)} * width),
       begin_(range.begin),
       end_(range.end),
-      done_(range.begin),
-      random_(range.end - range.begin) {
+      next_(range.begin),
+      random_(range.end - range.begin) {  // a fixed seed: the same mesh takes the same steps every time
   LIMBER_ASSERT(range.children > 1);
   std::fill(std::begin(box_.low), std::end(box_.low), std::numeric_limits<float>::infinity());
   std::fill(std::begin(box_.high), std::end(box_.high), -std::numeric_limits<float>::infinity());
 }
 
 std::uint64_t Split::key(const PrimitiveRef& primitive) const {
-  return std::uint64_t{ordered(primitive.center[axis_])} << 32 | primitive.triangle;
+  return std::uint64_t{sortable_bits(primitive.center[axis_])} << 32 | primitive.triangle;
 }
 
 void Split::choose_axis() {
@@ -150,116 +166,129 @@ void Split::choose_axis() {
   axis_ = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
 }
 
-void Split::search(std::size_t begin, std::size_t end) {
-  // Too many are left: many coordinates may be equal, which only keys tell apart.
-  moves_by_key_ |= 4 * (end - begin) > 3 * (end_ - begin_);
-  begin_ = begin, end_ = end;
-  step_ = end_ - begin_ <= few ? Step::finishing : Step::sampling;
+/// Makes the window smaller, and goes on with it.
+void Split::narrow_to(std::size_t begin, std::size_t end) {
+  compares_keys_ |= 4 * (end - begin) > 3 * (end_ - begin_);
+  continue_within(begin, end);
 }
 
-void Split::sample(std::span<const PrimitiveRef> primitives) {
+void Split::continue_within(std::size_t begin, std::size_t end) {
+  begin_ = begin, end_ = end;
+  step_ = end_ - begin_ <= finished_directly ? Step::finishing : Step::sampling;
+}
+
+void Split::draw_limits(std::span<const PrimitiveRef> primitives) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const std::size_t count = end_ - begin_;
   std::array<std::uint64_t, sample_size> keys;
-  // At random: what is taken at equal steps might be one row of a grid. The random numbers are those of Knuth's MMIX.
+  // At random, with replacement: every k-th primitive might be from one row of a grid. The generator is that of Knuth's
+  // MMIX; its upper 32 bits, times count / 2^32, are an index.
   for (std::uint64_t& k : keys) {
     random_ = random_ * 6364136223846793005 + 1442695040888963407;
-    k = key(primitives[begin_ + static_cast<std::size_t>((random_ >> 32) * count >> 32)]);
+    k = key(primitives[begin_ + static_cast<std::size_t>(((random_ >> 32) * count) >> 32)]);
   }
-  const std::size_t at = (middle_ - begin_) * sample_size / count;
+  const std::size_t expected_rank = (middle_ - begin_) * sample_size / count;
   lower_ = {0, -infinity}, upper_ = {std::numeric_limits<std::uint64_t>::max(), infinity};
-  if (at >= sample_margin) {
-    lower_.key = nth_least(keys, at - sample_margin);
-    lower_.coordinate = unordered(static_cast<std::uint32_t>(lower_.key >> 32));
+  if (expected_rank >= sample_margin) {
+    lower_.key = nth_least(keys, expected_rank - sample_margin);
+    lower_.coordinate = coordinate_of(lower_.key);
   }
-  if (at + sample_margin < sample_size) {
-    const std::uint64_t last = nth_least(keys, at + sample_margin);
-    upper_ = {last + 1, std::nextafter(unordered(static_cast<std::uint32_t>(last >> 32)), infinity)};
+  if (expected_rank + sample_margin < sample_size) {
+    const std::uint64_t last = nth_least(keys, expected_rank + sample_margin);
+    upper_ = {last + 1, std::nextafter(coordinate_of(last), infinity)};  // the next above: limits are exclusive
   }
-  step_ = Step::moving_below, done_ = below_ = begin_;
+  step_ = Step::moving_below, next_ = below_ = begin_;
 }
 
-std::size_t Split::move_below(std::span<PrimitiveRef> primitives, std::size_t first_end, std::size_t end,
+/// Of the primitives next_ to `end`, swaps those below a limit to the places from `below_end` on. Returns the new
+/// `below_end`.
+std::size_t Split::move_below(std::span<PrimitiveRef> primitives, std::size_t below_end, std::size_t end,
                               const Limit& limit) const {
-  if (moves_by_key_) {
+  if (compares_keys_) {
     const auto is_below = [&](std::size_t i) { return key(primitives[i]) < limit.key; };
-    return move_first(primitives, first_end, done_, end, is_below);
+    return move_below_to_front(primitives, below_end, next_, end, is_below);
   }
-  const auto is_below = [&, axis = axis_, most = limit.coordinate](std::size_t i) {
-    return primitives[i].center[axis] < most;
+  const auto is_below = [&, axis = axis_, coordinate = limit.coordinate](std::size_t i) {
+    return primitives[i].center[axis] < coordinate;
   };
-  return move_first(primitives, first_end, done_, end, is_below);
+  return move_below_to_front(primitives, below_end, next_, end, is_below);
 }
 
 void Split::finish(std::span<PrimitiveRef> primitives) {
-  const std::span<PrimitiveRef> rest = primitives.subspan(begin_, end_ - begin_);
-  const std::size_t first_count = middle_ - begin_;
+  const std::span<PrimitiveRef> window = primitives.subspan(begin_, end_ - begin_);
+  const std::size_t rank = middle_ - begin_;
   step_ = Step::done;
-  if (rest.size() <= simd::few_points) {
-    const std::uint64_t least = least_of_few(rest, axis_, first_count);
+  if (window.size() <= simd::few_points) {
+    const std::uint64_t least = least_of_few(window, axis_, rank);
     const auto is_least = [least](std::size_t i) { return (least >> i & 1) != 0; };
-    const std::size_t moved = move_first(rest, 0, 0, rest.size(), is_least);
-    LIMBER_ASSERT(moved == first_count);
+    const std::size_t moved = move_below_to_front(window, 0, 0, window.size(), is_least);
+    LIMBER_ASSERT(moved == rank);
     return;
   }
-  std::array<std::uint64_t, few> keys;
-  const std::span<std::uint64_t> used = std::span(keys).first(rest.size());
-  for (std::size_t i = 0; i < used.size(); ++i) used[i] = key(rest[i]);
-  const std::uint64_t median = nth_least(used, first_count);
-  // The same as comparing keys, but without computing them once more.
-  const float coordinate = unordered(static_cast<std::uint32_t>(median >> 32));
+  std::array<std::uint64_t, finished_directly> keys;
+  const std::span<std::uint64_t> used = std::span(keys).first(window.size());
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = key(window[i]);
+  const std::uint64_t median = nth_least(used, rank);
+  // key(window[i]) < median, from its two parts, which is faster; with & and | because && and || are branches.
+  const float coordinate = coordinate_of(median);
   const auto triangle = static_cast<TriangleId>(median);
   const auto is_below = [&, axis = axis_](std::size_t i) {
-    const float x = rest[i].center[axis];
+    const float x = window[i].center[axis];
     return (static_cast<int>(x < coordinate) |
-            (static_cast<int>(x == coordinate) & static_cast<int>(rest[i].triangle < triangle))) != 0;
+            (static_cast<int>(x == coordinate) & static_cast<int>(window[i].triangle < triangle))) != 0;
   };
-  const std::size_t moved = move_first(rest, 0, 0, rest.size(), is_below);
-  LIMBER_ASSERT(moved == first_count);
+  const std::size_t moved = move_below_to_front(window, 0, 0, window.size(), is_below);
+  LIMBER_ASSERT(moved == rank);
 }
 
 bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
+  // The end of one step of a pass over the window, which starts at next_.
+  const auto spend_on_step = [&](double ns) {
+    const std::size_t end = std::min(next_ + primitives_at_once, end_);
+    budget.spend(ns * static_cast<double>(end - next_));
+    return end;
+  };
   while (step_ != Step::done && !budget.is_spent()) {
-    const std::size_t end = std::min(done_ + primitives_at_once, end_);
-    const double count = static_cast<double>(end - done_);
     switch (step_) {
-      case Step::measuring:
-        budget.spend(ns_per_primitive * count);
-        simd::kernels().extend_box(primitives[done_].center.data(), end - done_, box_);
-        done_ = end;
-        if (done_ < end_) break;
+      case Step::measuring: {
+        const std::size_t end = spend_on_step(ns_to_measure);
+        simd::kernels().extend_box(as_points(primitives.subspan(next_)), end - next_, box_);
+        next_ = end;
+        if (next_ < end_) break;
         choose_axis();
-        search(begin_, end_);
-        moves_by_key_ = false;  // at first everything is left
+        continue_within(begin_, end_);
         break;
+      }
       case Step::sampling:
-        budget.spend(ns_per_one_of_few * sample_size);
-        sample(primitives);
+        budget.spend(ns_to_select * sample_size);
+        draw_limits(primitives);
         break;
-      case Step::moving_below:
-        budget.spend(ns_per_move * count);
+      case Step::moving_below: {
+        const std::size_t end = spend_on_step(ns_to_move);
         below_ = move_below(primitives, below_, end, lower_);
-        done_ = end;
-        if (done_ < end_) break;
+        next_ = end;
+        if (next_ < end_) break;
         if (below_ > middle_) {
-          search(begin_, below_);
+          narrow_to(begin_, below_);
         } else {
-          step_ = Step::moving_between, done_ = between_ = below_;
+          step_ = Step::moving_between, next_ = between_ = below_;
         }
         break;
-      case Step::moving_between:
-        budget.spend(ns_per_move * count);
+      }
+      case Step::moving_between: {
+        const std::size_t end = spend_on_step(ns_to_move);
         between_ = move_below(primitives, between_, end, upper_);
-        done_ = end;
-        if (done_ < end_) break;
+        next_ = end;
+        if (next_ < end_) break;
         if (between_ > middle_) {
-          search(below_, between_);
+          narrow_to(below_, between_);
         } else {
-          search(between_, end_);
+          narrow_to(between_, end_);
         }
         break;
+      }
       case Step::finishing:
-        budget.spend(ns_per_one_of_few * static_cast<double>(end_ - begin_));
+        budget.spend(ns_to_select * static_cast<double>(end_ - begin_));
         finish(primitives);
         break;
       case Step::done:
@@ -271,6 +300,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
 
 std::array<BuildRange, 2> Split::halves() const {
   LIMBER_ASSERT(step_ == Step::done);
+  // A half with several children is split again; one with a single child goes down a level, to the children of that.
   const auto half = [](std::size_t begin, std::size_t end, std::uint32_t children) {
     return children > 1 ? BuildRange{begin, end, children} : build_range(begin, end);
   };
@@ -279,10 +309,10 @@ std::array<BuildRange, 2> Split::halves() const {
 }
 
 std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range) {
-  Split split(range);
+  Split splitting(range);
   base::WorkBudget unlimited = base::WorkBudget::unlimited();
-  split.work(primitives, unlimited);
-  return split.halves();
+  splitting.work(primitives, unlimited);
+  return splitting.halves();
 }
 
 void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range) {
@@ -293,24 +323,10 @@ void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange&
       [&] { partition_into_leaves(primitives, halves[1]); });
 }
 
-BoundingBox bounding_box_of(MeshView mesh) {
-  const std::size_t count = mesh.triangles.size();
-  const std::size_t size = std::max(triangles_per_box, (count + most_boxes - 1) / most_boxes);
-  std::array<BoundingBox, most_boxes> boxes;  // no vector: commits must not allocate
-  base::parallel_for_ranges(count, size, [&](std::size_t begin, std::size_t end) {
-    BoundingBox box;  // a local variable stays in registers
-    for (std::size_t t = begin; t < end; ++t) box.add(mesh.triangle(static_cast<TriangleId>(t)));
-    boxes[begin / size] = box;
-  });
-  BoundingBox all;
-  for (const BoundingBox& box : boxes) all.add(box);
-  return all;
-}
-
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {
   LIMBER_ASSERT(!primitives.empty() && primitives.size() <= width);
-  // Splits leave primitives in any order; queries are to find pairs in the same order anywhere. Sorted by counting,
-  // which takes no branches.
+  // Splits leave the primitives of a leaf in an order that depends on the samples; queries visit triangles in the order
+  // of the leaf, so it is made a fixed one. The sort counts, for each triangle, the smaller ones: no branches.
   const std::size_t count = primitives.size();
   TriangleId triangles[width];
   for (std::size_t k = 0; k < width; ++k) triangles[k] = k < count ? primitives[k].triangle : no_id;
@@ -325,11 +341,6 @@ void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primiti
 
 std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i) {
   return primitives.subspan(i * width, std::min(primitives.size() - i * width, std::size_t{width}));
-}
-
-std::uint64_t new_build_id() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
 }
 
 }  // namespace limber::bvh

@@ -1,5 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Stages and their steps, each of which takes some microseconds and can be the last of a call:
+//   gathering  reads the centers of the subtree's triangles.
+//   assigning  partitions them, range by range; writes the leaves of the second tree; indexes its vertices.
+//   fitting    sweeps over all nodes above the lowest level, from the last to the first, and fits the slots of each.
+//              Then catches up: refits what has become dirty since, in rounds.
 #include "bvh/rebuild.h"
 
 #include <algorithm>
@@ -13,7 +19,8 @@
 namespace limber::bvh {
 namespace {
 
-// Splitting ends on fewer than 2^31 leaves, and leaves at most one range behind at each depth.
+// Ranges that wait to be partitioned. A level takes at most 3 splits, 8 children to 4, 2 and 1, and there are at most
+// 11 levels. Ranges are split depth first, so at most one waits at each of these 33 depths.
 constexpr std::size_t max_ranges = 64;
 
 // Ranges of up to that many triangles are partitioned in one step.
@@ -22,15 +29,13 @@ constexpr std::size_t small_range = 64;
 // Triangles and leaves in one step.
 constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
-// What a step costs, in ns (docs/design/real_time.md): to read a triangle's center; for each time that a triangle is in
-// a range that is partitioned; to write a leaf; to take a dirty node.
-constexpr double ns_per_center = 30, ns_per_triangle = 16, ns_per_leaf = 60, ns_per_taken_node = 2;
+// Costs in ns (docs/design/real_time.md). A triangle is split once for each range that it is in.
+constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 16;
+constexpr double ns_per_written_leaf = 60, ns_per_enlisted_node = 2;
 
-// While what has moved is refitted, a commit may spend this many times as long on it as refits of what it has moved
-// itself take in the second tree. More than once, or the second tree would never catch up.
-constexpr double refits_beside_budget = 2;
-
-std::size_t lowest_level(const Tree& tree) { return tree.level_begin.size() - 2; }
+// While the second tree catches up, a commit makes nodes of it dirty by its moves. It may exceed its budget by the time
+// that this many times as many refits take. With 1 or less the second tree might never catch up.
+constexpr double refits_per_marked_node = 2;
 
 double ns_of_children(const Tree& tree, std::uint32_t n) {
   const Node& node = tree.nodes[n];
@@ -39,20 +44,21 @@ double ns_of_children(const Tree& tree, std::uint32_t n) {
 
 }  // namespace
 
+/// Allocates what has not been allocated yet, but for the vertex index.
 void Rebuild::allocate(const Tree& tree, MeshView mesh) {
   primitives_.reserve(mesh.triangles.size());
   ranges_.reserve(max_ranges);
-  if (dirty_) return;
-  next_ = tree;
-  round_.resize(tree.nodes.size() - tree.first_lowest_node());
+  if (second_dirty_) return;
+  second_ = tree;
+  round_.resize(tree.nodes.size() - tree.first_lowest_node());  // touches the memory, as reserve() promises
   round_.clear();
-  dirty_.emplace(tree);
+  second_dirty_.emplace(tree);
 }
 
 void Rebuild::reserve(const Tree& tree, MeshView mesh) {
   allocate(tree, mesh);
-  dirty_->vertex_index().reserve(mesh.positions.size(), mesh.triangles.size());
-  primitives_.resize(mesh.triangles.size());
+  second_dirty_->vertex_index().reserve(mesh.positions.size(), mesh.triangles.size());
+  primitives_.resize(mesh.triangles.size());  // touches the memory
 }
 
 void Rebuild::start(const Tree& tree, MeshView mesh, const Subtree& subtree) {
@@ -63,13 +69,14 @@ void Rebuild::start(const Tree& tree, MeshView mesh, const Subtree& subtree) {
   primitives_.clear();
   ranges_.clear();
   split_.reset();
-  stage_ = Stage::gathering, done_ = std::size_t{subtree.first_leaf} * width;
+  stage_ = Stage::gathering;
+  next_ = std::size_t{subtree.first_leaf} * width;
 }
 
 void Rebuild::stop() {
   stage_ = Stage::idle;
   round_.clear();
-  if (dirty_) dirty_->clear();
+  if (second_dirty_) second_dirty_->clear();
 }
 
 void Rebuild::work(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
@@ -79,21 +86,22 @@ void Rebuild::work(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
     case Stage::assigning:
       return assign(tree, mesh, budget);
     case Stage::fitting:
-      return fit(tree, mesh, budget);
+      return fit_bounds(tree, mesh, budget);
     case Stage::idle:
       return;
   }
 }
 
 void Rebuild::gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
+  // Only the last leaf of the tree has copies of a triangle, after all others.
   const std::size_t end = std::min(std::size_t{subtree_.end_leaf} * width, mesh.triangles.size());
   const double half_per_unit = 0.5 / unit_;
-  while (done_ < end) {
+  while (next_ < end) {
     if (budget.is_spent()) return;
-    const std::size_t until = std::min(done_ + triangles_at_once, end);
-    budget.spend(ns_per_center * static_cast<double>(until - done_));
-    for (; done_ < until; ++done_) {
-      const TriangleId triangle = tree.leaves[done_ / width].triangle[done_ % width];
+    const std::size_t until = std::min(next_ + triangles_at_once, end);
+    budget.spend(ns_per_gathered_triangle * static_cast<double>(until - next_));
+    for (; next_ < until; ++next_) {
+      const TriangleId triangle = tree.leaves[next_ / width].triangle[next_ % width];
       primitives_.push_back(primitive_of(mesh, triangle, origin_, half_per_unit));
     }
   }
@@ -106,19 +114,21 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
     switch (step_) {
       case Step::partitioning:
         partition(budget);
-        if (ranges_.empty()) step_ = Step::writing, done_ = 0;
+        if (!ranges_.empty()) break;
+        step_ = Step::writing;
+        next_ = 0;
         break;
       case Step::writing:
-        write(tree, mesh, budget);
-        if (done_ < next_.leaves.size()) break;
-        dirty_->vertex_index().start(mesh.positions.size());
+        write_leaves(tree, mesh, budget);
+        if (next_ < second_.leaves.size()) break;
+        second_dirty_->vertex_index().start(mesh.positions.size());
         step_ = Step::indexing;
         break;
       case Step::indexing:
-        if (!dirty_->vertex_index().build(next_, budget)) break;
-        stage_ = Stage::fitting, step_ = Step::assigned;
+        if (!second_dirty_->vertex_index().build(second_, budget)) break;
+        stage_ = Stage::fitting, step_ = Step::before_sweep;
         return;
-      default:
+      default:  // steps of another stage
         LIMBER_ASSERT(false);
     }
   }
@@ -129,7 +139,8 @@ void Rebuild::partition(base::WorkBudget& budget) {
     const BuildRange range = ranges_.back();
     const std::size_t size = range.end - range.begin;
     if (size <= small_range) {
-      budget.spend(ns_per_triangle * static_cast<double>(size * std::bit_width(size / width)));
+      const auto most_splits = std::bit_width(size / width);  // that a triangle goes through
+      budget.spend(ns_per_split_triangle * static_cast<double>(size * most_splits));
       partition_into_leaves(primitives_, range);
       ranges_.pop_back();
       continue;
@@ -146,97 +157,113 @@ void Rebuild::partition(base::WorkBudget& budget) {
   }
 }
 
-void Rebuild::write(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
-  while (done_ < next_.leaves.size() && !budget.is_spent()) {
-    const std::size_t until = std::min(done_ + leaves_at_once, next_.leaves.size());
-    budget.spend(ns_per_leaf * static_cast<double>(until - done_));
-    for (; done_ < until; ++done_) {
-      Leaf& leaf = next_.leaves[done_];
-      if (subtree_.first_leaf <= done_ && done_ < subtree_.end_leaf) {
-        write_leaf(leaf, mesh, primitives_of_leaf(primitives_, done_ - subtree_.first_leaf));
+/// Writes the leaves of the subtree, and copies all others: the second tree may have those of an earlier rebuild.
+void Rebuild::write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
+  while (next_ < second_.leaves.size() && !budget.is_spent()) {
+    const std::size_t until = std::min(next_ + leaves_at_once, second_.leaves.size());
+    budget.spend(ns_per_written_leaf * static_cast<double>(until - next_));
+    for (; next_ < until; ++next_) {
+      Leaf& leaf = second_.leaves[next_];
+      if (subtree_.first_leaf <= next_ && next_ < subtree_.end_leaf) {
+        write_leaf(leaf, mesh, primitives_of_leaf(primitives_, next_ - subtree_.first_leaf));
       } else {
-        std::copy_n(tree.leaves[done_].triangle, width, leaf.triangle);
-        std::copy_n(tree.leaves[done_].vertices, width, leaf.vertices);
+        std::copy_n(tree.leaves[next_].triangle, width, leaf.triangle);
+        std::copy_n(tree.leaves[next_].vertices, width, leaf.vertices);
       }
     }
   }
 }
 
-void Rebuild::start_sweep(const Tree& tree) {
-  unit_before_ = tree.unit;
-  next_.unit = better_unit(tree);
-  dirty_->clear();
-  round_.clear();
-  step_ = Step::sweeping, done_ = next_.first_lowest_node();
-}
-
-void Rebuild::fit(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
-  if (step_ == Step::assigned || unit_before_ != tree.unit) start_sweep(tree);
+/// Sweeps once, then catches up. Sweeps once more if a commit has given the first tree another unit since.
+void Rebuild::fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
+  if (step_ == Step::before_sweep || first_unit_ != tree.unit) {
+    first_unit_ = tree.unit;
+    second_.unit = unit_for_rebuild(tree);
+    second_dirty_->clear();  // the sweep fits everything; what moves meanwhile becomes dirty again
+    round_.clear();
+    unswept_ = second_.first_lowest_node();
+    step_ = Step::sweeping;
+  }
   while (step_ == Step::sweeping) {
     if (budget.is_spent()) return;
-    const auto node = static_cast<std::uint32_t>(--done_);
-    budget.spend(ns_of_children(next_, node));
-    fit_children(next_, mesh, node);
-    if (done_ == 0) step_ = Step::refitting;
+    --unswept_;
+    budget.spend(ns_of_children(second_, unswept_));
+    fit_slots(second_, mesh, unswept_);
+    if (unswept_ == 0) step_ = Step::catching_up;
   }
-  refit_some(mesh, budget);
+  catch_up(mesh, budget);
 }
 
-void Rebuild::refit_some(MeshView mesh, base::WorkBudget& budget) {
-  // Round by round: what becomes dirty again and again is refitted once in each, so a round ends.
-  const std::size_t lowest = lowest_level(next_);
-  std::size_t level = lowest;
+/// First refits the lowest nodes that are left of the round; then the levels above, from below; then the next round
+/// begins, with the lowest nodes that are dirty by then. A node that becomes dirty again and again is thus refitted
+/// once a round, and every round ends.
+void Rebuild::catch_up(MeshView mesh, base::WorkBudget& budget) {
+  const std::size_t lowest = second_.lowest_level();
   while (!budget.is_spent()) {
-    std::uint32_t node = 0;
     if (!round_.empty()) {
-      node = round_.back(), level = lowest;
+      budget.spend(ns_per_lowest_node);
+      const std::uint32_t node = round_.back();
       round_.pop_back();
+      refit_at(lowest, node, mesh);
+    } else if (const std::optional<std::size_t> level = lowest_dirty_upper_level()) {
+      budget.spend(ns_per_upper_node);
+      refit_at(*level, second_dirty_->take_node(*level), mesh);
+    } else if (!second_dirty_->nodes(lowest).empty()) {
+      second_dirty_->take_lowest(round_);
+      budget.spend(ns_per_enlisted_node * static_cast<double>(round_.size()));
     } else {
-      while (level > 0 && (level == lowest || dirty_->nodes(level).empty())) --level;
-      if (level == 0 && dirty_->nodes(0).empty()) {
-        if (dirty_->nodes(lowest).empty()) return;
-        dirty_->take_lowest(round_);
-        budget.spend(ns_per_taken_node * static_cast<double>(round_.size()));
-        continue;
-      }
-      node = dirty_->take_node(level);
+      return;
     }
-    budget.spend(level == lowest ? ns_per_lowest_node : ns_per_upper_node);
-    if (refit_node(next_, mesh, node)) dirty_->add_node(level - 1, node_of(next_.nodes[node].parent));
   }
 }
 
-std::size_t Rebuild::dirty_count() const {
+std::optional<std::size_t> Rebuild::lowest_dirty_upper_level() const {
+  for (std::size_t level = second_.lowest_level(); level-- > 0;) {
+    if (!second_dirty_->nodes(level).empty()) return level;
+  }
+  return std::nullopt;
+}
+
+/// Refits a node of a level, and makes its parent dirty if that has to be refitted, too.
+void Rebuild::refit_at(std::size_t level, std::uint32_t node, MeshView mesh) {
+  if (refit_node(second_, mesh, node)) second_dirty_->add_node(level - 1, node_of(second_.nodes[node].parent));
+}
+
+std::size_t Rebuild::due_count() const {
   std::size_t count = round_.size();
-  for (std::size_t level = 0; level <= lowest_level(next_); ++level) count += dirty_->nodes(level).size();
+  for (std::size_t level = 0; level <= second_.lowest_level(); ++level) count += second_dirty_->nodes(level).size();
   return count;
 }
 
-double Rebuild::ns_beside_budget() const {
-  if (stage_ != Stage::fitting || step_ != Step::refitting) return 0;
-  const double ns_per_path = ns_per_lowest_node + ns_per_upper_node * static_cast<double>(lowest_level(next_));
-  return refits_beside_budget * ns_per_path * static_cast<double>(dirty_->marked_count());
+double Rebuild::ns_beyond_budget() const {
+  if (stage_ != Stage::fitting || step_ != Step::catching_up) return 0;
+  // Of a lowest node and all nodes above it.
+  const double ns_per_path = ns_per_lowest_node + ns_per_upper_node * static_cast<double>(second_.lowest_level());
+  return refits_per_marked_node * ns_per_path * static_cast<double>(second_dirty_->marked_count());
 }
 
 bool Rebuild::can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const {
   if (stage_ != Stage::fitting) return false;
-  if (dirty.covers_most_of(tree)) return true;  // all has to be fitted anyway
-  if (step_ != Step::refitting || unit_before_ != tree.unit) return false;
-  const double due = ns_per_lowest_node * static_cast<double>(dirty_count());
-  return due <= ns_per_lowest_node * static_cast<double>(dirty_->marked_count()) + ns;
+  if (dirty.covers_most_of(tree)) return true;
+  if (step_ != Step::catching_up || first_unit_ != tree.unit) return false;
+  // Nodes of higher levels are cheaper than lowest ones, so this is an upper bound for what is due now.
+  const double ns_of_due = ns_per_lowest_node * static_cast<double>(due_count());
+  const double ns_of_own_moves = ns_per_lowest_node * static_cast<double>(second_dirty_->marked_count());
+  return ns_of_due <= ns_of_own_moves + ns;
 }
 
 void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
   LIMBER_ASSERT(stage_ == Stage::fitting);
   dirty.set_follower(nullptr);
-  if (step_ != Step::refitting || unit_before_ != tree.unit || dirty.covers_most_of(tree)) {
-    dirty_->add_all();
-    next_.unit = tree.unit;
+  const bool is_fitted = step_ == Step::catching_up && first_unit_ == tree.unit;
+  if (!is_fitted || dirty.covers_most_of(tree)) {
+    second_dirty_->add_all();
+    second_.unit = tree.unit;
   }
-  for (const std::uint32_t node : round_) dirty_->add_node(lowest_level(next_), node);
-  tree.exchange(next_);
-  std::swap(dirty, *dirty_);
-  stop();
+  for (const std::uint32_t node : round_) second_dirty_->add_node(second_.lowest_level(), node);
+  tree.exchange(second_);
+  std::swap(dirty, *second_dirty_);
+  stop();  // clears the dirty nodes of the old tree, which is the second one now
 }
 
 }  // namespace limber::bvh

@@ -16,16 +16,16 @@
 
 namespace limber::bvh {
 
-/// Rebuilds a subtree step by step: assigns its triangles to its leaves as build() would. The topology of the tree
-/// stays. All is written into a second tree, which in the end changes places with the first.
+/// Rebuilds a subtree of a tree step by step: assigns its triangles to its leaves as build() would. The topology of the
+/// tree stays. All is written into a second tree, which in the end changes places with the first.
 ///
 /// Based on  [Yoon2007]: only what has degraded is rebuilt.
-/// Differs   The tree does not change meanwhile, so queries and refits go on. Taking over costs as little as swapping
-///           two vectors, and the vertex index is ready by then.
+/// Differs   The first tree does not change meanwhile, so queries and refits go on. Taking over costs as little as
+///           swapping two vectors, and the vertex index is ready by then.
 ///
-/// States   Idle -> gathering: start(). Gathering -> assigning -> fitting: work(), which says which steps need the
-///          positions. Once it is fitting, every move has to be marked in dirty(). Fitting -> idle: take_over().
-///          Back to idle from everywhere: stop().
+/// States   Idle -> gathering: start(). Gathering -> assigning -> fitting: work(), which says which stages need the
+///          positions. From then on every move has to be marked in dirty(), which follows the first tree's DirtySet.
+///          Fitting -> idle: take_over(). From all states to idle: stop().
 /// Memory   As much as the tree, its vertex index and 16 bytes a triangle, kept from one rebuild to the next.
 class Rebuild {
  public:
@@ -33,7 +33,7 @@ class Rebuild {
     idle,
     gathering,  // the triangles' centers are read from the positions
     assigning,  // triangles are partitioned, leaves are written and vertices indexed, without the positions
-    fitting,    // bounds are fitted to the positions
+    fitting,    // all bounds are fitted to the positions; then those are refitted that have moved meanwhile
   };
 
   /// Allocates and touches all memory, so that no later call allocates. Throws std::bad_alloc.
@@ -53,54 +53,60 @@ class Rebuild {
   /// Throws   std::bad_alloc while assigning; it is then to be stopped.
   void work(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
 
-  /// What has moved since its bounds were fitted. Pre: it is fitting.
-  DirtySet& dirty() { return *dirty_; }
+  /// The nodes of the second tree below which vertices have moved since they were fitted. Pre: it is fitting.
+  DirtySet& dirty() { return *second_dirty_; }
 
-  /// How long a commit may work beside its budget, in ns. Once all bounds were fitted, what has moved meanwhile is
-  /// refitted; that ends only if more is refitted than what goes on moving makes dirty.
-  double ns_beside_budget() const;
+  /// By how much a commit may exceed its budget, in ns. Once all bounds of the second tree are fitted, every commit
+  /// adds dirty nodes to it by its moves; the second tree only catches up if each refits more than it adds.
+  double ns_beyond_budget() const;
 
-  /// Whether taking over takes no longer than the refits that the last moves need in the second tree, which later
-  /// commits need anyway, and `ns`; or no time at all, because the whole tree is to be fitted.
+  /// Whether the commit that asks may take over; it then refits what is dirty in the second tree instead of `dirty`,
+  /// what is dirty in `tree`. Yes if that takes at most `ns` longer than refits of what its own moves have made dirty
+  /// in the second tree, which are due sooner or later; and if the commit has to fit the whole tree, whichever it is.
   bool can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const;
 
-  /// Changes places with a tree and with what is dirty in it, which has to be refitted next. previous() then has the
-  /// tree as it was.
+  /// Swaps the second tree and its dirty nodes with `tree` and `dirty`, which have to be refitted next: bounds of the
+  /// second tree may not be fitted yet. previous() is then the tree as it was.
   ///
   /// Pre      can_take_over().
   void take_over(Tree& tree, DirtySet& dirty);
-  const Tree& previous() const { return next_; }
+  const Tree& previous() const { return second_; }
 
  private:
-  // What is done while assigning, and while fitting.
-  enum class Step { partitioning, writing, indexing, assigned, sweeping, refitting };
+  // The first three are steps of Stage::assigning, the others of Stage::fitting.
+  enum class Step { partitioning, writing, indexing, before_sweep, sweeping, catching_up };
 
   void allocate(const Tree& tree, MeshView mesh);
+  // The stages.
   void gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  void fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  // Their steps.
   void partition(base::WorkBudget& budget);
-  void write(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
-  void fit(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
-  void start_sweep(const Tree& tree);
-  void refit_some(MeshView mesh, base::WorkBudget& budget);
-  /// The nodes that are dirty or due in the present round.
-  std::size_t dirty_count() const;
+  void write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
+  void catch_up(MeshView mesh, base::WorkBudget& budget);
+  /// The lowest level above that of the lowest nodes that has a dirty node.
+  std::optional<std::size_t> lowest_dirty_upper_level() const;
+  void refit_at(std::size_t level, std::uint32_t node, MeshView mesh);
+  /// How many nodes are dirty or still due in the present round.
+  std::size_t due_count() const;
 
   Stage stage_ = Stage::idle;
   Step step_ = Step::partitioning;
   Subtree subtree_{};
-  std::size_t done_ = 0;  // triangles, leaves or nodes of the present step
+  std::size_t next_ = 0;  // the next triangle to gather, counted as 8 * leaf + slot; or the next leaf to write
   Vec3 origin_;           // of all primitives
-  double unit_ = 1;
+  double unit_ = 1;       // of all primitives
 
   std::vector<PrimitiveRef> primitives_;
   std::vector<BuildRange> ranges_;  // still to be partitioned
   std::optional<Split> split_;      // of the last of them
 
-  double unit_before_ = 1;  // of the tree when the sweep began: in another one the bounds have to be fitted anew
-  Tree next_;
-  std::optional<DirtySet> dirty_;     // of next_
-  std::vector<std::uint32_t> round_;  // lowest nodes that are refitted before any that become dirty meanwhile
+  Tree second_;                           // after take_over(): the tree as it was
+  std::optional<DirtySet> second_dirty_;  // nullopt until allocate()
+  double first_unit_ = 1;                 // of the first tree when the sweep began
+  std::uint32_t unswept_ = 0;             // the nodes before this one have still to be fitted by the sweep
+  std::vector<std::uint32_t> round_;      // lowest nodes to be refitted before any that become dirty meanwhile
 };
 
 }  // namespace limber::bvh

@@ -1,10 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+// Fits the bounds of a tree bottom up: those of all nodes, or of dirty nodes and of the nodes above them.
+//
 // Based on  Slab cut balls [LarssonAkenineMoller2009]: a sphere cut by the slab that bounds its content.
-// Differs   A box shares the center. The two lowest levels are fitted to corners, the levels above to the bounds below.
-//           The origin of a node is a corner below it, so differences of origins and corners are as exact as they
-//           are small, wherever the mesh is.
+// Differs   A box about the sphere's center cuts it, too. One kernel fits a lowest node to the corners below it: the
+//           slots of its leaves, and a volume around all of them. Another kernel merges the slots of a higher node into
+//           a volume around them. Either volume is stored in the slot of the parent.
+//
+// A lowest node's origin is a corner below it; a higher node's origin is that of its first child. So origins are near
+// what is relative to them, and differences of origins and corners are off by 2^-53 of themselves, not of positions.
 #include "bvh/refit.h"
 
 #include <algorithm>
@@ -17,7 +22,6 @@
 #include "base/parallel.h"
 #include "base/prefetch.h"
 #include "base/rounding.h"
-#include "bvh/partition.h"
 #include "bvh/reach.h"
 #include "simd/kernels.h"
 
@@ -29,19 +33,15 @@ using base::outward;
 // Fewer nodes are not worth a task.
 constexpr std::size_t nodes_per_task = 16;
 
-// A unit may be this factor too large or too small before a rebuild of the tree writes it in another one, and before
-// the whole tree is fitted in another one at once. Float32 has the digits for more: all that it costs is bounds of tiny
-// gaps.
-constexpr double good_unit_ratio = 0x1p10, tolerated_unit_ratio = 0x1p20;
-
-// An origin may be this multiple of the largest child's radius away from its node's first child.
+// A node takes a new origin when it is farther from its first child's than this multiple of the largest child's radius.
+// At 64 radii, stored centers, of 24 bits, have lost 6 of them.
 constexpr double tolerated_origin_distance = 64;
 
-/// The bounding volume of everything below a node, in units, relative to an origin.
+/// A bounding volume as in ChildBounds, in units, relative to the origin of some node.
 struct Volume {
   Vec3 center, half;
   double radius;
-  Vec3 normal;  // entries are float32 numbers
+  Vec3 normal;  // float32 numbers, as kernels give them
   double low, high;
 
   bool operator==(const Volume&) const = default;
@@ -51,7 +51,9 @@ Vec3 to_24_bits(const Vec3& v) { return {base::to_24_bits(v.x), base::to_24_bits
 
 Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-Volume from(const MergedBounds& b) { return {vec3(b.center), vec3(b.half), b.radius, vec3(b.normal), b.low, b.high}; }
+Volume to_volume(const MergedBounds& b) {
+  return {vec3(b.center), vec3(b.half), b.radius, vec3(b.normal), b.low, b.high};
+}
 
 Volume volume_of_slot(const Node& node, std::uint32_t k) {
   const ChildBounds& n = node.bounds;
@@ -63,31 +65,34 @@ Volume volume_of_slot(const Node& node, std::uint32_t k) {
           n.high[k]};
 }
 
-/// The radius of the root's sphere, fitted to the volumes two levels below the root; `node` has the root's children. A
-/// sphere around spheres around spheres is a quarter too large on a model that is a ball, and many queries end at the
-/// roots.
-double root_radius(const Tree& tree, const Node& node, const Volume& root) {
+/// The radius of the sphere of `whole`, the volume around the top node, fitted to the volumes two levels below it. One
+/// that only knows the spheres one level below is a quarter too large on a model that is a ball, and many queries end
+/// at the root slots.
+double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
   double radius = 0;
-  for (std::uint32_t k = 0; k < node.child_count; ++k) {
-    const Node& child = tree.nodes[node.first_child + k];
-    const Vec3 shift = (child.origin - node.origin) * (1 / tree.unit) - root.center;
+  for (std::uint32_t k = 0; k < top.child_count; ++k) {
+    const Node& child = tree.nodes[top.first_child + k];
+    const Vec3 shift = (child.origin - top.origin) * (1 / tree.unit) - whole.center;
     for (std::uint32_t j = 0; j < child.child_count; ++j) {
       const Reach reach = reach_of(child.bounds, j, local_slot_center(child, j) + shift);
+      // squares_up: float32 normals have length 1 only up to rounding.
       radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
     }
   }
-  return std::min(root.radius, radius * outward + (outward - 1) * (max_abs(root.center) + max_abs(root.half)));
+  // Rounding in float64: of `radius`, in proportion to it, and of the coordinates of `shift` and of centers.
+  const double rounding = (outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
+  return std::min(whole.radius, radius * outward + rounding);
 }
 
-/// Stores a volume, which is relative to `origin`, in a slot, rounded outward.
-void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& b, double per_unit) {
+/// Stores a volume, which is relative to `origin`, in a slot of a node, rounded outward.
+void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& volume, double per_unit) {
   const Vec3 offset = (origin - node.origin) * per_unit;
-  const Vec3 center = offset + b.center, stored = to_24_bits(center);
-  // At least the distance of the stored center from the volume's.
+  const Vec3 center = offset + volume.center, stored = to_24_bits(center);
+  // An upper bound of the distance between the stored center and the volume's.
   const Vec3 off = center - stored;
   const double shift =
       (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * base::offset_error;
-  // By more than rounding to float32 takes away.
+  // At least x + shift, after rounding to float32.
   const auto grown = [&](double x) {
     return static_cast<float>(x + shift + (std::abs(x) + shift) * base::storage_error);
   };
@@ -95,17 +100,18 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& b, 
   n.center_x[slot] = static_cast<float>(stored.x);
   n.center_y[slot] = static_cast<float>(stored.y);
   n.center_z[slot] = static_cast<float>(stored.z);
-  n.radius[slot] = grown(b.radius);
-  n.half_x[slot] = grown(b.half.x), n.half_y[slot] = grown(b.half.y), n.half_z[slot] = grown(b.half.z);
-  n.normal_x[slot] = static_cast<float>(b.normal.x);
-  n.normal_y[slot] = static_cast<float>(b.normal.y);
-  n.normal_z[slot] = static_cast<float>(b.normal.z);
-  // The slab's heights are rounded relative to the sphere, not to themselves.
-  const double error = b.radius * base::storage_error;
-  n.low[slot] = -grown(error - b.low), n.high[slot] = grown(error + b.high);
+  n.radius[slot] = grown(volume.radius);
+  n.half_x[slot] = grown(volume.half.x), n.half_y[slot] = grown(volume.half.y), n.half_z[slot] = grown(volume.half.z);
+  n.normal_x[slot] = static_cast<float>(volume.normal.x);
+  n.normal_y[slot] = static_cast<float>(volume.normal.y);
+  n.normal_z[slot] = static_cast<float>(volume.normal.z);
+  // A height is a sum of terms as large as the radius, so its rounding is relative to that. -grown(-x) rounds down.
+  const double error = volume.radius * base::storage_error;
+  n.low[slot] = -grown(error - volume.low), n.high[slot] = grown(error + volume.high);
 }
 
-void find_radius(Node& node) {
+/// Sets the radius of a node from its slots (invariant I6).
+void set_radius(Node& node) {
   double radius = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
     radius = std::max(radius, length(local_slot_center(node, k)) + static_cast<double>(node.bounds.radius[k]));
@@ -113,43 +119,42 @@ void find_radius(Node& node) {
   node.radius = base::float_up(radius * outward);
 }
 
-/// The unit for a model of the size of the root's bounds.
+/// The unit that suits a model with the bounds that the tree has now.
 double unit_of_bounds(const Tree& tree) {
-  const Volume root = volume_of_slot(tree.nodes[0], 0);
-  return unit_for(2 * tree.unit * length(root.half), max_abs(tree.nodes[0].origin));
+  const Node& header = tree.nodes[0];
+  return unit_for(2 * tree.unit * length(volume_of_slot(header, 0).half), max_abs(header.origin));
 }
-/// Whether the unit of a tree is at most so many times larger or smaller than that.
+/// Whether the unit of a tree is at most that factor larger or smaller than suits its bounds.
 bool has_unit_within(const Tree& tree, double ratio) {
   const double unit = unit_of_bounds(tree);
   return unit <= ratio * tree.unit && tree.unit <= ratio * unit;
 }
 
+/// Fits the nodes of one tree to the positions of one mesh.
 class Refitter {
  public:
   Refitter(Tree& tree, MeshView mesh)
-      : tree_(tree),
-        lowest_level_(tree.level_begin.size() - 2),
-        positions_(mesh.positions.data()),
-        kernels_(simd::kernels()) {}
+      : tree_(tree), lowest_level_(tree.lowest_level()), positions_(mesh.positions.data()), kernels_(simd::kernels()) {}
 
   std::size_t lowest_level() const { return lowest_level_; }
   bool is_lowest(std::uint32_t node) const { return node >= tree_.first_lowest_node(); }
 
-  /// Fits a node above the lowest level. Its children must have been fitted, unless they are on the lowest level.
-  void fit_upper(Node& node, bool children_are_lowest) const {
+  /// Fits the slots of a node above the lowest level. Children on the lowest level are fitted here, too; others must
+  /// have been fitted before.
+  void fit_upper(Node& node, bool children_are_lowest) {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       Node& child = tree_.nodes[node.first_child + k];
       base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
       const Volume volume = children_are_lowest ? fit_lowest(child, leaves_from(child)) : merge(child);
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
-      mark_coincident(node, k, is_coincident(child, children_are_lowest));
+      mark_coincident(node, k, all_coincide(child, children_are_lowest));
     }
-    find_radius(node);
+    set_radius(node);
   }
 
   /// Fits the whole tree, bottom up.
-  void fit_all() const {
+  void fit_all() {
     if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);
     for (std::size_t level = lowest_level_; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
@@ -158,16 +163,18 @@ class Refitter {
     }
   }
 
-  /// Fits a node whose corners or children have changed, and the slot of its parent that stands for it. Returns whether
-  /// that slot has changed, so that the parent has to be fitted too.
-  bool refit(std::uint32_t n) const {
+  /// Fits the slot of its parent that stands for a node, after corners or slots below the node have changed. The slots
+  /// of a lowest node are fitted to its leaves here. Those of a higher node have been stored when its children were
+  /// refitted, unless the node needs another origin. Returns whether the parent has to be refitted, too: whether its
+  /// slot has changed; false for the header, which has no parent.
+  bool refit(std::uint32_t n) {
     const bool node_is_lowest = is_lowest(n);
     Node& node = tree_.nodes[n];
     if (!node_is_lowest) {
       if (is_far_from_first_child(node)) {
         fit_upper(node, is_lowest(node.first_child));
       } else {
-        find_radius(node);
+        set_radius(node);
       }
     }
     const Volume volume = node_is_lowest ? fit_lowest(node, leaves_of(node)) : merge(node);
@@ -176,15 +183,15 @@ class Refitter {
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
-    const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0,
-               is_now = is_coincident(node, node_is_lowest);
-    mark_coincident(parent, slot, is_now);
-    // The root's radius also depends on the slots two levels below it. Coincident triangles may have moved too little
-    // to change the bounds, and yet no longer coincide with those beside them.
-    return before != volume_of_slot(parent, slot) || &parent == node_of_root() || was_coincident || is_now;
+    const bool coincided = (parent.coincident_slots >> slot & 1) != 0, coincides = all_coincide(node, node_is_lowest);
+    mark_coincident(parent, slot, coincides);
+    // Two reasons besides a changed volume. The radius of the root slot depends on the slots two levels below it. And
+    // coincident triangles may have moved too little to change a volume, but no longer coincide with those beside them.
+    return before != volume_of_slot(parent, slot) || &parent == top_node() || coincided || coincides;
   }
 
-  /// Prefetches what the nodes after the i-th will need: leaves, then positions. Always inlined, see base::prefetch().
+  /// Prefetches what the nodes after the i-th will need: leaves, then positions; one of every
+  /// other triangle, as neighbors often share cache lines. Always inlined, see base::prefetch().
   [[gnu::always_inline]] void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
     constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < nodes.size()) {
@@ -198,46 +205,49 @@ class Refitter {
   }
 
   /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether it
-  /// did. The bounds are enough to notice that; once a model has shrunk by more than 2^60 they no longer tell its size,
-  /// so the new unit is measured from the vertices.
-  bool adapts_unit(MeshView mesh) const {
-    if (has_unit_within(tree_, tolerated_unit_ratio)) return false;
+  /// did: the whole tree has to be fitted then. The bounds tell that the unit is wrong, but not the right one: they are
+  /// enlarged by 2^-60 units (base::smallest_corner_error), which may be far more than the model's size. So the
+  /// vertices are measured.
+  bool change_unit_if_unfit(MeshView mesh) {
+    if (has_unit_within(tree_, unit_ratio_until_fit)) return false;
     const double before = std::exchange(tree_.unit, bounding_box_of(mesh).unit());
     return tree_.unit != before;
   }
 
  private:
-  /// Fits a node of the lowest level and its leaves; after these, `leaves` has those that will be fitted next.
-  Volume fit_lowest(Node& node, std::span<Leaf> leaves) const {
-    return from(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
+  /// Fits a lowest node and its leaves, which come first in `leaves`; those behind them are prefetched. Returns the
+  /// volume around them all.
+  Volume fit_lowest(Node& node, std::span<Leaf> leaves) {
+    return to_volume(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
   }
-  /// The leaves of a node of the lowest level, and of those after it.
+  /// The leaves of a lowest node and of all nodes after it.
   std::span<Leaf> leaves_from(const Node& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
   std::span<Leaf> leaves_of(const Node& node) const { return leaves_from(node).first(node.child_count); }
 
   /// The volume around the children of a node above the lowest level.
   Volume merge(const Node& node) const {
-    Volume volume = from(kernels_.merge_bounds(node));
-    if (&node == node_of_root()) volume.radius = root_radius(tree_, node, volume);
+    Volume volume = to_volume(kernels_.merge_bounds(node));
+    if (&node == top_node()) volume.radius = root_radius(tree_, node, volume);
     return volume;
   }
 
-  static void mark_coincident(Node& node, std::uint32_t slot, bool is) {
-    node.coincident_slots = (node.coincident_slots & ~(1U << slot)) | (is ? 1U << slot : 0U);
+  static void mark_coincident(Node& node, std::uint32_t slot, bool coincides) {
+    node.coincident_slots = (node.coincident_slots & ~(1U << slot)) | (coincides ? 1U << slot : 0U);
   }
 
-  /// Whether all triangles below a node have equal corners, in order. The marks of the node itself must be right.
-  bool is_coincident(const Node& node, bool node_is_lowest) const {
+  /// Whether all triangles below a node have equal corners, in order. The marks of the node's own slots must be right.
+  bool all_coincide(const Node& node, bool node_is_lowest) const {
     if (node_is_lowest) {
-      // Quantized corners nearly always differ at once.
+      // A cheap test that nearly always says no: quantized x coordinates of the first corners, in the first leaf.
       const std::int16_t(&row)[width] = tree_.leaves[node.first_child].corners.corner[0];
       if (!std::all_of(row, row + width, [&](std::int16_t x) { return x == row[0]; })) return false;
     } else if (node.coincident_slots != (1U << node.child_count) - 1) {
       return false;
     }
-    const auto& first = tree_.leaves[first_leaf(node, 0, node_is_lowest)].vertices[0];
+    // One triangle stands for each slot that is marked coincident.
+    const auto& first = tree_.leaves[first_leaf_below(node, 0, node_is_lowest)].vertices[0];
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
-      const Leaf& leaf = tree_.leaves[first_leaf(node, k, node_is_lowest)];
+      const Leaf& leaf = tree_.leaves[first_leaf_below(node, k, node_is_lowest)];
       for (std::uint32_t j = 0; j < (node_is_lowest ? width : 1); ++j) {
         for (std::size_t c = 0; c < 3; ++c) {
           if (positions_[leaf.vertices[j][c]] != positions_[first[c]]) return false;
@@ -246,18 +256,17 @@ class Refitter {
     }
     return true;
   }
-  /// The first leaf below a slot of a node.
-  std::uint32_t first_leaf(const Node& node, std::uint32_t slot, bool node_is_lowest) const {
+  /// The index of the first leaf below a slot of a node.
+  std::uint32_t first_leaf_below(const Node& node, std::uint32_t slot, bool node_is_lowest) const {
     if (node_is_lowest) return node.first_child + slot;
-    const SlotId leaf = first_leaf_slot(tree_, (node.first_child + slot) * width);
-    return tree_.nodes[node_of(leaf)].first_child;
+    return child_of(tree_, first_leaf_slot(tree_, (node.first_child + slot) * width));
   }
 
-  /// The node that has the children of the root.
-  const Node* node_of_root() const { return &tree_.nodes[1]; }
+  /// The address of the top node. Only compared, because there is no such node if the mesh has one leaf.
+  const Node* top_node() const { return &tree_.nodes[1]; }
 
-  /// Whether the first child has moved so far from the origin that the node took from it that stored centers lose
-  /// precision.
+  /// Whether the origin of a node's first child has moved so far from the node's origin, which was equal to it, that
+  /// stored centers lose precision.
   bool is_far_from_first_child(const Node& node) const {
     const ChildBounds& n = node.bounds;
     const float largest = *std::max_element(n.radius, n.radius + node.child_count);
@@ -273,29 +282,21 @@ class Refitter {
 
 }  // namespace
 
-double unit_for(double size, double magnitude) {
-  LIMBER_ASSERT(std::isfinite(size) && std::isfinite(magnitude));
-  constexpr double magnitude_resolved = 0x1p-50, smallest_unit = 0x1p-900;
-  int exponent = 0;
-  const double fraction = std::frexp(std::max({size, magnitude_resolved * magnitude, smallest_unit}), &exponent);
-  return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);
-}
-
-double better_unit(const Tree& tree) {
-  return has_unit_within(tree, good_unit_ratio) ? tree.unit : unit_of_bounds(tree);
+double unit_for_rebuild(const Tree& tree) {
+  return has_unit_within(tree, unit_ratio_until_rebuild) ? tree.unit : unit_of_bounds(tree);
 }
 
 void fit(Tree& tree, MeshView mesh) {
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
-  const Refitter refitter(tree, mesh);
+  Refitter refitter(tree, mesh);
   refitter.fit_all();
-  if (refitter.adapts_unit(mesh)) refitter.fit_all();
+  if (refitter.change_unit_if_unfit(mesh)) refitter.fit_all();
   LIMBER_ASSERT(std::isfinite(tree.nodes[0].bounds.radius[0]));
 }
 
-void fit_children(Tree& tree, MeshView mesh, std::uint32_t node) {
+void fit_slots(Tree& tree, MeshView mesh, std::uint32_t node) {
   LIMBER_ASSERT(node < tree.first_lowest_node());
-  const Refitter refitter(tree, mesh);
+  Refitter refitter(tree, mesh);
   refitter.fit_upper(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));
 }
 
@@ -303,12 +304,12 @@ bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node) { return Refitter
 
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
   if (dirty.covers_most_of(tree)) {
-    dirty.add_all();  // in case fit() throws
+    dirty.add_all();  // fit() may throw half-way: then all is still to be done
     fit(tree, mesh);
     dirty.clear();
     return tree.nodes.size();
   }
-  const Refitter refitter(tree, mesh);
+  Refitter refitter(tree, mesh);
   std::uint64_t refitted = 0;
   dirty.sort_lowest();
   for (std::size_t level = refitter.lowest_level() + 1; level-- > 0;) {
@@ -320,7 +321,7 @@ std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
       if (refitter.refit(node)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
     }
   }
-  if (refitter.adapts_unit(mesh)) {
+  if (refitter.change_unit_if_unfit(mesh)) {
     dirty.add_all();
     fit(tree, mesh);
     refitted += tree.nodes.size();

@@ -10,25 +10,26 @@
 
 namespace limber::bvh {
 
-/// Refits the dirty nodes, and the nodes above them as long as bounds change; or the whole tree where that is cheaper.
-/// Clears the set. Returns how many nodes were refitted.
+/// Refits the dirty nodes, and the nodes above them as long as bounds change; or fits the whole tree where that is
+/// cheaper. Clears the set. Returns how many nodes were refitted. If oneTBB throws, what is left stays dirty.
 ///
 /// Cost     O(nodes refitted); fit() at most.
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty);
 
-/// The unit that a tree should be written in: its own, or another once the model has become far larger or smaller.
+/// The unit that a rebuild should write a tree in: the tree's own unless it is off by more than
+/// `unit_ratio_until_rebuild`.
 ///
-/// Cost     O(1), from the bounds of the root.
-double better_unit(const Tree& tree);
+/// Cost     O(1), from the bounds of the root slot.
+double unit_for_rebuild(const Tree& tree);
 
-/// Fits the child slots of a node above the lowest level: one step of fitting a tree from its last such node to its
-/// first.
+/// Fits the slots of a node above the lowest level, and its children if these are on the lowest level. Called for all
+/// such nodes from the last to the first, this fits the whole tree.
 ///
-/// Pre      Called before for all children that are above the lowest level.
-void fit_children(Tree& tree, MeshView mesh, std::uint32_t node);
+/// Pre      The slots of children above the lowest level are fitted.
+void fit_slots(Tree& tree, MeshView mesh, std::uint32_t node);
 
-/// Refits the slot of its parent that stands for a node. Returns whether it has changed, so that the parent is to be
-/// refitted too.
+/// Refits the slot of its parent that stands for a node. Returns whether the parent has to be refitted, too; false for
+/// node 0, which has none.
 ///
 /// Pre      What is below the node is fitted.
 bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node);

@@ -20,7 +20,7 @@ class SlotStack {
     std::uint32_t siblings;  // where the entries of its siblings begin
   };
 
-  void start(float bound_of_root) { entries_[0] = {bound_of_root, root, 0}, count_ = 1; }
+  void start(float bound_of_root) { entries_[0] = {bound_of_root, root_slot, 0}, count_ = 1; }
 
   /// Takes the next slot whose bound is at most the limit, and drops those before it. False if no slot is left.
   bool take(float limit, Entry& next) {

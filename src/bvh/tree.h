@@ -2,62 +2,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "base/uninitialized.h"
 #include "bvh/node.h"
+#include "bvh/unit.h"
 #include "limber/base.h"
 #include "limber/mesh.h"
 
-/// The hierarchy of a mesh. Nodes lie level by level, so siblings are adjacent; all leaves are on one level.
+/// The hierarchy of a mesh: a BVH with up to eight children a node. Nodes lie level by level, so siblings are adjacent;
+/// all leaves are children of the lowest level. A node stores the bounding volumes of its children, each in a child
+/// slot, and no volume of its own.
+///
+/// So the volume of the whole mesh needs a node above the others: node 0, the header. Its only slot, `root_slot`,
+/// bounds the mesh. The child of that slot is node 1, the top node; or leaf 0 if there is only one leaf.
 ///
 /// Invariants, checked by validate():
-///   I1  Node 0 is the root's: it has one child, the root of the hierarchy. Every other node is the child of
-///       exactly one slot, one level up.
-///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. Slots
-///       of the last leaf beyond the triangles repeat its last one. The triangles of a leaf are in ascending order. A
-///       leaf names their vertices.
-///   I3  The number of levels depends on the number of triangles alone: at most 2 + log8(n / 8) rounded up.
-///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, up to `slack`:
-///       they contain the positions at the last refit of its vertices.
-///   I5  A quantized corner is within 0.52 steps, each coordinate, of the corner it stands for, and within the float64
-///       rounding of its place relative to the node's origin, which the error of placed points covers.
-///   I6  `radius` of a node is at least the distance from its origin of every point of its children's spheres.
+///   I1  The header has one child. Every other node is the child of exactly one slot, one level up.
+///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. The
+///       triangles of a leaf are in ascending order, with the ids of their vertices. If the last leaf has fewer than
+///       eight triangles, copies of its last one fill it up.
+///   I3  The number of levels, the header's included, is ceil(log8(n)) for n triangles, but at least 1.
+///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, where the corner was when
+///       its vertex was last refitted. Now it is at most `slack` away from there.
+///   I5  A decoded quantized corner differs from the corner itself, both relative to the node's origin and in units, by
+///       at most 0.52 quantization steps + 2^-51 times the largest coordinate, in each coordinate.
+///   I6  `radius` of a node is at least the distance of its origin from every point of its children's spheres.
 ///   I7  All triangles below a slot that is marked coincident had equal corners, in order, at the last refit.
 namespace limber::bvh {
 
+/// The nodes and leaves of a tree.
 struct TreeGeometry {
   std::vector<Node> nodes;
   std::vector<Leaf, base::UninitializedAllocator<Leaf>> leaves;
-  std::vector<std::uint32_t> level_begin;  // first node of each level, and one past the last
-  double unit = 1;                         // length of 1 in the nodes, a power of two
+  std::vector<std::uint32_t> level_begin;  // first node of each level, from the header's down; and nodes.size()
+  double unit = 1;                         // the length that 1 stands for in nodes, see unit.h
 
-  /// The first node whose children are leaves; all after it are of that kind too.
-  std::uint32_t first_lowest_node() const { return level_begin[level_begin.size() - 2]; }
+  std::size_t lowest_level() const { return level_begin.size() - 2; }
+  /// The first node whose children are leaves. The children of all nodes after it are leaves, too.
+  std::uint32_t first_lowest_node() const { return level_begin[lowest_level()]; }
 };
 
-/// The same of a model, with how its vertices have moved.
+/// The tree of a model whose vertices move.
 struct Tree : TreeGeometry {
-  std::uint64_t build_id = 0;  // of the assignment of triangles to leaves: changes whenever that does
-  double displacement = 0;     // at least how far any vertex has moved since the tree got its build_id
-  double slack = 0;            // vertices are at most this far from their positions at the last refit
+  std::uint64_t build_id = 0;  // names the assignment of triangles to leaves: another assignment gets another id
+  double displacement = 0;     // upper bound of how far any vertex has moved since the tree got its build_id
+  double slack = 0;            // upper bound of the distance of any vertex from its position at the last refit
 
-  /// Changes places with the nodes and leaves of another tree of the same mesh, and gets a new build id.
+  /// Swaps nodes, leaves and unit with another tree of this mesh, and takes a new build id.
   void exchange(TreeGeometry& other);
 };
 
-/// A child slot of a node, which stands for the child's bounding volume and subtree: node * width + slot.
+/// A child slot of a node: 8 * node + slot, with slot < 8. Stands for the child's bounding volume and subtree.
 using SlotId = std::uint32_t;
-inline constexpr SlotId root = 0;
+/// The slot that bounds the whole mesh, the only one of node 0.
+inline constexpr SlotId root_slot = 0;
 
+/// The node that stores a slot, not the slot's child; child_of() is that.
 inline std::uint32_t node_of(SlotId id) { return id / width; }
+/// Which of its node's slots a slot is.
 inline std::uint32_t slot_of(SlotId id) { return id % width; }
 
+/// Center of a slot's volume, relative to the node's origin, in units.
 inline Vec3 local_slot_center(const Node& node, std::uint32_t slot) {
   return {node.bounds.center_x[slot], node.bounds.center_y[slot], node.bounds.center_z[slot]};
 }
-/// Center of a slot's volume in the model frame, rounded: within 2^-52 of the sum of the magnitudes added.
+/// Center of a slot's volume in the model frame, rounded once: by at most 2^-53 of each coordinate.
 inline Vec3 slot_center(const Tree& tree, SlotId id) {
   const Node& node = tree.nodes[node_of(id)];
   return node.origin + tree.unit * local_slot_center(node, slot_of(id));
@@ -65,7 +77,7 @@ inline Vec3 slot_center(const Tree& tree, SlotId id) {
 
 /// Whether the child of a slot is a leaf.
 inline bool has_leaf(const Tree& tree, SlotId id) { return node_of(id) >= tree.first_lowest_node(); }
-/// Whether all triangles below a slot coincided when they were last fitted.
+/// Whether all triangles below a slot coincided at the last refit.
 inline bool is_coincident(const Tree& tree, SlotId id) {
   return (tree.nodes[node_of(id)].coincident_slots >> slot_of(id) & 1) != 0;
 }
@@ -74,8 +86,8 @@ inline std::uint32_t child_of(const Tree& tree, SlotId id) { return tree.nodes[n
 /// Pre: has_leaf().
 inline const Leaf& leaf_of(const Tree& tree, SlotId id) { return tree.leaves[child_of(tree, id)]; }
 
-/// Whether a slot need not be expanded: it has a leaf, or all triangles below it coincide, so that any leaf below
-/// stands for it. With a motion margin, vertices may have moved since they coincided.
+/// Whether a slot need not be expanded: it has a leaf, or all triangles below it coincide now, so that any leaf below
+/// stands for all. They may no longer coincide where vertices are away from their positions at the last refit.
 inline bool has_leaf_or_coincides(const Tree& tree, SlotId id) {
   return has_leaf(tree, id) || (is_coincident(tree, id) && tree.slack == 0);
 }
@@ -86,7 +98,7 @@ inline SlotId first_leaf_slot(const Tree& tree, SlotId id) {
   return id;
 }
 
-/// A leaf as kernels take it: with the node and the slot whose child it is.
+/// A leaf, with the slot whose child it is and the node that stores the slot. Kernels need all three.
 struct LeafInNode {
   const Node& node;
   std::uint32_t slot;
@@ -98,21 +110,18 @@ inline LeafInNode first_leaf(const Tree& tree, SlotId id) {
   return {tree.nodes[node_of(slot)], slot_of(slot), leaf_of(tree, slot)};
 }
 
-/// Builds the tree of a mesh.
+/// Builds the tree of a mesh: assigns triangles to leaves, and fits all bounds.
 ///
-/// Cost     O(n log n), on the threads of the caller's oneTBB arena; the same tree on any number of them.
+/// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
 Tree build(MeshView mesh);
 
-/// The unit for a mesh of that size, with coordinates of that magnitude: a power of two near the size; for a mesh that
-/// is a point, near what float64 resolves there.
-double unit_for(double size, double magnitude);
-
-/// Recomputes all bounds from the positions. The topology of the tree and the assignment of triangles to leaves stay.
+/// Recomputes all bounds from the positions, and the unit if it has become unfit. The topology and the assignment of
+/// triangles to leaves stay.
 ///
 /// Cost     O(n), parallel as build().
 void fit(Tree& tree, MeshView mesh);
 
-/// Checks the invariants above.
+/// Checks the invariants I1 to I7.
 ///
 /// Errors   `broken_invariant`, naming the invariant's number and the node.
 Result<void> validate(const Tree& tree, MeshView mesh);

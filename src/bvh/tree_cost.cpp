@@ -9,7 +9,7 @@
 namespace limber::bvh {
 namespace {
 
-// Levels below the root at which a degraded subtree is looked for, each compared with what it cost itself.
+// Levels below the root slot at which a degraded subtree is looked for, each compared with what it cost itself.
 constexpr int levels_searched = 2;
 
 // A subtree is narrowed down to a child that has this part of its excess cost.
@@ -140,7 +140,7 @@ bool TreeCost::compare(const Tree& before, const Tree& after, base::WorkBudget& 
 std::optional<Subtree> TreeCost::most_degraded(const Tree& tree, double tolerated) const {
   LIMBER_ASSERT(surveyed_ == expected_.size());
   const PrefixSums sums{expected_sum_, excess_sum_};
-  std::optional<SlotId> slot = find_degraded(tree, sums, tolerated, root, levels_searched);
+  std::optional<SlotId> slot = find_degraded(tree, sums, tolerated, root_slot, levels_searched);
   if (!slot) return std::nullopt;
   while (const std::optional<std::uint32_t> child = higher_child(tree, *slot)) {
     SlotId worst = *child * width;

@@ -176,8 +176,8 @@ Box Model::bounding_box() const {
   const bvh::Tree& tree = impl_->tree;
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
-  const Vec3 center = bvh::slot_center(tree, bvh::root),
-             extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root));
+  const Vec3 center = bvh::slot_center(tree, bvh::root_slot),
+             extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root_slot));
   return environment.computed_before_restore(Box{center - extents, center + extents});
 }
 
@@ -185,7 +185,7 @@ Sphere Model::bounding_sphere() const {
   const base::DefaultFloatEnvironment environment;
   require_valid("bounding_sphere");
   LIMBER_REQUIRE(is_committed(), "limber::Model::bounding_sphere: the model has moves that are not committed");
-  return environment.computed_before_restore(slot_sphere(impl_->tree, bvh::root));
+  return environment.computed_before_restore(slot_sphere(impl_->tree, bvh::root_slot));
 }
 
 std::vector<Sphere> Model::node_spheres(std::uint32_t level) const {
@@ -208,7 +208,7 @@ Result<void> Model::validate() const {
   require_valid("validate");
   const Impl& impl = *impl_;
   if (!impl.updater) return bvh::validate(impl.tree, impl.mesh);
-  const MeshView fitted = impl.updater->fitted(impl.mesh);
+  const MeshView fitted = impl.updater->fitted_mesh(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
     if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.slack) continue;
     return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};

@@ -12,8 +12,8 @@
 namespace limber::model {
 namespace {
 
-/// The squared distance of two points up to rounding, but at least `smallest_square` unless they are equal: squares of
-/// tiny distances may underflow.
+/// The squared distance of two points up to rounding; at least `smallest_square` unless the points are equal, because
+/// squares of tiny distances may underflow.
 double floored_distance_sq(const Vec3& p, const Vec3& q) {
   const double d_sq = length_sq(p - q);
   return d_sq >= smallest_square || p == q ? d_sq : smallest_square;
@@ -29,12 +29,12 @@ void MotionMargin::start(std::span<const Vec3> positions) {
 
 double MotionMargin::largest_displacement() const { return std::sqrt(farthest_sq_) * base::outward; }
 
-void MotionMargin::refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty) {
+void MotionMargin::mark(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty) {
   fitted_[vertex] = mesh.positions()[vertex];
   dirty.add(vertex);
 }
 
-void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
+void MotionMargin::mark_all(const Mesh& mesh, bvh::DirtySet& dirty) {
   dirty.add_all();
   if (!is_on()) return;
   LIMBER_ASSERT(fitted_.size() == mesh.positions().size());
@@ -42,45 +42,47 @@ void MotionMargin::refit_all(const Mesh& mesh, bvh::DirtySet& dirty) {
   farthest_sq_ = 0;
 }
 
-void MotionMargin::absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty) {
+void MotionMargin::mark_beyond(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty) {
   for (const VertexId id : ids) {
     const double displacement_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
-    if (displacement_sq > margin * margin) {
-      refit(mesh, id, dirty);
+    if (displacement_sq > margin * margin) {  // if the square underflows, nothing is absorbed, which is safe
+      mark(mesh, id, dirty);
       continue;
     }
-    farthest_sq_ = std::max(farthest_sq_, displacement_sq);
+    farthest_sq_ = std::max(farthest_sq_, displacement_sq);  // never shrinks here, so it may become stale
     ++absorbed_;
   }
   moves_since_exact_ += ids.size();
 }
 
-std::size_t MotionMargin::absorb_all(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty) {
+std::size_t MotionMargin::mark_all_beyond(const Mesh& mesh, double margin, const bvh::Tree& tree,
+                                          bvh::DirtySet& dirty) {
   const std::vector<Vec3>& positions = mesh.positions();
   const double margin_sq = margin * margin;
   moves_since_exact_ = 0;
   farthest_sq_ =
       simd::kernels().max_displacement(fitted_.data(), positions.data(), positions.size(), max_coordinate).farthest_sq;
+  // Below smallest_square the kernel cannot tell tiny displacements from none. The slow loop can.
   if (smallest_square <= farthest_sq_ && farthest_sq_ <= margin_sq) return 0;
   farthest_sq_ = 0;
-  std::size_t far_count = 0;
+  std::size_t marked_count = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
     const double displacement_sq = floored_distance_sq(positions[v], fitted_[v]);
     if (displacement_sq <= margin_sq) {
       farthest_sq_ = std::max(farthest_sq_, displacement_sq);
       continue;
     }
-    ++far_count;
-    if (dirty.try_index_vertices(tree, positions.size())) {
-      refit(mesh, v, dirty);
+    ++marked_count;
+    if (dirty.try_index_vertices(tree, positions.size())) {  // builds the index only once
+      mark(mesh, v, dirty);
     } else {
       dirty.add_all();
     }
     if (!dirty.covers_most_of(tree)) continue;
-    refit_all(mesh, dirty);  // costs nothing: the whole tree is going to be fitted
+    mark_all(mesh, dirty);  // costs nothing more: the whole tree is going to be fitted
     return positions.size();
   }
-  return far_count;
+  return marked_count;
 }
 
 }  // namespace limber::model

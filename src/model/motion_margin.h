@@ -13,47 +13,49 @@
 
 namespace limber::model {
 
-/// Squared displacements below this have lost digits, or have become 0.
+/// Squared displacements below this may have lost digits to underflow, or have become 0.
 inline constexpr double smallest_square = 0x1p-960;
 
 /// Lets vertices move a little before the bounds that hold them are refitted, like the margin of a fat bounding box.
 ///
 /// Based on  the thesis this engine follows: loose bounds absorb small motions.
-/// Differs   The bounds are not enlarged. They hold the positions at the last refit, one for each vertex. A vertex may
-///           be a given margin away from its own; queries allow for the largest distance that occurs.
+/// Differs   The bounds are not enlarged. They hold each vertex at its position at the last refit, of which this class
+///           keeps a copy. Vertices may be a given margin away from there; queries allow for the largest distance that
+///           occurs.
 ///
-/// States   Off: the bounds hold the vertices themselves. On, from start() to stop(): they hold the positions at the
-///          last refit. A vertex that is absorbed is within the margin and needs no refit; one that is refitted gets
-///          its present position as the one at the last refit, and its nodes become dirty.
+/// States   Off: the bounds hold the vertices where they are. On, from start() to stop(): they hold the positions at
+///          the last refit. A vertex within the margin is absorbed: it needs no refit. A vertex beyond it is marked:
+///          its present position becomes the one at the last refit, and its nodes become dirty. The next refit fits
+///          them.
 class MotionMargin {
  public:
   bool is_on() const { return !fitted_.empty(); }
 
-  /// Takes the present positions as fitted. Throws std::bad_alloc; the margin is then off.
+  /// Takes the present positions as those at the last refit. Throws std::bad_alloc; the margin is then off.
   void start(std::span<const Vec3> positions);
   void stop() { fitted_.clear(); }
 
-  /// The mesh that the bounds are computed for.
-  MeshView fitted(const Mesh& mesh) const { return is_on() ? MeshView{fitted_, mesh.triangles()} : mesh.view(); }
+  /// The mesh that the bounds hold, or will hold after the next refit.
+  MeshView fitted_mesh(const Mesh& mesh) const { return is_on() ? MeshView{fitted_, mesh.triangles()} : mesh.view(); }
 
-  /// At least the distance of any vertex from its position at the last refit.
+  /// An upper bound of the distance of any vertex from its position at the last refit.
   double largest_displacement() const;
 
-  /// Absorbs or refits vertices that have moved.
+  /// Marks those of some moved vertices that are beyond the margin, and counts the others as absorbed.
   ///
   /// Pre      is_on(), dirty.has_vertex_index().
-  void absorb(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty);
+  void mark_beyond(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty);
 
-  /// Absorbs or refits every vertex. If all can be absorbed, none is refitted; once refits have made most of the tree
-  /// dirty, all are. Afterwards largest_displacement() is exact up to rounding. Returns how many were refitted.
+  /// Marks all vertices beyond the margin, or every vertex once most of the tree is dirty. Afterwards
+  /// largest_displacement() is exact up to rounding. Returns how many were marked; counts none as absorbed.
   ///
   /// Pre      is_on().
-  std::size_t absorb_all(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty);
+  std::size_t mark_all_beyond(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty);
 
-  /// Refits every vertex: makes the whole tree dirty.
-  void refit_all(const Mesh& mesh, bvh::DirtySet& dirty);
+  /// Marks every vertex: makes the whole tree dirty.
+  void mark_all(const Mesh& mesh, bvh::DirtySet& dirty);
 
-  /// Whether vertices have moved back so often that largest_displacement() may have become far too large.
+  /// Whether largest_displacement() may be far too large: so many vertices may have moved back since it was exact.
   bool is_stale() const { return is_on() && moves_since_exact_ > fitted_.size(); }
 
   /// Moves that were absorbed since the last call of clear_counts().
@@ -62,11 +64,11 @@ class MotionMargin {
   void clear_counts() { absorbed_ = 0; }
 
  private:
-  void refit(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty);
+  void mark(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty);
 
-  std::vector<Vec3> fitted_;  // empty while the margin is off
-  double farthest_sq_ = 0;    // from its position at the last refit
-  std::size_t moves_since_exact_ = 0;
+  std::vector<Vec3> fitted_;           // positions at the last refit; empty while the margin is off
+  double farthest_sq_ = 0;             // the largest squared distance of a vertex from there; vertices may come back
+  std::size_t moves_since_exact_ = 0;  // moves that mark_beyond() has looked at since farthest_sq_ was exact
   std::uint64_t absorbed_ = 0;
 };
 

@@ -96,7 +96,7 @@ void RebuildScheduler::start_over(bvh::DirtySet& dirty, bvh::TreeCost cost) {
 bool RebuildScheduler::advance(bvh::Tree& tree, const Mesh& mesh, MeshView fitted, bvh::DirtySet& dirty, double own_ns,
                                MaintenanceStats& stats) {
   base::WorkBudget budget(budget_us_ ? 1000 * *budget_us_ : automatic_share * own_ns);
-  const double beside_ns = worker_.valid() ? 0 : rebuild_.ns_beside_budget();
+  const double beside_ns = worker_.valid() ? 0 : rebuild_.ns_beyond_budget();
   budget.add(beside_ns);
   go_on_comparing(tree, budget);
   const bool has_taken_over =
@@ -108,7 +108,7 @@ bool RebuildScheduler::advance(bvh::Tree& tree, const Mesh& mesh, MeshView fitte
   comparison_ = Comparison::due;
   const bvh::Subtree& subtree = rebuild_.subtree();
   stats.rebuilt_triangles += std::uint64_t{subtree.end_leaf - subtree.first_leaf} * bvh::width;
-  if (subtree.slot == bvh::root) passes_before_ = std::exchange(passes_, 0);
+  if (subtree.slot == bvh::root_slot) passes_before_ = std::exchange(passes_, 0);
   return true;
 }
 
@@ -148,7 +148,7 @@ void RebuildScheduler::go_on_comparing(const bvh::Tree& tree, base::WorkBudget& 
 void RebuildScheduler::judge() {
   const double gain = cost_.gain();
   tolerated_ = gain > worthwhile_gain ? least_tolerated : std::min(1 + 2 * (tolerated_ - 1), most_tolerated);
-  if (rebuild_.subtree().slot != bvh::root || passes_before_ < least_interval) return;
+  if (rebuild_.subtree().slot != bvh::root_slot || passes_before_ < least_interval) return;
   const double change = std::clamp((wanted_gain - 1) / std::max(gain - 1, least_gain), least_change, most_change);
   interval_ = std::clamp(change * passes_before_, least_interval, most_interval);
 }
@@ -174,9 +174,9 @@ bool RebuildScheduler::count_refits(const bvh::Tree& tree, const Mesh& mesh, std
 void RebuildScheduler::schedule(const bvh::Tree& tree, const Mesh& mesh) {
   if (!may_rebuild() || tree.leaves.size() <= 1) return;
   if (worker_.valid() || comparison_ != Comparison::none || rebuild_.stage() != bvh::Rebuild::Stage::idle) return;
-  const bool is_whole = passes_ >= interval_ || bvh::better_unit(tree) != tree.unit;
+  const bool is_whole = passes_ >= interval_ || bvh::unit_for_rebuild(tree) != tree.unit;
   const std::optional<bvh::Subtree> degraded =
-      is_whole ? bvh::subtree_of(tree, bvh::root) : cost_.most_degraded(tree, tolerated_);
+      is_whole ? bvh::subtree_of(tree, bvh::root_slot) : cost_.most_degraded(tree, tolerated_);
   if (!degraded) return;
   try {
     rebuild_.start(tree, mesh, *degraded);

@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Moves only note what has to be done: dirty nodes, displacements, whether all vertices have to be looked at. A commit
+// does it: decides which vertices stay within the motion margin, changes the unit if necessary, goes on with a rebuild,
+// refits what is dirty, and makes the result known to queries and statistics.
 #include "model/tree_updater.h"
 
 #include <algorithm>
@@ -10,8 +14,8 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "bvh/costs.h"
-#include "bvh/partition.h"
 #include "bvh/refit.h"
+#include "bvh/unit.h"
 #include "mesh/updates.h"
 
 namespace limber::model {
@@ -19,14 +23,11 @@ namespace {
 
 using bvh::ns_per_refit, bvh::ns_per_refit_in_pass;
 
-// Vertices that have moved that many units may be where float32 has no numbers in the unit of the tree.
-constexpr double outgrown = 0x1p40;
-
-// What a move costs beside refits, in ns.
+// What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns.
 constexpr double ns_per_move = 10;
 
-// A batch that names at least 1 / this of the vertices is cheaper to treat as one that moves all.
-constexpr std::size_t vertices_per_id_for_all = 4;
+/// Whether a batch names a quarter of the vertices or more: then it is cheaper to treat it as one that moves all.
+bool names_many(std::span<const VertexId> ids, const Mesh& mesh) { return 4 * ids.size() >= mesh.positions().size(); }
 
 }  // namespace
 
@@ -52,35 +53,38 @@ void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
   LIMBER_ASSERT(margin >= 0);
   if (!margin_.is_on() && margin > 0) start_margin(mesh);  // the only step that may fail comes first
   motion_margin_ = margin;
-  must_check_all_ = margin_.is_on();
+  must_check_all_ = margin_.is_on();  // also for a margin of 0, so that publish() may stop it
 }
 
 void TreeUpdater::note_displacement(double length_sq) {
   LIMBER_ASSERT(std::isfinite(length_sq));
-  // The square of a tiny displacement may vanish.
-  const double at_least = std::sqrt(std::max(length_sq, smallest_square));
-  sum_of_displacements_ = (sum_of_displacements_ + at_least) * base::sum_up;
+  const double upper_bound = std::sqrt(std::max(length_sq, smallest_square));  // tiny squares underflow
+  sum_of_displacements_ = (sum_of_displacements_ + upper_bound) * base::sum_up;
   has_moved_ = true;
 }
 
-bool TreeUpdater::has_vertex_index(const Mesh& mesh) {
+bool TreeUpdater::ensure_vertex_index(const Mesh& mesh) {
   if (dirty_.has_vertex_index()) return true;
   ++whole_passes_;
   return dirty_.try_index_vertices(tree_, mesh.positions().size());
 }
 
 void TreeUpdater::mark(const Mesh& mesh, std::span<const VertexId> ids) {
-  if (vertices_per_id_for_all * ids.size() >= mesh.positions().size() || !has_vertex_index(mesh)) {
-    return dirty_.add_all();
+  if (names_many(ids, mesh) || !ensure_vertex_index(mesh)) {
+    dirty_.add_all();
+    return;
   }
   for (const VertexId id : ids) {
-    if (dirty_.covers_most_of(tree_)) return dirty_.add_all();
+    if (dirty_.covers_most_of(tree_)) {
+      dirty_.add_all();
+      return;
+    }
     dirty_.add(id);
   }
 }
 
 void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  // Measured from the positions before the batch, however often an id is in it.
+  // All displacements are measured before any vertex moves, so an id may be in the batch several times.
   double farthest_sq = 0;
   constexpr std::size_t prefetched = 32;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -90,71 +94,83 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
   MeshWriter::set_positions(mesh, ids, positions);
   note_displacement(farthest_sq);
   moves_ += ids.size();
-  if (!margin_.is_on()) return mark(mesh, ids);
-  if (!has_vertex_index(mesh)) return margin_.refit_all(mesh, dirty_);
-  margin_.absorb(mesh, ids, motion_margin_, dirty_);
+  if (!margin_.is_on()) {
+    mark(mesh, ids);
+  } else if (ensure_vertex_index(mesh)) {
+    margin_.mark_beyond(mesh, ids, motion_margin_, dirty_);
+  } else {
+    margin_.mark_all(mesh, dirty_);
+  }
 }
 
 void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
   MeshWriter::set_positions(mesh, positions);
   note_displacement(farthest_sq);
   moves_ += positions.size();
-  if (!margin_.is_on()) return dirty_.add_all();
+  if (!margin_.is_on()) {
+    dirty_.add_all();
+    return;
+  }
   ++whole_passes_;
-  margin_.count_absorbed(positions.size() - margin_.absorb_all(mesh, motion_margin_, tree_, dirty_));
+  const std::size_t marked = margin_.mark_all_beyond(mesh, motion_margin_, tree_, dirty_);
+  margin_.count_absorbed(positions.size() - marked);
 }
 
 void TreeUpdater::rebuild_all(const Mesh& mesh) {
   bvh::Tree built = bvh::build(mesh);
   bvh::TreeCost cost(built);
-  // From here on nothing fails.
+  // From here on nothing throws.
   rebuilds_.start_over(dirty_, std::move(cost));
   tree_.exchange(built);
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
-  if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());
-  margin_.refit_all(mesh, dirty_);
+  if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());  // if it fails, the next move tries again
+  // The bounds fit already, but dirty_ and tree_.slack belong to the old ones. The next commit puts both right if every
+  // vertex is marked, as after a move of all.
+  margin_.mark_all(mesh, dirty_);
   has_moved_ = true;
 }
 
-/// What a commit is expected to take but for rebuilding.
+/// What the moves since the last commit, and this commit, are expected to take; rebuilding is left out.
 double TreeUpdater::expected_ns() const {
   const double ns_of_moves = ns_per_move * static_cast<double>(moves_);
   if (dirty_.covers_most_of(tree_)) {
     return ns_of_moves + ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
   }
-  return ns_of_moves + ns_per_refit * static_cast<double>(dirty_.nodes(tree_.level_begin.size() - 2).size());
+  return ns_of_moves + ns_per_refit * static_cast<double>(dirty_.nodes(tree_.lowest_level()).size());
 }
 
+// The order matters. The margin decides what is dirty. A unit has to suit the positions before anything is fitted in
+// it. A rebuild may exchange the tree and the dirty nodes, so the refit comes after it.
 void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (!has_moved_ && !must_check_all_) return;
-  has_moved_ = true;  // in case a step throws
-  update_margin(mesh);
+  has_moved_ = true;  // until the end: if a step throws, the next commit does the rest
+  check_margin(mesh);
   adapt_unit(mesh);
-  rebuilds_.advance(tree_, mesh, margin_.fitted(mesh), dirty_, expected_ns(), stats);
-  const std::uint64_t refits = bvh::refit(tree_, margin_.fitted(mesh), dirty_);
+  rebuilds_.advance(tree_, mesh, margin_.fitted_mesh(mesh), dirty_, expected_ns(), stats);
+  const std::uint64_t refits = bvh::refit(tree_, margin_.fitted_mesh(mesh), dirty_);
   rebuilds_.count_refits(tree_, mesh, refits);
   publish(refits, stats);
   begin_next_interval();
 }
 
-void TreeUpdater::update_margin(const Mesh& mesh) {
-  if (must_check_all_ || margin_.is_stale()) {
-    if (margin_.is_on()) {
-      ++whole_passes_;
-      margin_.absorb_all(mesh, motion_margin_, tree_, dirty_);
-    }
+void TreeUpdater::check_margin(const Mesh& mesh) {
+  if (margin_.is_on() && (must_check_all_ || margin_.is_stale())) {
+    ++whole_passes_;
+    margin_.mark_all_beyond(mesh, motion_margin_, tree_, dirty_);
   }
   must_check_all_ = false;
 }
 
+/// Measures the unit anew if a bound may have to follow a vertex too far: by the displacements since the last commit
+/// and, if the vertex is marked now, by the slack that was left then.
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
-  // Bounds may follow a vertex by as much as it has moved, and as it was away from its position at the last refit.
-  if (sum_of_displacements_ + tree_.slack <= outgrown * tree_.unit) return;
+  if (sum_of_displacements_ + tree_.slack <= bvh::units_moved_until_fit * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
-  margin_.refit_all(mesh, dirty_);
+  margin_.mark_all(mesh, dirty_);
 }
 
+/// Writes what the commit has done to the tree, for queries, and to the statistics. Stops a margin that is 0 now.
 void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * base::outward;
   stats.refits += refits;
@@ -162,7 +178,9 @@ void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   stats.whole_passes += std::exchange(whole_passes_, 0);
   stats.absorbed += margin_.absorbed_count();
   if (margin_.is_on()) tree_.slack = margin_.largest_displacement();
-  if (motion_margin_ == 0) margin_.stop();  // all positions at the last refit are the present ones
+  // All vertices were checked since the margin became 0, and a margin of 0 absorbs no vertex that has moved. So all
+  // vertices are where they were refitted.
+  if (motion_margin_ == 0) margin_.stop();
 }
 
 void TreeUpdater::begin_next_interval() {

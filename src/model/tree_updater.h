@@ -37,25 +37,25 @@ class TreeUpdater {
   /// Moves all vertices, by at most the square root of `farthest_sq` each. Pre: the update is valid.
   void move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq);
 
-  /// Builds the whole tree anew; the next commit finishes that.
+  /// Builds the whole tree anew. A commit has to follow before the next query.
   void rebuild_all(const Mesh& mesh);
 
   bool is_up_to_date() const { return !has_moved_; }
   void commit(const Mesh& mesh, MaintenanceStats& stats);
 
-  /// The mesh that the bounds are computed for.
-  MeshView fitted(const Mesh& mesh) const { return margin_.fitted(mesh); }
+  /// The mesh that the bounds hold: with a motion margin, vertices at their positions at the last refit.
+  MeshView fitted_mesh(const Mesh& mesh) const { return margin_.fitted_mesh(mesh); }
 
  private:
   void start_margin(const Mesh& mesh);
   void note_displacement(double length_sq);
-  /// Builds the index of vertices if there is none. Returns false where memory is missing for it.
-  bool has_vertex_index(const Mesh& mesh);
+  /// Builds the index of vertices if there is none. Returns false if memory is missing for it.
+  bool ensure_vertex_index(const Mesh& mesh);
   void mark(const Mesh& mesh, std::span<const VertexId> ids);
   double expected_ns() const;
 
   // The steps of a commit.
-  void update_margin(const Mesh& mesh);
+  void check_margin(const Mesh& mesh);
   void adapt_unit(const Mesh& mesh);
   void publish(std::uint64_t refits, MaintenanceStats& stats);
   void begin_next_interval();
@@ -71,8 +71,8 @@ class TreeUpdater {
 
   // Since the last commit.
   std::uint64_t moves_ = 0;
-  std::uint64_t whole_passes_ = 0;
-  double sum_of_displacements_ = 0;  // of the longest of each batch: no vertex has moved farther
+  std::uint64_t whole_passes_ = 0;   // work on all vertices or all nodes, for MaintenanceStats::whole_passes
+  double sum_of_displacements_ = 0;  // of the longest of each batch: an upper bound of how far any vertex has moved
 };
 
 }  // namespace limber::model

@@ -44,7 +44,7 @@ class AllPairs {
       const std::size_t nodes = trees_.tree(Side::a).nodes.size();
       for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !collector_.is_done(); --n) compare_siblings(n - 1);
     } else {
-      push({limits_.bound_of(root_bound), {bvh::root, bvh::root}, NodePair::no_record, 0});
+      push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0});
       visit_all();
     }
   }

@@ -78,7 +78,7 @@ class BestFirst {
     }
     if constexpr (looks_for_closest) prepare_seed();
     state_.least_sq = limits_.bound_of(root_bound);
-    const NodePair roots{state_.least_sq, {bvh::root, bvh::root}, NodePair::no_record, 0};
+    const NodePair roots{state_.least_sq, {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0};
     if constexpr (!has_front && !needs_several) {
       // The first descent is one long step: with a budget the traversal takes single steps.
       if (!search_.meter.is_limited()) return descend_first(roots);

@@ -47,7 +47,8 @@ Triangle PlacedPair::placed(Side s, const Triangle& local) const {
 
 double PlacedPair::root_bound() const {
   const PlacedTree &a = at(Side::a), &b = at(Side::b);
-  const Vec3 between = b.pose(bvh::slot_center(*b.tree, bvh::root)) - a.pose(bvh::slot_center(*a.tree, bvh::root));
+  const Vec3 between =
+      b.pose(bvh::slot_center(*b.tree, bvh::root_slot)) - a.pose(bvh::slot_center(*a.tree, bvh::root_slot));
   const double radius_a = bvh::root_radius(*a.tree), radius_b = bvh::root_radius(*b.tree);
   double best = geometry::safe_length(between) - radius_a - radius_b;
   // The sphere of one next to the box and the slab of the other.
@@ -59,7 +60,7 @@ double PlacedPair::root_bound() const {
 
 double PlacedPair::max_displacement(const Transform& before, double error_before, const Transform& after) const {
   const bvh::Tree &a = tree(Side::a), &b = tree(Side::b);
-  const Vec3 center = bvh::slot_center(b, bvh::root), center_a = bvh::slot_center(a, bvh::root);
+  const Vec3 center = bvh::slot_center(b, bvh::root_slot), center_a = bvh::slot_center(a, bvh::root_slot);
   const Mat3 &from = before.rotation, &to = after.rotation;
   const Vec3 center_before = before(center), center_after = after(center);
   // The difference of two rotations stretches a vector by at most its Frobenius norm over the root of 2.

@@ -37,7 +37,7 @@ PlacedModel::PlacedModel(const Placed& placed) : pose_(placed.pose) {
   mesh_ = model.mesh;
   to_frame_ = geometry::inverse_of(pose_.rotation);
   magnitude_ = bvh::magnitude(*tree_, pose_);
-  center_ = bvh::slot_center(*tree_, bvh::root);
+  center_ = bvh::slot_center(*tree_, bvh::root_slot);
   far_distance_ = std::max(far_radii * bvh::root_radius(*tree_), smallest_far_distance);
 }
 

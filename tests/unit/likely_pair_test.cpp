@@ -33,7 +33,8 @@ struct Guess {
 };
 
 /// What is guessed about two models near two slots.
-Guess guess(const Placed& a, const Placed& b, bvh::SlotId near_a = bvh::root, bvh::SlotId near_b = bvh::root) {
+Guess guess(const Placed& a, const Placed& b, bvh::SlotId near_a = bvh::root_slot,
+            bvh::SlotId near_b = bvh::root_slot) {
   const PlacedPair placed(a, b);
   Guess g{pair::flat_part(placed, near_a, near_b), {}, std::numeric_limits<double>::infinity(), {}};
   if (g.part) g.pair = pair::likely_pair(placed, *g.part, g.stats);

@@ -88,8 +88,8 @@ TEST(Model, IsAfterRebuildAsIfJustBuilt) {
     ASSERT_EQ(tree_of(moved).slack, 0);
     // The centers by which triangles are sorted are rounded relative to another origin, so a few triangles may be in
     // other leaves.
-    EXPECT_NEAR(bvh::TreeCost::of(tree_of(moved), bvh::subtree_of(tree_of(moved), bvh::root)),
-                bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root)), 0.02);
+    EXPECT_NEAR(bvh::TreeCost::of(tree_of(moved), bvh::subtree_of(tree_of(moved), bvh::root_slot)),
+                bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root_slot)), 0.02);
   }
 }
 
@@ -282,8 +282,8 @@ TEST(Model, RebuildsFromThePresentPositions) {
   ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
   model.rebuild();
   const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
-  EXPECT_NEAR(bvh::TreeCost::of(tree_of(model), bvh::subtree_of(tree_of(model), bvh::root)),
-              bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root)), 0.02);
+  EXPECT_NEAR(bvh::TreeCost::of(tree_of(model), bvh::subtree_of(tree_of(model), bvh::root_slot)),
+              bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root_slot)), 0.02);
 }
 
 TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {

@@ -36,15 +36,15 @@ TEST(MotionMargin, IsOffUntilItIsStarted) {
   MovingSheet sheet;
   MotionMargin margin;
   EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions.data(), sheet.mesh.positions().data());
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions.data(), sheet.mesh.positions().data());
   EXPECT_EQ(margin.largest_displacement(), 0);
   margin.start(sheet.mesh.positions());
   EXPECT_TRUE(margin.is_on());
   sheet.move(7, {0, 0, 1});
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 0);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 0);
   margin.stop();
   EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 1);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 1);
 }
 
 TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
@@ -55,10 +55,10 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   sheet.move(near, {0, 0, 0.25});
   sheet.move(far, {0, 0, std::nextafter(0.25, 1)});
   const std::vector<VertexId> ids{near, far};
-  margin.absorb(sheet.mesh, ids, 0.25, sheet.dirty);
+  margin.mark_beyond(sheet.mesh, ids, 0.25, sheet.dirty);
   EXPECT_EQ(margin.absorbed_count(), 1U);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[near].z, 0);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[far], sheet.position(far));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[near].z, 0);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[far], sheet.position(far));
   EXPECT_GE(margin.largest_displacement(), 0.25);
   EXPECT_LT(margin.largest_displacement(), 0.25 * (1 + 1e-9));
 
@@ -69,8 +69,8 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   EXPECT_EQ(sheet.dirty.nodes(lowest), expected.nodes(lowest));
 
   // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
-  refit(sheet.tree, margin.fitted(sheet.mesh), sheet.dirty);
-  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted(sheet.mesh))));
+  refit(sheet.tree, margin.fitted_mesh(sheet.mesh), sheet.dirty);
+  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted_mesh(sheet.mesh))));
   margin.clear_counts();
   EXPECT_EQ(margin.absorbed_count(), 0U);
 }
@@ -82,11 +82,11 @@ TEST(MotionMargin, NeverTakesAMoveForNone) {
   margin.start(sheet.mesh.positions());
   sheet.move(0, {0, 0, 1e-300});
   const std::vector<VertexId> ids{0, 1};  // vertex 1 has not moved
-  margin.absorb(sheet.mesh, ids, 0, sheet.dirty);
+  margin.mark_beyond(sheet.mesh, ids, 0, sheet.dirty);
   EXPECT_EQ(margin.absorbed_count(), 1U);
   margin.start(sheet.mesh.positions());
   sheet.move(0, {0, 0, 1e-300});
-  margin.absorb(sheet.mesh, ids, 1, sheet.dirty);
+  margin.mark_beyond(sheet.mesh, ids, 1, sheet.dirty);
   EXPECT_GE(margin.largest_displacement(), 1e-300);
 }
 
@@ -96,12 +96,12 @@ TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
   margin.start(sheet.mesh.positions());
   sheet.move(5, {0, 0, 0.5});
   const std::vector<VertexId> ids(sheet.mesh.positions().size() + 1, 5);
-  margin.absorb(sheet.mesh, ids, 1, sheet.dirty);
+  margin.mark_beyond(sheet.mesh, ids, 1, sheet.dirty);
   EXPECT_TRUE(margin.is_stale());
   sheet.move(5, {0, 0, -0.5});
   EXPECT_GE(margin.largest_displacement(), 0.5);
   sheet.move_all({0, 0, 0.125});
-  EXPECT_EQ(margin.absorb_all(sheet.mesh, 1, sheet.tree, sheet.dirty), 0U);
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 1, sheet.tree, sheet.dirty), 0U);
   EXPECT_FALSE(margin.is_stale());
   EXPECT_GE(margin.largest_displacement(), 0.125);
   EXPECT_LT(margin.largest_displacement(), 0.126);
@@ -114,16 +114,16 @@ TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
   margin.start(sheet.mesh.positions());
   sheet.move_all({0, 0, 0.125});
   sheet.move(8, {0, 0, 3});
-  EXPECT_EQ(margin.absorb_all(sheet.mesh, 0.25, sheet.tree, sheet.dirty), 1U);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[8], sheet.position(8));
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9].z, 0);
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, sheet.dirty), 1U);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[8], sheet.position(8));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9].z, 0);
   EXPECT_FALSE(sheet.dirty.covers_most_of(sheet.tree));
 
   sheet.move_all({0, 0, 2});
-  EXPECT_EQ(margin.absorb_all(sheet.mesh, 0.25, sheet.tree, sheet.dirty), sheet.mesh.positions().size());
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, sheet.dirty), sheet.mesh.positions().size());
   EXPECT_TRUE(sheet.dirty.covers_most_of(sheet.tree));
   EXPECT_EQ(margin.largest_displacement(), 0);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9], sheet.position(9));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9], sheet.position(9));
 }
 
 }  // namespace

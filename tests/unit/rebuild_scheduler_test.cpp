@@ -42,7 +42,7 @@ struct Degraded {
     return is_rebuilt;
   }
   bool is_sound() const { return static_cast<bool>(validate(tree, mesh)); }
-  double cost() const { return bvh::TreeCost::of(tree, bvh::subtree_of(tree, bvh::root)); }
+  double cost() const { return bvh::TreeCost::of(tree, bvh::subtree_of(tree, bvh::root_slot)); }
 
   static constexpr double long_ns = 1e12;
   Mesh mesh;

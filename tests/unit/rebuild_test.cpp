@@ -52,7 +52,7 @@ class Moving {
   bool commit(Rebuild& rebuild, VertexId first, VertexId count, double ns) {
     move(first, count);
     WorkBudget budget(ns);
-    const double beside_ns = rebuild.ns_beside_budget();
+    const double beside_ns = rebuild.ns_beyond_budget();
     budget.add(beside_ns);
     bool has_taken_over = false;
     while (!budget.is_spent() && rebuild.stage() != Stage::idle && !has_taken_over) {
@@ -101,7 +101,7 @@ TEST(Rebuild, OfEverythingAtRestGivesTheTreeThatIsBuilt) {
   bvh::fit(tree, mesh);
   bvh::DirtySet dirty(tree);
   Rebuild rebuild;
-  rebuild.start(tree, mesh, bvh::subtree_of(tree, bvh::root));
+  rebuild.start(tree, mesh, bvh::subtree_of(tree, bvh::root_slot));
   EXPECT_EQ(rebuild.stage(), Stage::gathering);
   WorkBudget unlimited = WorkBudget::unlimited();
   rebuild.work(tree, mesh, unlimited);
@@ -129,7 +129,7 @@ TEST(Rebuild, KeepsUpWithMovesBetweenItsSteps) {
     Rebuild rebuild;
     VertexId first = 0;
     for (int round = 0; round < 3; ++round) {  // in the memory of the first
-      rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root));
+      rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root_slot));
       int commits = 0;
       // Some vertices move in every commit, others once.
       while (!model.commit(rebuild, first, 20, ns)) {
@@ -158,7 +158,7 @@ TEST(Rebuild, CatchesUpThoughWhatMovesTogetherIsScatteredInTheNewTree) {
   Moving model(soup(confetti));
   model.mix();
   Rebuild rebuild;
-  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root));
+  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root_slot));
   VertexId first = 0;
   int commits = 0;
   for (; !model.commit(rebuild, first, 3 * moved, 1000); first = (first + 3 * moved) % (3 * pieces)) {
@@ -171,7 +171,7 @@ TEST(Rebuild, CatchesUpThoughWhatMovesTogetherIsScatteredInTheNewTree) {
 TEST(Rebuild, TakesOverWhenACommitFitsTheWholeTreeAnyway) {
   Moving model = moving_soup(4000);
   Rebuild rebuild;
-  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root));
+  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root_slot));
   WorkBudget unlimited = WorkBudget::unlimited();
   while (rebuild.stage() != Stage::fitting) rebuild.work(model.tree(), model.mesh(), unlimited);
   model.dirty().set_follower(&rebuild.dirty());
@@ -216,7 +216,7 @@ TEST(Rebuild, OfASubtreeLeavesTheOthersAsTheyAre) {
 TEST(Rebuild, FollowsTheUnitOfTheTree) {
   Moving model = moving_soup(2000);
   Rebuild rebuild;
-  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root));
+  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root_slot));
   int commits = 0, changes = 0;
   for (; !model.commit(rebuild, 5, 3, 700); ++commits) {
     ASSERT_LT(commits, 1000);
@@ -232,7 +232,7 @@ TEST(Rebuild, FollowsTheUnitOfTheTree) {
 
 TEST(Rebuild, StopsAndStartsAnew) {
   Moving model = moving_soup(2000);
-  const bvh::Subtree all = bvh::subtree_of(model.tree(), bvh::root);
+  const bvh::Subtree all = bvh::subtree_of(model.tree(), bvh::root_slot);
   Rebuild rebuild;
   for (int steps = 1; steps < 400; steps += 13) {
     rebuild.start(model.tree(), model.mesh(), all);

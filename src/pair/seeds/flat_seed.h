@@ -34,7 +34,7 @@ class FlatSeed {
   /// Looks for the pair. Pre: is_due().
   std::optional<TrianglePair> find(const PlacedPair& placed, QueryStats& stats) {
     LIMBER_ASSERT(is_due());
-    const bool is_first = near_[0] == bvh::root && near_[1] == bvh::root;
+    const bool is_first = near_[0] == bvh::root_slot && near_[1] == bvh::root_slot;
     const std::optional<FlatPart> part = flat_part(placed, near_[0], near_[1]);
     // Before any triangles have been compared it is worth it only if the models may well be apart.
     const bool is_worth_it = part && (!is_first || part->room >= least_room * part->radius);
@@ -50,7 +50,7 @@ class FlatSeed {
 
   State state_ = State::none;
   bool was_close_ = false;
-  bvh::SlotId near_[2] = {bvh::root, bvh::root};
+  bvh::SlotId near_[2] = {bvh::root_slot, bvh::root_slot};
 };
 
 }  // namespace limber::pair

@@ -51,7 +51,7 @@ std::optional<bvh::SlotId> largest_flat(const bvh::Tree& tree, bvh::SlotId slot,
   std::optional<bvh::SlotId> flat;
   while (thickness_of(tree, slot) <= thickness) {
     flat = slot;
-    if (slot == bvh::root) break;
+    if (slot == bvh::root_slot) break;
     slot = tree.nodes[bvh::node_of(slot)].parent;
   }
   return flat;
@@ -63,7 +63,7 @@ class FarthestVertex {
   FarthestVertex(const PlacedPair& placed, Side s, const Vec3& direction)
       : placed_(placed), direction_(direction), side_(s) {
     const bvh::Tree& tree = placed.tree(s);
-    const Vec3 base = bvh::slot_center(tree, bvh::root);
+    const Vec3 base = bvh::slot_center(tree, bvh::root_slot);
     // As a point infinitely far away in that direction: the kernel then bounds children by their heights along it.
     along_.unit = tree.unit, along_.per_unit = 1 / tree.unit;
     along_.is_far = true;
@@ -171,8 +171,8 @@ void search_tree(const bvh::Tree& tree, Goal& goal, QueryStats& stats) {
 }  // namespace
 
 std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, bvh::SlotId near_b) {
-  const double radius_a = radius_of(placed.tree(Side::a), bvh::root);
-  const double radius_b = radius_of(placed.tree(Side::b), bvh::root);
+  const double radius_a = radius_of(placed.tree(Side::a), bvh::root_slot);
+  const double radius_b = radius_of(placed.tree(Side::b), bvh::root_slot);
   const Side ground = radius_a >= radius_b ? Side::a : Side::b, above = other(ground);
   const double radius = std::min(radius_a, radius_b);
   const bvh::Tree &tree = placed.tree(ground), &tree_above = placed.tree(above);
@@ -184,7 +184,7 @@ std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, 
   part.normal = placed.pose(ground).rotation * normal_of(tree, *slot);
   part.radius = radius;
   const Transform& pose = placed.pose(above);
-  const double height = dot(part.normal, pose(bvh::slot_center(tree_above, bvh::root)) - part.center);
+  const double height = dot(part.normal, pose(bvh::slot_center(tree_above, bvh::root_slot)) - part.center);
   if (height < 0) part.normal = -part.normal;
   part.room = std::abs(height) - most_reach(tree_above, transpose(pose.rotation) * part.normal);
   return part;
