@@ -31,26 +31,12 @@ struct PointCase {
   Vec3 point;
   std::vector<Triangle> world;
 
-  explicit PointCase(Rng& rng) : model(some_mesh(rng)), pose(random_pose(rng, 1)) {
+  explicit PointCase(Rng& rng) : model(some_soup(rng, 1 + rng.below(64))), pose(random_pose(rng, 1)) {
     point = arbitrary_query_point(rng, {model.mesh(), pose}, 4);
     world = placed_triangles(model.mesh(), pose);
   }
   const bvh::Tree& tree() const { return tree_of(model); }
 
-  static Mesh some_mesh(Rng& rng) {
-    std::vector<Triangle> triangles;
-    const std::uint64_t kind = rng.below(5);
-    for (std::uint64_t i = 0, count = 1 + rng.below(64); i < count; ++i) {
-      const Vec3 at = uniform_point(rng, -2, 2);
-      const double size = kind == 1 ? 1e-3 : 0.5;
-      Triangle t{at, at + size * uniform_point(rng), at + size * uniform_point(rng)};
-      if (kind == 2) t.v0.z = t.v1.z = t.v2.z = 0.25;
-      if (kind == 3) t.v2 = t.v0 + 1e-6 * uniform_point(rng);
-      if (kind == 4) t.v1 = t.v2 = t.v0;
-      triangles.push_back(t);
-    }
-    return soup(triangles);
-  }
   double distance_of(TriangleId t) const { return geometry::closest_on(world[t], point).distance; }
   double distance_of(const bvh::Leaf& leaf) const {
     double least = std::numeric_limits<double>::infinity();

@@ -16,6 +16,7 @@
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_points.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
@@ -23,25 +24,8 @@ namespace {
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-Mesh cube() {
-  return Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}},
-                      {{0, 2, 1},
-                       {1, 2, 3},
-                       {4, 5, 6},
-                       {5, 7, 6},
-                       {0, 1, 4},
-                       {1, 5, 4},
-                       {2, 6, 3},
-                       {3, 6, 7},
-                       {0, 4, 2},
-                       {2, 4, 6},
-                       {1, 3, 5},
-                       {3, 7, 5}})
-      .value();
-}
-
 TEST(Points, KnownAnswers) {
-  const Model model(cube());
+  const Model model(box_mesh({0, 0, 0}, {1, 1, 1}));
   const auto ask = [&](const Vec3& p) { return closest_point({model}, p).closest.value(); };
   const SurfacePoint above = ask({0.25, 0.5, 3});
   EXPECT_EQ(above.distance, 2);
@@ -63,18 +47,8 @@ TEST(Points, KnownAnswers) {
   EXPECT_EQ(ask({0.5, 0.25, 1}).distance, 0);
 }
 
-TEST(Points, AnswersAreInTheWorld) {
-  const Model model(cube());
-  // x to y, y to z, z to x.
-  const Transform pose{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {10, 20, 30}};
-  const SurfacePoint found = closest_point({model, pose}, {13, 20.25, 30.5}).closest.value();
-  EXPECT_EQ(found.distance, 2);
-  EXPECT_EQ(found.position, (Vec3{11, 20.25, 30.5}));
-  EXPECT_EQ(found.triangle, 2U);
-}
-
 TEST(Points, BeyondTheLimitAreNotFound) {
-  const Model model(cube());
+  const Model model(box_mesh({0, 0, 0}, {1, 1, 1}));
   const Vec3 point{0.25, 0.25, 3};
   EXPECT_TRUE(closest_point({model}, point, {.max_distance = 2}).closest.has_value());
   EXPECT_FALSE(closest_point({model}, point, {.max_distance = std::nextafter(2, 0)}).closest.has_value());
@@ -106,22 +80,6 @@ TEST(Points, OfCoincidentTrianglesCostNoMoreThanOfAFew) {
   EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
 }
 
-TEST(Points, DoNotDependOnTheMotionMargin) {
-  const Mesh mesh = scenes::ball(60, 30);
-  Model tight(mesh), loose(mesh, {.motion_margin = 0.3});
-  Rng rng(812);
-  std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p += 0.1 * uniform_point(rng);
-  for (Model* model : {&tight, &loose}) {
-    model->move_all(positions).value();
-    model->commit();
-  }
-  for (int i = 0; i < 200; ++i) {
-    const Vec3 point = 3 * uniform_point(rng);
-    expect_same_point(closest_point({loose}, point), closest_point({tight}, point), "point " + std::to_string(i));
-  }
-}
-
 TEST(Points, InBatchesAreThoseOneByOneOnAnyNumberOfThreads) {
   const Model model(scenes::ball(60, 30));
   const Transform pose{{}, {1, 2, 3}};
@@ -145,7 +103,7 @@ TEST(Points, InBatchesAreThoseOneByOneOnAnyNumberOfThreads) {
 }
 
 TEST(Points, MisuseIsRefusedAndWritesNothing) {
-  Model model(cube());
+  Model model(box_mesh({0, 0, 0}, {1, 1, 1}));
   const reference::Placed mesh{model.mesh()};
   std::vector<Vec3> points(100);
   std::vector<PointResult> results(100);

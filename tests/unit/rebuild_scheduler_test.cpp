@@ -52,17 +52,6 @@ struct Degraded {
   MaintenanceStats stats;
 };
 
-TEST(RebuildScheduler, DoesNothingToATreeAsBuilt) {
-  const Mesh mesh = scenes::shuffled_soup(2000).mesh;
-  bvh::Tree tree = bvh::build(mesh);
-  bvh::DirtySet dirty(tree);
-  MaintenanceStats stats;
-  RebuildScheduler rebuilds(tree, RebuildPolicy::in_commit, {});
-  EXPECT_TRUE(rebuilds.count_refits(tree, mesh, tree.nodes.size()));
-  EXPECT_FALSE(rebuilds.advance(tree, mesh, mesh, dirty, Degraded::long_ns, stats));
-  EXPECT_EQ(stats.rebuild_us, 0);
-}
-
 TEST(RebuildScheduler, RebuildsWhatHasDegraded) {
   Degraded model(RebuildPolicy::in_commit, {});
   const double cost_before = model.cost();
@@ -108,34 +97,6 @@ TEST(RebuildScheduler, DoesNothingWithoutPolicyOrBudget) {
     EXPECT_FALSE(model.commit());
     EXPECT_EQ(model.stats.rebuild_us, 0);
   }
-}
-
-TEST(RebuildScheduler, StartsOverWhateverItDoes) {
-  for (const RebuildPolicy policy : {RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
-    for (int commits = 0; commits < 40; ++commits) {
-      Degraded model(policy, 10.0);
-      model.survey();
-      for (int i = 0; i < commits; ++i) model.commit();
-      model.tree = bvh::build(model.mesh);
-      model.dirty.vertex_index().drop();
-      model.rebuilds.start_over(model.dirty, bvh::TreeCost(model.tree));
-      EXPECT_TRUE(model.survey());
-      EXPECT_FALSE(model.commit());  // nothing has degraded
-      EXPECT_TRUE(model.is_sound());
-    }
-  }
-}
-
-TEST(RebuildScheduler, LetsAWorkerRebuild) {
-  Degraded model(RebuildPolicy::on_worker, {});
-  model.survey();
-  bool is_rebuilt = false;
-  for (int i = 0; i < 60'000 && !is_rebuilt; ++i) {
-    is_rebuilt = model.commit(1e6);
-    if (!is_rebuilt) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  ASSERT_TRUE(is_rebuilt);
-  EXPECT_TRUE(model.is_sound());
 }
 
 TEST(RebuildScheduler, SurveysOnceAPassInProportionToRefits) {

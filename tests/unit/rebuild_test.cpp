@@ -213,23 +213,6 @@ TEST(Rebuild, OfASubtreeLeavesTheOthersAsTheyAre) {
   EXPECT_EQ(mine_after, mine_before);
 }
 
-TEST(Rebuild, FollowsTheUnitOfTheTree) {
-  Moving model = moving_soup(2000);
-  Rebuild rebuild;
-  rebuild.start(model.tree(), model.mesh(), bvh::subtree_of(model.tree(), bvh::root));
-  int commits = 0, changes = 0;
-  for (; !model.commit(rebuild, 5, 3, 700); ++commits) {
-    ASSERT_LT(commits, 1000);
-    // Twice while bounds are fitted in the unit that was.
-    if (rebuild.stage() != Stage::fitting || commits % 5 != 0 || changes == 2) continue;
-    model.tree().unit *= 2;
-    ++changes;
-    bvh::fit(model.tree(), model.mesh());
-  }
-  EXPECT_EQ(changes, 2);
-  EXPECT_TRUE(model.is_sound());
-}
-
 TEST(Rebuild, StopsAndStartsAnew) {
   Moving model = moving_soup(2000);
   const bvh::Subtree all = bvh::subtree_of(model.tree(), bvh::root);

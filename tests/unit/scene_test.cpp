@@ -218,15 +218,6 @@ TEST(SceneTest, FollowsModelsThatAreCommittedRebuiltAndReset) {
   }
 }
 
-TEST(SceneTest, IsWhereItIsMovedTo) {
-  const Model ball(scenes::ball(8, 5));
-  limber::Scene scene = row_of(ball, {0, 1});
-  limber::Scene other = std::move(scene);
-  EXPECT_EQ(pairs_of(other, 0).size(), 1U);
-  scene = std::move(other);
-  EXPECT_EQ(pairs_of(scene, 0).size(), 1U);
-}
-
 // --- queries of pairs ---
 
 template <typename Result>

@@ -168,16 +168,6 @@ TEST(SceneTree, FindsThemInTheSameOrderOnEveryInstructionSet) {
   }
 }
 
-TEST(SceneTree, StopsWhenItIsTold) {
-  Rng rng(8103);
-  const std::vector<WorldBounds> bounds = some_bounds(rng, 100, 1);
-  BoxTree tree;
-  tree.build(all_ids(bounds.size()), bounds);
-  int calls = 0;
-  EXPECT_FALSE(tree.visit_pairs(3, 0, [&](std::uint32_t, std::uint32_t) { return ++calls < 5; }));
-  EXPECT_EQ(calls, 5);
-}
-
 TEST(SceneTree, FindsSpheresThatTouchWhereSquaresVanish) {
   Rng rng(8110);
   for (int i = 0; i < 3000; ++i) {
@@ -355,15 +345,6 @@ TEST(WorldBounds, HoldAllKindsOfShapes) {
 TEST(WorldBounds, DoNotHoldVerticesThatNoTriangleNames) {
   const Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e9, 0, 0}}, {{0, 1, 2}}).value());
   EXPECT_LE(scene::local_bounds(model).radius, 1);
-}
-
-TEST(WorldBounds, OfAnUnturnedModelAreItsBox) {
-  const Model model(scenes::grid(5, 5, -1, -1, 0.4, 0.4));
-  const WorldBounds bounds = scene::world_bounds(scene::local_bounds(model), {{}, {10, 20, 30}});
-  EXPECT_NEAR(bounds.box.low.x, 9, 1e-5);
-  EXPECT_NEAR(bounds.box.high.y, 21, 1e-5);
-  EXPECT_NEAR(bounds.box.low.z, 30, 1e-5);
-  EXPECT_NEAR(bounds.box.high.z, 30, 1e-5);
 }
 
 TEST(WorldBounds, StayFiniteAtTheLargestCoordinates) {

@@ -113,19 +113,6 @@ TEST(MeetsElsewhere, NothingIsElsewhereWhereAllIsShared) {
   expect_meeting({{o, x, y}, {0, 1, 1}, {0, 1, 2}}, false, "an edge of a triangle");
 }
 
-TEST(MeetsElsewhere, EqualsTheExactIntersection) {
-  Rng rng(301);
-  int meeting = 0;
-  for (int i = 0; i < 960; ++i) {
-    const Neighbors n = random_neighbors(rng, i % neighbor_kinds);
-    const bool truth = truly_meet(n);
-    meeting += truth ? 1 : 0;
-    ASSERT_EQ(meet(n), truth) << "case " << i;
-  }
-  EXPECT_GT(meeting, 100);
-  EXPECT_LT(meeting, 860);
-}
-
 TEST(MeetsElsewhere, IsDecidedByTheLastBit) {
   // Third corners within units in the last place of the line of a common edge, or of a side: on one side of it or not.
   Rng rng(302);

@@ -105,20 +105,5 @@ TEST(SquaredLimits, RoundBoundsDown) {
   EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), pair::BucketQueue::no_limit_sq);
 }
 
-TEST(Expansion, FindsTheChildrenToTakeFirstAndLast) {
-  pair::Expansion e{};
-  const float order[bvh::width] = {5, -1, 2, -3, 2, 9, -3, 7};
-  std::copy(order, order + bvh::width, e.order);
-  EXPECT_EQ(e.first_of(0xff), 3U);  // of equal ones the first
-  EXPECT_EQ(e.first_of(0b10110101), 2U);
-  EXPECT_EQ(e.last_of(0xff), 5U);
-  EXPECT_EQ(e.last_of(0b00010110), 4U);  // of equal ones the last
-  EXPECT_EQ(e.last_of(0b00000010), 1U);
-  e.kept = {0xff, 0b01001010};
-  EXPECT_EQ(e.first_child(), 3U);
-  e.kept = {0b00110101, 0};
-  EXPECT_EQ(e.first_child(), 2U);
-}
-
 }  // namespace
 }  // namespace limber::testing
