@@ -94,13 +94,12 @@ TEST(PointDistance, OfNeedlesWhoseAreasVanishHasWeights) {
   }
 }
 
-class PointDistanceOfKind : public ::testing::TestWithParam<PairKind> {};
-
-TEST_P(PointDistanceOfKind, IsWithinEightRoundingsOfTheExactOne) {
-  Rng rng(821 + static_cast<std::uint64_t>(GetParam()));
-  for (int i = 0; i < 1000; ++i) {
-    const Triangle t = random_pair(rng, GetParam()).second;
-    const Vec3 p = rng.below(4) == 0 ? random_pair(rng, GetParam()).first.v0 : point_near(rng, t);
+TEST(PointDistance, IsWithinEightRoundingsOfTheExactOne) {
+  Rng rng(821);
+  for (int i = 0; i < 13'000; ++i) {
+    const auto kind = static_cast<PairKind>(i % static_cast<int>(PairKind::count));
+    const Triangle t = random_pair(rng, kind).second;
+    const Vec3 p = rng.below(4) == 0 ? random_pair(rng, kind).first.v0 : point_near(rng, t);
     const geometry::PointOnTriangle found = geometry::closest_on(t, p);
     const exact::Fraction truth_sq = exact::squared_distance({p, p, p}, t);
     const double tolerance = 8 * half_ulp * extent_from(p, t) + 0x1p-1022;
@@ -109,17 +108,11 @@ TEST_P(PointDistanceOfKind, IsWithinEightRoundingsOfTheExactOne) {
     expect_weights(found.weights);
     ASSERT_FALSE(HasFailure()) << "case " << i;
     const double largest = std::max({max_abs(t.v0), max_abs(t.v1), max_abs(t.v2), max_abs(p)});
-    ASSERT_NEAR(length(geometry::point_at(t, found.weights) - p), found.distance,
-                2 * tolerance + 8 * half_ulp * largest)
+    const Vec3 off = geometry::point_at(t, found.weights) - p;
+    ASSERT_NEAR(std::hypot(off.x, off.y, off.z), found.distance, 2 * tolerance + 8 * half_ulp * largest)
         << "case " << i;
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(EveryKind, PointDistanceOfKind,
-                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
-                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::mixed_scale, PairKind::far_away, PairKind::tiny_coordinates,
-                                           PairKind::segment_like, PairKind::one_line, PairKind::needle));
 
 TEST(PointDistance, NeverExceedsThatOfTheEdges) {
   // Where rounding decides about the signs of areas, the edges are all that is certain.

@@ -79,13 +79,14 @@ TEST(TriangleDistance, TinyTrianglesKeepTheirFaces) {
   }
 }
 
-class TriangleDistanceOfKind : public ::testing::TestWithParam<PairKind> {};
+constexpr PairKind tame_kinds[] = {PairKind::uniform, PairKind::lattice,  PairKind::near_lattice, PairKind::touching,
+                                   PairKind::sliver,  PairKind::coplanar, PairKind::shared_edge,  PairKind::needle};
 
-TEST_P(TriangleDistanceOfKind, ASharedPointIsThatOfClosestPointsAtAnyScale) {
-  Rng rng(71 + static_cast<std::uint64_t>(GetParam()));
+TEST(TriangleDistance, ASharedPointIsThatOfClosestPointsAtAnyScale) {
+  Rng rng(71);
   int intersecting = 0;
-  for (int i = 0; i < 5000; ++i) {
-    const auto [a, b] = random_pair(rng, GetParam());
+  for (std::size_t i = 0; i < 40'000; ++i) {
+    const auto [a, b] = random_pair(rng, tame_kinds[i % std::size(tame_kinds)]);
     for (const double scale : {0x1p-180, 1.0, 0x1p180}) {
       const Triangle a2 = times(a, scale), b2 = times(b, scale);
       if (!intersects(a2, b2)) continue;
@@ -97,13 +98,13 @@ TEST_P(TriangleDistanceOfKind, ASharedPointIsThatOfClosestPointsAtAnyScale) {
       ASSERT_LE(misfit(shared * (1 / scale), b), tolerance) << "case " << i << ", scale " << scale;
     }
   }
-  EXPECT_GT(intersecting, 50);
+  EXPECT_GT(intersecting, 400);
 }
 
-TEST_P(TriangleDistanceOfKind, IsSymmetricAndScalesWithPowersOfTwo) {
-  Rng rng(81 + static_cast<std::uint64_t>(GetParam()));
-  for (int i = 0; i < 1000; ++i) {
-    const auto [a, b] = random_pair(rng, GetParam());
+TEST(TriangleDistance, IsSymmetricAndScalesWithPowersOfTwo) {
+  Rng rng(81);
+  for (std::size_t i = 0; i < 8000; ++i) {
+    const auto [a, b] = random_pair(rng, tame_kinds[i % std::size(tame_kinds)]);
     const double distance = closest_points(a, b).distance;
     ASSERT_NEAR(closest_points(b, a).distance, distance, 2e-15 * extent_of(a, b)) << "case " << i;
     for (const double scale : {0x1p-120, 0x1p-30, 0x1p90, 0x1p180}) {
@@ -112,11 +113,6 @@ TEST_P(TriangleDistanceOfKind, IsSymmetricAndScalesWithPowersOfTwo) {
     }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleDistanceOfKind,
-                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
-                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge, PairKind::needle));
 
 /// The smallest height of a triangle, rounded.
 double smallest_height(const Triangle& t) {
