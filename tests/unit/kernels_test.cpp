@@ -144,6 +144,11 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   EXPECT_GT(beyond, 10000);
 }
 
+template <typename T>
+bool is_same_to_the_bit(const T& s, const T& t) {
+  return std::memcmp(&s, &t, sizeof(T)) == 0;
+}
+
 TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   Rng rng(203);
   const auto sets = simd::all_kernels();
@@ -172,22 +177,22 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
     alignas(32) float depth0[bvh::width], depth[bvh::width];
     const simd::KeptSlots met0 = first.bound_children(node, other, in_b, any_of_b, contact_sq, depth0, nullptr);
     for (const simd::Kernels& set : sets) {
-      const simd::KeptSlots met = set.bound_children(node, other, in_b, any_of_b, contact_sq, depth, nullptr);
-      ASSERT_EQ(met.all, met0.all) << set.name;
-      ASSERT_EQ(met.overlapping, met0.overlapping) << set.name;
-      ASSERT_EQ(std::memcmp(depth, depth0, node.child_count * sizeof(float)), 0) << set.name;
-      const simd::KeptSlots kept = set.bound_children(node, other, in_b, of_b, limit_sq, order, bound_sq);
-      ASSERT_EQ(kept.all, kept0.all) << set.name;
-      ASSERT_EQ(kept.overlapping, kept0.overlapping) << set.name;
-      ASSERT_EQ(std::memcmp(order, order0, node.child_count * sizeof(float)), 0) << set.name;
-      ASSERT_EQ(std::memcmp(bound_sq, bound_sq0, node.child_count * sizeof(float)), 0) << set.name;
+      const auto expect_same = [&](const simd::KeptSlots& s, const simd::KeptSlots& t) {
+        EXPECT_EQ(s.all, t.all) << set.name;
+        EXPECT_EQ(s.overlapping, t.overlapping) << set.name;
+      };
+      expect_same(set.bound_children(node, other, in_b, any_of_b, contact_sq, depth, nullptr), met0);
+      expect_same(set.bound_children(node, other, in_b, of_b, limit_sq, order, bound_sq), kept0);
+      for (const auto& [values, values0] : {std::pair(depth, depth0), {order, order0}, {bound_sq, bound_sq0}}) {
+        ASSERT_EQ(std::memcmp(values, values0, node.child_count * sizeof(float)), 0) << set.name;
+      }
       set.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
-      ASSERT_EQ(std::memcmp(&found.error, &found0.error, sizeof(float)), 0) << set.name;
-      ASSERT_EQ(std::memcmp(&found.apart, &found0.apart, sizeof(float)), 0) << set.name;
-      ASSERT_EQ(std::memcmp(&found.scale, &found0.scale, sizeof(double)), 0) << set.name;
+      ASSERT_TRUE(is_same_to_the_bit(found.error, found0.error)) << set.name;
+      ASSERT_TRUE(is_same_to_the_bit(found.apart, found0.apart)) << set.name;
+      ASSERT_TRUE(is_same_to_the_bit(found.scale, found0.scale)) << set.name;
       for (std::uint32_t k = 0; k < found0.count; ++k) {
-        ASSERT_EQ(std::memcmp(&found.pairs[k].bound_sq, &found0.pairs[k].bound_sq, sizeof(float)), 0) << set.name;
+        ASSERT_TRUE(is_same_to_the_bit(found.pairs[k].bound_sq, found0.pairs[k].bound_sq)) << set.name;
         ASSERT_EQ(found.pairs[k].slot_a, found0.pairs[k].slot_a) << set.name;
         ASSERT_EQ(found.pairs[k].slot_b, found0.pairs[k].slot_b) << set.name;
       }
@@ -213,13 +218,13 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
     for (const simd::Kernels& set : simd::all_kernels()) {
       fitted(set, other, other_whole);
       const Node &a = first.nodes.back(), &b = other.nodes.back();
-      ASSERT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(a.bounds)), 0) << set.name << " " << i;
+      ASSERT_TRUE(is_same_to_the_bit(a.bounds, b.bounds)) << set.name << " " << i;
       ASSERT_EQ(a.origin, b.origin) << set.name;
       ASSERT_EQ(a.radius, b.radius) << set.name;
-      ASSERT_EQ(std::memcmp(&first_whole, &other_whole, sizeof(first_whole)), 0) << set.name << " " << i;
+      ASSERT_TRUE(is_same_to_the_bit(first_whole, other_whole)) << set.name << " " << i;
       ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(bvh::Leaf)), 0);
       const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a), other_around = set.merge_bounds(b);
-      ASSERT_EQ(std::memcmp(&around, &other_around, sizeof(around)), 0) << set.name << " " << i;
+      ASSERT_TRUE(is_same_to_the_bit(around, other_around)) << set.name << " " << i;
     }
   }
 }
@@ -276,7 +281,7 @@ TEST(Kernels, ExtendBoxesAlikeOnEveryInstructionSet) {
     for (const simd::Kernels& set : simd::all_kernels()) {
       simd::PointBox found = before;
       set.extend_box(points.data(), count, found);
-      EXPECT_EQ(std::memcmp(&found, &wanted, sizeof(found)), 0) << set.name << " " << count;
+      EXPECT_TRUE(is_same_to_the_bit(found, wanted)) << set.name << " " << count;
     }
   }
 }

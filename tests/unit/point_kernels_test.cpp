@@ -105,39 +105,6 @@ TEST(PointKernels, IntervalsOfTrianglesHoldTheirDistances) {
   EXPECT_GT(dropped, 10'000);
 }
 
-TEST(PointKernels, LineUpTheKeptChildrenNearestLast) {
-  Rng rng(833);
-  int kept_count = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const PointCase c(rng);
-    const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
-    const bool along = in_frame.is_far && rng.below(2) == 0;
-    const auto kernel = along ? simd::kernels().bound_children_along : simd::kernels().bound_children_to_point;
-    simd::ChildrenInOrder found;
-    kernel(node, in_frame, no_limit_sq, found);
-    const float limit = found.bound[rng.below(node.child_count)];
-    kernel(node, in_frame, limit, found);
-    unsigned places = 0;
-    for (std::uint32_t k = 0; k < bvh::width; ++k) {
-      places |= 1U << found.place_of(k);
-      ASSERT_EQ((found.kept >> k & 1) != 0, k < node.child_count && found.bound[k] <= limit) << "case " << i;
-    }
-    ASSERT_EQ(places, 0xffU);
-    const auto count = static_cast<std::uint32_t>(std::popcount(found.kept));
-    kept_count += static_cast<int>(count);
-    for (std::uint32_t j = 0; j < bvh::width; ++j) {
-      ASSERT_EQ(found.place_of(j) < count, (found.kept >> j & 1) != 0) << "case " << i;
-      for (std::uint32_t k = 0; k < bvh::width; ++k) {
-        if ((found.kept >> j & found.kept >> k & 1) == 0 || found.place_of(j) <= found.place_of(k)) continue;
-        // The last three bits of a bound do not count.
-        ASSERT_LE(found.bound[j], found.bound[k] + std::abs(found.bound[k]) * 0x1p-19F) << "case " << i;
-      }
-    }
-  }
-  EXPECT_GT(kept_count, 3000);
-}
-
 TEST(PointKernels, AreTheSameToTheBitOnEveryInstructionSet) {
   Rng rng(834);
   int ray_count = 0;

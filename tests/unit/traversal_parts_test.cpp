@@ -7,48 +7,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
-#include "pair/descents.h"
-#include "pair/expansion.h"
+#include "pair/placed_pair.h"
 #include "pair/squared_limits.h"
+#include "pair/trial.h"
 #include "pair/whole_leaves.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
 
 using pair::Side;
-
-TEST(Descents, BeginWithOneThatEndsAtTheFirstLeaves) {
-  pair::Descents descents;
-  EXPECT_TRUE(descents.is_descending());
-  EXPECT_FALSE(descents.has_reached_leaves());
-  EXPECT_FALSE(descents.is_due(1'000'000));
-  EXPECT_TRUE(descents.end_at_leaves(5));
-  EXPECT_TRUE(descents.has_reached_leaves());
-  EXPECT_FALSE(descents.is_descending());
-  EXPECT_FALSE(descents.end_at_leaves(6));
-}
-
-TEST(Descents, AreDueAfterStepsWithoutLeavesAndAtThreeTimesTheStepOfTheLast) {
-  pair::Descents descents;
-  descents.end_at_leaves(5);
-  EXPECT_FALSE(descents.is_due(13));
-  EXPECT_TRUE(descents.is_due(14));
-  descents.end_at_leaves(10);
-  EXPECT_FALSE(descents.is_due(18));
-  EXPECT_TRUE(descents.is_due(19));
-  descents.start(20, true);
-  EXPECT_TRUE(descents.is_descending());
-  descents.end_at_leaves(22);
-  EXPECT_FALSE(descents.is_due(59));
-  EXPECT_TRUE(descents.is_due(60));
-  descents.start(60, false);
-  EXPECT_FALSE(descents.is_descending());
-  EXPECT_FALSE(descents.is_due(179));
-}
 
 TEST(WholeLeaves, AreTriedWhileThatPrunes) {
   pair::WholeLeaves leaves;
@@ -71,9 +46,7 @@ TEST(WholeLeaves, AreTriedWhileThatPrunes) {
 
 TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {
   const Model small(scenes::ball(8, 6));
-  std::vector<Vec3> positions(small.mesh().positions().begin(), small.mesh().positions().end());
-  for (Vec3& p : positions) p = 1000 * p;
-  const Model large(Mesh::create(positions, small.mesh().triangles()).value());
+  const Model large(scaled(small.mesh(), 1000));
   const pair::PlacedPair placed({small}, {large});
   pair::SquaredLimits limits(placed);
   EXPECT_TRUE(limits.update(3));
@@ -103,6 +76,81 @@ TEST(SquaredLimits, RoundBoundsDown) {
   EXPECT_EQ(limits.bound_of_child(Side::a, 2, 3), 3);
   EXPECT_EQ(limits.bound_of_child(Side::a, 4, 3), 4);
   EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), pair::BucketQueue::no_limit_sq);
+}
+
+using pair::Trial;
+
+/// How many of 1000 queries try what changes the time of each by `gain`.
+int tries(Trial& trial, double gain) {
+  int count = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (!trial.is_due()) continue;
+    ++count;
+    trial.add_gain(gain);
+  }
+  return count;
+}
+
+TEST(Trial, GoesOnForeverWithWhatPays) {
+  Trial trial;
+  EXPECT_EQ(tries(trial, 0.1), 1000);
+}
+
+TEST(Trial, SpendsFewQueriesOnWhatDoesNotPay) {
+  for (const double loss : {0.1, 0.25, 0.5}) {
+    Trial trial;
+    const int count = tries(trial, -loss);
+    EXPECT_GT(count, 10) << loss;
+    EXPECT_LT(count * loss, 1000 / 50) << loss;  // 2 % of the time of all queries
+  }
+}
+
+TEST(Trial, NoticesSoonThatSomethingPaysNowOrNoLonger) {
+  Trial trial;
+  tries(trial, -0.25);
+  int waited = 0;
+  while (!trial.is_due()) ++waited;
+  EXPECT_LT(waited, 50);
+  EXPECT_GT(tries(trial, 0.5), 900);
+  EXPECT_LT(tries(trial, -0.25), 100);
+}
+
+TEST(PlacedPair, ErrorCoversTheCoordinatesOfModelsThatDriftVertexByVertex) {
+  // Few vertices at a time, so the tree is never fitted whole, and its root keeps its origin for long.
+  Model model(scenes::ball(60, 31), {.rebuild_policy = RebuildPolicy::off});
+  const Model still(scenes::ball(6, 4));
+  const std::vector<Vec3> home = model.mesh().positions();
+  for (int step = 1; step <= 8; ++step) {
+    for (std::size_t first = 0; first < home.size(); first += 8) {
+      std::vector<VertexId> ids;
+      std::vector<Vec3> to;
+      for (std::size_t v = first; v < std::min(first + 8, home.size()); ++v) {
+        ids.push_back(static_cast<VertexId>(v)), to.push_back(home[v] + Vec3{10.0 * step, 5.0 * step, 0});
+      }
+      ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, to)));
+      model.commit();
+    }
+    double largest = 0;
+    for (const Vec3& p : model.mesh().positions()) largest = std::max(largest, max_abs(p));
+    ASSERT_GE(pair::PlacedPair({model}, {still}).error(), 0x1p-45 * largest) << step;
+  }
+}
+
+TEST(PlacedPair, BoundOfTheRootsHoldsWhereSquaresOfLengthsUnderflow) {
+  const Mesh ball = scenes::ball(10, 5);
+  for (int exponent = -480; exponent >= -560; --exponent) {
+    // Next to their distance the models are nearly points.
+    const double distance = std::ldexp(1.3, exponent), size = std::ldexp(distance, -34);
+    const Mesh tiny = scaled(ball, size);
+    const Model model(tiny);
+    const Transform pose{{}, {0.6 * distance, 0.64 * distance, 0.48 * distance}};
+    const double expected = reference::distance({tiny}, {tiny, pose}).upper;
+    EXPECT_LE(pair::PlacedPair({model}, {model, pose}).root_bound(), expected) << exponent;
+    const DistanceResult found = limber::distance({model}, {model, pose});
+    EXPECT_NEAR(found.upper / expected, 1, 1e-13) << exponent;
+    EXPECT_LE(found.lower, found.upper) << exponent;
+    EXPECT_TRUE(within({model}, {model, pose}, expected * (1 + 1e-13)).is_yes()) << exponent;
+  }
 }
 
 }  // namespace
