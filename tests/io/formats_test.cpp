@@ -82,63 +82,6 @@ TEST_F(Formats, nothing_is_printed) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
-// Decimals whose nearest float64 is easily missed by one unit, and numbers at the ends of the range.
-constexpr std::array<const char*, 9> hard_decimals = {"0.1",
-                                                      "1.00000000000000011102230246251565404",
-                                                      "123456.789012345678",
-                                                      "-1e-17",
-                                                      "9007199254740993",
-                                                      "5e-324",
-                                                      "1.5976931348623157e60",
-                                                      "+2.5E-3",
-                                                      "-.7071067811865476"};
-
-std::string line_of_decimals(std::size_t vertex) {
-  return std::string(hard_decimals[3 * vertex]) + " " + hard_decimals[3 * vertex + 1] + " " +
-         hard_decimals[3 * vertex + 2] + "\n";
-}
-
-void expect_hard_decimals(const Result<MeshFile>& file) {
-  ASSERT_TRUE(file) << file.error().text;
-  ASSERT_EQ(file->mesh.positions().size(), 3U);
-  for (std::size_t i = 0; i < hard_decimals.size(); ++i) {
-    EXPECT_EQ(file->mesh.positions()[i / 3][i % 3], exact(hard_decimals[i])) << hard_decimals[i];
-  }
-}
-
-std::string three_lines(const std::string& prefix) {
-  return prefix + line_of_decimals(0) + prefix + line_of_decimals(1) + prefix + line_of_decimals(2);
-}
-
-const std::string ply_double_header =
-    " 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
-    "element face 1\nproperty list uchar uint vertex_indices\nend_header\n";
-
-TEST_F(Formats, float64_is_kept_to_the_bit_in_binary_ply) {
-  for (const bool big_endian : {false, true}) {
-    std::string bytes = "ply\nformat ";
-    bytes += (big_endian ? "binary_big_endian" : "binary_little_endian") + ply_double_header;
-    for (const char* decimal : hard_decimals) append(bytes, exact(decimal), big_endian);
-    append(bytes, std::uint8_t{3});
-    for (const std::uint32_t v : {0U, 1U, 2U}) append(bytes, v, big_endian);
-    expect_hard_decimals(read("a.ply", bytes));
-  }
-}
-
-TEST_F(Formats, decimal_comma_of_the_global_locale_does_not_matter) {
-  struct Comma : std::numpunct<char> {
-    char do_decimal_point() const override { return ','; }
-    char do_thousands_sep() const override { return '.'; }
-    std::string do_grouping() const override { return "\3"; }
-  };
-  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  expect_hard_decimals(read("a.obj", three_lines("v ") + "f 1 2 3\n"));
-  expect_hard_decimals(read("a.off", "OFF\n3 1 0\n" + three_lines("") + "3 0 1 2\n"));
-  expect_hard_decimals(read("a.ply", "ply\nformat ascii" + ply_double_header + three_lines("") + "3 0 1 2\n"));
-  EXPECT_TRUE(read("a.glb", GltfParts().glb()));
-  std::locale::global(before);
-}
-
 TEST_F(Formats, obj_records_without_geometry_are_passed_over) {
   const Result<MeshFile> file =
       read("a.obj",

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
+#include <locale>
 #include <random>
 
 #include "files.h"
@@ -141,6 +142,18 @@ TEST_F(Numbers, of_any_length_are_rounded_correctly) {
   const std::string halfway = "9007199254740993";  // 2^53 + 1; ties go to the even neighbour
   expect_value(halfway + "." + zeros_400, 9007199254740992.0);
   expect_value(halfway + "." + zeros_400 + "1", 9007199254740994.0);
+}
+
+TEST_F(Numbers, do_not_depend_on_the_global_locale) {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  expect_value("123456.789012345678", 123456.789012345678);
+  EXPECT_TRUE(read("a.glb", GltfParts().glb()));
+  std::locale::global(before);
 }
 
 TEST_F(Numbers, agree_with_the_standard_library_for_random_decimals) {

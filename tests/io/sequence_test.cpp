@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <tuple>
+
 #include "files.h"
 #include "support/real_meshes.h"
 
@@ -43,24 +46,19 @@ TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {
   }
 }
 
-TEST_F(Sequence, stl_frames_that_collapse_to_a_point_keep_their_vertices) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.stl", tetrahedron_stl_binary()));
-  ASSERT_TRUE(frames);
-  std::string collapsed = tetrahedron_stl_binary();
-  std::fill(collapsed.begin() + 84, collapsed.end(), '\0');
-  const Result<Positions> positions = frames->read_positions(write("1.stl", collapsed), 1);
-  ASSERT_TRUE(positions) << positions.error().text;
-  EXPECT_EQ(*positions, Positions(4));
-}
-
-TEST_F(Sequence, gltf_frames_that_collapse_to_a_point_keep_their_vertices) {
-  const Result<MeshSequence> frames =
-      MeshSequence::open(write("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb()));
-  ASSERT_TRUE(frames);
-  const Result<Positions> positions =
-      frames->read_positions(write("1.glb", gltf_of(Positions(4), tetrahedron_triangles).glb()), 1);
-  ASSERT_TRUE(positions) << positions.error().text;
-  EXPECT_EQ(*positions, Positions(4));
+TEST_F(Sequence, frames_that_collapse_to_a_point_keep_their_vertices) {
+  std::string stl = tetrahedron_stl_binary();
+  std::fill(stl.begin() + 84, stl.end(), '\0');
+  for (const auto& [first, later, bytes] :
+       {std::tuple(write("0.stl", tetrahedron_stl_binary()), "1.stl", stl),
+        {write("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb()), "1.glb",
+         gltf_of(Positions(4), tetrahedron_triangles).glb()}}) {
+    const Result<MeshSequence> frames = MeshSequence::open(first);
+    ASSERT_TRUE(frames);
+    const Result<Positions> positions = frames->read_positions(write(later, bytes), 1);
+    ASSERT_TRUE(positions) << positions.error().text;
+    EXPECT_EQ(*positions, Positions(4));
+  }
 }
 
 TEST_F(Sequence, changed_counts_are_named) {

@@ -58,16 +58,25 @@ bool prunes(const Pruning& pruning, PlacedLeaf& a, PlacedLeaf& b) {
 }
 
 TEST(Pruning, ComparesWhatIsNearerThanThePruneDistance) {
-  EXPECT_TRUE(Scene(2).is_pruned_after({1, 1, {0, 0, 1}}));
-  EXPECT_FALSE(Scene(0.5).is_pruned_after({1, 1, {0, 0, 1}}));
-  EXPECT_FALSE(Scene(0).is_pruned_after({1, 1, {0, 0, 1}}));
-}
-
-TEST(Pruning, PrunesTiesOnlyWhereTheDistanceItselfIsLookedFor) {
-  EXPECT_TRUE(Scene(1).is_pruned_after({1, 1, {0, 0, 1}}));
-  // An error is asked for: what is pruned has to be at least the cutoff apart, whatever rounding does.
-  EXPECT_FALSE(Scene(1).is_pruned_after({2, 1, {0, 0, 1}}));
-  EXPECT_TRUE(Scene(1 + 0x1p-30).is_pruned_after({2, 1, {0, 0, 1}}));
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  struct Known {
+    double height;
+    BoundUpdate update;
+    bool is_pruned;
+  };
+  const Vec3 up{0, 0, 1};
+  for (const Known& k : {Known{2, {1, 1, up}, true}, Known{0.5, {1, 1, up}, false}, Known{0, {1, 1, up}, false},
+                         Known{1, {1, 1, up}, true},  // a tie
+                         // An error is asked for: what is pruned has to be at least the cutoff apart, whatever rounding
+                         // does.
+                         Known{1, {2, 1, up}, false}, Known{1 + 0x1p-30, {2, 1, up}, true},
+                         Known{1000, {1001, infinity, up}, false}}) {  // may be within the limit
+    Scene scene(k.height);
+    EXPECT_EQ(scene.is_pruned_after(k.update), k.is_pruned) << k.height;
+    Pruning pruning(scene.placed, 1000);
+    pruning.update(k.update);
+    EXPECT_EQ(prunes(pruning, scene.leaf_a, scene.leaf_b), k.is_pruned) << k.height;
+  }
 }
 
 TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
@@ -128,13 +137,6 @@ TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
   EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));
 }
 
-TEST(Pruning, PrunesNoLeavesThatMayBeAsNearAsTheErrorAllows) {
-  Scene scene(1);
-  Pruning pruning(scene.placed, 1000);
-  pruning.update({2, 1, {0, 0, 1}});
-  EXPECT_FALSE(prunes(pruning, scene.leaf_a, scene.leaf_b));
-}
-
 TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   std::vector<Triangle> triangles;
   triangles.reserve(64);
@@ -157,11 +159,6 @@ TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   }
   EXPECT_GT(pruned, 2);
   EXPECT_LT(pruned, 7);
-}
-
-TEST(Pruning, ComparesWhatMayBeWithinTheLimit) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(Scene(1000).is_pruned_after({1001, infinity, {0, 0, 1}}));
 }
 
 }  // namespace

@@ -151,23 +151,6 @@ TEST(SceneTree, FindsTheSamePairsAsAllPairs) {
   }
 }
 
-TEST(SceneTree, FindsThemInTheSameOrderOnEveryInstructionSet) {
-  Rng rng(8102);
-  for (std::uint64_t kind = 0; kind < kinds; ++kind) {
-    const std::vector<WorldBounds> bounds = some_bounds(rng, 200, kind);
-    IdPairs first;
-    for (const simd::Kernels& kernels : simd::all_kernels()) {
-      simd::use_kernels(&kernels);
-      BoxTree tree;
-      tree.build(all_ids(bounds.size()), bounds);
-      const IdPairs found = found_by(tree, 0.05);
-      if (&kernels == &simd::all_kernels()[0]) first = found;
-      EXPECT_EQ(found, first) << kernels.name << ", kind " << kind;
-    }
-    simd::use_kernels(nullptr);
-  }
-}
-
 TEST(SceneTree, FindsSpheresThatTouchWhereSquaresVanish) {
   Rng rng(8110);
   for (int i = 0; i < 3000; ++i) {
@@ -226,22 +209,6 @@ TEST(HilbertOrder, IsAPermutationThatDoesNotDependOnWhatWasBefore) {
         ASSERT_TRUE(std::is_sorted(order.begin(), order.end()));
       }
     }
-  }
-}
-
-TEST(HilbertOrder, OfALatticeGoesFromNeighborToNeighbor) {
-  for (const std::uint32_t side : {4U, 32U, 64U}) {
-    std::vector<Vec3> centers;
-    for (std::uint32_t i = 0; i < side * side * side; ++i) {
-      centers.push_back({double(i % side), double(i / side % side), double(i / side / side)});
-    }
-    scene::HilbertOrder hilbert_order;
-    const auto order = hilbert_order.sort(centers);
-    double farthest = 0;
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      farthest = std::max(farthest, length(centers[order[i]] - centers[order[i - 1]]));
-    }
-    EXPECT_EQ(farthest, 1) << side;
   }
 }
 

@@ -53,25 +53,6 @@ TEST(Tree, UnitIsTheNextPowerOfTwo) {
   EXPECT_EQ(bvh::unit_for(0, 0x1p60), 0x1p10);
 }
 
-TEST(Tree, HoldsLeavesOfAnySize) {
-  // Triangles so small that float32 has no squares of their sizes, or not even their sizes, next to as many large ones.
-  Rng rng(213);
-  for (const int count : {8, 64, 512}) {
-    for (double small = 1e-10; small > 1e-40; small *= 0.3) {
-      std::vector<Triangle> triangles;
-      for (int i = 0; i < 2 * count; ++i) {
-        const double size = i < count ? small : 0.3;
-        const Vec3 at = i < count ? Vec3{} : Vec3{0.6, 0, 0};
-        const auto corner = [&] { return at + size * Vec3{rng.uniform(), rng.uniform(), rng.uniform()}; };
-        triangles.push_back({corner(), corner(), corner()});
-      }
-      const Mesh mesh = soup(triangles);
-      const auto sound = bvh::validate(bvh::build(mesh), mesh);
-      ASSERT_TRUE(static_cast<bool>(sound)) << count << ", " << small << ": " << sound.error().text;
-    }
-  }
-}
-
 TEST(Tree, RootIsHardlyLargerThanABall) {
   // The mesh is a ball of radius 1. Queries that are far enough from it should not have to expand the root.
   const Tree tree = bvh::build(scenes::ball(160, 80));
@@ -92,34 +73,6 @@ TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
     ASSERT_EQ(one.nodes[i].origin, many.nodes[i].origin) << i;
   }
   EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(bvh::Leaf)), 0);
-}
-
-TEST(Tree, TriangleIdsDecideWhereCentersAreEqual) {
-  // A partial rebuild gets the triangles in the order of the leaves, a build in the order of their ids.
-  Rng rng(214);
-  for (int i = 0; i < 100; ++i) {
-    const std::uint64_t side = 1 + rng.below(3);  // 1: all centers are equal
-    std::vector<bvh::PrimitiveRef> primitives(9 + rng.below(600));
-    for (TriangleId t = 0; t < primitives.size(); ++t) {
-      const Vec3 p = lattice_point(rng, side);
-      primitives[t] = {{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t};
-    }
-    // The triangles of each leaf, in ascending order.
-    const auto leaves_of = [](std::vector<bvh::PrimitiveRef> refs) {
-      bvh::partition_into_leaves(refs, bvh::build_range(0, refs.size()));
-      std::vector<TriangleId> ids;
-      for (const bvh::PrimitiveRef& ref : refs) ids.push_back(ref.triangle);
-      for (std::size_t k = 0; k < ids.size(); k += bvh::width) {
-        std::sort(ids.begin() + static_cast<std::ptrdiff_t>(k),
-                  ids.begin() + static_cast<std::ptrdiff_t>(std::min(k + bvh::width, ids.size())));
-      }
-      return ids;
-    };
-    const std::vector<TriangleId> in_order = leaves_of(primitives);
-    ASSERT_TRUE(side > 1 || std::is_sorted(in_order.begin(), in_order.end())) << i;
-    for (std::size_t k = primitives.size(); k > 1; --k) std::swap(primitives[k - 1], primitives[rng.below(k)]);
-    ASSERT_EQ(leaves_of(primitives), in_order) << i;
-  }
 }
 
 /// Whether a corner lies in all volumes of a slot, in exact arithmetic.
@@ -162,7 +115,7 @@ Mesh crowds(Rng& rng, int count, int each) {
   std::vector<Triangle> triangles;
   for (int crowd = 0; crowd < count; ++crowd) {
     const Vec3 at = uniform_point(rng);
-    const double size = std::ldexp(1.0, -5 - static_cast<int>(rng.below(45)));
+    const double size = std::ldexp(1.0, -5 - static_cast<int>(rng.below(130)));  // float32 has no squares of most
     for (int i = 0; i < each; ++i) {
       const Vec3 p = at + size * uniform_point(rng);
       triangles.push_back({p, p + 0.1 * size * uniform_point(rng), p + 0.1 * size * uniform_point(rng)});

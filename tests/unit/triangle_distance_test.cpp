@@ -218,17 +218,5 @@ TEST(TriangleDistance, IsPositiveForTheSmallestGap) {
   EXPECT_LT(distance, 1e-300);
 }
 
-TEST(TriangleDistance, EveryRankAgainstEveryRank) {
-  const Vec3 o{0, 0, 0}, x{2, 0, 0}, y{0, 2, 0};
-  const Triangle ranks_a[] = {{o, o, o}, {o, x, o}, {o, x, y}};
-  for (const Triangle& a : ranks_a) {
-    for (const Triangle& flat : ranks_a) {
-      const Vec3 up{0, 0, 3};
-      EXPECT_EQ(closest_points(a, {flat.v0 + up, flat.v1 + up, flat.v2 + up}).distance, 3);
-      EXPECT_EQ(closest_points(a, flat).distance, 0);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace limber::testing
