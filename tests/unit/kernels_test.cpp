@@ -33,34 +33,6 @@ TEST(Kernels, ScalarIsAmongThemAndLast) {
   EXPECT_STREQ(simd::kernels().name, sets.front().name);
 }
 
-TEST(Kernels, BoundsNeverExceedDistances) {
-  Rng rng(200);
-  int tight_bounds = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const KernelCase c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
-    const Node& node = tree_of(c.a).nodes[1];
-    const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
-    alignas(32) float order[bvh::width], bound_sq[bvh::width];
-    const Pruning pruning(placed, 1);
-    const unsigned kept = simd::kernels()
-                              .bound_children(node, at_slot(c.b, slot_b, false), frames.of(Side::a),
-                                              pruning.of(Side::a), no_limit_sq, order, bound_sq)
-                              .all;
-    ASSERT_EQ(kept, (1U << node.child_count) - 1);
-    for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
-      const double true_distance =
-          closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b).distance;
-      const double bound = order[slot] > 0 ? std::sqrt(static_cast<double>(order[slot])) * tree_of(c.a).unit : 0;
-      ASSERT_LE(bound, true_distance) << "case " << i;
-      ASSERT_EQ(bound_sq[slot], std::max(order[slot], 0.0F));
-      tight_bounds += bound > 0.5 * true_distance ? 1 : 0;
-    }
-  }
-  EXPECT_GT(tight_bounds, 3000);
-}
-
 TEST(Kernels, DirectionsNeverPruneWhatMatters) {
   Rng rng(201);
   int pruned_count = 0, sharper = 0;
