@@ -89,7 +89,11 @@ TYPED_TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
 
 TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWithReset) {
   Model model(scenes::ball(12, 7), {.motion_margin = 0.5});
-  const Model other(std::move(model));
+  ASSERT_TRUE(static_cast<bool>(model.move_all(model.mesh().positions())));
+  Model other(std::move(model));
+  other.reset(scenes::ball(6, 4));
+  EXPECT_EQ(other.options().motion_margin, 0.5);
+  EXPECT_EQ(other.maintenance_stats().moved_vertices, 0U);
   model.reset(scenes::grid(6, 6, -3, -3, 1, 1));
   EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.options().motion_margin, 0);  // the default: the options were moved away too

@@ -172,17 +172,6 @@ TEST(Model, RebuildsOnlyWhatHasDegraded) {
   EXPECT_LE(model.maintenance_stats().rebuilt_triangles, count);
 }
 
-TEST(Model, StartsOverWithAnotherMesh) {
-  Model model(scenes::thesis_ball(), {.motion_margin = 0.25});
-  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 2, 3}})));
-  model.reset(scenes::thesis_square());
-  EXPECT_TRUE(model.is_committed());
-  EXPECT_EQ(model.options().motion_margin, 0.25);
-  EXPECT_EQ(model.mesh().triangles().size(), 8192U);
-  EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
-  EXPECT_TRUE(static_cast<bool>(model.validate()));
-}
-
 TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
   Model model(scenes::thesis_ball(), {.motion_margin = 0.5});
   const Vec3 at = model.mesh().positions()[7];

@@ -40,14 +40,6 @@ TYPED_TEST(Query, OfSingleTrianglesIsThatOfThePrimitive) {
   EXPECT_EQ(r.stats.triangle_tests, 1U);
 }
 
-TYPED_TEST(Query, PointsAreInTheWorldFrame) {
-  const typename TestFixture::Model a(soup({unit_triangle})), b(soup({unit_triangle}));
-  const DistanceResult r = this->distance(a, b, {{}, {0, 0, 10}}, {}, {{}, {0, 0, 7}});
-  EXPECT_EQ(r.upper, 3);
-  EXPECT_EQ(r.witness->point_a.z, 7);
-  EXPECT_EQ(r.witness->point_b.z, 10);
-}
-
 TYPED_TEST(Query, TakesTrianglesAsSurfacesNotSolids) {
   const typename TestFixture::Model shell(scenes::ball(32, 17));
   const typename TestFixture::Model kernel(scaled(scenes::ball(16, 9), 0.25));

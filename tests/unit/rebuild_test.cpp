@@ -277,15 +277,6 @@ TEST(RebuildScheduler, SpreadsTheWorkOverAsManyCommitsAsTheBudgetNeeds) {
   }
 }
 
-TEST(RebuildScheduler, DoesNothingWithoutPolicyOrBudget) {
-  for (const RebuildPolicy policy : {RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker}) {
-    Degraded model(policy, policy == RebuildPolicy::off ? std::nullopt : std::optional<double>(0));
-    EXPECT_TRUE(model.survey());
-    EXPECT_FALSE(model.commit());
-    EXPECT_EQ(model.stats.rebuild_us, 0);
-  }
-}
-
 TEST(RebuildScheduler, SurveysOnceAPassInProportionToRefits) {
   Degraded model(RebuildPolicy::off, {}, 40'000);
   const std::uint64_t nodes = model.tree.nodes.size();
