@@ -198,7 +198,7 @@ void check_by_brute_force(Checker& checker, const std::vector<Motion>& motions, 
   }
 }
 
-/// Tight spheres only: a loose sphere may absorb motion in one mode and be refitted in another.
+/// Tight spheres only: a loose sphere may mark_beyond motion in one mode and be refitted in another.
 void check_order_of_modes(Checker& checker, const std::vector<Variant>& variants) {
   const std::size_t batches = batch_sizes.size();
   for (std::size_t i = 0; i < variants.size(); i += modes.size() * batches) {

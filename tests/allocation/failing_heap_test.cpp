@@ -76,6 +76,23 @@ bool throws_bad_alloc(const Call& call) {
   return false;
 }
 
+/// Runs `call` with each of its allocations failing once, and `check` after each run that threw. Returns how many
+/// allocations there are.
+template <typename Call, typename Check>
+int fail_each(const Call& call, const Check& check) {
+  for (int k = 0;; ++k) {
+    bool threw = false, failed = false;
+    {
+      const FailingHeap heap(k, Failing::once);
+      threw = throws_bad_alloc(call);
+      failed = heap.has_failed();
+    }
+    EXPECT_EQ(threw, failed) << k;
+    if (!failed) return k;
+    check();
+  }
+}
+
 /// A call on a model, after some preparation.
 template <typename Model>
 struct Step {
@@ -263,40 +280,6 @@ TEST(FailingHeap, LeavesAClassicModelAsItWas) {
   }
 }
 
-/// The number of allocations without which a constructor throws.
-template <typename Model>
-int needed_by_constructor() {
-  int needed = 0;
-  for (int k = 0;; ++k) {
-    Mesh mesh = some_mesh();
-    const FailingHeap heap(k, Failing::once);
-    needed += throws_bad_alloc([&] { const Model model(std::move(mesh)); }) ? 1 : 0;
-    if (!heap.has_failed()) return needed;
-  }
-}
-
-TEST(FailingHeap, IsReportedByConstructors) {
-  EXPECT_GT(needed_by_constructor<Model>(), 5);
-  EXPECT_GT(needed_by_constructor<classic::Model>(), 5);
-}
-
-TEST(FailingHeap, DoesNotKeepACommitFromEnding) {
-  // A commit does without the memory that would only make later commits cheaper.
-  for (const double motion_margin : {0.0, 0.1}) {
-    Model model(some_mesh(), {.motion_margin = motion_margin});
-    move_few(model);
-    for (int i = 0; i < 20; ++i) {
-      if (i % 3 == 0) move_all(model);
-      if (i % 3 != 0) move_few(model);
-      if (i == 10 && motion_margin > 0) model.set_motion_margin(motion_margin / 4);
-      const FailingHeap heap(0, Failing::always);
-      EXPECT_FALSE(throws_bad_alloc([&] { model.commit(); }));
-      EXPECT_TRUE(model.is_committed());
-    }
-    expect_right_answers<Placed>(model);
-  }
-}
-
 /// Plays a motion in which triangles change places, on a heap whose allocation `k` fails. Returns whether it has.
 bool play(const scenes::Motion& motion, const ModelOptions& options, int k, Failing failing,
           std::uint64_t& rebuilt_triangles) {
@@ -357,26 +340,57 @@ TEST(FailingHeap, LosesNoTriangleWhileTheTreeIsRebuilt) {
   }
 }
 
-TEST(FailingHeap, LeavesAnEmptyCache) {
-  const Model model(some_mesh());
-  const Placed a{model}, b{probe<Model>(), {{}, {0, 0, 2}}};
-  const double truth = brute_force_distance({model.mesh()}, {probe<Model>().mesh(), b.pose});
-  QueryCache cache;
+/// The number of allocations without which a call throws.
+template <typename Call>
+int needed_by(const Call& call) {
+  int needed = 0;
   for (int k = 0;; ++k) {
-    bool threw = false, failed = false;
-    {
-      const FailingHeap heap(k, Failing::once);
-      threw = throws_bad_alloc([&] { distance(a, b, {.cache = &cache}); });
-      failed = heap.has_failed();
-    }
-    EXPECT_EQ(threw, failed);
-    EXPECT_EQ(distance(a, b, {.cache = &cache}).upper, distance(a, b).upper);
-    EXPECT_NEAR(distance(a, b, {.cache = &cache}).upper, truth, tolerance);
+    const FailingHeap heap(k, Failing::once);
+    needed += throws_bad_alloc(call) ? 1 : 0;
+    if (!heap.has_failed()) return needed;
+  }
+}
+
+TEST(FailingHeap, IsReportedByConstructors) {
+  const Mesh mesh = some_mesh();  // two allocations are those of its copy
+  EXPECT_GT(needed_by([&] { const Model model(mesh); }), 7);
+  EXPECT_GT(needed_by([&] { const classic::Model model(mesh); }), 7);
+  EXPECT_GT(fail_each([&] { const NeighborRings rings(mesh, 2); }, [] {}), 5);
+}
+
+TEST(FailingHeap, LeavesAnEmptyCache) {
+  const Model model(some_mesh()), ball(scenes::ball(12, 8));
+  const Placed a{model}, b{probe<Model>(), {{}, {0, 0, 2}}};
+  const double truth = distance(a, b).upper, own_truth = self_distance(ball).upper;
+  QueryCache cache;
+  const auto check = [&] {
+    EXPECT_EQ(distance(a, b, {.cache = &cache}).upper, truth);
     EXPECT_FALSE(collide(a, b, {.cache = &cache}).is_yes());
     EXPECT_TRUE(within(a, b, truth * 1.01, {.cache = &cache}).is_yes());
-    if (!failed) break;
+    EXPECT_EQ(self_distance(ball, {.cache = &cache}).upper, own_truth);
     cache.clear();
-  }
+  };
+  fail_each([&] { distance(a, b, {.cache = &cache}); }, check);
+  check();
+  EXPECT_EQ(fail_each([&] { self_distance(ball, {.cache = &cache}); }, check), 1);
+  check();
+  EXPECT_EQ(fail_each([&] { self_collide(ball, {.cache = &cache}); }, check), 1);
+}
+
+TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
+  const Model ball(scenes::ball(12, 8));
+  std::vector<Contact> contacts(500);
+  contacts.resize(std::min(limber::contacts({ball}, {ball, {{}, {1.9, 0, 0}}}, 0.1, contacts).count, contacts.size()));
+  ASSERT_GT(contacts.size(), 20U);
+  const std::vector<Contact> before = contacts;
+  const int count = fail_each([&] { reduce_contacts(contacts, {.radius = 0.2}); },
+                              [&] {
+                                for (std::size_t i = 0; i < before.size(); ++i) {
+                                  ASSERT_EQ(contacts[i].triangle_a, before[i].triangle_a);
+                                  ASSERT_EQ(contacts[i].triangle_b, before[i].triangle_b);
+                                }
+                              });
+  EXPECT_EQ(count, 5);
 }
 
 }  // namespace

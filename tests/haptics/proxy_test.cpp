@@ -48,20 +48,12 @@ TEST(Proxy, IsWhereTheDeviceIsInFreeMotion) {
 
 TEST(Proxy, StopsInFrontOfTheTissueAndPullsTheDeviceBack) {
   Proxy proxy({0, 0, 5}, retreat_mm);
-  const Vec3 device{0, 0, -2};
+  const Vec3 device{5, -3, -2};
   const Vec3 place = settled(proxy, device);
-  EXPECT_NEAR(place.z, standoff_mm, 1e-9);
+  EXPECT_LE(length(place - Vec3{5, -3, standoff_mm}), 1e-9);
   const Vec3 force = proxy.follow(device, above_plane(proxy.place()));
   EXPECT_NEAR(force.z, stiffness_n_per_mm * (2 + standoff_mm), 1e-9);
   EXPECT_NEAR(force.x, 0, 1e-12);
-}
-
-TEST(Proxy, SlidesToTheNearestPlaceInFrontOfTheTissue) {
-  Proxy proxy({0, 0, 1}, retreat_mm);
-  const Vec3 place = settled(proxy, {5, -3, -1});
-  EXPECT_NEAR(place.x, 5, 1e-9);
-  EXPECT_NEAR(place.y, -3, 1e-9);
-  EXPECT_NEAR(place.z, standoff_mm, 1e-9);
 }
 
 TEST(Proxy, TakesNoStepThatIsNotCertifiedExceptBack) {

@@ -5,7 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <vector>
+
+#include "haptics/percentiles.h"
+#include "scenes/scenes.h"
 
 namespace limber::program {
 namespace {
@@ -72,6 +77,60 @@ TEST(TickLoop, KnowsTimesUpToFourSeconds) {
   EXPECT_EQ(ns_between(now, now + std::chrono::nanoseconds(17)), 17U);
   EXPECT_EQ(ns_between(now, now + std::chrono::seconds(10)), 0xffff'ffffU);
   EXPECT_EQ(ns_between(now, now - std::chrono::nanoseconds(17)), 0U);
+}
+
+/// count, ..., 2, 1.
+std::vector<double> counted_down(std::size_t count) {
+  std::vector<double> values(count);
+  std::iota(values.rbegin(), values.rend(), 1);
+  return values;
+}
+
+TEST(Percentiles, AreValuesByTheNearestRank) {
+  const Percentiles all = percentiles_of(counted_down(10'000)).value();
+  EXPECT_EQ(all.at[0], 5000);
+  EXPECT_EQ(all.at[1], 9000);
+  EXPECT_EQ(all.at[2], 9900);
+  EXPECT_EQ(all.at[3], 9990);
+  EXPECT_EQ(all.at[4], 9999);
+  EXPECT_EQ(all.max, 10'000);
+  EXPECT_EQ(percentiles_of(counted_down(7)).value().at[0], 4);  // of 3.5 values, rounded up
+}
+
+TEST(Percentiles, AreLeftOutWhereNoValueIsAbove) {
+  EXPECT_FALSE(percentiles_of({}));
+  EXPECT_FALSE(percentiles_of({5}).value().at[0]);
+  EXPECT_EQ(percentiles_of({5}).value().max, 5);
+  EXPECT_EQ(percentiles_of({5, 4}).value().at[0], 4);
+  for (std::size_t i = 1; i < percentile_levels.size(); ++i) {
+    const std::size_t enough = 10'000 / (10'000 - percentile_levels[i].part);
+    EXPECT_FALSE(percentiles_of(counted_down(enough - 1)).value().at[i]) << percentile_levels[i].name;
+    EXPECT_EQ(percentiles_of(counted_down(enough)).value().at[i], static_cast<double>(enough) - 1);
+  }
+}
+
+TEST(LogHistogram, CountsEveryValueBetweenItsEdges) {
+  scenes::Rng rng(3);
+  std::vector<double> values;
+  for (int i = 0; i < 1000; ++i) values.push_back(std::pow(10, rng.uniform(-1.9, 5)));
+  values.insert(values.end(), {0, 1e-9});                                            // count as the smallest
+  for (int bin = -15; bin <= 50; ++bin) values.push_back(std::pow(10, bin / 10.0));  // edges, and just below them
+  for (int bin = -15; bin <= 50; ++bin) values.push_back(std::nextafter(std::pow(10, bin / 10.0), 0));
+  const LogHistogram histogram(values);
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < histogram.counts().size(); ++i) {
+    const auto is_between = [&](double value) {
+      return (i == 0 || value >= histogram.edge(i)) && value < histogram.edge(i + 1);
+    };
+    EXPECT_EQ(histogram.counts()[i], std::count_if(values.begin(), values.end(), is_between)) << i;
+    counted += histogram.counts()[i];
+  }
+  EXPECT_EQ(counted, values.size());
+  EXPECT_GT(histogram.counts().front(), 0U);
+  EXPECT_GT(histogram.counts().back(), 0U);
+  EXPECT_NEAR(histogram.edge(0), 0.01, 1e-15);
+  EXPECT_NEAR(histogram.edge(10) / histogram.edge(0), 10, 1e-12);
+  EXPECT_TRUE(LogHistogram({}).counts().empty());
 }
 
 }  // namespace

@@ -76,22 +76,6 @@ std::string glb(std::string json, std::string buffer) {
   return bytes + buffer;
 }
 
-std::string gltf_json(std::size_t vertex_count, std::size_t index_count, const std::string& nodes,
-                      const std::string& uri) {
-  const std::size_t position_bytes = 12 * vertex_count, index_bytes = 2 * index_count;
-  std::ostringstream out;
-  out << R"({"asset":{"version":"2.0"},"scene":0,)";
-  out << (nodes.empty() ? R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)" : nodes);
-  out << R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
-      << R"("accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","min":[0,0,0],"max":[1,1,1],"count":)"
-      << vertex_count << R"(},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":)" << index_count
-      << R"(}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":)" << position_bytes
-      << R"(},{"buffer":0,"byteOffset":)" << position_bytes << R"(,"byteLength":)" << index_bytes
-      << R"(}],"buffers":[{)" << (uri.empty() ? "" : R"("uri":")") << uri << (uri.empty() ? "" : R"(",)")
-      << R"("byteLength":)" << position_bytes + index_bytes << "}]}";
-  return out.str();
-}
-
 std::string gltf_buffer(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles) {
   std::string bytes;
   for (const Vec3& p : positions) {
@@ -116,21 +100,58 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string tetrahedron_glb() {
-  return glb(gltf_json(4, 12), gltf_buffer(tetrahedron_positions, tetrahedron_triangles));
+GltfParts varied_gltf() {
+  GltfParts parts;
+  parts.buffer.clear();
+  // Positions with a fourth number behind each, which the stride passes over.
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 0}}) {
+    for (const double c : {p.x, p.y, p.z, 99.0}) append(parts.buffer, static_cast<float>(c));
+  }
+  parts.buffer += std::string(
+      "\0\1\2\3"
+      "\1\0\3\0",
+      8);  // from byte 64: four bytes, two 16-bit numbers
+  for (const float c : {5.0F, 6.0F, 7.0F, 8.0F, 9.0F, 10.0F}) append(parts.buffer, c);  // from byte 72
+  parts.views = R"([{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":4},)"
+                R"({"buffer":0,"byteOffset":68,"byteLength":4},{"buffer":0,"byteOffset":72,"byteLength":24}])";
+  parts.accessors = R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+                    R"({"bufferView":1,"componentType":5121,"count":4,"type":"SCALAR"},)"
+                    R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":2,)"
+                    R"("indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}}},)"
+                    R"({"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,)"
+                    R"("indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3,"byteOffset":12}}}])";
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"mode":5},)"
+                     R"({"attributes":{"POSITION":2},"indices":1,"mode":6},)"
+                     R"({"attributes":{"POSITION":3}},{"attributes":{"POSITION":0},"indices":1,"mode":0}])";
+  parts.nodes = R"([{"children":[1],"translation":[0,0,10]},{"mesh":0,)"
+                R"("matrix":[2,0,0,0, 0,2,0,0, 0,0,2,0, 1,0,0,1]}])";
+  return parts;
 }
 
-std::string tetrahedron_gltf() {
-  const std::string buffer = gltf_buffer(tetrahedron_positions, tetrahedron_triangles);
-  return gltf_json(4, 12, {}, std::string("data:application/octet-stream;base64,").append(base64(buffer)));
+GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles) {
+  GltfParts parts;
+  const std::string position_bytes = std::to_string(12 * positions.size());
+  parts.buffer = gltf_buffer(positions, triangles);
+  parts.accessors = R"([{"bufferView":0,"componentType":5126,"type":"VEC3","min":[0,0,0],"max":[1,1,1],"count":)" +
+                    std::to_string(positions.size()) +
+                    R"(},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":)" +
+                    std::to_string(3 * triangles.size()) + "}]";
+  parts.views = R"([{"buffer":0,"byteOffset":0,"byteLength":)" + position_bytes + R"(},{"buffer":0,"byteOffset":)" +
+                position_bytes + R"(,"byteLength":)" + std::to_string(6 * triangles.size()) + "}]";
+  return parts;
 }
 
 std::vector<std::pair<std::string, std::string>> tetrahedron_files() {
-  return {{"text.obj", tetrahedron_obj()},           {"text.off", tetrahedron_off()},
-          {"text.ply", tetrahedron_ply_ascii()},     {"little.ply", tetrahedron_ply_binary(false)},
-          {"big.ply", tetrahedron_ply_binary(true)}, {"text.stl", tetrahedron_stl_text()},
-          {"binary.stl", tetrahedron_stl_binary()},  {"binary.glb", tetrahedron_glb()},
-          {"text.gltf", tetrahedron_gltf()}};
+  const GltfParts parts = gltf_of(tetrahedron_positions, tetrahedron_triangles);
+  return {{"text.obj", tetrahedron_obj()},
+          {"text.off", tetrahedron_off()},
+          {"text.ply", tetrahedron_ply_ascii()},
+          {"little.ply", tetrahedron_ply_binary(false)},
+          {"big.ply", tetrahedron_ply_binary(true)},
+          {"text.stl", tetrahedron_stl_text()},
+          {"binary.stl", tetrahedron_stl_binary()},
+          {"binary.glb", parts.glb()},
+          {"text.gltf", parts.gltf()}};
 }
 
 }  // namespace limber

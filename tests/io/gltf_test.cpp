@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "gltf_parts.h"
+#include "files.h"
 
 namespace limber {
 namespace {
@@ -10,6 +10,23 @@ namespace fs = std::filesystem;
 class Gltf : public FilesTest {
  protected:
   Error refused_parts(const GltfParts& parts) const { return refused("a.gltf", parts.gltf()); }
+
+  /// A text with the first `part` replaced.
+  static std::string with(std::string text, const std::string& part, const std::string& instead) {
+    EXPECT_NE(text.find(part), text.npos) << part;
+    return text.replace(text.find(part), part.size(), instead);
+  }
+  using Changes = std::vector<std::pair<std::string, std::string>>;
+  /// Each change alone, of one part of a sound file, makes it malformed or too large.
+  void expect_refused_changes(const GltfParts& sound, std::string GltfParts::*part, const Changes& changes) const {
+    ASSERT_TRUE(read("a.gltf", sound.gltf()));
+    for (const auto& [from, to] : changes) {
+      GltfParts parts = sound;
+      parts.*part = with(parts.*part, from, to);
+      const ErrorCode code = refused_parts(parts).code;
+      EXPECT_TRUE(code == ErrorCode::malformed_file || code == ErrorCode::too_large) << to;
+    }
+  }
 };
 
 std::vector<Triangle> triangles_of(const Result<MeshFile>& file) {
@@ -36,13 +53,10 @@ TEST_F(Gltf, strips_fans_strides_and_sparse_accessors_are_read) {
   EXPECT_TRUE(are_corners(triangles[3], c, f, a));
   EXPECT_TRUE(are_corners(triangles[4], a, f, a));  // zeros but for the one sparse element
   EXPECT_EQ(file->face_count, 5U);                  // points are not counted
-}
-
-TEST_F(Gltf, glb_and_gltf_of_the_same_parts_agree) {
-  const Result<MeshFile> text = read("a.gltf", varied_gltf().gltf()), binary = read("a.glb", varied_gltf().glb());
-  ASSERT_TRUE(text && binary);
-  EXPECT_EQ(text->mesh.positions(), binary->mesh.positions());
-  EXPECT_EQ(text->mesh.triangles(), binary->mesh.triangles());
+  const Result<MeshFile> binary = read("a.glb", varied_gltf().glb());
+  ASSERT_TRUE(binary);
+  EXPECT_EQ(binary->mesh.positions(), file->mesh.positions());
+  EXPECT_EQ(binary->mesh.triangles(), file->mesh.triangles());
 }
 
 TEST_F(Gltf, transforms_keep_float64) {
@@ -51,15 +65,6 @@ TEST_F(Gltf, transforms_keep_float64) {
   const Result<MeshFile> file = read("a.gltf", parts.gltf());
   ASSERT_TRUE(file) << file.error().text;
   EXPECT_EQ(file->mesh.positions()[0].x, 1e9 + 0.1);
-}
-
-TEST_F(Gltf, rotation_of_any_length_turns_without_scaling) {
-  GltfParts parts;
-  parts.nodes = R"([{"mesh":0,"rotation":[0,0,3,3]}])";  // a quarter turn around z
-  const Result<MeshFile> file = read("a.gltf", parts.gltf());
-  ASSERT_TRUE(file) << file.error().text;
-  EXPECT_NEAR(file->mesh.positions()[1].x, 0, 1e-15);
-  EXPECT_NEAR(file->mesh.positions()[1].y, 1, 1e-15);
 }
 
 TEST_F(Gltf, rotation_about_a_slanted_axis_is_that_of_the_quaternion) {
@@ -177,12 +182,7 @@ TEST_F(Gltf, bytes_in_a_buffer_file_beyond_the_promised_length_do_not_count) {
 }
 
 TEST_F(Gltf, index_of_a_missing_vertex_is_named) {
-  GltfParts parts;
-  parts.buffer = gltf_buffer(tetrahedron_positions, {{0, 2, 1}, {0, 1, 4}});
-  parts.views = R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}])";
-  parts.accessors = R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
-                    R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}])";
-  parts.nodes = R"([{"mesh":0}])";
+  const GltfParts parts = gltf_of(tetrahedron_positions, {{0, 2, 1}, {0, 1, 4}});
   const Error error = refused_parts(parts);
   EXPECT_EQ(error.code, ErrorCode::index_out_of_range);
   EXPECT_EQ(error.where, 1U);
@@ -199,6 +199,199 @@ TEST_F(Gltf, largest_index_of_a_type_is_refused) {
   EXPECT_EQ(refused_parts(parts).code, ErrorCode::index_out_of_range);
   parts.buffer[38] = '\xfe';
   EXPECT_TRUE(read("a.gltf", parts.gltf()));
+}
+
+TEST_F(Gltf, positions_of_other_types_than_float_are_refused) {
+  for (const char* type : {"5120", "5121", "5122", "5123", "5125", "0", "5130"}) {
+    GltfParts parts;
+    parts.accessors = with(parts.accessors, "5126", type);
+    const Error error = refused_parts(parts);
+    EXPECT_EQ(error.code, ErrorCode::unsupported_format);
+    EXPECT_NE(error.text.find("accessor 0: positions of component type " + std::string(type)), std::string::npos);
+  }
+}
+
+TEST_F(Gltf, required_extensions_are_known_by_their_decoded_names) {
+  for (const std::string name :
+       {"KHR_mesh_quantization", "KHR\\u005fmesh_quantization", "\\u004bHR_mesh_quantization"}) {
+    GltfParts parts;
+    parts.more = R"("extensionsUsed":[")" + name + R"("],"extensionsRequired":[")" + name + R"("],)";
+    for (const std::string& bytes : {parts.gltf(), parts.glb()}) {
+      const Error error = refused("a.glb", bytes);
+      EXPECT_EQ(error.code, ErrorCode::unsupported_format);
+      EXPECT_NE(error.text.find("KHR_mesh_quantization"), std::string::npos) << error.text;
+    }
+    parts.more = with(parts.more, "extensionsRequired", "extensions\\u0052equired");
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
+  }
+  GltfParts parts;
+  parts.more = R"("extensionsRequired":["VENDOR_unheard_of"],)";
+  EXPECT_NE(refused_parts(parts).text.find("VENDOR_unheard_of"), std::string::npos);
+  parts.more = R"("extensionsRequired":[7],)";
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file);
+}
+
+TEST_F(Gltf, broken_accessors_are_malformed) {
+  expect_refused_changes({}, &GltfParts::accessors,
+                         {{R"("count":3)", R"("count":4)"},
+                          {R"("count":3)", R"("count":0)"},
+                          {R"("count":3)", R"("count":-3)"},
+                          {R"("count":3)", R"("count":3.0)"},
+                          {R"("count":3)", R"("count":18446744073709551615)"},
+                          {R"("count":3)", R"("count":99999999999999999999999)"},
+                          {R"("count":3)", R"("counts":3)"},
+                          {R"("bufferView":0)", R"("bufferView":2)"},
+                          {R"("bufferView":0)", R"("bufferView":18446744073709551615)"},
+                          {R"("bufferView":0)", R"("bufferView":0,"byteOffset":4)"},
+                          {R"("bufferView":0)", R"("bufferView":0,"byteOffset":18446744073709551612)"},
+                          {R"("bufferView":0)", R"("byteOffset":4)"},
+                          {R"("VEC3")", R"("VEC4")"},
+                          {R"("VEC3")", "3"},
+                          {R"("VEC3")", R"("VEC3","normalized":true)"},
+                          {"5123", "5122"},
+                          {"5123", "5126"},
+                          {"5123", "5125"},
+                          {R"("SCALAR")", R"("VEC2")"},
+                          {"}", R"(,"sparse":7})"}});
+}
+
+TEST_F(Gltf, broken_buffer_views_are_malformed) {
+  expect_refused_changes({}, &GltfParts::views,
+                         {{R"("byteLength":36)", R"("byteLength":43)"},
+                          {R"("byteLength":36)", R"("byteLength":35)"},
+                          {R"("byteLength":36)", R"("byteLength":0)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteOffset":18446744073709551615)"},
+                          {R"("byteLength":36)", R"("byteLength":18446744073709551615,"byteOffset":1)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteOffset":2)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":8)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":14)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":16)"},
+                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":256)"},
+                          {R"("byteLength":6)", R"("byteLength":6,"byteStride":4)"},
+                          {R"("byteLength":6)", R"("byteLength":12)"},
+                          {R"("byteOffset":36)", R"("byteOffset":35)"},
+                          {R"("buffer":0)", R"("buffer":1)"}});
+}
+
+TEST_F(Gltf, broken_sparse_accessors_are_malformed) {
+  expect_refused_changes(
+      varied_gltf(), &GltfParts::accessors,
+      {{R"("count":2)", R"("count":3)"},
+       {R"("count":2)", R"("count":5)"},
+       {R"("count":2)", R"("count":0)"},
+       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":2,"byteOffset":1099511627776)"},
+       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":2,"byteOffset":1)"},
+       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":0)"},
+       {R"("indices":{"bufferView":2)", R"("indices":{"nothing":2)"},
+       {R"("values":{"bufferView":3})", R"("values":{"bufferView":2})"},
+       {R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})"},
+       {R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":18446744073709551608})"},
+       {R"("componentType":5123})", R"("componentType":5126})"}});
+  GltfParts falling = varied_gltf();
+  std::swap(falling.buffer[68], falling.buffer[70]);  // 3, 1
+  EXPECT_NE(refused_parts(falling).text.find("sparse index 1 does not follow"), std::string::npos);
+  GltfParts beyond = varied_gltf();
+  beyond.buffer[70] = 4;
+  EXPECT_NE(refused_parts(beyond).text.find("sparse index 4 names no element"), std::string::npos);
+}
+
+TEST_F(Gltf, corners_that_make_no_whole_triangles_are_malformed) {
+  for (const auto& [count, mode] : std::vector<std::pair<std::string, std::string>>{
+           {"1", "4"}, {"2", "4"}, {"2", "5"}, {"1", "6"}, {"2", "6"}, {"3", "7"}, {"3", "-1"}, {"3", "\"4\""}}) {
+    GltfParts parts;
+    parts.accessors = with(parts.accessors, R"(5123,"count":3)", R"(5123,"count":)" + count);
+    parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"mode":)" + mode + "}]";
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << count << " corners, mode " << mode;
+  }
+}
+
+TEST_F(Gltf, nodes_that_form_no_tree_are_malformed) {
+  for (const auto& [nodes, scenes] : std::vector<std::pair<std::string, std::string>>{
+           {R"([{"children":[0],"mesh":0}])", "[0]"},
+           {R"([{"children":[1]},{"children":[0],"mesh":0}])", "[0]"},
+           {R"([{"children":[1]},{"children":[2]},{"children":[1],"mesh":0}])", "[0]"},
+           {R"([{"children":[1,1]},{"mesh":0}])", "[0]"},
+           {R"([{"children":[2]},{"children":[2]},{"mesh":0}])", "[0,1]"},
+           {R"([{"children":[1]},{"mesh":0}])", "[1]"},
+           {R"([{"mesh":0}])", "[0,0]"},
+           {R"([{"mesh":0}])", "[1]"},
+           {R"([{"mesh":1}])", "[0]"},
+           {R"([{"children":[7],"mesh":0}])", "[0]"},
+           {R"([7])", "[0]"}}) {
+    GltfParts parts;
+    parts.nodes = nodes;
+    parts.scenes = R"([{"nodes":)" + scenes + "}]";
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << nodes << scenes;
+  }
+}
+
+TEST_F(Gltf, broken_transforms_are_malformed) {
+  const std::string matrix = R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])";
+  for (const std::string& transform :
+       {with(matrix, "1]", "2]"), with(matrix, "[1,0,0,0", "[1,0,0,1"), with(matrix, ",1]", "]"),
+        matrix + R"(,"scale":[1,1,1])", std::string(R"("rotation":[0,0,0,0])"), std::string(R"("rotation":[0,0,1])"),
+        std::string(R"("translation":[0,0,"x"])"), std::string(R"("scale":1)"),
+        std::string(R"("scale":[1e999,1,1])")}) {
+    GltfParts parts;
+    parts.nodes = R"([{"mesh":0,)" + transform + "}]";
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << transform;
+  }
+  GltfParts parts;
+  parts.nodes = R"([{"mesh":0,"scale":[1e300,1,1]}])";
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::too_large);
+}
+
+TEST_F(Gltf, other_versions_are_unsupported) {
+  GltfParts parts;
+  parts.asset = R"({"version":"1.0"})";
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
+  parts.asset = R"({"version":"2.1","minVersion":"2.1"})";
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
+  parts.asset = R"({"version":"2.1"})";
+  EXPECT_TRUE(read("a.gltf", parts.gltf()));
+  parts.asset = "{}";
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file);
+  std::string bytes = GltfParts().glb();
+  bytes[4] = 1;
+  EXPECT_EQ(refused("a.glb", bytes).code, ErrorCode::unsupported_format);
+}
+
+TEST_F(Gltf, names_that_an_object_has_twice_are_malformed) {
+  GltfParts parts;
+  parts.accessors = with(parts.accessors, R"("count":3)", R"("count":3,"co\u0075nt":1)");
+  EXPECT_NE(refused_parts(parts).text.find("two properties 'count'"), std::string::npos);
+}
+
+TEST_F(Gltf, data_that_is_not_base64_is_malformed) {
+  for (const char* uri : {"data:,abc", "data:;base64", "data:;base64,A", "data:;base64,AA*A", "data:;base64,AA A",
+                          "data:;base64,====", "data:application/octet-stream;base64,AAAA\\n"}) {
+    GltfParts parts;
+    parts.uri = uri;
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << uri;
+  }
+}
+
+TEST_F(Gltf, compressed_primitives_are_read_only_if_plain_data_is_there_too) {
+  GltfParts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":0}}}])";
+  EXPECT_TRUE(read("a.gltf", parts.gltf()));
+  parts.accessors = with(parts.accessors, R"("bufferView":0,)", "");
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
+}
+
+TEST_F(Gltf, broken_binary_containers_are_malformed) {
+  const std::string sound = GltfParts().glb();
+  ASSERT_TRUE(read("a.glb", sound));
+  std::string no_json_first = sound;
+  no_json_first.replace(16, 4, "JSOM");
+  EXPECT_EQ(refused("a.glb", no_json_first).code, ErrorCode::malformed_file);
+  std::string no_binary_chunk = sound;
+  no_binary_chunk.replace(sound.find(std::string_view("BIN\0", 4)), 3, "BIM");
+  EXPECT_NE(refused("a.glb", no_binary_chunk).text.find("no binary chunk"), std::string::npos);
+  EXPECT_EQ(refused("a.glb", sound.substr(0, 12)).code, ErrorCode::malformed_file);
+  std::string chunk_beyond_the_end = sound;
+  chunk_beyond_the_end[sound.find(std::string_view("BIN\0", 4)) - 4] += 4;
+  EXPECT_NE(refused("a.glb", chunk_beyond_the_end).text.find("promises"), std::string::npos);
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <tuple>
+
 #include "files.h"
+#include "support/real_meshes.h"
 
 namespace limber {
 namespace {
@@ -42,23 +46,19 @@ TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {
   }
 }
 
-TEST_F(Sequence, stl_frames_that_collapse_to_a_point_keep_their_vertices) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.stl", tetrahedron_stl_binary()));
-  ASSERT_TRUE(frames);
-  std::string collapsed = tetrahedron_stl_binary();
-  std::fill(collapsed.begin() + 84, collapsed.end(), '\0');
-  const Result<Positions> positions = frames->read_positions(write("1.stl", collapsed), 1);
-  ASSERT_TRUE(positions) << positions.error().text;
-  EXPECT_EQ(*positions, Positions(4));
-}
-
-TEST_F(Sequence, gltf_frames_that_collapse_to_a_point_keep_their_vertices) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.glb", tetrahedron_glb()));
-  ASSERT_TRUE(frames);
-  const std::string buffer = gltf_buffer(Positions(4), tetrahedron_triangles);
-  const Result<Positions> positions = frames->read_positions(write("1.glb", glb(gltf_json(4, 12), buffer)), 1);
-  ASSERT_TRUE(positions) << positions.error().text;
-  EXPECT_EQ(*positions, Positions(4));
+TEST_F(Sequence, frames_that_collapse_to_a_point_keep_their_vertices) {
+  std::string stl = tetrahedron_stl_binary();
+  std::fill(stl.begin() + 84, stl.end(), '\0');
+  for (const auto& [first, later, bytes] :
+       {std::tuple(write("0.stl", tetrahedron_stl_binary()), "1.stl", stl),
+        {write("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb()), "1.glb",
+         gltf_of(Positions(4), tetrahedron_triangles).glb()}}) {
+    const Result<MeshSequence> frames = MeshSequence::open(first);
+    ASSERT_TRUE(frames);
+    const Result<Positions> positions = frames->read_positions(write(later, bytes), 1);
+    ASSERT_TRUE(positions) << positions.error().text;
+    EXPECT_EQ(*positions, Positions(4));
+  }
 }
 
 TEST_F(Sequence, changed_counts_are_named) {
@@ -123,10 +123,47 @@ TEST_F(Sequence, later_frames_are_checked_like_the_first) {
   EXPECT_EQ(missing.error().code, ErrorCode::unreadable_file);
 }
 
-TEST_F(Sequence, first_frame_has_the_errors_of_a_single_file) {
-  const Result<MeshSequence> frames = MeshSequence::open(path("missing.obj"));
-  ASSERT_FALSE(frames);
-  EXPECT_EQ(frames.error().text, read_mesh_file(path("missing.obj")).error().text);
+namespace fs = std::filesystem;
+using testing::real_mesh;
+
+struct Known {
+  const char* name;
+  std::size_t triangle_count;
+};
+
+void PrintTo(const Known& known, std::ostream* out) { *out << known.name; }
+
+class RealFiles : public ::testing::TestWithParam<Known> {};
+
+TEST_P(RealFiles, have_their_known_number_of_triangles) {
+  const fs::path path = real_mesh(GetParam().name);
+  if (!fs::exists(path)) GTEST_SKIP() << "no data";
+  const Result<MeshFile> file = read_mesh_file(path);
+  ASSERT_TRUE(file) << file.error().text;
+  EXPECT_EQ(file->mesh.triangles().size(), GetParam().triangle_count);
+  EXPECT_EQ(file->face_of_triangle.back() + 1, file->face_count);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RealFiles,
+                         ::testing::Values(Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482},
+                                           Known{"fandisk.obj", 12946}, Known{"spot.obj", 5856}, Known{"cow.obj", 5804},
+                                           Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
+                                           Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}),
+                         [](const auto& test) {
+                           std::string name = fs::path(test.param.name).stem().string();
+                           for (char& c : name) c = c == '-' ? '_' : c;
+                           return name;
+                         });
+
+TEST(RealSequence, cloth_frames_share_their_connectivity) {
+  const fs::path first = real_mesh("cloth_ball_92.ply"), second = real_mesh("cloth_ball_93.ply");
+  if (!fs::exists(first) || !fs::exists(second)) GTEST_SKIP() << "no data";
+  const Result<MeshSequence> frames = MeshSequence::open(first);
+  ASSERT_TRUE(frames) << frames.error().text;
+  const Result<std::vector<Vec3>> positions = frames->read_positions(second, 1);
+  ASSERT_TRUE(positions) << positions.error().text;
+  ASSERT_EQ(positions->size(), frames->first().mesh.positions().size());
+  EXPECT_NE(*positions, frames->first().mesh.positions());
 }
 
 }  // namespace

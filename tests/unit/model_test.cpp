@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -78,12 +79,14 @@ TEST(Model, StopsWhereNothingChanges) {
 
 TEST(Model, IsAfterRebuildAsIfJustBuilt) {
   const scenes::Motion soup = scenes::shuffled_soup(3000);
-  for (const double motion_margin : {0.0, 10.0}) {
+  for (const auto& [motion_margin, far] : {std::pair(0.0, Vec3{}), {10.0, Vec3{}}, {0.0, Vec3{1e9, 1e9, 1e9}}}) {
     Model moved(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::off});
-    ASSERT_TRUE(static_cast<bool>(moved.move_all(soup.positions(400))));
-    moved.commit();
+    std::vector<Vec3> positions = soup.positions(400);
+    for (Vec3& p : positions) p += far;
+    ASSERT_TRUE(static_cast<bool>(moved.move_all(positions)));
+    if (far == Vec3{}) moved.commit();  // otherwise rebuild() is the commit
     moved.rebuild();
-    const Model built(Mesh::create(soup.positions(400), soup.mesh.triangles()).value());
+    const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
     ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
     ASSERT_EQ(tree_of(moved).slack, 0);
     // The centers by which triangles are sorted are rounded relative to another origin, so a few triangles may be in
@@ -131,7 +134,8 @@ TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
   Model never_rebuilt(soup.mesh, {.rebuild_policy = RebuildPolicy::off}), no_time(soup.mesh, {.rebuild_budget_us = 0});
   Model in_commit(soup.mesh), slowly(soup.mesh, {.rebuild_budget_us = 100});
   Model on_worker(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker});
-  const std::vector<Model*> models{&never_rebuilt, &no_time, &in_commit, &slowly, &on_worker};
+  Model real_time(soup.mesh, ModelOptions::real_time(100));
+  const std::vector<Model*> models{&never_rebuilt, &no_time, &in_commit, &slowly, &on_worker, &real_time};
   const std::vector<double> visits = play(soup, models, 150);
   for (std::size_t m = 0; m < models.size(); ++m) {
     const std::uint64_t rebuilt_triangles = models[m]->maintenance_stats().rebuilt_triangles;
@@ -168,124 +172,6 @@ TEST(Model, RebuildsOnlyWhatHasDegraded) {
   EXPECT_LE(model.maintenance_stats().rebuilt_triangles, count);
 }
 
-TEST(Model, StartsOverWithAnotherMesh) {
-  Model model(scenes::thesis_ball(), {.motion_margin = 0.25});
-  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 2, 3}})));
-  model.reset(scenes::thesis_square());
-  EXPECT_TRUE(model.is_committed());
-  EXPECT_EQ(model.options().motion_margin, 0.25);
-  EXPECT_EQ(model.mesh().triangles().size(), 8192U);
-  EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
-  EXPECT_TRUE(static_cast<bool>(model.validate()));
-}
-
-TEST(Model, IsAfterMovingAllPieceByPieceAsIfJustFitted) {
-  // One tree is refitted in hundreds of commits, each of a few nodes and their ancestors. The other tree had the same
-  // leaves at the start and is fitted once at the end.
-  const Mesh start = scenes::wave_sheet(60, 60, 0), end = scenes::wave_sheet(60, 60, 0.4);
-  Model moved(start, {.rebuild_policy = RebuildPolicy::off});
-  bvh::Tree fitted = tree_of(moved);
-  bvh::fit(fitted, end);
-  constexpr std::size_t at_once = 10;
-  const std::size_t count = start.positions().size();
-  for (std::size_t first = 0; first < count; first += at_once) {
-    std::vector<VertexId> ids;
-    for (std::size_t v = first; v < std::min(first + at_once, count); ++v) ids.push_back(static_cast<VertexId>(v));
-    ASSERT_TRUE(static_cast<bool>(moved.move_vertices(ids, std::span(end.positions()).subspan(first, ids.size()))));
-    moved.commit();
-  }
-  ASSERT_LT(moved.maintenance_stats().refits, count / at_once * fitted.nodes.size() / 4);
-  ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
-  const bvh::Tree& tree = tree_of(moved);
-  ASSERT_EQ(tree.unit, fitted.unit);
-  for (std::uint32_t i = 0; i < fitted.nodes.size(); ++i) {
-    const bvh::ChildBounds &n = tree.nodes[i].bounds, &m = fitted.nodes[i].bounds;
-    for (std::uint32_t k = 0; k < fitted.nodes[i].child_count; ++k) {
-      // Origins of nodes are corners of either sheet, so float32 rounds differently.
-      const float rounding = 1e-5F * m.radius[k];
-      const Vec3 apart = bvh::slot_center(tree, i * bvh::width + k) - bvh::slot_center(fitted, i * bvh::width + k);
-      ASSERT_LE(length(apart), static_cast<double>(rounding) * tree.unit) << i;
-      for (const auto& [now, wanted] :
-           {std::pair(n.radius, m.radius), std::pair(n.half_x, m.half_x), std::pair(n.half_y, m.half_y),
-            std::pair(n.half_z, m.half_z), std::pair(n.low, m.low), std::pair(n.high, m.high)}) {
-        ASSERT_NEAR(now[k], wanted[k], rounding) << i;
-      }
-    }
-  }
-}
-
-TEST(Model, StaysSoundWhereverItsVerticesMove) {
-  // The mesh moves far away and back, collapses to a point, grows and shrinks. Units and origins have to adapt.
-  Rng rng(310);
-  Model model(scenes::ball(12, 7));
-  const std::vector<Vec3> start = model.mesh().positions();
-  const Model other(scenes::grid(6, 6, -3, -3, 1, 1));
-  for (const double scale : {1.0, 0x1p-60, 1e-6, 0.0, 1.0, 0x1p90, 1e3, 1.0}) {
-    for (const Vec3& at : {Vec3{}, Vec3{1e5, -2e6, 3}, Vec3{0.1, 0.2, 40}}) {
-      std::vector<Vec3> positions = start;
-      for (Vec3& p : positions) p = p * scale + at;
-      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
-      model.commit();
-      ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text << " at scale " << scale;
-      const double truth = reference::distance({model.mesh()}, {other.mesh()}).upper;
-      ASSERT_NEAR(distance({model}, {other}).upper, truth, 1e-14 * (scale + length(at) + 10)) << scale;
-      // The same with one vertex at a time.
-      for (int i = 0; i < 20; ++i) {
-        const auto v = static_cast<VertexId>(rng.below(start.size()));
-        ASSERT_TRUE(static_cast<bool>(
-            model.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{start[v] * rng.uniform(0, 2)})));
-        model.commit();
-        ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text << " at scale " << scale;
-      }
-    }
-  }
-}
-
-TEST(Model, GrowsFromAPointAndByAnyFactor) {
-  const Mesh ball = scenes::ball(12, 7);
-  const Model other(scenes::grid(6, 6, -3, -3, 1, 1));
-  const auto check = [&](Model& model) {
-    ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
-    const double truth = reference::distance({model.mesh()}, {other.mesh(), {{}, {0, 0, -3}}}).upper;
-    const double size = max_abs(model.mesh().positions()[5]) + 1;
-    ASSERT_NEAR(distance({model}, {other, {{}, {0, 0, -3}}}).upper, truth, 1e-14 * size);
-  };
-  const std::vector<Vec3> nowhere(ball.positions().size());
-  for (const double motion_margin : {0.0, 0.1, 10.0}) {
-    // A placeholder that becomes a shape, collapses, and comes back.
-    Model model(Mesh::create(nowhere, ball.triangles()).value(), {.motion_margin = motion_margin});
-    for (int i = 0; i < 3; ++i) {
-      ASSERT_TRUE(static_cast<bool>(model.move_all(ball.positions())));
-      model.commit();
-      check(model);
-      for (int k = 0; k < 3; ++k) {
-        ASSERT_TRUE(static_cast<bool>(model.move_all(nowhere)));
-        model.commit();
-        check(model);
-      }
-    }
-    // One vertex far out, and back.
-    for (const double far : {1e39, 1e10, 1e59, 1.0}) {
-      const std::vector<Vec3> to{{far, 0, 0}};
-      ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{5}, to)));
-      model.commit();
-      check(model);
-    }
-  }
-}
-
-TEST(Model, RebuildsFromThePresentPositions) {
-  const scenes::Motion soup = scenes::shuffled_soup(3000);
-  Model model(soup.mesh);
-  std::vector<Vec3> positions = soup.positions(400);
-  for (Vec3& p : positions) p += Vec3{1e9, 1e9, 1e9};
-  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
-  model.rebuild();
-  const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
-  EXPECT_NEAR(bvh::TreeCost::of(tree_of(model), bvh::subtree_of(tree_of(model), bvh::root_slot)),
-              bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root_slot)), 0.02);
-}
-
 TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
   Model model(scenes::thesis_ball(), {.motion_margin = 0.5});
   const Vec3 at = model.mesh().positions()[7];
@@ -297,26 +183,6 @@ TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
   const Result<void> result = model.validate();
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().where, 7U);
-}
-
-TEST(Model, InvalidatesCachesWhenItMoves) {
-  Model ball(scenes::thesis_ball());
-  const Model square(scenes::thesis_square());
-  const Placed there{ball, {{}, {0, 0, 3}}};
-  QueryCache cache;
-  EXPECT_NEAR(distance({square}, there, {.cache = &cache}).upper, 2, 1e-2);
-  std::vector<Vec3> positions = ball.mesh().positions();
-  for (Vec3& p : positions) p.z -= 1.5;
-  ASSERT_TRUE(static_cast<bool>(ball.move_all(positions)));
-  ball.commit();
-  EXPECT_EQ(distance({square}, there, {.cache = &cache}).upper, distance({square}, there).upper);
-  // The closest triangles stay where they are, and a triangle in a node that the cache has pruned comes closer.
-  const auto top =
-      std::max_element(positions.begin(), positions.end(), [](const Vec3& p, const Vec3& q) { return p.z < q.z; });
-  const std::vector<VertexId> ids{static_cast<VertexId>(top - positions.begin())};
-  ASSERT_TRUE(static_cast<bool>(ball.move_vertices(ids, std::vector<Vec3>{{0.5, 0.5, -2.75}})));
-  ball.commit();
-  EXPECT_NEAR(distance({square}, there, {.cache = &cache}).upper, 0.25, 1e-12);
 }
 
 // A rebuild keeps the unit it has begun with, in which most centers are infinite after such a motion.
@@ -333,6 +199,90 @@ TEST(Model, IsRebuiltWhileItGrowsBeyondFloat32) {
       ASSERT_TRUE(model.validate()) << side << " " << frame;
     }
     EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 0U);
+  }
+}
+
+void expect_bounds_hold(const Model& model) {
+  const Box box = model.bounding_box();
+  const Sphere sphere = model.bounding_sphere();
+  Vec3 low = model.mesh().triangle(0).v0, high = low;
+  for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 p = model.mesh().triangle(t)[i];
+      low = min(low, p), high = max(high, p);
+      ASSERT_LE(length(p - sphere.center), sphere.radius);
+    }
+  }
+  EXPECT_EQ(min(box.low, low), box.low);
+  EXPECT_EQ(max(box.high, high), box.high);
+  const double size = length(high - low), margin = model.maintenance_stats().motion_margin;
+  const double tolerance = 1e-5 * size + 2 * margin + 1e-12 * max_abs(high) + 1e-280;
+  EXPECT_LE(max_abs(box.high - high), tolerance);
+  EXPECT_LE(max_abs(box.low - low), tolerance);
+  EXPECT_LE(sphere.radius, 0.75 * size + tolerance);
+}
+
+TEST(ModelBounds, ContainEveryVertexWhateverTheScale) {
+  Rng rng(710);
+  for (const double scale : {0.0, 1e-300, 1e-3, 1.0, 1e6, 1e50}) {
+    for (const double offset : {0.0, 1.0, 1e9}) {
+      std::vector<Triangle> triangles;
+      for (std::size_t i = 0; i < 1 + rng.below(200); ++i) {
+        const Vec3 at = scale * (offset * Vec3{1, -1, 1} + uniform_point(rng));
+        triangles.push_back({at, at + 0.1 * scale * uniform_point(rng), at + 0.1 * scale * uniform_point(rng)});
+      }
+      Model model(soup(triangles), {.motion_margin = rng.below(2) == 0 ? 0 : 0.1 * scale});
+      expect_bounds_hold(model);
+      for (int frame = 0; frame < 4; ++frame) {
+        std::vector<Vec3> positions = model.mesh().positions();
+        for (Vec3& p : positions) p += 0.05 * scale * uniform_point(rng);
+        ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+        model.commit();
+        expect_bounds_hold(model);
+      }
+    }
+  }
+}
+
+/// Whether each level of spheres holds all triangles, each triangle in one of them.
+void expect_spheres_hold(const Model& model) {
+  const TreeStats stats = model.tree_stats();
+  std::size_t count = 0;
+  for (std::uint32_t level = 0; level < stats.levels; ++level) {
+    const std::vector<Sphere> spheres = model.node_spheres(level);
+    count += spheres.size();
+    for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
+      const auto holds = [&](const Sphere& sphere) { return contains(sphere, model.mesh().triangle(t)); };
+      ASSERT_TRUE(std::any_of(spheres.begin(), spheres.end(), holds)) << "level " << level << ", triangle " << t;
+    }
+  }
+  EXPECT_EQ(count, stats.nodes);
+  EXPECT_EQ(model.node_spheres(stats.levels - 1).size(), stats.leaves);
+  const Sphere root = model.bounding_sphere();
+  ASSERT_EQ(model.node_spheres(0).size(), 1U);
+  EXPECT_EQ(model.node_spheres(0)[0].center, root.center);
+  EXPECT_EQ(model.node_spheres(0)[0].radius, root.radius);
+  EXPECT_THROW(static_cast<void>(model.node_spheres(stats.levels)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(model.node_spheres(no_id)), std::invalid_argument);
+}
+
+TEST(ModelBounds, SpheresOfEveryLevelHoldEveryTriangle) {
+  Rng rng(711);
+  for (const double offset : {0.0, 1e9}) {
+    for (const std::uint32_t triangles : {1U, 8U, 9U, 600U}) {
+      std::vector<Vec3> positions = scenes::random_soup(rng, triangles, 0.1).positions();
+      const std::vector<Corners> corners = scenes::random_soup(rng, triangles, 0.1).triangles();
+      for (Vec3& p : positions) p += offset * Vec3{1, -1, 1};
+      Model model(Mesh::create(positions, corners).value(), {.motion_margin = triangles > 8 ? 0.05 : 0});
+      expect_spheres_hold(model);
+      for (Vec3& p : positions) p += 0.02 * uniform_point(rng);
+      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+      EXPECT_THROW(static_cast<void>(model.node_spheres(0)), std::invalid_argument);
+      EXPECT_THROW(static_cast<void>(model.bounding_box()), std::invalid_argument);
+      EXPECT_THROW(static_cast<void>(model.bounding_sphere()), std::invalid_argument);
+      model.commit();
+      expect_spheres_hold(model);
+    }
   }
 }
 

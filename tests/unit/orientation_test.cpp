@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "geometry/exact_sign.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
@@ -33,53 +36,60 @@ TEST(Orientation, IsPositiveOnTheSideTheNormalPointsTo) {
   EXPECT_EQ(orient2d(a, b, c, 0), 0);
 }
 
-TEST(Orientation, AgreesWithRationalsOnEveryKindOfPair) {
+using FourPoints = std::array<Vec3, 4>;
+
+/// Any of the numbers that a function makes, as the coordinates of four points.
+template <typename Coordinate>
+FourPoints points_of(const Coordinate& coordinate) {
+  FourPoints points;
+  for (Vec3& p : points) p.x = coordinate(), p.y = coordinate(), p.z = coordinate();
+  return points;
+}
+
+/// Four points of one kind; see the switch.
+FourPoints points_of_kind(Rng& rng, int kind) {
+  const auto power = [&](std::uint64_t below, int shift) { return static_cast<int>(rng.below(below)) + shift; };
+  switch (kind) {
+    case 0: {  // a plane through irregular points, and a point moved off it by single units in the last place
+      const Triangle t = uniform_triangle(rng);
+      return {t.v0, t.v1, t.v2, nudged(rng, point_on(t, rng.uniform(), rng.uniform()), 1)};
+    }
+    case 1: {  // a lattice of any scale
+      const double scale = std::ldexp(1.0, power(2071, -1070));
+      return points_of([&] { return scale * static_cast<double>(rng.below(6)); });
+    }
+    case 2:  // mixed magnitudes
+      return points_of([&] { return std::ldexp(rng.uniform(-1, 1), power(1900, -1000)); });
+    case 3: {  // the smallest and the largest numbers at once
+      FourPoints points = points_of([&] {
+        const double sign = rng.below(2) == 0 ? 1 : -1;
+        if (rng.below(3) == 0) return 0.0;
+        return sign * (rng.below(2) == 0 ? std::ldexp(rng.uniform(0.5, 1), 1024 - power(3, 0))
+                                         : std::ldexp(1.0, power(4, -1074)));
+      });
+      if (rng.below(2) == 0) points[0] = {};
+      return points;
+    }
+    default: {
+      const auto [s, t] =
+          random_pair(rng, static_cast<PairKind>(rng.below(static_cast<std::uint64_t>(PairKind::count))));
+      return {s.v0, s.v1, s.v2, t.v0};
+    }
+  }
+}
+
+TEST(Orientation, AgreesWithRationalsAndChangesSignWithEverySwap) {
   Rng rng(1);
-  for (int i = 0; i < 4000; ++i) {
-    const auto kind = static_cast<PairKind>(i % static_cast<int>(PairKind::count));
-    const auto [s, t] = random_pair(rng, kind);
-    ASSERT_EQ(orient3d(s.v0, s.v1, s.v2, t.v0), rational_volume_sign(s.v0, s.v1, s.v2, t.v0)) << "case " << i;
+  for (int i = 0; i < 8000; ++i) {
+    const auto [a, b, c, d] = points_of_kind(rng, i % 6);
+    const int sign = orient3d(a, b, c, d);
+    ASSERT_EQ(sign, rational_volume_sign(a, b, c, d)) << "case " << i;
+    ASSERT_EQ(orient3d(b, a, c, d), -sign) << "case " << i;
+    ASSERT_EQ(orient3d(a, b, d, c), -sign) << "case " << i;
+    ASSERT_EQ(orient3d(d, b, c, a), -sign) << "case " << i;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      ASSERT_EQ(orient2d(s.v0, s.v1, t.v0, axis), rational_area_sign(s.v0, s.v1, t.v0, axis)) << "case " << i;
+      ASSERT_EQ(orient2d(a, b, d, axis), rational_area_sign(a, b, d, axis)) << "case " << i;
     }
-  }
-}
-
-TEST(Orientation, IsExactWhereTheLastBitDecides) {
-  // A point moved off a plane through irregular points by single units in the last place.
-  Rng rng(2);
-  for (int i = 0; i < 2000; ++i) {
-    const Triangle t = uniform_triangle(rng);
-    const Vec3 p = nudged(rng, point_on(t, rng.uniform(), rng.uniform()), 1);
-    ASSERT_EQ(orient3d(t.v0, t.v1, t.v2, p), rational_volume_sign(t.v0, t.v1, t.v2, p)) << "case " << i;
-  }
-}
-
-TEST(Orientation, IsExactAtEveryScale) {
-  Rng rng(3);
-  for (int exponent = -1070; exponent <= 1000; exponent += 23) {
-    const auto scaled = [&](const Vec3& v) {
-      return Vec3{std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
-    };
-    for (int i = 0; i < 8; ++i) {
-      const Triangle t = lattice_triangle(rng, 6);
-      const Vec3 a = scaled(t.v0), b = scaled(t.v1), c = scaled(t.v2), d = scaled(lattice_point(rng, 6));
-      ASSERT_EQ(orient3d(a, b, c, d), rational_volume_sign(a, b, c, d)) << "exponent " << exponent;
-      ASSERT_EQ(orient2d(a, b, c, 2), rational_area_sign(a, b, c, 2)) << "exponent " << exponent;
-    }
-  }
-}
-
-TEST(Orientation, IsExactForMixedMagnitudes) {
-  Rng rng(4);
-  const auto wild = [&] {
-    const auto coordinate = [&] { return std::ldexp(rng.uniform(-1, 1), static_cast<int>(rng.below(1900)) - 1000); };
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    return Vec3{x, y, z};
-  };
-  for (int i = 0; i < 300; ++i) {
-    const Vec3 a = wild(), b = wild(), c = wild(), d = wild();
-    ASSERT_EQ(orient3d(a, b, c, d), rational_volume_sign(a, b, c, d)) << "case " << i;
   }
 }
 
@@ -87,22 +97,6 @@ TEST(Orientation, IsExactFromTheSmallestToTheLargestNumberAtOnce) {
   const double small = 0x1p-1074, large = 0x1p1023;
   EXPECT_EQ(orient3d({}, {large, small, 0}, {0, large, 0}, {0, 0, large}), 1);
   EXPECT_EQ(orient3d({}, {large, small, 0}, {0, 0, large}, {0, large, 0}), -1);
-  Rng rng(7);
-  const auto coordinate = [&] {
-    const double sign = rng.below(2) == 0 ? 1 : -1;
-    if (rng.below(3) == 0) return 0.0;
-    return rng.below(2) == 0 ? sign * std::ldexp(rng.uniform(0.5, 1), 1024 - static_cast<int>(rng.below(3)))
-                             : sign * std::ldexp(1.0, static_cast<int>(rng.below(4)) - 1074);
-  };
-  const auto point = [&] {
-    const double x = coordinate(), y = coordinate(), z = coordinate();
-    return Vec3{x, y, z};
-  };
-  for (int i = 0; i < 500; ++i) {
-    const Vec3 a = i % 2 == 0 ? Vec3{} : point(), b = point(), c = point(), d = point();
-    ASSERT_EQ(orient3d(a, b, c, d), rational_volume_sign(a, b, c, d)) << "case " << i;
-    ASSERT_EQ(orient2d(a, b, c, 1), rational_area_sign(a, b, c, 1)) << "case " << i;
-  }
 }
 
 TEST(Orientation, IsExactWhereAProductUnderflowsInTheFilter) {
@@ -132,17 +126,6 @@ TEST(Orientation, ExpansionsAndBigIntegersAgree) {
     const double huge = 0x1p400;
     EXPECT_EQ(geometry::exact_volume_sign(t.v0, t.v1, t.v2, p),
               geometry::exact_volume_sign(t.v0 * huge, t.v1 * huge, t.v2 * huge, p * huge));
-  }
-}
-
-TEST(Orientation, ChangesSignWithEverySwap) {
-  Rng rng(6);
-  for (int i = 0; i < 1000; ++i) {
-    const auto [s, t] = random_pair(rng, PairKind::near_lattice);
-    const int sign = orient3d(s.v0, s.v1, s.v2, t.v0);
-    EXPECT_EQ(orient3d(s.v1, s.v0, s.v2, t.v0), -sign);
-    EXPECT_EQ(orient3d(s.v0, s.v1, t.v0, s.v2), -sign);
-    EXPECT_EQ(orient3d(t.v0, s.v1, s.v2, s.v0), -sign);
   }
 }
 

@@ -31,26 +31,12 @@ struct PointCase {
   Vec3 point;
   std::vector<Triangle> world;
 
-  explicit PointCase(Rng& rng) : model(some_mesh(rng)), pose(random_pose(rng, 1)) {
+  explicit PointCase(Rng& rng) : model(some_soup(rng, 1 + rng.below(64))), pose(random_pose(rng, 1)) {
     point = arbitrary_query_point(rng, {model.mesh(), pose}, 4);
     world = placed_triangles(model.mesh(), pose);
   }
   const bvh::Tree& tree() const { return tree_of(model); }
 
-  static Mesh some_mesh(Rng& rng) {
-    std::vector<Triangle> triangles;
-    const std::uint64_t kind = rng.below(5);
-    for (std::uint64_t i = 0, count = 1 + rng.below(64); i < count; ++i) {
-      const Vec3 at = uniform_point(rng, -2, 2);
-      const double size = kind == 1 ? 1e-3 : 0.5;
-      Triangle t{at, at + size * uniform_point(rng), at + size * uniform_point(rng)};
-      if (kind == 2) t.v0.z = t.v1.z = t.v2.z = 0.25;
-      if (kind == 3) t.v2 = t.v0 + 1e-6 * uniform_point(rng);
-      if (kind == 4) t.v1 = t.v2 = t.v0;
-      triangles.push_back(t);
-    }
-    return soup(triangles);
-  }
   double distance_of(TriangleId t) const { return geometry::closest_on(world[t], point).distance; }
   double distance_of(const bvh::Leaf& leaf) const {
     double least = std::numeric_limits<double>::infinity();
@@ -117,39 +103,6 @@ TEST(PointKernels, IntervalsOfTrianglesHoldTheirDistances) {
     }
   }
   EXPECT_GT(dropped, 10'000);
-}
-
-TEST(PointKernels, LineUpTheKeptChildrenNearestLast) {
-  Rng rng(833);
-  int kept_count = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const PointCase c(rng);
-    const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
-    const bool along = in_frame.is_far && rng.below(2) == 0;
-    const auto kernel = along ? simd::kernels().bound_children_along : simd::kernels().bound_children_to_point;
-    simd::ChildrenInOrder found;
-    kernel(node, in_frame, no_limit_sq, found);
-    const float limit = found.bound[rng.below(node.child_count)];
-    kernel(node, in_frame, limit, found);
-    unsigned places = 0;
-    for (std::uint32_t k = 0; k < bvh::width; ++k) {
-      places |= 1U << found.place_of(k);
-      ASSERT_EQ((found.kept >> k & 1) != 0, k < node.child_count && found.bound[k] <= limit) << "case " << i;
-    }
-    ASSERT_EQ(places, 0xffU);
-    const auto count = static_cast<std::uint32_t>(std::popcount(found.kept));
-    kept_count += static_cast<int>(count);
-    for (std::uint32_t j = 0; j < bvh::width; ++j) {
-      ASSERT_EQ(found.place_of(j) < count, (found.kept >> j & 1) != 0) << "case " << i;
-      for (std::uint32_t k = 0; k < bvh::width; ++k) {
-        if ((found.kept >> j & found.kept >> k & 1) == 0 || found.place_of(j) <= found.place_of(k)) continue;
-        // The last three bits of a bound do not count.
-        ASSERT_LE(found.bound[j], found.bound[k] + std::abs(found.bound[k]) * 0x1p-19F) << "case " << i;
-      }
-    }
-  }
-  EXPECT_GT(kept_count, 3000);
 }
 
 TEST(PointKernels, AreTheSameToTheBitOnEveryInstructionSet) {

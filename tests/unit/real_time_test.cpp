@@ -118,39 +118,5 @@ TEST(RealTime, WritesTheTreeInAnotherUnitInSmallSteps) {
   moves_until(0, unit);
 }
 
-TEST(RealTime, KeepsATreeAsGoodAsNew) {
-  // Confetti that changes places, some pieces in every frame.
-  constexpr VertexId pieces = 1500, pieces_per_frame = 10;
-  const scenes::Motion soup = scenes::shuffled_soup(pieces);
-  Model model(soup.mesh, ModelOptions::real_time(20));
-  Model never_rebuilt(soup.mesh, {.rebuild_policy = RebuildPolicy::off});
-  std::vector<VertexId> ids(std::size_t{3} * pieces_per_frame);
-  std::vector<Vec3> positions(ids.size());
-  for (VertexId frame = 0; frame < 1500; ++frame) {
-    const std::vector<Vec3> goals = soup.positions(frame / 4.0);
-    for (VertexId i = 0; i < ids.size(); ++i) {
-      ids[i] = (frame * 3 * pieces_per_frame + i) % (3 * pieces);
-      positions[i] = goals[ids[i]];
-    }
-    for (Model* m : {&model, &never_rebuilt}) {
-      ASSERT_TRUE(static_cast<bool>(m->move_vertices(ids, positions)));
-      m->commit();
-    }
-  }
-  const Model fresh(Mesh::create(model.mesh().positions(), model.mesh().triangles()).value());
-  const Model ball(scenes::ball(8, 5));
-  Rng rng(83);
-  std::uint64_t tests = 0, fresh_tests = 0, degraded_tests = 0;
-  for (int i = 0; i < 100; ++i) {
-    const Placed placed{ball, random_pose(rng, 4)};
-    const DistanceResult found = distance({model}, placed), wanted = distance({fresh}, placed);
-    ASSERT_NEAR(found.upper, wanted.upper, 1e-12);
-    tests += found.stats.node_tests, fresh_tests += wanted.stats.node_tests;
-    degraded_tests += distance({never_rebuilt}, placed).stats.node_tests;
-  }
-  EXPECT_LT(static_cast<double>(tests), 1.3 * static_cast<double>(fresh_tests));
-  EXPECT_GT(degraded_tests, 2 * tests);
-}
-
 }  // namespace
 }  // namespace limber::testing

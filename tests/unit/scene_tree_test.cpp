@@ -151,33 +151,6 @@ TEST(SceneTree, FindsTheSamePairsAsAllPairs) {
   }
 }
 
-TEST(SceneTree, FindsThemInTheSameOrderOnEveryInstructionSet) {
-  Rng rng(8102);
-  for (std::uint64_t kind = 0; kind < kinds; ++kind) {
-    const std::vector<WorldBounds> bounds = some_bounds(rng, 200, kind);
-    IdPairs first;
-    for (const simd::Kernels& kernels : simd::all_kernels()) {
-      simd::use_kernels(&kernels);
-      BoxTree tree;
-      tree.build(all_ids(bounds.size()), bounds);
-      const IdPairs found = found_by(tree, 0.05);
-      if (&kernels == &simd::all_kernels()[0]) first = found;
-      EXPECT_EQ(found, first) << kernels.name << ", kind " << kind;
-    }
-    simd::use_kernels(nullptr);
-  }
-}
-
-TEST(SceneTree, StopsWhenItIsTold) {
-  Rng rng(8103);
-  const std::vector<WorldBounds> bounds = some_bounds(rng, 100, 1);
-  BoxTree tree;
-  tree.build(all_ids(bounds.size()), bounds);
-  int calls = 0;
-  EXPECT_FALSE(tree.visit_pairs(3, 0, [&](std::uint32_t, std::uint32_t) { return ++calls < 5; }));
-  EXPECT_EQ(calls, 5);
-}
-
 TEST(SceneTree, FindsSpheresThatTouchWhereSquaresVanish) {
   Rng rng(8110);
   for (int i = 0; i < 3000; ++i) {
@@ -236,22 +209,6 @@ TEST(HilbertOrder, IsAPermutationThatDoesNotDependOnWhatWasBefore) {
         ASSERT_TRUE(std::is_sorted(order.begin(), order.end()));
       }
     }
-  }
-}
-
-TEST(HilbertOrder, OfALatticeGoesFromNeighborToNeighbor) {
-  for (const std::uint32_t side : {4U, 32U, 64U}) {
-    std::vector<Vec3> centers;
-    for (std::uint32_t i = 0; i < side * side * side; ++i) {
-      centers.push_back({double(i % side), double(i / side % side), double(i / side / side)});
-    }
-    scene::HilbertOrder hilbert_order;
-    const auto order = hilbert_order.sort(centers);
-    double farthest = 0;
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      farthest = std::max(farthest, length(centers[order[i]] - centers[order[i - 1]]));
-    }
-    EXPECT_EQ(farthest, 1) << side;
   }
 }
 
@@ -333,37 +290,9 @@ TEST(WorldBounds, OfABallAreHardlyLarger) {
   }
 }
 
-TEST(WorldBounds, HoldAllKindsOfShapes) {
-  // Of more vertices than are looked at one by one.
-  Rng rng(8111);
-  for (int i = 0; i < 12; ++i) {
-    const Mesh meshes[] = {scenes::grid(70, 40, -1, 2, 0.1, 0.1), scenes::random_soup(rng, 900, 0.01),
-                           scenes::wave_sheet(60, 60, 4 * i)};
-    const Mesh& mesh = meshes[i % 3];
-    std::vector<Vec3> positions = mesh.positions();
-    const Mat3 turn = scenes::random_rotation(rng);
-    for (Vec3& p : positions) p = turn * p;
-    const Model model(Mesh::create(positions, mesh.triangles()).value());
-    const scene::LocalBounds bounds = scene::local_bounds(model);
-    double farthest = 0;
-    for (const Vec3& p : positions) farthest = std::max(farthest, length(p - bounds.center));
-    EXPECT_LE(farthest, bounds.radius) << i;
-    EXPECT_LE(bounds.radius, 1.1 * farthest) << i;
-  }
-}
-
 TEST(WorldBounds, DoNotHoldVerticesThatNoTriangleNames) {
   const Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e9, 0, 0}}, {{0, 1, 2}}).value());
   EXPECT_LE(scene::local_bounds(model).radius, 1);
-}
-
-TEST(WorldBounds, OfAnUnturnedModelAreItsBox) {
-  const Model model(scenes::grid(5, 5, -1, -1, 0.4, 0.4));
-  const WorldBounds bounds = scene::world_bounds(scene::local_bounds(model), {{}, {10, 20, 30}});
-  EXPECT_NEAR(bounds.box.low.x, 9, 1e-5);
-  EXPECT_NEAR(bounds.box.high.y, 21, 1e-5);
-  EXPECT_NEAR(bounds.box.low.z, 30, 1e-5);
-  EXPECT_NEAR(bounds.box.high.z, 30, 1e-5);
 }
 
 TEST(WorldBounds, StayFiniteAtTheLargestCoordinates) {

@@ -126,40 +126,25 @@ void expect_that_meeting_pairs_are_candidates(const Model& model, const simd::Ke
   }
 }
 
+/// Compares the leaves of models that a function draws, each on another instruction set.
+template <typename Draw>
+void expect_nothing_else_in_common(std::uint64_t seed, std::size_t count, int left_out, const Draw& draw) {
+  Rng rng(seed);
+  const auto sets = simd::all_kernels();
+  PairCounts counts;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Model model = draw(rng);
+    ASSERT_NO_FATAL_FAILURE(expect_that_meeting_pairs_are_candidates(model, sets[i % sets.size()], counts)) << i;
+  }
+  EXPECT_GT(counts.left_out, left_out);
+  EXPECT_GT(counts.meeting, 600);
+}
+
 TEST(SeparatedNeighbors, HaveNothingElseInCommon) {
-  Rng rng(1401);
-  const auto sets = simd::all_kernels();
-  PairCounts counts;
-  for (std::size_t i = 0; i < 4000; ++i) {
-    const Model model(nearly_meeting(rng), {.rebuild_policy = RebuildPolicy::off});
-    ASSERT_NO_FATAL_FAILURE(expect_that_meeting_pairs_are_candidates(model, sets[i % sets.size()], counts)) << i;
-  }
-  EXPECT_GT(counts.left_out, 2000);
-  EXPECT_GT(counts.meeting, 600);
-}
-
-TEST(SeparatedNeighbors, HaveNothingElseInCommonWhereVerticesHaveDrifted) {
-  Rng rng(1402);
-  const auto sets = simd::all_kernels();
-  PairCounts counts;
-  for (std::size_t i = 0; i < 4000; ++i) {
-    const Model model = drifted(rng, nearly_meeting(rng));
-    ASSERT_NO_FATAL_FAILURE(expect_that_meeting_pairs_are_candidates(model, sets[i % sets.size()], counts)) << i;
-  }
-  EXPECT_GT(counts.left_out, 1000);
-  EXPECT_GT(counts.meeting, 600);
-}
-
-TEST(SeparatedNeighbors, HaveNothingElseInCommonWhereOneIsTiny) {
-  Rng rng(1403);
-  const auto sets = simd::all_kernels();
-  PairCounts counts;
-  for (std::size_t i = 0; i < 1000; ++i) {
-    const Model model(tiny_beside_huge(rng), {.rebuild_policy = RebuildPolicy::off});
-    ASSERT_NO_FATAL_FAILURE(expect_that_meeting_pairs_are_candidates(model, sets[i % sets.size()], counts)) << i;
-  }
-  EXPECT_GT(counts.left_out, 1000);
-  EXPECT_GT(counts.meeting, 600);
+  constexpr ModelOptions as_built{.rebuild_policy = RebuildPolicy::off};
+  expect_nothing_else_in_common(1401, 4000, 2000, [&](Rng& rng) { return Model(nearly_meeting(rng), as_built); });
+  expect_nothing_else_in_common(1402, 4000, 1000, [](Rng& rng) { return drifted(rng, nearly_meeting(rng)); });
+  expect_nothing_else_in_common(1403, 1000, 1000, [&](Rng& rng) { return Model(tiny_beside_huge(rng), as_built); });
 }
 
 TEST(SeparatedNeighbors, AreNearlyAllOfASmoothMesh) {

@@ -113,79 +113,60 @@ TEST(MeetsElsewhere, NothingIsElsewhereWhereAllIsShared) {
   expect_meeting({{o, x, y}, {0, 1, 1}, {0, 1, 2}}, false, "an edge of a triangle");
 }
 
-TEST(MeetsElsewhere, EqualsTheExactIntersection) {
-  Rng rng(301);
+/// Compares some neighbors that a function draws with the exact intersection. So many of them meet.
+template <typename Draw>
+void expect_exact(std::uint64_t seed, int count, int least, int most, const Draw& draw) {
+  Rng rng(seed);
   int meeting = 0;
-  for (int i = 0; i < 960; ++i) {
-    const Neighbors n = random_neighbors(rng, i % neighbor_kinds);
+  for (int i = 0; i < count; ++i) {
+    const Neighbors n = draw(rng, i);
     const bool truth = truly_meet(n);
     meeting += truth ? 1 : 0;
     ASSERT_EQ(meet(n), truth) << "case " << i;
   }
-  EXPECT_GT(meeting, 100);
-  EXPECT_LT(meeting, 860);
+  EXPECT_GT(meeting, least);
+  EXPECT_LT(meeting, most);
 }
 
 TEST(MeetsElsewhere, IsDecidedByTheLastBit) {
   // Third corners within units in the last place of the line of a common edge, or of a side: on one side of it or not.
-  Rng rng(302);
-  int meeting = 0;
-  for (int i = 0; i < 900; ++i) {
+  expect_exact(302, 900, 100, 800, [](Rng& rng, int i) {
     const Vec3 v{rng.uniform(), rng.uniform(), 0}, w{rng.uniform(2, 3), rng.uniform(), 0};
     const auto on_line = [&] {
       const Vec3 p = nudged(rng, v + rng.uniform(0.1, 1) * (w - v), 1);
       return Vec3{p.x, p.y, 0};
     };
     const Vec3 p = on_line(), q = on_line(), r = on_line(), s{rng.uniform(), rng.uniform(2, 3), 0};
-    const Neighbors n = i % 3 == 0   ? Neighbors{{v, w, p, q}, {0, 1, 2}, {0, 1, 3}}
-                        : i % 3 == 1 ? Neighbors{{v, w, s, p, Vec3{s.x, -s.y, 0}}, {0, 1, 2}, {0, 3, 4}}
-                                     : Neighbors{{v, w, p, q, r}, {0, 1, 2}, {0, 3, 4}};
-    const bool truth = truly_meet(n);
-    meeting += truth ? 1 : 0;
-    ASSERT_EQ(meet(n), truth) << "case " << i;
-  }
-  EXPECT_GT(meeting, 100);
-  EXPECT_LT(meeting, 800);
+    return i % 3 == 0   ? Neighbors{{v, w, p, q}, {0, 1, 2}, {0, 1, 3}}
+           : i % 3 == 1 ? Neighbors{{v, w, s, p, Vec3{s.x, -s.y, 0}}, {0, 1, 2}, {0, 3, 4}}
+                        : Neighbors{{v, w, p, q, r}, {0, 1, 2}, {0, 3, 4}};
+  });
 }
 
 TEST(MeetsElsewhere, IsDecidedWhereSidesLieAlongEachOther) {
   // Triangles on both sides of a line, with a side of each along it up to rounding, so that the plane across the
   // difference of both sums of sides is perpendicular to that line up to rounding.
-  Rng rng(303);
-  int meeting = 0;
-  for (int i = 0; i < 1500; ++i) {
+  expect_exact(303, 1500, 250, 1250, [](Rng& rng, int i) {
     const double scale = i % 2 == 0 ? 1 : std::ldexp(1.0, -500 - static_cast<int>(rng.below(38)));
     const Vec3 p1{rng.uniform(1, 2), rng.uniform(-1, 1), 0}, across{-p1.y, p1.x, 0};
     const Vec3 p2 = rng.uniform(-1, 1) * p1 + rng.uniform(0.1, 1) * across;
     const Vec3 q1 = rng.uniform(0.2, 2) * p1;
     const Vec3 q2 = p1 + p2 - q1 - rng.uniform(1, 2) * across;
-    const Neighbors n{{{}, scale * p1, scale * p2, scale * q1, scale * q2}, {0, 1, 2}, {0, 3, 4}};
-    const bool truth = truly_meet(n);
-    meeting += truth ? 1 : 0;
-    ASSERT_EQ(meet(n), truth) << "case " << i;
-  }
-  EXPECT_GT(meeting, 250);
-  EXPECT_LT(meeting, 1250);
+    return Neighbors{{{}, scale * p1, scale * p2, scale * q1, scale * q2}, {0, 1, 2}, {0, 3, 4}};
+  });
 }
 
 TEST(MeetsElsewhere, IsDecidedWhereProductsUnderflow) {
   // An edge so short that its square is subnormal, and triangles that point nearly along it.
-  Rng rng(304);
-  int meeting = 0;
-  for (int i = 0; i < 1000; ++i) {
+  expect_exact(304, 1000, 200, 980, [](Rng& rng, int i) {
     const double angle = rng.uniform(0, 7), width = std::ldexp(1.0, -static_cast<int>(rng.below(14)));
     const Vec3 along{std::cos(angle), std::sin(angle), 0}, across{-along.y, along.x, 0};
     const auto nearly_along = [&] { return rng.uniform(0.5, 1) * along + width * rng.uniform(-0.2, 1) * across; };
     const Vec3 e = std::ldexp(rng.uniform(1, 2), -525 - static_cast<int>(rng.below(12))) * along;
     const Vec3 p = nearly_along(), q = nearly_along();
-    const Neighbors n = i % 2 == 0 ? Neighbors{{{}, e, p, q}, {0, 1, 2}, {0, 1, 3}}
-                                   : Neighbors{{{}, e, p, q, nearly_along()}, {0, 1, 2}, {0, 3, 4}};
-    const bool truth = truly_meet(n);
-    meeting += truth ? 1 : 0;
-    ASSERT_EQ(meet(n), truth) << "case " << i;
-  }
-  EXPECT_GT(meeting, 200);
-  EXPECT_LT(meeting, 980);
+    return i % 2 == 0 ? Neighbors{{{}, e, p, q}, {0, 1, 2}, {0, 1, 3}}
+                      : Neighbors{{{}, e, p, q, nearly_along()}, {0, 1, 2}, {0, 3, 4}};
+  });
 }
 
 }  // namespace

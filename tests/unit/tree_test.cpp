@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "bvh/partition.h"
@@ -53,25 +55,6 @@ TEST(Tree, UnitIsTheNextPowerOfTwo) {
   EXPECT_EQ(bvh::unit_for(0, 0x1p60), 0x1p10);
 }
 
-TEST(Tree, HoldsLeavesOfAnySize) {
-  // Triangles so small that float32 has no squares of their sizes, or not even their sizes, next to as many large ones.
-  Rng rng(213);
-  for (const int count : {8, 64, 512}) {
-    for (double small = 1e-10; small > 1e-40; small *= 0.3) {
-      std::vector<Triangle> triangles;
-      for (int i = 0; i < 2 * count; ++i) {
-        const double size = i < count ? small : 0.3;
-        const Vec3 at = i < count ? Vec3{} : Vec3{0.6, 0, 0};
-        const auto corner = [&] { return at + size * Vec3{rng.uniform(), rng.uniform(), rng.uniform()}; };
-        triangles.push_back({corner(), corner(), corner()});
-      }
-      const Mesh mesh = soup(triangles);
-      const auto sound = bvh::validate(bvh::build(mesh), mesh);
-      ASSERT_TRUE(static_cast<bool>(sound)) << count << ", " << small << ": " << sound.error().text;
-    }
-  }
-}
-
 TEST(Tree, RootIsHardlyLargerThanABall) {
   // The mesh is a ball of radius 1. Queries that are far enough from it should not have to expand the root.
   const Tree tree = bvh::build(scenes::ball(160, 80));
@@ -92,34 +75,6 @@ TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
     ASSERT_EQ(one.nodes[i].origin, many.nodes[i].origin) << i;
   }
   EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(bvh::Leaf)), 0);
-}
-
-TEST(Tree, TriangleIdsDecideWhereCentersAreEqual) {
-  // A partial rebuild gets the triangles in the order of the leaves, a build in the order of their ids.
-  Rng rng(214);
-  for (int i = 0; i < 100; ++i) {
-    const std::uint64_t side = 1 + rng.below(3);  // 1: all centers are equal
-    std::vector<bvh::PrimitiveRef> primitives(9 + rng.below(600));
-    for (TriangleId t = 0; t < primitives.size(); ++t) {
-      const Vec3 p = lattice_point(rng, side);
-      primitives[t] = {{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}, t};
-    }
-    // The triangles of each leaf, in ascending order.
-    const auto leaves_of = [](std::vector<bvh::PrimitiveRef> refs) {
-      bvh::partition_into_leaves(refs, bvh::build_range(0, refs.size()));
-      std::vector<TriangleId> ids;
-      for (const bvh::PrimitiveRef& ref : refs) ids.push_back(ref.triangle);
-      for (std::size_t k = 0; k < ids.size(); k += bvh::width) {
-        std::sort(ids.begin() + static_cast<std::ptrdiff_t>(k),
-                  ids.begin() + static_cast<std::ptrdiff_t>(std::min(k + bvh::width, ids.size())));
-      }
-      return ids;
-    };
-    const std::vector<TriangleId> in_order = leaves_of(primitives);
-    ASSERT_TRUE(side > 1 || std::is_sorted(in_order.begin(), in_order.end())) << i;
-    for (std::size_t k = primitives.size(); k > 1; --k) std::swap(primitives[k - 1], primitives[rng.below(k)]);
-    ASSERT_EQ(leaves_of(primitives), in_order) << i;
-  }
 }
 
 /// Whether a corner lies in all volumes of a slot, in exact arithmetic.
@@ -162,7 +117,7 @@ Mesh crowds(Rng& rng, int count, int each) {
   std::vector<Triangle> triangles;
   for (int crowd = 0; crowd < count; ++crowd) {
     const Vec3 at = uniform_point(rng);
-    const double size = std::ldexp(1.0, -5 - static_cast<int>(rng.below(45)));
+    const double size = std::ldexp(1.0, -5 - static_cast<int>(rng.below(130)));  // float32 has no squares of most
     for (int i = 0; i < each; ++i) {
       const Vec3 p = at + size * uniform_point(rng);
       triangles.push_back({p, p + 0.1 * size * uniform_point(rng), p + 0.1 * size * uniform_point(rng)});
@@ -208,40 +163,37 @@ TEST(Tree, ValidateNamesWhatIsBroken) {
   const Mesh mesh = scenes::ball(16, 9);
   const Tree sound = bvh::build(mesh);
   ASSERT_TRUE(static_cast<bool>(bvh::validate(sound, mesh)));
-  const auto complaint = [&](const std::function<void(Tree&)>& damage) {
-    Tree tree = sound;
-    damage(tree);
-    const auto result = bvh::validate(tree, mesh);
-    return result ? std::string("nothing") : result.error().text.substr(0, 2);
-  };
   const std::size_t last = sound.nodes.size() - 1;
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[0].child_count = 2; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].first_child += 1; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.level_begin.back() -= 1; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[2].parent += 1; }), "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].child_count = 0; }), "I1");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].child_count = bvh::width + 1; }), "I1");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].first_child -= 1; }), "I2");
-  // One slot too many in a node and one too few in the next: all sums are right.
   ASSERT_EQ(sound.nodes[last - 1].child_count, bvh::width);
-  EXPECT_EQ(complaint([&](Tree& t) {
-              t.nodes[last - 1].child_count += 1;
-              t.nodes[last].child_count -= 1;
-              t.nodes[last].first_child += 1;
-            }),
-            "I1");
-  EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }), "I2");
-  EXPECT_EQ(complaint([](Tree& t) { t.leaves[3].triangle[2] = 100000; }), "I2");
-  EXPECT_EQ(complaint([](Tree& t) { t.leaves[2].vertices[5][1] ^= 1; }), "I2");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.radius[0] *= 0.99F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[0].bounds.half_y[0] *= 0.99F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.high[1] -= 1e-3F; }), "I4");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].bounds.low[1] += 1e-3F; }), "I4");
-  EXPECT_EQ(complaint([](Tree& t) { t.leaves[1].corners.corner[4][5] += 2; }), "I5");
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[1].radius *= 0.9F; }), "I6");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].radius *= 0.9F; }), "I6");
-  EXPECT_EQ(complaint([](Tree& t) { t.nodes[0].coincident_slots = 1; }), "I7");
-  EXPECT_EQ(complaint([&](Tree& t) { t.nodes[last].coincident_slots = 1; }), "I7");
+  const std::vector<std::pair<std::string, std::function<void(Tree&)>>> damages{
+      {"I1", [](Tree& t) { t.nodes[0].child_count = 2; }},
+      {"I1", [](Tree& t) { t.nodes[1].first_child += 1; }},
+      {"I1", [](Tree& t) { t.level_begin.back() -= 1; }},
+      {"I1", [](Tree& t) { t.nodes[2].parent += 1; }},
+      {"I1", [](Tree& t) { t.nodes[1].child_count = 0; }},
+      {"I1", [&](Tree& t) { t.nodes[last].child_count = bvh::width + 1; }},
+      {"I2", [&](Tree& t) { t.nodes[last].first_child -= 1; }},
+      {"I1",  // one slot too many in a node and one too few in the next: all sums are right
+       [&](Tree& t) { ++t.nodes[last - 1].child_count, --t.nodes[last].child_count, ++t.nodes[last].first_child; }},
+      {"I2", [](Tree& t) { t.leaves[3].triangle[2] = t.leaves[0].triangle[0]; }},
+      {"I2", [](Tree& t) { t.leaves[3].triangle[2] = 100000; }},
+      {"I2", [](Tree& t) { t.leaves[2].vertices[5][1] ^= 1; }},
+      {"I4", [&](Tree& t) { t.nodes[last].bounds.radius[0] *= 0.99F; }},
+      {"I4", [&](Tree& t) { t.nodes[0].bounds.half_y[0] *= 0.99F; }},
+      {"I4", [&](Tree& t) { t.nodes[last].bounds.high[1] -= 1e-3F; }},
+      {"I4", [&](Tree& t) { t.nodes[last].bounds.low[1] += 1e-3F; }},
+      {"I5", [](Tree& t) { t.leaves[1].corners.corner[4][5] += 2; }},
+      {"I6", [](Tree& t) { t.nodes[1].radius *= 0.9F; }},
+      {"I6", [&](Tree& t) { t.nodes[last].radius *= 0.9F; }},
+      {"I7", [](Tree& t) { t.nodes[0].coincident_slots = 1; }},
+      {"I7", [&](Tree& t) { t.nodes[last].coincident_slots = 1; }}};
+  for (std::size_t i = 0; i < damages.size(); ++i) {
+    Tree tree = sound;
+    damages[i].second(tree);
+    const auto result = bvh::validate(tree, mesh);
+    ASSERT_FALSE(static_cast<bool>(result)) << i;
+    EXPECT_TRUE(result.error().text.starts_with(damages[i].first)) << i << ": " << result.error().text;
+  }
 }
 
 TEST(Tree, ValidateCountsLevels) {
@@ -255,6 +207,120 @@ TEST(Tree, ValidateCountsLevels) {
   const auto result = bvh::validate(tree, mesh);
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().text.substr(0, 2), "I3") << result.error().text;
+}
+
+using bvh::PrimitiveRef;
+using Primitives = std::vector<PrimitiveRef>;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+struct Case {
+  std::string name;
+  std::function<float(Rng&, std::size_t)> coordinate;  // of primitive i along the longest side
+};
+
+/// Coordinates that make it hard to find a median by a sample.
+std::vector<Case> cases() {
+  return {
+      {"uniform", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1)); }},
+      {"all equal but two", [](Rng&, std::size_t i) { return i == 3   ? -1.0F
+                                                             : i == 4 ? 1.0F
+                                                                      : 0.25F; }},
+      {"two values", [](Rng& rng, std::size_t) { return rng.below(2) == 0 ? -1.0F : 1.0F; }},
+      {"zeros of both signs",
+       [](Rng& rng, std::size_t i) {
+         return i == 0 ? -1.0F : i == 1 ? 1.0F : rng.below(2) == 0 ? -0.0F : 0.0F;
+       }},
+      {"many sizes",
+       [](Rng& rng, std::size_t) {
+         return static_cast<float>(std::ldexp(rng.uniform(-1, 1), -static_cast<int>(rng.below(140))));
+       }},
+      {"rows of a grid", [](Rng&, std::size_t i) { return static_cast<float>(i % 128); }},
+      {"few below, far off", [](Rng&, std::size_t i) { return i % 512 == 0 ? -1e30F : 1.0F / static_cast<float>(i); }},
+      {"sorted", [](Rng&, std::size_t i) { return static_cast<float>(i); }},
+      {"backwards", [](Rng&, std::size_t i) { return -static_cast<float>(i); }},
+      {"mostly infinite",
+       [](Rng& rng, std::size_t i) {
+         return i < 2 ? static_cast<float>(i) : rng.below(4) == 0 ? -infinity : infinity;
+       }},
+      {"all infinite but one", [](Rng&, std::size_t i) { return i == 0 ? 0 : infinity; }},
+      {"huge", [](Rng& rng, std::size_t) { return static_cast<float>(rng.uniform(-1, 1) * 3e38); }},
+  };
+}
+
+Primitives primitives_of(const Case& c, std::size_t axis, std::size_t count) {
+  Rng rng(61);
+  Primitives primitives(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    primitives[i].center[axis] = c.coordinate(rng, i);
+    primitives[i].triangle = static_cast<TriangleId>((i * 7919) % count);  // not in order
+  }
+  return primitives;
+}
+
+/// The same by sorting.
+Primitives sorted(Primitives primitives, std::size_t axis) {
+  std::sort(primitives.begin(), primitives.end(), [axis](const PrimitiveRef& s, const PrimitiveRef& t) {
+    return s.center[axis] != t.center[axis] ? s.center[axis] < t.center[axis] : s.triangle < t.triangle;
+  });
+  return primitives;
+}
+
+std::vector<TriangleId> triangles_in(const Primitives& primitives, const bvh::BuildRange& range) {
+  std::vector<TriangleId> ids;
+  for (std::size_t i = range.begin; i < range.end; ++i) ids.push_back(primitives[i].triangle);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+TEST(Split, FindsTheMedianOfAnyCoordinatesInStepsOfAnySize) {
+  for (const Case& c : cases()) {
+    for (const std::size_t count : {std::size_t{9}, std::size_t{17}, std::size_t{64}, std::size_t{65}, std::size_t{512},
+                                    std::size_t{513}, std::size_t{20'011}}) {
+      for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
+        SCOPED_TRACE(c.name + ", " + std::to_string(count));
+        const Primitives wanted = sorted(primitives_of(c, axis, count), axis);
+        Primitives at_once = primitives_of(c, axis, count), in_steps = at_once;
+        const bvh::BuildRange range = bvh::build_range(0, count);
+        const auto halves = bvh::split(at_once, range);
+        ASSERT_EQ(halves[0].begin, 0U);
+        ASSERT_EQ(halves[0].end, halves[1].begin);
+        ASSERT_EQ(halves[1].end, count);
+        for (const bvh::BuildRange& half : halves) ASSERT_EQ(triangles_in(at_once, half), triangles_in(wanted, half));
+        bvh::Split split(range);
+        std::size_t steps = 0;
+        for (bool is_done = false; !is_done; ++steps) {
+          base::WorkBudget least(1e-3);
+          is_done = split.work(in_steps, least);
+          ASSERT_LT(least.spent_ns(), 6000);
+          ASSERT_LT(steps, 30 * (1 + count / 1000));
+        }
+        EXPECT_GE(steps, 1 + count / 1024);
+        for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(in_steps[i].triangle, at_once[i].triangle) << i;
+      }
+    }
+  }
+}
+
+/// All at the origin but one, which is larger.
+Mesh mesh_with_one_larger(std::size_t count, std::size_t larger) {
+  std::vector<Corners> triangles(count, {0, 0, 0});
+  triangles[larger] = {1, 2, 3};
+  return Mesh::create(std::vector<Vec3>{{}, {3, 0, 0}, {0, 40, 0}, {0, 0, -500}}, std::move(triangles)).value();
+}
+
+TEST(BoundingBox, HasAllTrianglesWhereverTheyAre) {
+  for (const std::size_t count : {1U, 8192U, 8193U, 20'000U, 600'001U}) {
+    for (const std::size_t larger : {std::size_t{0}, count / 2, count - 1}) {
+      const Mesh mesh = mesh_with_one_larger(count, larger);
+      bvh::BoundingBox expected;
+      for (std::size_t t = 0; t < count; ++t) expected.add(mesh.view().triangle(static_cast<TriangleId>(t)));
+      const bvh::BoundingBox box = bvh::bounding_box_of(mesh.view());
+      EXPECT_EQ(box.center(), expected.center()) << count << " " << larger;
+      EXPECT_EQ(box.unit(), expected.unit()) << count << " " << larger;
+      EXPECT_EQ(box.center().z, -250);
+    }
+  }
 }
 
 }  // namespace

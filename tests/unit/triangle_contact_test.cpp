@@ -288,70 +288,17 @@ TEST(TriangleContact, OfNearlyMeetingSegmentsKeepsThemApart) {
   EXPECT_GT(apart, 5000);
 }
 
-TEST(ClosestFeatures, ThatCrossReallyCross) {
-  Rng rng(403);
-  int crossing = 0;
-  for (int i = 0; i < 4000; ++i) {
-    const auto [a, b] = random_pair(rng, PairKind::uniform);
-    const ClosestFeatures found = closest_features(a, b);
-    if (found.distance > 0) continue;
-    ++crossing;
-    const Feature& of_edge = found.feature_a.kind == FeatureKind::edge ? found.feature_a : found.feature_b;
-    const Feature& of_face = found.feature_a.kind == FeatureKind::edge ? found.feature_b : found.feature_a;
-    ASSERT_EQ(of_edge.kind, FeatureKind::edge) << "case " << i;
-    ASSERT_EQ(of_face, on_face) << "case " << i;
-    ASSERT_TRUE(intersects(hull_of(a, found.feature_a), hull_of(b, found.feature_b))) << "case " << i;
-  }
-  EXPECT_GT(crossing, 100);
-}
-
-class TriangleContactOfKind : public ::testing::TestWithParam<PairKind> {};
-
-TEST_P(TriangleContactOfKind, IsSound) {
-  Rng rng(401 + static_cast<std::uint64_t>(GetParam()));
-  for (int i = 0; i < 400 && !HasFailure(); ++i) {
+TEST(TriangleContact, OfEveryKindOfPairIsSoundAndHasTheLeastOverlap) {
+  Rng rng(401);
+  for (int i = 0; i < 5200 && !HasFailure(); ++i) {
     SCOPED_TRACE("case " + std::to_string(i));
-    auto [a, b] = random_pair(rng, GetParam());
-    if (i % 8 == 0) a.v2 = a.v1;
-    if (i % 16 == 0) b.v0 = b.v2;
+    auto [a, b] = random_pair(rng, static_cast<PairKind>(i % static_cast<int>(PairKind::count)));
+    if (i % 3 == 0) expect_least_overlap(a, b);
+    if (rng.below(8) == 0) a.v2 = a.v1;
+    if (rng.below(16) == 0) b.v0 = b.v2;
     expect_sound(a, b);
   }
 }
-
-TEST_P(TriangleContactOfKind, HasTheLeastOverlap) {
-  Rng rng(421 + static_cast<std::uint64_t>(GetParam()));
-  for (int i = 0; i < 150 && !HasFailure(); ++i) {
-    SCOPED_TRACE("case " + std::to_string(i));
-    const auto [a, b] = random_pair(rng, GetParam());
-    expect_least_overlap(a, b);
-  }
-}
-
-TEST_P(TriangleContactOfKind, ScalesWithPowersOfTwo) {
-  if (GetParam() == PairKind::mixed_scale || GetParam() == PairKind::tiny_coordinates) return;
-  // Coordinates that are nearly 0 would vanish.
-  if (GetParam() == PairKind::near_lattice || GetParam() == PairKind::segment_like) return;
-  if (GetParam() == PairKind::needle) return;
-  Rng rng(441 + static_cast<std::uint64_t>(GetParam()));
-  for (int i = 0; i < 300; ++i) {
-    const auto [a, b] = random_pair(rng, GetParam());
-    const TriangleContact c = contact(a, b);
-    for (const double scale : {0x1p-500, 0x1p-30, 0x1p60, 0x1p150}) {
-      const TriangleContact scaled = contact(scaled_triangle(a, scale), scaled_triangle(b, scale));
-      ASSERT_EQ(scaled.feature_a, c.feature_a) << "case " << i << ", scale " << scale;
-      ASSERT_EQ(scaled.feature_b, c.feature_b) << "case " << i << ", scale " << scale;
-      ASSERT_LE(max_abs(scaled.normal - c.normal), 1e-15) << "case " << i << ", scale " << scale;
-      ASSERT_NEAR(scaled.depth / scale, c.depth, 1e-15) << "case " << i << ", scale " << scale;
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(EveryKind, TriangleContactOfKind,
-                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
-                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates, PairKind::segment_like, PairKind::one_line,
-                                           PairKind::needle));
 
 }  // namespace
 }  // namespace limber::testing
