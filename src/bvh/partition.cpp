@@ -31,8 +31,8 @@ constexpr std::size_t few = 512;
 // two standard deviations.
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
-// Primitives in one step of a split, and what each of them costs at most, in ns (bench/develop/partial_rebuild.cpp): in
-// a pass, in a pass that moves some, and when it is one of few.
+// Primitives in one step of a split, and what each of them costs at most, in ns (docs/design/real_time.md): in a
+// pass, in a pass that moves some, and when it is one of few.
 constexpr std::size_t primitives_at_once = 1024;
 constexpr double ns_per_primitive = 2, ns_per_move = 5, ns_per_one_of_few = 10;
 
