@@ -25,9 +25,7 @@ TEST(Motions, AreTheSameToTheBitOnEveryMachine) {
       {scenes::waving_sheet(20, 10), 0x626562b68b91e032, 0xc33d5be7d6bcdcbb},
       {scenes::twisting_bar(5), 0xd1ff959ad5fcda7c, 0x3346af4acc6148a5},
       {scenes::crumpling_cloth(20), 0x3ab486cb921808d4, 0x3391a57572677942},
-      {scenes::exploding_soup(100), 0xa0eec1773746da06, 0xa418bde72e437aaa},
       {scenes::shuffled_soup(100), 0xa0eec1773746da06, 0x2ea4d064bbd7e30d},
-      {scenes::jittering_sheet(20, 10, 0.01), 0x626562b68b91e032, 0x16369c97eb0a8564},
   };
   for (const Expected& e : all) {
     EXPECT_EQ(hash_at(e.motion, 0), e.start) << e.motion.name << std::hex << " 0x" << hash_at(e.motion, 0);
@@ -54,20 +52,6 @@ TEST(Motions, MorphsEndWhereTheyShould) {
     EXPECT_NEAR(length(half[v] - 0.5 * (from.positions()[v] + to.positions()[v])), 0, 1e-15);
   }
   EXPECT_EQ(morph.positions(7), morph.positions(1));
-}
-
-TEST(Motions, JitterMovesAFewAtATime) {
-  const scenes::Motion jitter = scenes::jittering_sheet(40, 40, 0.01);
-  for (const std::uint32_t frame : {1U, 2U, 30U, 31U}) {
-    const std::vector<Vec3> before = jitter.positions(frame - 1), now = jitter.positions(frame);
-    std::size_t moved = 0;
-    for (std::size_t v = 0; v < now.size(); ++v) {
-      moved += now[v] != before[v] ? 1 : 0;
-      EXPECT_LE(length(now[v] - jitter.mesh.positions()[v]), 0.01);
-    }
-    EXPECT_GT(moved, now.size() / 40);
-    EXPECT_LT(moved, now.size() / 10);
-  }
 }
 
 }  // namespace
