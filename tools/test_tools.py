@@ -115,35 +115,31 @@ class Sizes(Repository):
         text = HEAD + "LIMBER_ASSERT(true);\n" + "\n" * (lines - 3)
         return {f"src/base/file{i}.cpp": text for i in range(10)}
 
-    def test_sound(self) -> None:
-        self.assert_sound(check_sizes.check, self.sound())
+    def test_what_is_sound(self) -> None:
+        for more in (
+            {},
+            {"tests/unit/long.cpp": HEAD + "\n" * 500},  # one in ten
+            {"src/base/b.h": HEAD + "// TODO(#12): that\n"},
+            {"src/base/b.h": HEAD + "// " + 117 * "a" + "\n"},
+        ):
+            with self.subTest(more=more):
+                self.assert_sound(check_sizes.check, self.sound() | more)
 
-    def test_one_long_file_in_ten_is_usual(self) -> None:
-        tree = self.sound() | {"tests/unit/long.cpp": HEAD + "\n" * 500}
-        self.assert_sound(check_sizes.check, tree)
-
-    def test_two_are_too_many(self) -> None:
-        tree = self.sound() | {f"tests/unit/long{i}.cpp": HEAD + "\n" * 500 for i in range(2)}
-        self.assert_faulty(check_sizes.check, tree, "tests/unit/long0.cpp:502: ", "tests/unit/long1.cpp:502: ")
-
-    def test_none_is_huge(self) -> None:
-        tree = self.sound() | {"tests/unit/huge.cpp": HEAD + "\n" * 800}
-        self.assert_faulty(check_sizes.check, tree, "tests/unit/huge.cpp:802: ")
+    def test_what_is_not(self) -> None:
+        long = {f"tests/unit/long{i}.cpp": HEAD + "\n" * 500 for i in range(2)}
+        for more, starts in (
+            (long, ("tests/unit/long0.cpp:502: ", "tests/unit/long1.cpp:502: ")),
+            ({"tests/unit/huge.cpp": HEAD + "\n" * 800}, ("tests/unit/huge.cpp:802: ",)),
+            ({"src/base/b.h": HEAD + "// TODO: all\n"}, ("src/base/b.h:3: ",)),
+            ({"docs/a.md": "\n\nFIXME\n"}, ("docs/a.md:3: ",)),
+            ({"src/base/b.h": HEAD + "// " + 118 * "a" + "\n"}, ("src/base/b.h:3: 121 ",)),
+        ):
+            with self.subTest(starts=starts):
+                self.assert_faulty(check_sizes.check, self.sound() | more, *starts)
 
     def test_checks_are_required_and_comments_do_not_count(self) -> None:
         tree = {"src/base/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
         self.assert_faulty(check_sizes.check, tree, "src:1: 0.0 checks ")
-
-    def test_unfinished(self) -> None:
-        for name, text in (("src/base/b.h", HEAD + "// TODO: all\n"), ("docs/a.md", "\n\nFIXME\n")):
-            with self.subTest(name=name):
-                self.assert_faulty(check_sizes.check, self.sound() | {name: text}, f"{name}:3: ")
-        self.assert_sound(check_sizes.check, self.sound() | {"src/base/b.h": HEAD + "// TODO(#12): that\n"})
-
-    def test_wide_comments(self) -> None:
-        name = "src/base/b.h"
-        self.assert_sound(check_sizes.check, self.sound() | {name: HEAD + "// " + 117 * "a" + "\n"})
-        self.assert_faulty(check_sizes.check, self.sound() | {name: HEAD + "// " + 118 * "a" + "\n"}, f"{name}:3: 121 ")
 
     def test_silence(self) -> None:
         for text in ("std::cout << 1;", "std::cerr << 1;", 'printf("");', "fprintf(stderr, x);", "#include <iostream>",
@@ -168,28 +164,24 @@ class References(Repository):
         }
         self.assert_sound(check_refs.check, tree)
 
-    def test_unknown_key(self) -> None:
-        tree = self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}
-        self.assert_faulty(check_refs.check, tree, "src/a.cpp:2: [Gauss1988] ")
-
-    def test_no_bibliography(self) -> None:
-        self.assert_faulty(check_refs.check, {"docs/a.md": "[Euler1999]\n"}, "docs/a.md:1: ")
-
-    def test_uncited_and_doubled_entries(self) -> None:
-        self.assert_faulty(check_refs.check, self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere")
-        tree = {"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"}
-        self.assert_faulty(check_refs.check, tree, "docs/references.bib:4: Euler1999 is defined twice")
-
-    def test_missing_own_file(self) -> None:
-        self.assert_faulty(check_refs.check, {"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg")
-        self.assert_faulty(check_refs.check, {"src/a.h": "// fixed by tests/unit/no_test.cpp\n"}, "src/a.h:1: tests/unit")
+    def test_what_is_missing(self) -> None:
+        for tree, start in (
+            (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, "src/a.cpp:2: [Gauss1988] "),
+            ({"docs/a.md": "[Euler1999]\n"}, "docs/a.md:1: "),
+            (self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere"),
+            ({"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"},
+             "docs/references.bib:4: Euler1999 is defined twice"),
+            ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg"),
+            ({"src/a.h": "// fixed by tests/unit/no_test.cpp\n"}, "src/a.h:1: tests/unit"),
+        ):
+            with self.subTest(start=start):
+                self.assert_faulty(check_refs.check, tree, start)
 
     def test_dead_links(self) -> None:
         for link in ("[a](no.md)", "![a](no.svg)", "[a](../no.md)", "[a]: no.md", '<img src="no.png">', "[a](#no)",
                      "[a](a.md#no)", "[a](../../etc)"):
             with self.subTest(link=link):
                 self.assert_faulty(check_refs.check, {"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
-
 
     def test_bugs_of_peers(self) -> None:
         page = ("Asked: 2 threads, 1 tests. Right: 2. Not askable: 1 threads.\n\n| thread | what | test | limber |\n"
