@@ -4,10 +4,15 @@
 
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <array>
 #include <cfenv>
 #include <cstdint>
 
+#include "fuzz/inputs.h"
+#include "limber/geometry.h"
+
+/// The callers' floating-point environments, and what rounding may do to contacts.
 namespace limber::fuzz {
 
 /// The caller's floating-point environment, for as long as the object lives: a rounding mode, and whether subnormal
@@ -37,6 +42,21 @@ template <typename Function>
 auto in_environment(std::uint8_t choice, const Function& function) {
   const Environment environment(choice);
   return function();
+}
+
+/// The smallest height of a triangle as a part of `size`. Edges are divided first, so no product vanishes or overflows.
+inline double relative_height(const Triangle& t, double size) {
+  const Vec3 p = scaled(t.v1 - t.v0, 1 / size), q = scaled(t.v2 - t.v0, 1 / size);
+  const double longest = std::max({length(p), length(q), length(q - p)});
+  return longest == 0 ? 0 : length(cross(p, q)) / longest;
+}
+
+/// How far off the shared point of triangles that meet may be if one is a sliver (docs/algorithms/numerics.md). `size`
+/// is at least their largest coordinate.
+inline double sliver_tolerance(const Triangle& a, const Triangle& b, double size) {
+  if (!(size > 0x1p-1000)) return 0;
+  const double height = std::min(relative_height(a, size), relative_height(b, size));
+  return size * std::min(0x1p-50 / std::max(height, 0x1p-100), 0x1p-26);
 }
 
 }  // namespace limber::fuzz

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "fuzz/read_bytes.h"
-#include "fuzz/target.h"
+#include "fuzz/scratch_file.h"
+#include "limber/io.h"
 #include "limber/model.h"
 
 namespace limber::fuzz {
@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t most_triangles_in_model = 2000;
 
-/// The extension under which the bytes are read; glTF comes as text and as a binary container that says so.
-std::string extension_of(std::span<const unsigned char> bytes) {
-  std::string format = LIMBER_FUZZ_FORMAT;
-  const std::string magic = "glTF";
+/// The file under whose extension the bytes are read; glTF comes as text and as a binary container that says so.
+ScratchFile& file_for(std::span<const unsigned char> bytes) {
+  static ScratchFile plain("input." LIMBER_FUZZ_FORMAT), container("input.glb");
+  const std::string format = LIMBER_FUZZ_FORMAT, magic = "glTF";
   const bool is_container = bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-  return format == "gltf" && is_container ? "glb" : format;
+  return format == "gltf" && is_container ? container : plain;
 }
 
 void check_mesh_file(MeshFile file) {
@@ -43,13 +43,15 @@ void check_mesh_file(MeshFile file) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace limber::fuzz;
   const std::span<const unsigned char> bytes(data, size);
-  ReadBytes read = read_bytes(extension_of(bytes), bytes);
-  if (read.file) {
-    check_mesh_file(std::move(*read.file));
+  ScratchFile& scratch = file_for(bytes);
+  scratch.write(bytes);
+  limber::Result<limber::MeshFile> read = limber::read_mesh_file(scratch.path());
+  if (read) {
+    check_mesh_file(std::move(*read));
     return 0;
   }
-  const std::string& text = read.file.error().text;
+  const std::string& text = read.error().text;
   require(is_one_line(text), "an error is one line", text);
-  require(text.starts_with(read.name + ": "), "an error starts with the file's name", text);
+  require(text.starts_with(scratch.path().string() + ": "), "an error starts with the file's name", text);
   return 0;
 }

@@ -5,13 +5,11 @@
 #include "formats/pose_text.h"
 
 #include <algorithm>
-#include <span>
 #include <string>
 #include <string_view>
 
 #include "command/bad_input.h"
 #include "fuzz/scratch_file.h"
-#include "fuzz/target.h"
 
 namespace limber::fuzz {
 namespace {

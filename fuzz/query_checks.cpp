@@ -10,7 +10,6 @@
 
 #include "fuzz/environment.h"
 #include "fuzz/property.h"
-#include "fuzz/sliver_tolerance.h"
 #include "reference/reference.h"
 
 namespace limber::fuzz {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "fuzz/target.h"
+#include "fuzz/property.h"
 
 namespace {
 

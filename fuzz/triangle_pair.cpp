@@ -3,21 +3,19 @@
 
 // Bytes as two triangles: predicates against exact arithmetic, closest points against the predicates.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
 #include <tuple>
 
-#include "fuzz/coordinates.h"
 #include "fuzz/environment.h"
-#include "fuzz/exact_intersection.h"
+#include "fuzz/inputs.h"
 #include "fuzz/property.h"
-#include "fuzz/sliver_tolerance.h"
-#include "fuzz/target.h"
 #include "limber/geometry.h"
+#include "support/exact_intersection.h"
 
 namespace limber::fuzz {
 namespace {
+
+namespace exact = testing::exact;
 
 /// The error that distances and points may have, as a part of the largest coordinate, and at least: distances that are
 /// not 0 are at least 2^-1022.
@@ -62,6 +60,17 @@ bool is_on(const Vec3& p, const Triangle& t, double tolerance) {
   return is_finite(p) && closest_points(p, t).distance <= tolerance;
 }
 
+/// As limber::orient3d() and limber::orient2d(), without rounding.
+int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const exact::WholeCoordinates whole({a, b, c, d});
+  return sgn(dot(cross(whole(b) - whole(a), whole(c) - whole(a)), whole(d) - whole(a)));
+}
+int exact_orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t axis) {
+  const exact::WholeCoordinates whole({a, b, c});
+  const exact::Vec normal = cross(whole(b) - whole(a), whole(c) - whole(a));
+  return sgn(axis == 0 ? normal.x : axis == 1 ? normal.y : normal.z);
+}
+
 /// Whether the triangles meet, after checks of the answer for both orders and other orders of corners.
 bool check_predicates(const Scene& s) {
   const Triangle turned{s.b.v1, s.b.v2, s.b.v0}, flipped{s.a.v1, s.a.v0, s.a.v2};
@@ -74,7 +83,7 @@ bool check_predicates(const Scene& s) {
     return std::tuple(intersects(s.a, s.b), intersects(s.b, s.a), intersects(flipped, turned), crosses,
                       orient3d(s.a.v0, s.a.v1, s.a.v2, s.b.v0));
   });
-  require(meet == exactly_intersect(s.a, s.b), "intersects() is exact");
+  require(meet == exact::intersect(s.a, s.b), "intersects() is exact");
   require(swapped == meet, "intersects() is symmetric");
   require(permuted == meet, "intersects() does not depend on the order of corners");
   require(by_edge == meet, "triangles meet exactly when an edge of one meets the other");
@@ -84,7 +93,7 @@ bool check_predicates(const Scene& s) {
           "a segment meets the triangle on which it ends");
   const Segment side{s.a.v0, s.a.v1};
   require(in_environment(s.environment, [&] { return intersects(side, s.b); }) ==
-              exactly_intersect({side.p0, side.p1, side.p1}, s.b),
+              exact::intersect({side.p0, side.p1, side.p1}, s.b),
           "intersects() of a segment and a triangle is exact");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int sign = in_environment(s.environment, [&] { return orient2d(s.a.v0, s.a.v1, s.b.v0, axis); });

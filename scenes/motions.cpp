@@ -9,13 +9,8 @@
 namespace limber::scenes {
 namespace {
 
-constexpr std::uint64_t soup_seed = 0x5EED0010, displacement_seed = 0x5EED0011, jitter_seed = 0x5EED0012;
+constexpr std::uint64_t soup_seed = 0x5EED0010, displacement_seed = 0x5EED0011;
 constexpr double half_period = 250;  // frames
-
-Vec3 drawn(Rng& rng, double low, double high) {
-  const double x = rng.uniform(low, high), y = rng.uniform(low, high), z = rng.uniform(low, high);
-  return {x, y, z};
-}
 
 /// 0 in frame 0, 1 in frame half_period, 0 again in frame 2 * half_period, and so on.
 double there_and_back(double frame, double half = half_period) {
@@ -37,28 +32,6 @@ Motion motion(std::string name, Mesh mesh, Each each) {
 Vec3 turned_about_z(const Vec3& p, double angle) {
   const double c = cosine(angle), s = sine(angle);
   return {c * p.x - s * p.y, s * p.x + c * p.y, p.z};
-}
-
-/// A soup whose triangles move as a whole, each by its displacement in a full period.
-Motion moving_soup(std::string name, std::uint32_t triangles, std::vector<Vec3> displacements) {
-  Rng rng(soup_seed);
-  auto shared = std::make_shared<const std::vector<Vec3>>(std::move(displacements));
-  return motion(std::move(name), random_soup(rng, triangles, 0.05),
-                [shared](std::size_t v, const Vec3& p, double frame) {
-                  return p + (frame / (2.0 * half_period)) * (*shared)[v / 3];
-                });
-}
-
-/// Centroids of the triangles of a soup.
-std::vector<Vec3> centroids(std::uint32_t triangles) {
-  Rng rng(soup_seed);
-  const Mesh soup = random_soup(rng, triangles, 0.05);
-  std::vector<Vec3> found;
-  for (TriangleId t = 0; t < triangles; ++t) {
-    const Triangle corners = soup.triangle(t);
-    found.push_back((corners.v0 + corners.v1 + corners.v2) * (1.0 / 3));
-  }
-  return found;
 }
 
 }  // namespace
@@ -115,32 +88,21 @@ Motion crumpling_cloth(std::uint32_t n) {
   });
 }
 
-Motion exploding_soup(std::uint32_t triangles) {
-  Rng rng(displacement_seed);
-  std::vector<Vec3> displacements = centroids(triangles);
-  for (Vec3& d : displacements) d = 7 * d + drawn(rng, -1, 1);
-  return moving_soup("exploding soup", triangles, std::move(displacements));
-}
-
 Motion shuffled_soup(std::uint32_t triangles) {
-  Rng rng(displacement_seed);
-  const std::vector<Vec3> places = centroids(triangles);
-  std::vector<std::uint32_t> goal(triangles);
-  for (std::uint32_t t = 0; t < triangles; ++t) goal[t] = t;
-  for (std::uint32_t t = triangles; t > 1; --t) std::swap(goal[t - 1], goal[rng.below(t)]);
+  Rng soup_rng(soup_seed), rng(displacement_seed);
+  Mesh soup = random_soup(soup_rng, triangles, 0.05);
+  const auto center = [&](TriangleId t) {
+    const Triangle corners = soup.triangle(t);
+    return (corners.v0 + corners.v1 + corners.v2) * (1.0 / 3);
+  };
+  std::vector<TriangleId> goal(triangles);
+  for (TriangleId t = 0; t < triangles; ++t) goal[t] = t;
+  for (TriangleId t = triangles; t > 1; --t) std::swap(goal[t - 1], goal[rng.below(t)]);
   std::vector<Vec3> displacements;
-  for (std::uint32_t t = 0; t < triangles; ++t) displacements.push_back(places[goal[t]] - places[t]);
-  return moving_soup("shuffled soup", triangles, std::move(displacements));
-}
-
-Motion jittering_sheet(std::uint32_t nx, std::uint32_t ny, double amplitude) {
-  return motion("jittering sheet", wave_sheet(nx, ny, 0), [amplitude](std::size_t v, const Vec3& p, double frame) {
-    // The last frame, before or at this one, in which this vertex was moved.
-    Rng order(jitter_seed + v);
-    const auto now = static_cast<std::uint64_t>(frame), turn = 1 + order.below(20);
-    if (now < turn) return p;
-    Rng rng(jitter_seed + (std::uint64_t{v} << 20) + (now - turn) / 20);
-    return p + drawn(rng, -amplitude / 2, amplitude / 2);
+  for (TriangleId t = 0; t < triangles; ++t) displacements.push_back(center(goal[t]) - center(t));
+  const auto shared = std::make_shared<const std::vector<Vec3>>(std::move(displacements));
+  return motion("shuffled soup", std::move(soup), [shared](std::size_t v, const Vec3& p, double frame) {
+    return p + (frame / (2.0 * half_period)) * (*shared)[v / 3];
   });
 }
 

@@ -30,15 +30,8 @@ Motion twisting_bar(std::uint32_t per_side);
 /// smoothed out again.
 Motion crumpling_cloth(std::uint32_t n);
 
-/// Confetti that flies apart to eight times its size in 500 frames, every piece along its own straight line.
-Motion exploding_soup(std::uint32_t triangles);
-
 /// Confetti whose pieces all change places within 500 frames, every piece along its own straight line.
 Motion shuffled_soup(std::uint32_t triangles);
-
-/// A waving sheet at rest. Every frame moves another twentieth of the vertices to new positions, at most `amplitude`
-/// from those at rest.
-Motion jittering_sheet(std::uint32_t nx, std::uint32_t ny, double amplitude);
 
 /// From one mesh to another with the same triangles and back, `frames` frames in each direction.
 ///

@@ -13,9 +13,7 @@ import argparse
 import shutil
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = ROOT / "docs/site"
@@ -85,42 +83,6 @@ def read_headers(folder: Path) -> None:
     subprocess.run(["doxygen", folder / "Doxyfile"], check=True)
 
 
-class PageReader(HTMLParser):
-    """What a page links to, and the names that may be linked to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.links: list[str] = []
-        self.names: set[str] = set()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        for name, value in attrs:
-            if name in ("href", "src") and value is not None:
-                self.links.append(value)
-            elif name == "id" and value is not None:
-                self.names.add(value)
-
-
-def broken_links(site: Path) -> list[str]:
-    """Links of the finished pages to files of the site, or to places in them, that are not there."""
-    pages: dict[Path, PageReader] = {}
-    for file in sorted(site.rglob("*.html")):
-        pages[file] = PageReader()
-        pages[file].feed(file.read_text(encoding="utf-8"))
-    broken = []
-    for file, page in pages.items():
-        for link in page.links:
-            parts = urlsplit(link)
-            if parts.scheme or parts.netloc:
-                continue
-            target = (file.parent / unquote(parts.path)).resolve() if parts.path else file
-            place = unquote(parts.fragment)
-            is_known = target not in pages or not place or place in pages[target].names
-            if not target.exists() or not is_known:
-                broken.append(f"{file.relative_to(site)}: {link}")
-    return broken
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="where the site and what it is made of are written")
@@ -136,11 +98,9 @@ def main() -> int:
     )
     if result.returncode != 0:
         return result.returncode
-    broken = broken_links(site)
-    print(*(f"link to nothing: {link}" for link in broken), sep="\n", end="\n" if broken else "", file=sys.stderr)
     shutil.copy(site / "README.html", site / "index.html")
     print(f"the site is {site / 'index.html'}")
-    return 1 if broken else 0
+    return 0
 
 
 if __name__ == "__main__":

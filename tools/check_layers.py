@@ -78,17 +78,6 @@ EDGE_MAY_INCLUDE = {
     "web": ("web/", "scenes/"),
 }
 
-STANDARD = frozenset(
-    """algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits
-    clocale cmath codecvt compare complex concepts condition_variable coroutine csetjmp csignal cstdarg cstddef cstdint
-    cstdio cstdlib cstring ctime cuchar cwchar cwctype deque exception execution filesystem format forward_list fstream
-    functional future initializer_list iomanip ios iosfwd iostream istream iterator latch limits list locale map memory
-    memory_resource mutex new numbers numeric optional ostream queue random ranges ratio regex scoped_allocator semaphore
-    set shared_mutex source_location span sstream stack stdexcept stop_token streambuf string string_view strstream
-    syncstream system_error thread tuple type_traits typeindex typeinfo unordered_map unordered_set utility valarray
-    variant vector version""".split()
-)
-
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:<([^>\n]+)>|"([^"\n]+)")')
 
 
@@ -103,8 +92,8 @@ def _objection(root: Path, path: str, target: str) -> str | None:
     top, layer = parts[0], parts[1] if parts[0] == "src" and len(parts) > 2 else ""
     if ".." in target.split("/"):
         return "names its place from the top, not by '..'"
-    if target in STANDARD:
-        return None
+    if "." not in target and "/" not in target:
+        return None  # of the standard library
 
     if first == "limber":
         if not (root / "include" / target).is_file():

@@ -15,7 +15,6 @@ USUAL_LINES = 400  # at least USUAL_SHARE of the source files are not longer
 USUAL_SHARE = 0.9
 MOST_LINES = 800  # none is longer
 MOST_COLUMNS = 120  # clang-format sees to code, not to comments: it would tear labelled ones apart
-UMBRELLA_LINES = 4000  # ours, pulled in by limber.h
 CHECKS_WANTED = 10.0  # LIMBER_ASSERT, LIMBER_REQUIRE and LIMBER_VALIDATE per thousand lines of src; fewer are a warning
 CHECKS_REQUIRED = 10.0  # fewer are an error; only ever raised
 
@@ -31,7 +30,6 @@ PRINTING = re.compile(
 )
 ENDING = re.compile(r"(?<![\w.>])(?:std\s*::\s*)?(?:abort|exit|_Exit|quick_exit|terminate)\s*\(|(?<!\w)assert\s*\(")
 CHECK = re.compile(r"\bLIMBER_(?:ASSERT|REQUIRE|VALIDATE)\s*\(")
-INCLUDE_OURS = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<](limber/[^">]+)[">]', re.MULTILINE)
 
 
 def _length(path: Path) -> int:
@@ -53,23 +51,6 @@ def check_lengths(root: Path) -> list[Finding]:
         ]
     print(f"sizes: {len(lengths)} source files, {sum(lengths.values())} lines, {len(long)} above {USUAL_LINES}")
     return findings
-
-
-def check_umbrella(root: Path) -> list[Finding]:
-    waiting, seen = ["limber/limber.h"], set[str]()
-    lines = 0
-    while waiting:
-        header = waiting.pop()
-        path = root / "include" / header
-        if header in seen or not path.is_file():
-            continue
-        seen.add(header)
-        lines += _length(path)
-        waiting += INCLUDE_OURS.findall(text_of(path))
-    print(f"sizes: limber.h pulls in {len(seen)} headers, {lines} lines")
-    if lines > UMBRELLA_LINES:
-        return [Finding("include/limber/limber.h", 1, f"pulls in {lines} lines, the most allowed are {UMBRELLA_LINES}")]
-    return []
 
 
 def check_checks(root: Path) -> list[Finding]:
@@ -115,7 +96,7 @@ def check_text(root: Path) -> list[Finding]:
 
 
 def check(root: Path) -> list[Finding]:
-    return check_lengths(root) + check_umbrella(root) + check_checks(root) + check_text(root)
+    return check_lengths(root) + check_checks(root) + check_text(root)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Breaks the code in the places that mutants.toml lists, one at a time; the tests must notice every one of them.
 
+With --random, in places drawn from all sources. A survivor is then not always a gap in the tests: the fault may only
+cost time, or change nothing. So a person reads survivors, and the exit status does not tell of them.
+
 Everything happens in a copy below build/mutants, which is built with light optimisation, checks on, and kernels for
 all instruction sets. While the tests of one mutant run, the next one is built.
 
@@ -15,16 +18,20 @@ from __future__ import annotations
 import argparse
 import fnmatch
 import os
+import random
 import re
 import shutil
 import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
+
+from random_faults import changes
+from repository import CPP_SUFFIXES, line_at
 
 ROOT = Path(__file__).resolve().parent.parent
 COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "docs/guide", "examples", "fuzz", "include", "scenes", "src",
@@ -36,6 +43,7 @@ TIMEOUT_S = 300.0  # for the tests of one executable; a hang counts as noticed
 MEMORY_BYTES = 6 << 30  # of that; a fault that fills the memory must not take the machine with it
 FLAGS = "-O1"  # kernels for all instruction sets: the one that needs no dispatch is scalar on most compilers
 PROPERTY_RUNS = "max_success=1000 seed=1 noshrink=1"
+NOT_BUILT = "src/simd/wasm_*"  # but by the JavaScript package
 
 
 class Unusable(Exception):
@@ -49,8 +57,14 @@ class Mutant:
     find: str
     replace: str
     tests: tuple[str, ...]  # executable, or executable:filter
+    at: int | None = None  # where the text to be replaced is, if it may occur more than once
 
     def applied_to(self, text: str) -> str:
+        if self.at is not None:
+            end = self.at + len(self.find)
+            if text[self.at : end] != self.find:
+                raise Unusable(f"{self.name}: the file has changed")
+            return text[: self.at] + self.replace + text[end:]
         count = text.count(self.find)
         if count != 1:
             raise Unusable(f"{self.name}: the text to be replaced occurs {count} times in {self.file}, not once")
@@ -92,6 +106,29 @@ def check(root: Path, mutants: Iterable[Mutant]) -> None:
         if not path.is_file():
             raise Unusable(f"{mutant.name}: there is no {mutant.file}")
         mutant.applied_to(path.read_text(encoding="utf-8"))
+
+
+def mutations(root: Path, patterns: list[str]) -> list[Mutant]:
+    """Every mutation of the sources that fit a pattern."""
+    found: dict[str, Mutant] = {}
+    for path in sorted((root / "src").rglob("*")):
+        file = path.relative_to(root).as_posix()
+        is_wanted = path.suffix in CPP_SUFFIXES and any(fnmatch.fnmatchcase(file, pattern) for pattern in patterns)
+        if not is_wanted or fnmatch.fnmatchcase(file, NOT_BUILT):
+            continue
+        tests = ("io",) if file.startswith("src/io/") else DEFAULT_TESTS
+        text = path.read_text(encoding="utf-8")
+        for at, old, new in changes(text):
+            place = f"{file}:{line_at(text, at)}:{at - text.rfind(chr(10), 0, at)}"
+            name = f"{place}: {' '.join(old.split())} becomes {' '.join(new.split())}"
+            found[name] = Mutant(name, file, old, new, tests, at)
+    return list(found.values())
+
+
+def draw(candidates: list[Mutant], count: int, seed: int) -> list[Mutant]:
+    """Some of the candidates, those of one file next to each other."""
+    chosen = random.Random(seed).sample(candidates, min(count, len(candidates)))
+    return sorted(chosen, key=lambda mutation: (mutation.file, mutation.at))
 
 
 def _files(root: Path) -> Iterator[Path]:
@@ -217,15 +254,15 @@ def baseline(shop: Workshop, mutants: Iterable[Mutant]) -> None:
 
 def report(mutant: Mutant, verdict: Verdict, seconds: float) -> None:
     if verdict.noticed is None:
-        print(f"INVALID   {mutant.name}: it does not compile\n{verdict.text}", flush=True)
+        reason = verdict.text if mutant.at is None else ""  # of those at random many are no C++
+        print(f"INVALID   {mutant.name}: it does not compile\n{reason}".rstrip(), flush=True)
     elif verdict.noticed:
         print(f"noticed   {mutant.name}: by {verdict.text}, {seconds:.0f} s", flush=True)
     else:
         print(f"SURVIVED  {mutant.name} in {mutant.file}, {seconds:.0f} s", flush=True)
 
 
-def run(shop: Workshop, mutants: Sequence[Mutant],
-        report: Callable[[Mutant, Verdict, float], None] = report) -> dict[str, Verdict]:
+def run(shop: Workshop, mutants: Sequence[Mutant]) -> dict[str, Verdict]:
     """Builds and tests one mutant after the other, and reports each."""
     verdicts: dict[str, Verdict] = {}
 
@@ -266,24 +303,37 @@ def run(shop: Workshop, mutants: Sequence[Mutant],
     return verdicts
 
 
+def chosen_mutants(arguments: argparse.Namespace) -> list[Mutant]:
+    """Those of the table, or at random, that the command line asks for."""
+    patterns = arguments.names or ["*"]
+    if arguments.random:
+        candidates = mutations(ROOT, patterns)
+        chosen = draw(candidates, arguments.random, arguments.seed)
+        print(f"{len(chosen)} of {len(candidates)} mutations, --seed {arguments.seed}", flush=True)
+    else:
+        candidates = load(Path(__file__).with_suffix(".toml"))
+        check(ROOT, candidates)
+        print(f"{len(candidates)} mutants fit the sources", flush=True)
+        chosen = [m for m in candidates if any(fnmatch.fnmatchcase(m.name, pattern) for pattern in patterns)]
+    if not chosen:
+        raise Unusable(f"no mutant is called {' or '.join(patterns)}")
+    return chosen
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Breaks the code place by place; the tests must notice.")
-    parser.add_argument("names", nargs="*", help="mutants to run, or patterns such as 'io-*'; all if none is named")
+    parser.add_argument("names", nargs="*", help="mutants, or patterns such as 'simd-*'; with --random files, as 'src/io/*'")
+    parser.add_argument("--random", type=int, metavar="N", help="draw N places from the sources")
+    parser.add_argument("--seed", type=int, default=int(time.strftime("%Y%m%d")), help="of the drawing; today's date")
     parser.add_argument("--check", action="store_true", help="only say whether every mutant fits the sources")
     parser.add_argument("--list", action="store_true", help="only list the mutants")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="of the compiler")
     arguments = parser.parse_args()
     try:
-        mutants = load(Path(__file__).with_suffix(".toml"))
-        check(ROOT, mutants)
-        patterns = arguments.names or ["*"]
-        chosen = [m for m in mutants if any(fnmatch.fnmatchcase(m.name, pattern) for pattern in patterns)]
-        if not chosen:
-            raise Unusable(f"no mutant is called {' or '.join(patterns)}")
+        chosen = chosen_mutants(arguments)
+        if arguments.list:
+            print(*(f"{mutant.file}: {mutant.name}" for mutant in chosen), sep="\n")
         if arguments.list or arguments.check:
-            for mutant in chosen if arguments.list else ():
-                print(f"{mutant.file}: {mutant.name}")
-            print(f"{len(mutants)} mutants fit the sources")
             return 0
         shop = Workshop(ROOT / "build" / "mutants", arguments.jobs)
         shop.prepare()
@@ -297,7 +347,7 @@ def main() -> int:
     noticed = sum(verdict.noticed is True for verdict in verdicts)
     survived = sum(verdict.noticed is False for verdict in verdicts)
     print(f"{len(verdicts)} mutants, {noticed} noticed, {survived} survived, {len(verdicts) - noticed - survived} invalid")
-    return 0 if noticed == len(verdicts) else 1
+    return 0 if arguments.random or noticed == len(verdicts) else 1
 
 
 if __name__ == "__main__":

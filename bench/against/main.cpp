@@ -3,7 +3,7 @@
 
 // Question  Has anything become slower since another revision of the library?
 // Workload  Queries between two scans, a ball and a square, parallel sheets, and linked rings of two million triangles
-//           each; the broad mix (bench/peers/mix_scenes.h), along its paths with a cache; updates and builds.
+//           each; the broad mix (bench/peers/scenes.h), along its paths with a cache; updates and builds.
 // Metric    Time of this revision over that of the other: the two are called in turn, in one process. The median of the
 //           ratios of these turns is printed, and at the end what all rows say together.
 // Expected  Ratios about 1, and the same answers.
@@ -20,8 +20,7 @@
 #include <vector>
 
 #include "bench/against/engine.h"
-#include "bench/peers/mix_scenes.h"
-#include "bench/peers/scenes_of_peers.h"
+#include "bench/peers/scenes.h"
 #include "bench/support/sampling.h"
 #include "scenes/scenes.h"
 
@@ -50,8 +49,6 @@ struct Engines {
   Engines(const Mesh& a, const Mesh& b)
       : before(make_engine_before(raw(a), raw(b))), now(make_engine_now(raw(a), raw(b))) {}
 };
-
-double median(std::vector<double> values) { return summarize(std::move(values)).median; }
 
 /// The rows, printed one by one, and what they say together.
 class Table {

@@ -80,11 +80,6 @@ class Comparison:
             meshes.write_ply(self.answers / f"{name}.ply", mesh)
 
 
-def sorted_pairs(found):
-    """MeshLib's pairs of faces of one mesh, as pairs of ids with the smaller first."""
-    return [tuple(sorted((p.aFace.get(), p.bFace.get()))) for p in found]
-
-
 class MeshLib:
     """MeshLib computes with float coordinates, which it converts to double for a pair of triangles."""
 
@@ -103,12 +98,12 @@ class MeshLib:
         kept = f"faces={built.topology.numValidFaces()} of {len(mesh[1])}"
         self.c.time("meshlib", name, "build", built.getAABBTree, prepare=built.invalidateCaches,
                     count=lambda _: len(mesh[1]), details="AABB tree")
-        for touching in (False, True):
-            question = "self_pairs_touching" if touching else "self_pairs"
-            part = self.library.MeshPart(built)
-            found = self.c.time("meshlib", name, question, count=len, details=f"tree is ready; {kept}", call=lambda:
-                                self.library.findSelfCollidingTriangles(part, touchIsIntersection=touching))
-            self.c.save(f"meshlib_{name}_{question}", sorted_pairs(found))
+        part, details = self.library.MeshPart(built), f"tree is ready; {kept}"
+        self.c.time("meshlib", name, "self_pairs_touching", count=len, details=details, call=lambda:
+                    self.library.findSelfCollidingTriangles(part, touchIsIntersection=True))
+        found = self.c.time("meshlib", name, "self_pairs", count=len, details=details, call=lambda:
+                            self.library.findSelfCollidingTriangles(part, touchIsIntersection=False))
+        self.c.save(f"meshlib_{name}_self_pairs", [sorted((p.aFace.get(), p.bFace.get())) for p in found])
 
     def pairs(self, name, a, b):
         """All pairs of triangles of two meshes that intersect."""
@@ -183,22 +178,12 @@ class Ipc:
             self.c.time("ipctk", name, "has_intersections", details=phase, call=lambda:
                         self.library.has_intersections(built, positions, getattr(self.library, phase)()))
 
-    def distances(self, name, candidates, built, positions, margin):
-        """Two ways to all distances of candidates: what is within the margin, and the least for each vertex."""
-        kinds = ("vv", "ev", "ee", "fv")
-        found = self.collisions(candidates, built, positions, margin)
-        parts = "; ".join(f"{kind}={len(getattr(found, f'{kind}_collisions'))}" for kind in kinds)
-        self.c.time("ipctk", name, "distances", lambda: self.collisions(candidates, built, positions, margin),
-                    count=len, details=f"NormalCollisions.build; {parts}")
-        self.c.time("ipctk", name, "vertex_distances", count=lambda _: len(candidates), call=lambda:
-                    candidates.compute_per_vertex_safe_distances(built, positions, margin / 2))
-
     def self_candidates(self, name, mesh):
         """Candidates of one mesh by each broad phase, and their distances."""
         made = self.mesh(mesh)
         built, positions, edges, faces, _ = made
         elements = len(positions) + len(edges) + len(faces)
-        for phase, factor in itertools.product(self.phases, (0, 0.5, 1)):
+        for phase, factor in itertools.product(self.phases, (0.5, 1)):
             radius, broad = factor * MARGIN * meshes.diagonal(mesh), getattr(self.library, phase)()
             setting = f"{phase}; inflation={factor * MARGIN:g} of the size"
             self.c.time("ipctk", name, "build", details=setting, count=lambda _: elements, call=lambda:
@@ -208,29 +193,26 @@ class Ipc:
             self.c.time("ipctk", name, "candidates", details=f"{setting}; with build; {kinds}", count=len, call=lambda:
                         self.candidates(built, positions, radius, phase))
             if phase == "LBVH" and factor == 0.5:
-                self.distances(name, found, built, positions, 2 * radius)
+                self.c.time("ipctk", name, "distances", count=len, details="NormalCollisions.build", call=lambda:
+                            self.collisions(found, built, positions, 2 * radius))
                 self.within(name, found, made, 2 * radius)
 
     def frame(self, name, cloths, body):
         """One frame: the cloth has moved, all of it; it, with itself and with a body at rest, within the margin.
         `cloths` has two states of the cloth, which take turns."""
         margin, made = MARGIN * meshes.diagonal(cloths[0]), self.mesh(meshes.joined(cloths[0], body))
-        built, first, edges, faces, ids = made
+        built, first, _, _, ids = made
         built.can_collide = self.library.make_static_obstacle_filter(int(np.searchsorted(ids, len(cloths[0][0]))))
         second = np.asfortranarray(meshes.joined(cloths[1], body)[0][ids])
-        state, broad = itertools.cycle((second, first)), self.library.LBVH()
+        state = itertools.cycle((second, first))
 
         def whole(positions):
             return self.collisions(self.candidates(built, positions, margin / 2), built, positions, margin)
 
         found = self.candidates(built, first, margin / 2)
-        self.c.time("ipctk", name, "frame_build", details="LBVH", call=lambda:
-                    broad.build(next(state), edges, faces, margin / 2),
-                    count=lambda _: len(first) + len(edges) + len(faces))
         kinds = f"edge_edge={len(found.ee_candidates)}; face_vertex={len(found.fv_candidates)}"
         self.c.time("ipctk", name, "frame_candidates", details=f"LBVH; with build; {kinds}", count=len, answer=lambda:
                     found, call=lambda: self.candidates(built, next(state), margin / 2))
-        self.distances(name, found, built, first, margin)
         self.c.time("ipctk", name, "frame", count=len, details="LBVH; build, candidates and distances", answer=lambda:
                     whole(first), call=lambda: whole(next(state)))
         self.within(name, found, made, margin)

@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // CGAL's AABB tree of triangles over an inexact kernel with exact predicates; one tree moves by its traits'
-// transformation, as in Polygon_mesh_processing's rigid collision. No distance between two meshes.
+// transformation, as in Polygon_mesh_processing's rigid collision. No distance between two meshes. For closest points
+// the tree is over a kernel of doubles, with a tree of vertices for first guesses.
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Rigid_triangle_mesh_collision_detection.h>
+#include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
+
+#include <cmath>
 
 #include "bench/peers/peer.h"
 
@@ -48,8 +55,36 @@ class CgalPeer : public Peer {
   CGAL::Rigid_triangle_mesh_collision_detection<Surface> detection_;
 };
 
+class PointTree {
+ public:
+  explicit PointTree(const Mesh& mesh) {
+    for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+      const Triangle corners = mesh.triangle(t);
+      triangles_.emplace_back(point(corners.v0), point(corners.v1), point(corners.v2));
+    }
+    tree_.rebuild(triangles_.cbegin(), triangles_.cend());
+    tree_.accelerate_distance_queries();
+  }
+  double distance(const Vec3& p) const { return std::sqrt(tree_.squared_distance(point(p))); }
+
+ private:
+  using Doubles = CGAL::Simple_cartesian<double>;
+  using Triangles = std::vector<Doubles::Triangle_3>;
+  using Primitive = CGAL::AABB_triangle_primitive<Doubles, Triangles::const_iterator>;
+
+  static Doubles::Point_3 point(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+  Triangles triangles_;
+  CGAL::AABB_tree<CGAL::AABB_traits<Doubles, Primitive>> tree_;
+};
+
 }  // namespace
 
 std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b) { return std::make_unique<CgalPeer>(a, b); }
+
+Projector cgal_projector(const Mesh& mesh) {
+  return {"CGAL", "AABB_tree, accelerated", false,
+          [tree = std::make_shared<const PointTree>(mesh)](const Vec3& p) { return tree->distance(p); }};
+}
 
 }  // namespace limber::bench

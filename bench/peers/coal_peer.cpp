@@ -4,70 +4,74 @@
 // Coal with BVHModel<OBBRSS>, from the C++ headers and library in its PyPI wheel. As in FCL, the relative error of a
 // distance request is not used for two meshes.
 #include <coal/BVH/BVH_model.h>
+#include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <coal/collision.h>
 #include <coal/distance.h>
 
-#include <algorithm>
 #include <type_traits>
 
-#include "bench/peers/peer.h"
-#include "limber/distance.h"
+#include "bench/peers/fcl_family.h"
 
 namespace limber::bench {
 namespace {
 
-template <typename Volume>
-std::shared_ptr<coal::BVHModel<Volume>> built(const Mesh& mesh) {
-  std::vector<coal::Vec3s> points;
-  for (const Vec3& p : mesh.positions()) points.emplace_back(p.x, p.y, p.z);
-  std::vector<coal::Triangle> triangles;
-  for (const Corners& c : mesh.triangles()) triangles.emplace_back(c[0], c[1], c[2]);
-  auto model = std::make_shared<coal::BVHModel<Volume>>();
-  model->beginModel();
-  model->addSubModel(points, triangles);
-  model->endModel();
-  return model;
-}
-
-coal::Transform3s transform(const Transform& pose) {
-  coal::Matrix3s r;
-  const Vec3 rows[3] = {pose.rotation.row0, pose.rotation.row1, pose.rotation.row2};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) r(i, j) = rows[i][static_cast<std::size_t>(j)];
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wnon-virtual-dtor"  // of Coal's base
+template <typename Visit>
+struct Collector : coal::CollisionCallBackBase {
+  const Visit* visit = nullptr;
+  bool collide(coal::CollisionObject* a, coal::CollisionObject* b) override {
+    (*visit)(a, b);
+    return false;
   }
-  return {r, coal::Vec3s(pose.translation.x, pose.translation.y, pose.translation.z)};
-}
+};
+#pragma GCC diagnostic pop
+
+struct Coal {
+  static constexpr const char* name = "Coal";
+  static constexpr auto ok = coal::BVH_OK;
+  using Vector = coal::Vec3s;
+  using Matrix = coal::Matrix3s;
+  using Triangle = coal::Triangle;
+  using Volume = coal::OBBRSS;
+  template <typename AnyVolume>
+  using Tree = coal::BVHModel<AnyVolume>;
+
+  using Object = coal::CollisionObject;
+  using Body = Object;
+  using Manager = coal::DynamicAABBTreeCollisionManager;
+  static coal::AABB& box_of(Body& body) { return body.getAABB(); }
+
+  template <typename Visit>
+  static void for_each_pair(Manager& manager, const Visit& visit) {
+    Collector<Visit> collector;
+    collector.visit = &visit;
+    manager.collide(&collector);
+  }
+};
 
 template <typename Volume>
-class CoalPeer : public Peer {
+class CoalPeer : public FamilyPeer<Coal, Volume> {
  public:
-  CoalPeer(const Mesh& a, const Mesh& b) : a_(built<Volume>(a)), b_(built<Volume>(b)) {}
+  using FamilyPeer<Coal, Volume>::FamilyPeer;
   bool answers(Question question) const override {
     return question != Question::collide || std::is_same_v<Volume, coal::OBBRSS>;
   }
-  bool deform(const std::vector<Vec3>& positions) override {
-    std::vector<coal::Vec3s> points;
-    points.reserve(positions.size());
-    for (const Vec3& p : positions) points.emplace_back(p.x, p.y, p.z);
-    return a_->beginReplaceModel() == coal::BVH_OK && a_->replaceSubModel(points) == coal::BVH_OK &&
-           a_->endReplaceModel(true, true) == coal::BVH_OK;
-  }
   double ask(Question question, const Transform& pose_b) override {
-    const coal::Transform3s origin = coal::Transform3s::Identity(), pose = transform(pose_b);
+    const coal::Transform3s origin = coal::Transform3s::Identity();
+    const coal::Transform3s pose(matrix<Coal>(pose_b.rotation), vector<Coal>(pose_b.translation));
+    const coal::CollisionGeometry *a = this->a_.get(), *b = this->b_.get();
     if (question == Question::collide) {
       const coal::CollisionRequest request;
       coal::CollisionResult result;
-      return coal::collide(a_.get(), origin, b_.get(), pose, request, result) > 0 ? 0 : 1;
+      return coal::collide(a, origin, b, pose, request, result) > 0 ? 0 : 1;
     }
     coal::DistanceRequest request;
     request.enable_signed_distance = false;
     if (question == Question::rough) request.rel_err = rough_error;
     coal::DistanceResult result;
-    return std::max(0.0, coal::distance(a_.get(), origin, b_.get(), pose, request, result));
+    return std::max(0.0, coal::distance(a, origin, b, pose, request, result));
   }
-
- private:
-  std::shared_ptr<coal::BVHModel<Volume>> a_, b_;
 };
 
 }  // namespace
@@ -75,6 +79,9 @@ class CoalPeer : public Peer {
 std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer<coal::OBBRSS>>(a, b); }
 std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b) {
   return std::make_unique<CoalPeer<coal::RSS>>(a, b);
+}
+std::unique_ptr<Manager> make_coal_manager(const Mesh& shape, std::size_t bodies, bool builds_anew) {
+  return std::make_unique<FamilyManager<Coal>>(shape, bodies, builds_anew);
 }
 
 }  // namespace limber::bench

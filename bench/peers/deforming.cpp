@@ -13,18 +13,15 @@
 // Checked         Distances of all libraries in every frame; the table counts the wrong ones.
 #include <oneapi/tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/peers/peer.h"
-#include "bench/peers/scenes_of_peers.h"
+#include "bench/peers/scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/io.h"
@@ -34,46 +31,35 @@
 namespace limber::bench {
 namespace {
 
-struct Contestant {
-  std::string name;
-  std::unique_ptr<Peer> peer;
+struct Times {
   std::vector<double> update_us, query_us;
   int wrong = 0;
 };
 
-std::vector<Contestant> contestants_for(const Mesh& a, const Mesh& b) {
-  std::vector<Contestant> all;
-  for (const auto& [name, make] : deforming_peers()) all.push_back({name, make(a, b), {}, {}, 0});
-  return all;
-}
-
-double median(const std::vector<double>& values) { return summarize(values).median; }
-
-void full_refits(std::uint32_t nx, std::uint32_t ny, int rounds, Checker& checker, CsvFile& csv, Markdown& table) {
+void full_refits(std::uint32_t nx, std::uint32_t ny, int rounds, Checker& checker, Table& table) {
   const scenes::Motion sheet = scenes::waving_sheet(nx, ny);
   const auto count = static_cast<double>(sheet.mesh.triangles().size());
-  std::vector<Contestant> contestants = contestants_for(sheet.mesh, scenes::thesis_ball());
+  const std::vector<Contestant> contestants = deforming_peers(sheet.mesh, scenes::thesis_ball());
+  std::vector<std::vector<double>> ns(contestants.size());  // a triangle
   for (int round = 1; round <= rounds; ++round) {
     const std::vector<Vec3> positions = sheet.positions(round);
-    for (Contestant& c : contestants) {
+    for (std::size_t i = 0; i < ns.size(); ++i) {
       // A few rounds are enough for the slow libraries.
-      if (round > 3 && median(c.update_us) > 500 * 1e-3 * count) continue;
-      const Stopwatch watch;
-      checker.check(c.peer->deform(positions), "{} cannot deform", c.name);
-      c.update_us.push_back(watch.us());
+      if (round > 3 && median(ns[i]) > 500) continue;
+      const auto deform = [&] {
+        checker.check(contestants[i].peer->deform(positions), "{} refuses", contestants[i].name);
+      };
+      ns[i].push_back(mean_us(1, deform) * 1e3 / count);
     }
   }
-  const double ours = median(contestants.front().update_us);
-  for (const Contestant& c : contestants) {
-    const Summary us = summarize(c.update_us);
-    table.line("| {} | {} | {:.3g} | {:.3g} | {:.3g} |", count, c.name, us.min * 1e3 / count, us.median * 1e3 / count,
-               us.median / ours);
-    csv.row("refit,{},{},{:.5g},{:.5g},{:.4g}", count, c.name, us.min * 1e3 / count, us.median * 1e3 / count,
-            us.median / ours);
+  for (std::size_t i = 0; i < ns.size(); ++i) {
+    const Summary summary = summarize(ns[i]);
+    table.line("| {} | {} | {:.3g} | {:.3g} | {:.3g} |", count, contestants[i].name, summary.min, summary.median,
+               summary.median / median(ns[0]));
   }
 }
 
-void two_threads(std::uint32_t nx, std::uint32_t ny, int rounds, CsvFile& csv, Markdown& table) {
+void two_threads(std::uint32_t nx, std::uint32_t ny, int rounds, Table& table) {
   const scenes::Motion sheet = scenes::waving_sheet(nx, ny);
   const auto count = static_cast<double>(sheet.mesh.triangles().size());
   Model model(sheet.mesh, {.rebuild_policy = RebuildPolicy::off});
@@ -89,7 +75,6 @@ void two_threads(std::uint32_t nx, std::uint32_t ny, int rounds, CsvFile& csv, M
   }
   const double one = median(commit_us[0]) * 1e3 / count, two = median(commit_us[1]) * 1e3 / count;
   table.line("| {} | {:.3g} | {:.3g} | {:.3g} |", count, one, two, one / two);
-  csv.row("threads,{},limber,{:.5g},{:.5g},{:.4g}", count, one, two, one / two);
 }
 
 /// The pose of the bunny in a frame of the waving sheet.
@@ -103,47 +88,48 @@ Transform bunny_pose(int frame) {
 /// Every frame moves all vertices and asks for an exact distance of `other`, placed by pose_of(frame).
 template <typename PoseOf>
 void frames_with_queries(const scenes::Motion& motion, const Mesh& other, const PoseOf& pose_of, int frames,
-                         Checker& checker, CsvFile& csv, Markdown& table) {
+                         Checker& checker, Table& table) {
   table.line("\n### {}, {} triangles: all vertices moved, exact distance; ms\n", motion.name,
              motion.mesh.triangles().size());
   table.line(
       "| library | update | query | frame, median | p99 | times ours | wrong answers |\n|:--|--:|--:|--:|--:|--:|--:|");
-  std::vector<Contestant> contestants = contestants_for(motion.mesh, other);
+  std::vector<Contestant> contestants = deforming_peers(motion.mesh, other);
   std::erase_if(contestants, [](const Contestant& c) { return !c.peer->answers(Question::exact); });
+  std::vector<Times> times(contestants.size());
   for (int frame = 1; frame <= frames; ++frame) {
     const std::vector<Vec3> positions = motion.positions(frame);
     double truth = 0;
-    for (Contestant& c : contestants) {
-      if (frame > 10 && &c != &contestants.front()) continue;
+    for (std::size_t i = 0; i < (frame > 10 ? 1 : contestants.size()); ++i) {
+      const auto& [name, peer] = contestants[i];
       const Stopwatch update;
-      checker.check(c.peer->deform(positions), "{} cannot deform", c.name);
-      c.update_us.push_back(update.us());
+      checker.check(peer->deform(positions), "{} cannot deform", name);
+      times[i].update_us.push_back(update.us());
       const Stopwatch asking;
-      const double found = c.peer->ask(Question::exact, pose_of(frame));
-      c.query_us.push_back(asking.us());
-      if (&c == &contestants.front()) truth = found;
-      if (std::abs(found - truth) > 1e-9) ++c.wrong;
+      const double found = peer->ask(Question::exact, pose_of(frame));
+      times[i].query_us.push_back(asking.us());
+      if (i == 0) truth = found;
+      if (std::abs(found - truth) > 1e-9) ++times[i].wrong;
     }
   }
   double ours = 0;
-  for (const Contestant& c : contestants) {
-    std::vector<double> frame_us;
-    for (std::size_t i = 0; i < c.update_us.size(); ++i) frame_us.push_back(c.update_us[i] + c.query_us[i]);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto& [update_us, query_us, wrong] = times[i];
+    std::vector<double> frame_us = update_us;
+    for (std::size_t k = 0; k < frame_us.size(); ++k) frame_us[k] += query_us[k];
     const Summary us = summarize(frame_us);
-    if (ours == 0) ours = us.median;
-    table.line("| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} of {} |", c.name, median(c.update_us) * 1e-3,
-               median(c.query_us) * 1e-3, us.median * 1e-3, us.p99 * 1e-3, us.median / ours, c.wrong, frame_us.size());
-    csv.row("frame,{},{},{:.5g},{:.5g},{:.4g}", motion.mesh.triangles().size(), c.name, median(c.update_us),
-            median(c.query_us), us.median / ours);
+    if (i == 0) ours = us.median;
+    table.line("| {} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} of {} |", contestants[i].name,
+               median(update_us) * 1e-3, median(query_us) * 1e-3, us.median * 1e-3, us.p99 * 1e-3, us.median / ours,
+               wrong, frame_us.size());
   }
   // Tests compare our distances with brute force. Here another library has to agree with them.
-  checker.check(contestants.size() == 1 || std::any_of(contestants.begin() + 1, contestants.end(),
-                                                       [](const Contestant& c) { return c.wrong == 0; }),
+  checker.check(times.size() == 1 || std::any_of(times.begin() + 1, times.end(),
+                                                 [](const Times& of_peer) { return of_peer.wrong == 0; }),
                 "no other library agrees");
 }
 
 /// Commits of some vertices, neighbours or anywhere, which move a little.
-void some_vertices(std::uint32_t nx, std::uint32_t ny, int rounds, CsvFile& csv, Markdown& table) {
+void some_vertices(std::uint32_t nx, std::uint32_t ny, int rounds, Table& table) {
   const Mesh sheet = scenes::wave_sheet(nx, ny, 0);
   const auto triangles = static_cast<double>(sheet.triangles().size());
   const std::size_t vertex_count = sheet.positions().size();
@@ -175,78 +161,61 @@ void some_vertices(std::uint32_t nx, std::uint32_t ny, int rounds, CsvFile& csv,
       const double whole = median(us);
       table.line("| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} |", triangles, batch, anywhere ? "anywhere" : "neighbours",
                  whole, whole * 1e3 / static_cast<double>(batch), whole / median(full));
-      csv.row("batch,{},{} {},{:.5g},{:.5g},{:.4g}", triangles, batch, anywhere ? "anywhere" : "neighbours", whole,
-              whole * 1e3 / static_cast<double>(batch), whole / median(full));
     }
   }
 }
 
-int run(const Options& options, const std::filesystem::path& meshes) {
-  report_machine(options);
-  Checker checker;
-  CsvFile csv(options, "deforming.csv", "what,triangles,who,first,second,ratio");
-  Markdown table(options, "deforming.md");
+/// Two frames of a real cloth, to and fro, with the bunny beside it.
+void real_cloth(const std::filesystem::path& meshes, const Mesh& bunny, int frames, Checker& checker, Table& table) {
+  const Mesh cloth = load_mesh(meshes / "cloth_ball_92.ply").value();
+  const scenes::Motion real = scenes::morph("two frames of a real cloth, to and fro", cloth,
+                                            load_mesh(meshes / "cloth_ball_93.ply").value(), 10);
+  const Box box = Model(cloth).bounding_box();
+  const Vec3 center = 0.5 * (box.low + box.high);
+  const double size = length(box.high - box.low);
+  std::vector<Vec3> positions = normalised(bunny).positions();
+  for (Vec3& p : positions) p *= 0.2 * size;
+  const auto pose_of = [&](int frame) {
+    const double angle = 0.05 * frame;
+    return Transform{{}, center + size * Vec3{0.5 * scenes::cosine(angle), 0.5 * scenes::sine(angle), 0.3}};
+  };
+  frames_with_queries(real, Mesh::create(std::move(positions), bunny.triangles()).value(), pose_of, frames, checker,
+                      table);
+}
+
+void run(const Options& options, Checker& checker) {
+  Table table(options, "deforming.md");
   const int rounds = options.quick ? 4 : 41;
   std::optional<oneapi::tbb::global_control> one_thread;
   table.line("# Keeping trees of deforming meshes, as printed by `limber_bench_deforming`");
   table.line("\n### On more threads: commit of all vertices, ns a triangle\n");
   table.line("| triangles | one thread | two | ratio |\n|--:|--:|--:|--:|");
-  two_threads(100, 100, rounds, csv, table);
-  two_threads(400, 250, rounds, csv, table);
-  if (!options.quick) two_threads(1000, 1000, rounds, csv, table);
+  two_threads(100, 100, rounds, table);
+  two_threads(400, 250, rounds, table);
+  if (!options.quick) two_threads(1000, 1000, rounds, table);
   one_thread.emplace(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   table.line("\n### All vertices: ns a triangle, moving them included\n");
   table.line("| triangles | library | least | median | times ours |\n|--:|:--|--:|--:|--:|");
-  full_refits(100, 100, rounds, checker, csv, table);
-  full_refits(400, 250, rounds, checker, csv, table);
-  if (!options.quick) full_refits(1000, 1000, rounds / 3, checker, csv, table);
-  if (!meshes.empty()) {
-    const Mesh bunny = normalised(load_mesh(meshes / "stanford-bunny.obj").value());
-    frames_with_queries(scenes::waving_sheet(400, 250), bunny, bunny_pose, options.quick ? 3 : 100, checker, csv,
-                        table);
-    const Mesh cloth = load_mesh(meshes / "cloth_ball_92.ply").value();
-    const scenes::Motion real = scenes::morph("two frames of a real cloth, to and fro", cloth,
-                                              load_mesh(meshes / "cloth_ball_93.ply").value(), 10);
-    const Mesh small = normalised(bunny);
-    Vec3 low = cloth.positions().front(), high = low;
-    for (const Vec3& p : cloth.positions()) low = min(low, p), high = max(high, p);
-    const Vec3 center = 0.5 * (low + high);
-    const double size = length(high - low);
-    std::vector<Vec3> positions = small.positions();
-    for (Vec3& p : positions) p *= 0.2 * size;
-    frames_with_queries(
-        real, Mesh::create(std::move(positions), small.triangles()).value(),
-        [&](int frame) {
-          const double angle = 0.05 * frame;
-          return Transform{{}, center + size * Vec3{0.5 * scenes::cosine(angle), 0.5 * scenes::sine(angle), 0.3}};
-        },
-        options.quick ? 3 : 100, checker, csv, table);
+  full_refits(100, 100, rounds, checker, table);
+  full_refits(400, 250, rounds, checker, table);
+  if (!options.quick) full_refits(1000, 1000, rounds / 3, checker, table);
+  if (!options.meshes.empty()) {
+    const Mesh bunny = normalised(load_mesh(options.meshes / "stanford-bunny.obj").value());
+    const int frames = options.quick ? 3 : 100;
+    frames_with_queries(scenes::waving_sheet(400, 250), bunny, bunny_pose, frames, checker, table);
+    real_cloth(options.meshes, bunny, frames, checker, table);
   }
   table.line("\n### Some vertices, moving them and commit\n");
   table.line("| triangles | vertices | where | us | ns a vertex | of moving all |\n|--:|--:|:--|--:|--:|--:|");
-  some_vertices(100, 100, 10 * rounds, csv, table);
-  some_vertices(400, 250, 10 * rounds, csv, table);
-  if (!options.quick) some_vertices(1000, 1000, 5 * rounds, csv, table);
-  return checker.all_right() ? 0 : 1;
+  some_vertices(100, 100, 10 * rounds, table);
+  some_vertices(400, 250, 10 * rounds, table);
+  if (!options.quick) some_vertices(1000, 1000, 5 * rounds, table);
 }
 
 }  // namespace
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
-  CLI::App app{"What does it cost to keep the tree of a deforming mesh up to date?"};
-  limber::bench::Options options;
-  std::filesystem::path meshes;
-  app.add_option("--out", options.out, "folder for results; default: only the console");
-  app.add_option("--meshes", meshes,
-                 "folder with stanford-bunny.obj and cloth_ball_92.ply, _93.ply; default: no queries");
-  app.add_flag("--quick", options.quick, "few rounds: shows that everything works");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    if (!options.out.empty()) std::filesystem::create_directories(options.out);
-    return limber::bench::run(options, meshes);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
+  return limber::bench::run_bench(argc, argv, "What does it cost to keep the tree of a deforming mesh up to date?",
+                                  limber::bench::run);
 }

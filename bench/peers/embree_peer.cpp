@@ -3,9 +3,11 @@
 
 // Embree's rtcCollide over user geometries, float32 boxes in the world frame; candidates are decided by our exact test.
 // It cannot move a scene: a new pose of b is transformed vertices and a refit, which move() does, untimed by the tables
-// of queries. No early out, no distance.
+// of queries. No early out, no distance. For closest points Embree finds the triangles that a sphere meets and leaves
+// their distances to a callback, which is ours: float32, as Embree's vertices are.
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -91,13 +93,13 @@ class EmbreeScene {
   RTCGeometry geometry_;
 };
 
-/// Holds all of oneTBB in this process to one thread while it lives.
 struct EmbreeDevice {
-  RTCDevice device = rtcNewDevice("threads=1");
-  EmbreeDevice() = default;
+  /// A number of threads holds all of oneTBB in this process to it while the device lives.
+  explicit EmbreeDevice(const char* settings) : device(rtcNewDevice(settings)) {}
   EmbreeDevice(const EmbreeDevice&) = delete;
   EmbreeDevice& operator=(const EmbreeDevice&) = delete;
   ~EmbreeDevice() { rtcReleaseDevice(device); }
+  RTCDevice device;
 };
 
 class EmbreePeer : public Peer {
@@ -116,97 +118,145 @@ class EmbreePeer : public Peer {
   }
 
  private:
-  EmbreeDevice device_;
+  EmbreeDevice device_{"threads=1"};
   EmbreeScene a_, b_;
 };
 
-/// Embree's own triangles, in float32 and for rays. Only their updates are measured.
-class EmbreeTrianglesPeer : public Peer {
+struct Vector {
+  float x, y, z;
+};
+Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+float inner(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vector outer(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// From a segment that starts at 0 and ends at `edge`.
+float segment_distance_sq(const Vector& point, const Vector& edge) {
+  const float length_sq = inner(edge, edge);
+  const float along = length_sq > 0 ? std::clamp(inner(point, edge) / length_sq, 0.0F, 1.0F) : 0.0F;
+  const Vector rest = point - Vector{along * edge.x, along * edge.y, along * edge.z};
+  return inner(rest, rest);
+}
+
+float triangle_distance(const Vector& point, const Vector& a, const Vector& b, const Vector& c) {
+  const Vector ab = b - a, bc = c - b, ca = a - c, pa = point - a, pb = point - b, pc = point - c;
+  const Vector normal = outer(ab, bc);
+  const float normal_sq = inner(normal, normal);
+  const bool is_above_face = inner(outer(normal, ab), pa) >= 0 && inner(outer(normal, bc), pb) >= 0 &&
+                             inner(outer(normal, ca), pc) >= 0 && normal_sq > 0;
+  if (is_above_face) return std::abs(inner(normal, pa)) / std::sqrt(normal_sq);
+  return std::sqrt(std::min({segment_distance_sq(pa, ab), segment_distance_sq(pb, bc), segment_distance_sq(pc, ca)}));
+}
+
+/// Embree's own triangles, in float32 and for rays.
+class EmbreeTriangles {
  public:
-  explicit EmbreeTrianglesPeer(const Mesh& a)
-      : scene_(rtcNewScene(device_.device)),
-        geometry_(rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_TRIANGLE)),
-        vertex_count_(a.positions().size()) {
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
-    auto* const corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-        geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), a.triangles().size()));
-    for (std::size_t t = 0; t < a.triangles().size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) corners[3 * t + k] = a.triangles()[t][k];
-    }
-    vertices_ = static_cast<float*>(rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                            3 * sizeof(float), vertex_count_));
-    write(a.positions());
-    rtcCommitGeometry(geometry_);
-    rtcAttachGeometry(scene_, geometry_);
-    rtcCommitScene(scene_);
-    rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
+  EmbreeTriangles(const Mesh& mesh, RTCBuildQuality quality, const char* settings)
+      : device_(settings), scene_(rtcNewScene(device_.device)) {
+    geometry_ = rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSceneBuildQuality(scene_, quality);
+    // Embree builds by Morton codes only where a scene may change.
+    if (quality == RTC_BUILD_QUALITY_LOW) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetGeometryBuildQuality(geometry_, quality);
+    const std::size_t vertex_count = mesh.positions().size(), count = mesh.triangles().size();
+    vertices_ = static_cast<Vector*>(
+        rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vector), vertex_count));
+    corners_ = static_cast<Corners*>(
+        rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Corners), count));
+    std::copy(mesh.triangles().begin(), mesh.triangles().end(), corners_);
+    write(mesh.positions());
+    build_us_ = mean_us(1, [&] {
+      rtcCommitGeometry(geometry_);
+      rtcAttachGeometry(scene_, geometry_);
+      rtcCommitScene(scene_);
+    });
   }
-  EmbreeTrianglesPeer(const EmbreeTrianglesPeer&) = delete;
-  EmbreeTrianglesPeer& operator=(const EmbreeTrianglesPeer&) = delete;
-  ~EmbreeTrianglesPeer() override {
+  EmbreeTriangles(const EmbreeTriangles&) = delete;
+  EmbreeTriangles& operator=(const EmbreeTriangles&) = delete;
+  ~EmbreeTriangles() {
     rtcReleaseGeometry(geometry_);
     rtcReleaseScene(scene_);
   }
-  bool answers(Question) const override { return false; }
-  double ask(Question, const Transform&) override { return 0; }
-  bool deform(const std::vector<Vec3>& positions) override {
+  /// What the build took, without the copy of the mesh and the device.
+  double build_us() const { return build_us_; }
+
+  void refit(const std::vector<Vec3>& positions) {
+    rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
     write(positions);
     rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry_);
     rtcCommitScene(scene_);
-    return true;
+  }
+
+  double distance(const Vec3& point) const {
+    const Vector p = rounded(point);
+    RTCPointQuery query{p.x, p.y, p.z, 0, std::numeric_limits<float>::infinity()};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene_, &query, &context, shrink, const_cast<EmbreeTriangles*>(this));
+    return query.radius;
   }
 
  private:
+  static Vector rounded(const Vec3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  }
+  /// Whether a triangle makes the sphere smaller.
+  static bool shrink(RTCPointQueryFunctionArguments* arguments) {
+    const EmbreeTriangles& mesh = *static_cast<const EmbreeTriangles*>(arguments->userPtr);
+    const Corners& at = mesh.corners_[arguments->primID];
+    RTCPointQuery& query = *arguments->query;
+    const float found = triangle_distance({query.x, query.y, query.z}, mesh.vertices_[at[0]], mesh.vertices_[at[1]],
+                                          mesh.vertices_[at[2]]);
+    if (!(found < query.radius)) return false;
+    query.radius = found;
+    return true;
+  }
+
   void write(const std::vector<Vec3>& positions) {
-    for (std::size_t v = 0; v < vertex_count_; ++v) {
-      for (std::size_t k = 0; k < 3; ++k) vertices_[3 * v + k] = static_cast<float>(positions[v][k]);
-    }
+    for (std::size_t v = 0; v < positions.size(); ++v) vertices_[v] = rounded(positions[v]);
   }
 
   EmbreeDevice device_;
   RTCScene scene_;
   RTCGeometry geometry_;
-  std::size_t vertex_count_;
-  float* vertices_ = nullptr;
+  Vector* vertices_;
+  Corners* corners_;
+  double build_us_ = 0;
 };
 
-/// What a build of Embree's own triangles takes, without the copy of the mesh and the device.
-double build_ns(const Mesh& mesh, RTCBuildQuality quality) {
-  const EmbreeDevice device;
-  const RTCScene scene = rtcNewScene(device.device);
-  const RTCGeometry geometry = rtcNewGeometry(device.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSceneBuildQuality(scene, quality);
-  // Embree builds by Morton codes only where a scene may change.
-  if (quality == RTC_BUILD_QUALITY_LOW) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
-  rtcSetGeometryBuildQuality(geometry, quality);
-  auto* const corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles().size()));
-  auto* const vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions().size()));
-  for (std::size_t i = 0; i < 3 * mesh.triangles().size(); ++i) corners[i] = mesh.triangles()[i / 3][i % 3];
-  for (std::size_t i = 0; i < 3 * mesh.positions().size(); ++i) {
-    vertices[i] = static_cast<float>(mesh.positions()[i / 3][i % 3]);
+/// Only the updates of triangles are measured.
+class EmbreeTrianglesPeer : public Peer {
+ public:
+  explicit EmbreeTrianglesPeer(const Mesh& a) : triangles_(a, RTC_BUILD_QUALITY_LOW, "threads=1") {}
+  bool deform(const std::vector<Vec3>& positions) override {
+    triangles_.refit(positions);
+    return true;
   }
-  const Stopwatch watch;
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcCommitScene(scene);
-  const double us = watch.us();
-  rtcReleaseGeometry(geometry);
-  rtcReleaseScene(scene);
-  return us * 1e3 / static_cast<double>(mesh.triangles().size());
-}
+
+ private:
+  EmbreeTriangles triangles_;
+};
 
 }  // namespace
 
-double embree_morton_build_ns(const Mesh& mesh) { return build_ns(mesh, RTC_BUILD_QUALITY_LOW); }
-double embree_sah_build_ns(const Mesh& mesh) { return build_ns(mesh, RTC_BUILD_QUALITY_MEDIUM); }
-
+double embree_morton_build_us(const Mesh& mesh) {
+  return EmbreeTriangles(mesh, RTC_BUILD_QUALITY_LOW, "threads=1").build_us();
+}
+double embree_sah_build_us(const Mesh& mesh) {
+  return EmbreeTriangles(mesh, RTC_BUILD_QUALITY_MEDIUM, "threads=1").build_us();
+}
 std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh&) {
   return std::make_unique<EmbreeTrianglesPeer>(a);
 }
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b) { return std::make_unique<EmbreePeer>(a, b); }
+
+Projector embree_projector(const Mesh& mesh) {
+  return {"Embree, float32", "rtcPointQuery, medium quality", true,
+          [built = std::make_shared<const EmbreeTriangles>(mesh, RTC_BUILD_QUALITY_MEDIUM, nullptr)](const Vec3& p) {
+            return built->distance(p);
+          }};
+}
 
 }  // namespace limber::bench

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question  How fast are queries next to FCL's on a broad mix that nobody has tuned to?
-// Workload  mix_scenes.h: pairs of mesh files overlapping and at three gaps; floors, a wall, a room and a maze; FCL's
+// Workload  scenes.h: pairs of mesh files overlapping and at three gaps; floors, a wall, a room and a maze; FCL's
 //           own test scene; ball over square; linked rings; soups. 40 random poses each, without a cache, and 200 along
 //           a path with one. Collision, exact distance, distance within 10 %.
 // Metric    FCL's time over ours, pose by pose: median, ratio of the sums, least. Both libraries have their turn in
@@ -13,15 +13,14 @@
 // Shape     Above 1; least where the bounds of the roots decide, and where few large triangles are near a fine mesh.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bench/peers/mix_scenes.h"
 #include "bench/peers/peer.h"
+#include "bench/peers/scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/distance.h"
@@ -30,16 +29,7 @@
 namespace limber::bench {
 namespace {
 
-struct MixOptions {
-  Options report;
-  std::filesystem::path meshes;
-  std::size_t poses = 40;
-  int rounds = 7;
-};
-
-constexpr std::pair<Question, const char*> questions[] = {
-    {Question::collide, "collide"}, {Question::exact, "distance"}, {Question::rough, "within 10 %"}};
-
+constexpr Question questions[] = {Question::collide, Question::exact, Question::rough};
 constexpr const char* path_name = "path with a cache";
 
 struct Answer {
@@ -58,21 +48,15 @@ Answer ask(const Model& a, const Model& b, Question question, const Transform& p
   return {found.upper, found.stats};
 }
 
-/// Whether two answers can both be right.
-bool agree(Question question, double a, double b, double size) {
-  const double error = question == Question::rough ? rough_error : 0;
-  return a <= b * (1 + error) + 1e-9 * size && b <= a * (1 + error) + 1e-9 * size;
-}
-
 /// Models of one scene in every library.
 class Contest {
  public:
   explicit Contest(const PeerScene& scene) : scene_(scene), a_(scene.a), b_(scene.b) {
-    for (const auto& [name, make] : all_peers()) {
-      if (name == "fcl") fcl_ = make(scene.a, scene.b);
-      if (name == "fcl-forced") forced_ = make(scene.a, scene.b);
-    }
-    if (fcl_ == nullptr) throw std::runtime_error("the mix is a comparison with FCL, which was not found");
+#ifdef LIMBER_PEER_FCL
+    fcl_ = make_fcl(scene.a, scene.b), forced_ = make_fcl_forced(scene.a, scene.b);
+#else
+    throw std::runtime_error("the mix is a comparison with FCL, which was not found");
+#endif
     const auto size = [](const Model& model) { return length(model.bounding_box().high - model.bounding_box().low); };
     size_ = size(a_) + size(b_);
   }
@@ -80,18 +64,18 @@ class Contest {
   Answer ours(Question question, const Transform& pose, QueryCache* cache = nullptr) const {
     return ask(a_, b_, question, pose, cache);
   }
-  double theirs(Question question, const Transform& pose) {
+  double theirs(Question question, const Transform& pose) const {
     return (question == Question::rough ? *forced_ : *fcl_).ask(question, pose);
   }
 
   /// Whether FCL agrees with our answer. If not, the classic engine decides who is wrong.
   bool fcl_is_right(Question question, const Transform& pose, double answer, const std::string& row, Checker& checker) {
     const double fcl = theirs(question, pose);
-    if (agree(question, answer, fcl, size_)) return true;
+    if (agree(question, answer, fcl, 1e-9 * size_)) return true;
     if (classic_ == nullptr) classic_ = make_classic(scene_.a, scene_.b);
     const double classic = classic_->ask(question, pose);
-    checker.check(agree(question, answer, classic, size_), "{}: {}, not {} as FCL says, or {} as the classic engine",
-                  row, answer, fcl, classic);
+    checker.check(agree(question, answer, classic, 1e-9 * size_),
+                  "{}: {}, not {} as FCL says, or {} as the classic engine", row, answer, fcl, classic);
     return false;
   }
 
@@ -106,12 +90,11 @@ class Contest {
 struct Row {
   std::string scene, situation;
   Question question;
-  const char* query;
   std::vector<double> ours_us = {}, theirs_us = {}, ratios = {};
   std::vector<double> node_tests = {}, triangle_tests = {};
   int wrong = 0;  // poses that FCL answers wrongly
 
-  std::string name() const { return fmt::format("{}, {}, {}", scene, situation, query); }
+  std::string name() const { return fmt::format("{}, {}, {}", scene, situation, to_text(question)); }
   double ratio_of_sums() const { return mean(theirs_us) / mean(ours_us); }
 
   void add(double our_us, double their_us, const QueryStats& stats) {
@@ -121,8 +104,7 @@ struct Row {
   }
 };
 
-void measure_cold(Contest& contest, const std::vector<Transform>& poses, const MixOptions& options, Checker& checker,
-                  Row& row) {
+void measure_cold(Contest& contest, const std::vector<Transform>& poses, int rounds, Checker& checker, Row& row) {
   for (const Transform& pose : poses) {
     const Answer answer = contest.ours(row.question, pose);
     if (!contest.fcl_is_right(row.question, pose, answer.value, row.name(), checker)) {
@@ -131,21 +113,16 @@ void measure_cold(Contest& contest, const std::vector<Transform>& poses, const M
     }
     const auto ours = [&] { contest.ours(row.question, pose); };
     const auto theirs = [&] { contest.theirs(row.question, pose); };
-    const std::size_t our_calls = repetitions_for(mean_us(1, ours)), their_calls = repetitions_for(mean_us(1, theirs));
-    std::vector<double> ours_us, theirs_us;
-    for (int round = 0; round < options.rounds; ++round) {
-      ours_us.push_back(mean_us(our_calls, ours));
-      theirs_us.push_back(mean_us(their_calls, theirs));
-    }
-    row.add(summarize(ours_us).median, summarize(theirs_us).median, answer.stats);
+    const std::vector<double> us = medians_in_turn(
+        {{ours, repetitions_for(mean_us(1, ours))}, {theirs, repetitions_for(mean_us(1, theirs))}}, rounds);
+    row.add(us[0], us[1], answer.stats);
   }
 }
 
-void measure_path(Contest& contest, const std::vector<Transform>& path, const MixOptions& options, Checker& checker,
-                  Row& row) {
+void measure_path(Contest& contest, const std::vector<Transform>& path, int rounds, Checker& checker, Row& row) {
   std::vector<std::vector<double>> ours_us(path.size()), theirs_us(path.size());
   std::vector<Answer> answers(path.size());
-  for (int round = 0; round < options.rounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     QueryCache cache;
     for (std::size_t i = 0; i < path.size(); ++i) {
       ours_us[i].push_back(mean_us(1, [&] { answers[i] = contest.ours(row.question, path[i], &cache); }));
@@ -154,62 +131,56 @@ void measure_path(Contest& contest, const std::vector<Transform>& path, const Mi
   }
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (contest.fcl_is_right(row.question, path[i], answers[i].value, row.name(), checker)) {
-      row.add(summarize(ours_us[i]).median, summarize(theirs_us[i]).median, answers[i].stats);
+      row.add(median(ours_us[i]), median(theirs_us[i]), answers[i].stats);
     } else {
       ++row.wrong;
     }
   }
 }
 
-void report(const Row& row, CsvFile& csv, Markdown& table) {
+void report(const Row& row, Table& table) {
   if (row.ratios.empty()) {
-    table.line("| {} | {} | {} | FCL wrong in all {} | | | | | | | |", row.scene, row.situation, row.query, row.wrong);
+    table.line("| {} | {} | {} | FCL wrong in all {} | | | | | | | |", row.scene, row.situation, to_text(row.question),
+               row.wrong);
     return;
   }
   const Summary ratio = summarize(row.ratios);
-  const double ours = summarize(row.ours_us).median, theirs = summarize(row.theirs_us).median;
-  const double nodes = summarize(row.node_tests).median, triangles = summarize(row.triangle_tests).median;
+  const double ours = median(row.ours_us), theirs = median(row.theirs_us);
+  const double nodes = median(row.node_tests), triangles = median(row.triangle_tests);
   const std::string wrong = row.wrong > 0 ? fmt::format(", FCL wrong in {} more", row.wrong) : "";
   table.line("| {} | {} | {} | {}{} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {:.3g} | {} | {} |", row.scene, row.situation,
-             row.query, row.ratios.size(), wrong, ratio.median, row.ratio_of_sums(), ratio.min, ours, theirs, nodes,
-             triangles);
-  csv.row("{},{},{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{},{}", row.scene, row.situation, row.query,
-          row.ratios.size(), row.wrong, ratio.median, row.ratio_of_sums(), ratio.min, ours, theirs, nodes, triangles);
+             to_text(row.question), row.ratios.size(), wrong, ratio.median, row.ratio_of_sums(), ratio.min, ours,
+             theirs, nodes, triangles);
 }
 
 /// One line for each query: what the rows say together.
-void report_all(const std::vector<Row>& rows, Markdown& table) {
+void report_all(const std::vector<Row>& rows, Table& table) {
   table.line("\n## All rows\n");
   table.line(
       "| query | rows | median of medians | least median | rows with a median below 1 | poses | below 1 | least |");
   table.line("|:--|--:|--:|--:|--:|--:|--:|--:|");
   for (const bool warm : {false, true}) {
-    for (const auto& [question, query] : questions) {
+    for (const Question question : questions) {
       std::vector<double> medians, poses;
       for (const Row& row : rows) {
         if (row.question != question || row.ratios.empty() || (row.situation == path_name) != warm) continue;
-        medians.push_back(summarize(row.ratios).median);
+        medians.push_back(median(row.ratios));
         poses.insert(poses.end(), row.ratios.begin(), row.ratios.end());
       }
       const auto below_1 = [](const std::vector<double>& ratios) {
         return std::count_if(ratios.begin(), ratios.end(), [](double ratio) { return ratio < 1; });
       };
       const Summary rows_in_all = summarize(medians);
-      table.line("| {}{} | {} | {:.3g} | {:.3g} | {} | {} | {} | {:.3g} |", query, warm ? ", path with a cache" : "",
-                 medians.size(), rows_in_all.median, rows_in_all.min, below_1(medians), poses.size(), below_1(poses),
-                 summarize(poses).min);
+      table.line("| {}{} | {} | {:.3g} | {:.3g} | {} | {} | {} | {:.3g} |", to_text(question),
+                 warm ? ", path with a cache" : "", medians.size(), rows_in_all.median, rows_in_all.min,
+                 below_1(medians), poses.size(), below_1(poses), summarize(poses).min);
     }
   }
 }
 
-int run(const MixOptions& options) {
-  report_machine(options.report);
-  Checker checker;
+void run(const Options& options, std::size_t pose_count, int rounds, Checker& checker) {
   std::vector<Row> rows;
-  CsvFile csv(options.report, "peers_mix.csv",
-              "scene,situation,query,poses,fcl_wrong,ratio_median,ratio_of_sums,ratio_least,limber_us,fcl_us,"
-              "node_tests,triangle_tests");
-  Markdown table(options.report, "peers_mix.md");
+  Table table(options, "peers_mix.md");
   table.line("# A broad mix next to FCL, as printed by `limber_bench_mix`\n");
   table.line("FCL's time over limber's, pose by pose; microseconds and tests of limber are medians over the poses.\n");
   table.line(
@@ -217,42 +188,36 @@ int run(const MixOptions& options) {
       "tests "
       "| triangle tests |");
   table.line("|:--|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|");
-  for_each_mix_scene(options.meshes, options.poses, [&](const PeerScene& scene) {
+  for_each_mix_scene(options.meshes, pose_count, [&](const PeerScene& scene) {
     if (!checker.all_right()) return;
     Contest contest(scene);
     const auto measure = [&](const std::string& situation, const std::vector<Transform>& poses, auto how) {
-      for (const auto& [question, query] : questions) {
-        Row row{scene.name, situation, question, query};
-        how(contest, poses, options, checker, row);
+      for (const Question question : questions) {
+        Row row{scene.name, situation, question};
+        how(contest, poses, rounds, checker, row);
         if (!checker.all_right()) return;
-        report(row, csv, table);
+        report(row, table);
         rows.push_back(std::move(row));
       }
     };
     for (const Situation& situation : scene.situations) measure(situation.name, situation.poses, measure_cold);
     measure(path_name, scene.path, measure_path);
   });
-  if (!checker.all_right()) return 1;
-  report_all(rows, table);
-  return 0;
+  if (checker.all_right()) report_all(rows, table);
 }
 
 }  // namespace
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
-  try {
-    CLI::App app{"How fast are queries next to FCL's on a broad mix of scenes?"};
-    limber::bench::MixOptions options;
-    app.add_option("--out", options.report.out, "folder for results; default: only the console");
-    app.add_option("--meshes", options.meshes, "folder with mesh files; default: generated scenes only");
-    app.add_option("--poses", options.poses, "random poses of each situation; default: 40")->check(CLI::Range(1, 1000));
-    app.add_option("--rounds", options.rounds, "turns of each library at a pose; default: 7")->check(CLI::Range(1, 99));
-    CLI11_PARSE(app, argc, argv);
-    if (!options.report.out.empty()) std::filesystem::create_directories(options.report.out);
-    return limber::bench::run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
+  using namespace limber::bench;
+  std::size_t poses = 40;
+  int rounds = 7;
+  return run_bench(
+      argc, argv, "How fast are queries next to FCL's on a broad mix of scenes?",
+      [&](const Options& options, Checker& checker) { run(options, poses, rounds, checker); },
+      [&](CLI::App& app) {
+        app.add_option("--poses", poses, "random poses of each situation; default: 40")->check(CLI::Range(1, 1000));
+        app.add_option("--rounds", rounds, "turns of each library at a pose; default: 7")->check(CLI::Range(1, 99));
+      });
 }

@@ -2,18 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "limber/mesh.h"
+#include "limber/scene.h"
 
 /// Other libraries behind one interface. Every adapter is one file; those whose library was not found are left out.
 namespace limber::bench {
 
 enum class Question { exact, rough, collide };  ///< rough: within a relative error of 0.1
 inline constexpr double rough_error = 0.1;
+const char* to_text(Question question);
+
+/// Whether two answers can both be right, distances up to `tolerance`.
+bool agree(Question question, double a, double b, double tolerance);
 
 /// Two models of one library, ready for queries. a stays at the origin.
 class Peer {
@@ -23,44 +31,70 @@ class Peer {
   Peer& operator=(const Peer&) = delete;
   virtual ~Peer() = default;
 
-  virtual bool answers(Question question) const = 0;
+  virtual bool answers(Question) const { return false; }
   /// The distance, 0 in contact; for `collide` 0 or 1: 0 means contact.
-  virtual double ask(Question question, const Transform& pose_b) = 0;
+  virtual double ask(Question, const Transform&) { return 0; }
   /// The work that a new pose of b needs before a query, where it is not part of ask().
   virtual void move(const Transform&) {}
   /// Moves all vertices of a and updates it in the fastest way that the library has. False if the library has none.
   virtual bool deform(const std::vector<Vec3>&) { return false; }
 };
 
-using PeerFactory = std::unique_ptr<Peer> (*)(const Mesh& a, const Mesh& b);
+/// A library that takes part, and its models of two meshes.
+struct Contestant {
+  std::string name;
+  std::unique_ptr<Peer> peer;
+};
 
-/// The library itself first, then those that were found.
-std::vector<std::pair<std::string, PeerFactory>> all_peers();
-
-/// The same, and the classic engine, whose exact distances between large meshes take seconds.
-std::vector<std::pair<std::string, PeerFactory>> all_peers_and_classic();
+/// The library itself first, then those that were found; at the end, if asked for, the classic engine, whose exact
+/// distances between large meshes take seconds.
+std::vector<Contestant> all_peers(const Mesh& a, const Mesh& b, bool with_classic = false);
 
 /// Libraries that can update a deforming mesh; some of them in several ways.
-std::vector<std::pair<std::string, PeerFactory>> deforming_peers();
+std::vector<Contestant> deforming_peers(const Mesh& a, const Mesh& b);
 
-/// Nanoseconds a triangle in which a library builds its tree of a mesh on one thread.
-using BuildTime = double (*)(const Mesh& mesh);
-/// Libraries whose builds are timed.
-std::vector<std::pair<std::string, BuildTime>> builders();
-
-std::unique_ptr<Peer> make_limber(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_classic(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_aabb(const Mesh& a, const Mesh& b);
+std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
-double fcl_build_ns(const Mesh& mesh);
-double embree_morton_build_ns(const Mesh& mesh);
-double embree_sah_build_ns(const Mesh& mesh);
+std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh& b);
+
+/// What a library needs to build its tree of a mesh on one thread, in us.
+double fcl_build_us(const Mesh& mesh);
+double embree_morton_build_us(const Mesh& mesh);
+double embree_sah_build_us(const Mesh& mesh);
+
+/// The broad phase of another library, over bodies that all have the same shape.
+class Manager {
+ public:
+  virtual ~Manager() = default;
+  virtual std::string name() const = 0;
+  /// Places a body, and makes the library compute its box.
+  virtual void set_pose(std::size_t body, const Transform& pose) = 0;
+  /// Gives a body another box.
+  virtual void set_box(std::size_t body, const Box& box) = 0;
+  /// Takes over the boxes: by the library's own way to update its tree, or by a new tree.
+  virtual void update() = 0;
+  /// Appends the pairs of bodies whose boxes overlap.
+  virtual void find_pairs(std::vector<ObjectPair>& pairs) = 0;
+};
+
+/// `builds_anew` makes update() build a new tree.
+std::unique_ptr<Manager> make_coal_manager(const Mesh& shape, std::size_t bodies, bool builds_anew);
+std::unique_ptr<Manager> make_fcl_manager(const Mesh& shape, std::size_t bodies, bool builds_anew);
+
+/// A mesh of one library, ready for queries of closest points.
+struct Projector {
+  std::string library, setting;
+  bool is_float = false;
+  std::function<double(const Vec3& point)> distance;  ///< on the calling thread
+};
+Projector embree_projector(const Mesh& mesh);
+Projector cgal_projector(const Mesh& mesh);
 
 }  // namespace limber::bench

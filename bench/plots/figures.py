@@ -4,13 +4,9 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-try:
-    import matplotlib
-except ModuleNotFoundError:
-    sys.exit("figures of benchmarks need matplotlib (Debian: python3-matplotlib)")
+import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -55,6 +51,8 @@ def separation_axis(axes) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}".replace("-", "\N{MINUS SIGN}")))
     axes.axvspan(0, -1.8, color="#f3f0ea", zorder=0)
     axes.set_xlabel("separation, units; right of 0: penetration")
+    axes.text(-0.02, 0.97, "in contact", transform=axes.get_xaxis_transform(), fontsize=8, color=GREY, va="top",
+              ha="center")
 
 
 def log_axis(axes, label: str, low: float, high: float) -> None:
@@ -84,13 +82,15 @@ def caption(axes, text: str) -> None:
     axes.text(0, -0.235, text, transform=axes.transAxes, fontsize=8, color=GREY, va="top")
 
 
-def contact_note(axes) -> None:
-    axes.text(-0.02, 0.97, "in contact", transform=axes.get_xaxis_transform(), fontsize=8, color=GREY, va="top",
-              ha="center")
+def band(axes, low: dict[float, float], high: dict[float, float], color: str, alpha: float) -> None:
+    axes.fill_between(list(low), list(low.values()), list(high.values()), color=color, alpha=alpha, linewidth=0)
 
 
-def save(figure, target: Path) -> None:
-    target.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(target, metadata={"Date": None} if target.suffix == ".svg" else None, dpi=110)
+def save(figure, name: str, title: str, **layout) -> None:
+    """Writes the figure of that name for the pages."""
+    figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
+    figure.tight_layout(rect=(0, 0, 1, 0.985), **layout)
+    target = ROOT / f"docs/images/{name}.svg"
+    figure.savefig(target, metadata={"Date": None})
     plt.close(figure)
     print(target)

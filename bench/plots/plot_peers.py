@@ -1,22 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figure of ball over square next to other libraries: writes docs/images/peers_queries.svg."""
+"""The figure of ball over square next to other libraries: writes docs/images/peers_queries.svg.
+
+Takes the folder of results, which has peers.md and machine.txt."""
 
 from __future__ import annotations
 
-import argparse
-import csv
+import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+from figures import BLUE, ORANGE, RED, SKY, STYLE, band, caption, curve, key, log_axis, plt, save, separation_axis
 
-from figures import (  # noqa: E402
-    BLUE, GREY, ORANGE, RED, ROOT, SKY, STYLE, caption, contact_note, curve, key, log_axis, plt, save, separation_axis,
-)
-
-SCENE = "ball over square, turned"
 CURVES = {
     "limber": ("limber", BLUE),
     "classic": ("the source's tree, limber::classic", ORANGE),
@@ -33,59 +29,34 @@ PANELS = (
 )
 
 
-def rows_of(folder: Path) -> list[dict[str, str]]:
-    with (folder / "peers_queries.csv").open(newline="", encoding="utf-8") as file:
-        # The name of the scene has a comma.
-        names = next(csv.reader(file))
-        return [dict(zip(names, [SCENE, *line.removeprefix(SCENE + ",").split(",")])) for line in file.read().splitlines()
-                if line.startswith(SCENE)]
+def points(rows: list[list[str]], query: str, library: str, column: int) -> dict[float, float]:
+    return {float(row[0]): float(row[column]) for row in rows if row[1:3] == [query, library] and row[4]}
 
 
-def points(rows: list[dict[str, str]], query: str, library: str, column: str) -> dict[float, float]:
-    return {float(row["situation"]): float(row[column]) for row in rows
-            if row["query"] == query and row["library"] == library}
-
-
-def plot(rows: list[dict[str, str]], machine: str, target: Path) -> None:
+def plot(folder: Path) -> None:
+    page = (folder / "peers.md").read_text(encoding="utf-8")
+    lines = page.split("### ball over square, turned")[1].split("###")[0].splitlines()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if re.match(r"\| -?\d", line)]
+    machine = (folder / "machine.txt").read_text(encoding="utf-8").splitlines()[0].removeprefix("processor").strip()
     figure, panels = plt.subplots(1, 3, figsize=(13.5, 4.9))
     for axes, (query, title, limits, source) in zip(panels, PANELS):
         axes.set_title(title)
         names = []
         for library, (name, color) in CURVES.items():
-            median = points(rows, query, library, "median_us")
-            if not median:
-                continue
-            low, high = (points(rows, query, library, column) for column in ("min_us", "p99_us"))
-            axes.fill_between(list(low), list(low.values()), list(high.values()), color=color, alpha=0.15, linewidth=0)
-            curve(axes, median, color)
-            names.append((name, color))
+            low, median, high = (points(rows, query, library, column) for column in (3, 4, 5))
+            if median:
+                band(axes, low, high, color, 0.15)
+                curve(axes, median, color)
+                names.append((name, color))
         log_axis(axes, "time per query, µs", *limits)
         separation_axis(axes)
-        contact_note(axes)
         caption(axes, source)
         if query == "within 10 %":
             key(axes, 0.03, 0.97, names)
-    figure.suptitle("A ball of 1024 triangles over a flat square of 8192, both turned: one thread; median of 16 poses, "
-                    f"band from the fastest to the 99th percentile. {machine}", x=0.01, ha="left", fontsize=9.5, color=GREY)
-    figure.tight_layout(rect=(0, 0, 1, 0.985), w_pad=2)
-    save(figure, target)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, help="folder with peers_queries.csv and machine.txt")
-    parser.add_argument("--preview", type=Path, metavar="FOLDER", help="as PNG into FOLDER")
-    arguments = parser.parse_args()
-    try:
-        rows = rows_of(arguments.results)
-        machine = (arguments.results / "machine.txt").read_text(encoding="utf-8").splitlines()[0]
-        machine = machine.removeprefix("processor").strip()
-    except FileNotFoundError as error:
-        sys.exit(f"plot_peers.py: no {error.filename}; run limber_bench_peers with --out {arguments.results}")
-    folder, suffix = (arguments.preview, ".png") if arguments.preview else (ROOT / "docs/images", ".svg")
-    with plt.rc_context(STYLE):
-        plot(rows, machine, folder / f"peers_queries{suffix}")
+    save(figure, "peers_queries", "A ball of 1024 triangles over a flat square of 8192, both turned: one thread; median of "
+         f"16 poses, band from the fastest to the 99th percentile. {machine}", w_pad=2)
 
 
 if __name__ == "__main__":
-    main()
+    with plt.rc_context(STYLE):
+        plot(Path(sys.argv[1]))

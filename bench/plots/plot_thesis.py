@@ -3,36 +3,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures and tables that docs/experiments.md shows, from the results of the thesis benchmarks.
 
-Writes docs/images/thesis_queries.svg, docs/images/thesis_updates.svg, and thesis.md beside the results.
+Takes the folder of results. Writes docs/images/thesis_queries.svg, docs/images/thesis_updates.svg, and thesis.md beside
+the results.
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from figures import (  # noqa: E402
-    BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, ROOT, SKY, STYLE, FixedLocator, FuncFormatter, NullLocator, caption,
-    contact_note, curve, key, label, log_axis, plain, plt, save, separation_axis,
+from figures import (
+    BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, STYLE, FixedLocator, FuncFormatter, NullLocator, band, caption,
+    curve, key, label, log_axis, plain, plt, save, separation_axis,
 )
-from thesis_results import MODE_NAMES, MODES, Results, write_tables  # noqa: E402
+from thesis_results import MODE_NAMES, MODES, Results, write_tables
 
 MODE_COLORS = {"immediate": RED, "batched": ORANGE, "by_depth": BLUE}
 ERROR_COLORS = {0.01: GREEN, 0.1: SKY, 0.5: ORANGE, 1.0: PINK}
 
 
-def with_spread(axes, results: Results, query: str, error: float, color: str) -> dict[float, float]:
-    low, high = (results.query(query, error, column) for column in ("min_us", "p99_us"))
-    median = results.query(query, error, "median_us")
-    axes.fill_between(list(low), list(low.values()), list(high.values()), color=color, alpha=0.18, linewidth=0)
+def with_spread(axes, results: Results, query: str, error: float, color: str) -> None:
+    low, median, high = (results.query(query, error, column) for column in ("min_us", "median_us", "p99_us"))
+    band(axes, low, high, color, 0.18)
     curve(axes, median, color)
-    return median
 
 
-def plot_queries(results: Results, target: Path) -> None:
+def plot_queries(results: Results) -> None:
     figure, grid = plt.subplots(2, 2, figsize=(10.5, 8.2))
     (collision, exact), (approximate, counters) = grid
 
@@ -74,17 +70,13 @@ def plot_queries(results: Results, target: Path) -> None:
 
     for axes in grid.flat:
         separation_axis(axes)
-        contact_note(axes)
-    figure.suptitle("A ball of 1024 triangles over a flat square of 8192: classic sphere tree, one thread; "
-                    "median; bands from minimum to 99th percentile", x=0.01, ha="left", fontsize=9.5)
-    figure.tight_layout(rect=(0, 0, 1, 0.985), h_pad=2.2, w_pad=2.5)
-    save(figure, target)
+    save(figure, "thesis_queries", "A ball of 1024 triangles over a flat square of 8192: classic sphere tree, one thread; "
+         "median; bands from minimum to 99th percentile", h_pad=2.2, w_pad=2.5)
 
 
-def plot_updates(results: Results, target: Path) -> None:
+def plot_updates(results: Results) -> None:
     figure, grid = plt.subplots(2, 2, figsize=(10.5, 8.2))
     (times, refits), (loose_updates, loose_queries) = grid
-    batches = list(results.update("large", "immediate", 0, "median_us"))
 
     times.set_title("Time per moved vertex")
     refits.set_title("Spheres, or 8-nodes, refitted per moved vertex")
@@ -92,8 +84,7 @@ def plot_updates(results: Results, target: Path) -> None:
     for mode in MODES:
         low, high, median, count = (results.update("large", mode, 0, column)
                                     for column in ("min_us", "max_us", "median_us", "refits"))
-        times.fill_between(batches, list(low.values()), list(high.values()), color=MODE_COLORS[mode], alpha=0.2,
-                           linewidth=0)
+        band(times, low, high, MODE_COLORS[mode], 0.2)
         for axes, points in ((times, median), (refits, count)):
             curve(axes, points, MODE_COLORS[mode])
             label(axes, 1, points[1], MODE_NAMES[mode], MODE_COLORS[mode], xytext=label_shift[mode], fontweight="bold")
@@ -147,28 +138,13 @@ def plot_updates(results: Results, target: Path) -> None:
         axes.set_xticks(range(len(radii)), ["0, tight", *(f"{s:g}" for s in radii[1:])])
         axes.set_xlabel("extra radius as a fraction of the tight one")
 
-    figure.suptitle("Keeping the sphere tree of a 100 x 100 sheet, 20 000 triangles, while it is dented: one thread; "
-                    "median, band from minimum to maximum", x=0.01, ha="left", fontsize=9.5)
-    figure.tight_layout(rect=(0, 0, 1, 0.985), h_pad=2.2, w_pad=2.5)
-    save(figure, target)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, help="folder with the tables of the two benchmarks")
-    parser.add_argument("--preview", type=Path, metavar="FOLDER", help="only figures, as PNG into FOLDER")
-    arguments = parser.parse_args()
-    try:
-        results = Results.read(arguments.results.resolve())
-    except FileNotFoundError as error:
-        sys.exit(f"plot_thesis.py: no {error.filename}; run both benchmarks with --out {arguments.results}")
-    folder, suffix = (arguments.preview, ".png") if arguments.preview else (ROOT / "docs/images", ".svg")
-    with plt.rc_context(STYLE):
-        plot_queries(results, folder / f"thesis_queries{suffix}")
-        plot_updates(results, folder / f"thesis_updates{suffix}")
-    if not arguments.preview:
-        print(write_tables(results))
+    save(figure, "thesis_updates", "Keeping the sphere tree of a 100 x 100 sheet, 20 000 triangles, while it is dented: "
+         "one thread; median, band from minimum to maximum", h_pad=2.2, w_pad=2.5)
 
 
 if __name__ == "__main__":
-    main()
+    results_of_folder = Results.read(Path(sys.argv[1]).resolve())
+    with plt.rc_context(STYLE):
+        plot_queries(results_of_folder)
+        plot_updates(results_of_folder)
+    print(write_tables(results_of_folder))

@@ -19,11 +19,6 @@ def _rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def _with_extra_radius(row: dict[str, str]) -> dict[str, str]:
-    """The row with today's name of the column that older results call `slack`."""
-    return {"extra_radius" if name == "slack" else name: value for name, value in row.items()}
-
-
 @dataclass
 class Results:
     """All rows, numbers still as text, and the curves in them."""
@@ -39,7 +34,7 @@ class Results:
             folder,
             _rows(folder / "thesis_queries.csv"),
             _rows(folder / "thesis_queries_poses.csv"),
-            [_with_extra_radius(row) for row in _rows(folder / "thesis_updates.csv")],
+            _rows(folder / "thesis_updates.csv"),
         )
 
     def query(self, name: str, error: float, column: str) -> dict[float, float]:
@@ -83,25 +78,24 @@ def _table(header: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def _query_columns() -> list[tuple[str, str, float]]:
-    return [
-        ("collision", "collide", 0),
-        ("exact", "distance", 0),
-        ("within 1 %", "distance", 0.01),
-        ("within 10 %", "distance", 0.1),
-        ("within 50 %", "distance", 0.5),
-        ("within 100 %", "distance", 1),
-    ]
+QUERY_COLUMNS = (
+    ("collision", "collide", 0),
+    ("exact", "distance", 0),
+    ("within 1 %", "distance", 0.01),
+    ("within 10 %", "distance", 0.1),
+    ("within 50 %", "distance", 0.5),
+    ("within 100 %", "distance", 1),
+)
 
 
 def _queries_table(results: Results, column: str, digits: Callable[[float], str]) -> str:
-    curves = [results.query(name, error, column) for _, name, error in _query_columns()]
+    curves = [results.query(name, error, column) for _, name, error in QUERY_COLUMNS]
     rows = [[f"{sep:g}", *(digits(curve[sep]) for curve in curves)] for sep in curves[0]]
-    return _table(["separation", *(title for title, _, _ in _query_columns())], rows)
+    return _table(["separation", *(title for title, _, _ in QUERY_COLUMNS)], rows)
 
 
 def _counters_table(results: Results) -> str:
-    shown = [c for c in _query_columns() if c[2] in (0, 0.1)]
+    shown = [c for c in QUERY_COLUMNS if c[2] in (0, 0.1)]
     pairs = [
         (results.query(name, error, "node_tests"), results.query(name, error, "triangle_tests"))
         for _, name, error in shown

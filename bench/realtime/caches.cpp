@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question        What does a query with a kept cache cost, next to one without?
-// Workload        All scenes of real_time_scenes.h, at rest, along paths of small and large steps, and at poses that
+// Workload        All scenes of scenes.h, at rest, along paths of small and large steps, and at poses that
 //                 have nothing in common; exact distance, distance within 10 %, collision, and whether the models are
 //                 closer than 0.9 and 1.1 times their distance at first.
 // Metric          The least time of each pose over several walks along the path, added up; with a cache over without.
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/realtime/real_time_scenes.h"
+#include "bench/realtime/scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/distance.h"
@@ -75,33 +75,18 @@ Row compare(const RealTimeScene& scene, const std::string& path_name, const std:
           sums[1] / sums[0], sums[0], sums[1]};
 }
 
-}  // namespace
-}  // namespace limber::bench
-
-int main(int argc, char** argv) {
-  using namespace limber::bench;
-  CLI::App app{"What a kept cache saves or costs"};
-  Options options;
-  std::string meshes, only;
-  std::size_t frames = 120;
-  app.add_option("--out", options.out, "folder for the results");
-  app.add_option("--meshes", meshes, "folder with stanford-bunny.obj and armadillo.obj");
-  app.add_option("--frames", frames, "poses of a path")->check(CLI::Range(2, 100000));
-  app.add_option("--only", only, "scenes whose names contain this");
-  CLI11_PARSE(app, argc, argv);
-  report_machine(options);
-  Checker checker;
-  Markdown text(options, "caches.md");
+void run(const Options& options, const std::string& only, std::size_t frames, Checker& checker) {
+  Table text(options, "caches.md");
   std::vector<Row> rows;
-  for (const RealTimeScene& scene : real_time_scenes(meshes)) {
+  for (const RealTimeScene& scene : real_time_scenes(options.meshes)) {
     if (scene.name.find(only) == std::string::npos) continue;
+    std::vector<std::pair<std::string, std::vector<Transform>>> paths{{"rest", {frames, scene.pose}}};
     for (const double step : {1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.0}) {
-      const std::string path_name = step > 0 ? fmt::format("{}", step) : "unrelated";
-      const std::vector<limber::Transform> path = real_time_path(scene, step, frames);
-      for (const Question question : questions) rows.push_back(compare(scene, path_name, path, question, checker));
+      paths.emplace_back(step > 0 ? fmt::format("{}", step) : "unrelated", real_time_path(scene, step, frames));
     }
-    const std::vector<limber::Transform> rest(frames, scene.pose);
-    for (const Question question : questions) rows.push_back(compare(scene, "rest", rest, question, checker));
+    for (const auto& [name, path] : paths) {
+      for (const Question question : questions) rows.push_back(compare(scene, name, path, question, checker));
+    }
   }
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.ratio > b.ratio; });
   const auto above = std::count_if(rows.begin(), rows.end(), [](const Row& row) { return row.ratio > 1.1; });
@@ -113,5 +98,20 @@ int main(int argc, char** argv) {
   for (const Row& row : rows) {
     text.line("| {} | {:.2f} | {:.2f} | {:.2f} |", row.text, row.without_us, row.with_us, row.ratio);
   }
-  return checker.all_right() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  using namespace limber::bench;
+  std::string only;
+  std::size_t frames = 120;
+  return run_bench(
+      argc, argv, "What a kept cache saves or costs",
+      [&](const Options& options, Checker& checker) { run(options, only, frames, checker); },
+      [&](CLI::App& app) {
+        app.add_option("--frames", frames, "poses of a path")->check(CLI::Range(2, 100000));
+        app.add_option("--only", only, "scenes whose names contain this");
+      });
 }

@@ -18,16 +18,14 @@
 #include <utility>
 #include <vector>
 
-#include "bench/support/percentiles.h"
 #include "bench/support/report.h"
+#include "bench/support/sampling.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t side = 224;
 constexpr VertexId side_vertices = side + 1;
@@ -40,57 +38,40 @@ struct Batch {
   std::vector<Vec3> positions;
 };
 
-class Deformation {
- public:
-  virtual ~Deformation() = default;
-  /// What moves in a frame of a sheet.
-  virtual const Batch& next(const Mesh& mesh) = 0;
-};
+/// What moves in a frame of a sheet.
+using Deformation = Batch (*)(const Mesh& mesh, int frame, scenes::Rng& rng);
 
 /// A dent under a point that goes round; what it has left rises again.
-class Dragging : public Deformation {
- public:
-  const Batch& next(const Mesh& mesh) override {
-    batch_.ids.clear(), batch_.positions.clear();
-    constexpr double reach = 7;
-    angle_ += 0.002;
-    const double x = 0.5 * side + 0.4 * side * std::cos(angle_), y = 0.5 * side + 0.4 * side * std::sin(1.7 * angle_);
-    for (auto row = static_cast<VertexId>(y - reach); row <= static_cast<VertexId>(y + reach); ++row) {
-      for (auto column = static_cast<VertexId>(x - reach); column <= static_cast<VertexId>(x + reach); ++column) {
-        const VertexId id = row * side_vertices + column;
-        const double dx = column - x, dy = row - y, r = std::sqrt(dx * dx + dy * dy) / reach;
-        if (r > 1) continue;
-        const Vec3& p = mesh.positions()[id];
-        const double depth = -4 * (1 - r * r) * (1 - r * r);
-        batch_.ids.push_back(id);
-        batch_.positions.push_back({p.x, p.y, std::min(0.9 * p.z, depth)});
-      }
+Batch dragged(const Mesh& mesh, int frame, scenes::Rng&) {
+  Batch batch;
+  constexpr double reach = 7;
+  const double angle = 0.002 * (frame + 1);
+  const double x = 0.5 * side + 0.4 * side * std::cos(angle), y = 0.5 * side + 0.4 * side * std::sin(1.7 * angle);
+  for (auto row = static_cast<VertexId>(y - reach); row <= static_cast<VertexId>(y + reach); ++row) {
+    for (auto column = static_cast<VertexId>(x - reach); column <= static_cast<VertexId>(x + reach); ++column) {
+      const VertexId id = row * side_vertices + column;
+      const double dx = column - x, dy = row - y, r = std::sqrt(dx * dx + dy * dy) / reach;
+      if (r > 1) continue;
+      const Vec3& p = mesh.positions()[id];
+      const double depth = -4 * (1 - r * r) * (1 - r * r);
+      batch.ids.push_back(id);
+      batch.positions.push_back({p.x, p.y, std::min(0.9 * p.z, depth)});
     }
-    return batch_;
   }
-
- private:
-  Batch batch_;
-  double angle_ = 0;
-};
+  return batch;
+}
 
 /// Vertices anywhere, each a little farther every time: the sheet becomes a soup.
-class Drifting : public Deformation {
- public:
-  const Batch& next(const Mesh& mesh) override {
-    batch_.ids.resize(moved), batch_.positions.resize(moved);
-    for (std::size_t i = 0; i < moved; ++i) {
-      const auto id = static_cast<VertexId>(rng_.below(mesh.positions().size()));
-      const Vec3 by{rng_.uniform(-1, 1), rng_.uniform(-1, 1), rng_.uniform(-1, 1)};
-      batch_.ids[i] = id, batch_.positions[i] = mesh.positions()[id] + 0.2 * by;
-    }
-    return batch_;
+Batch drifted(const Mesh& mesh, int, scenes::Rng& rng) {
+  Batch batch;
+  for (std::size_t i = 0; i < moved; ++i) {
+    const auto id = static_cast<VertexId>(rng.below(mesh.positions().size()));
+    const Vec3 by{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
+    batch.ids.push_back(id);
+    batch.positions.push_back(mesh.positions()[id] + 0.2 * by);
   }
-
- private:
-  Batch batch_;
-  scenes::Rng rng_{71};
-};
+  return batch;
+}
 
 double visits(const QueryStats& stats) {
   return static_cast<double>(stats.node_tests) + 8 * static_cast<double>(stats.triangle_tests);
@@ -129,22 +110,20 @@ struct Variant {
   bool is_in_time;  // whether what real_time() promises is checked
 };
 
-void play(Deformation& deformation, const std::string& scene, const Variant& variant, int frames, Checker& checker,
-          Markdown& text) {
+void play(Deformation deformation, const std::string& scene, const Variant& variant, int frames, Checker& checker,
+          Table& text) {
   const std::string name = scene + ", " + variant.name;
   Model model(scenes::grid(side, side, 0, 0, 1, 1), variant.options);
   std::vector<double> moves, commits;
   moves.reserve(static_cast<std::size_t>(frames)), commits.reserve(static_cast<std::size_t>(frames));
   Worst worst;
+  scenes::Rng rng(71);
   for (int frame = 0; frame < frames; ++frame) {
-    const Batch& batch = deformation.next(model.mesh());
+    const Batch batch = deformation(model.mesh(), frame, rng);
     const MaintenanceStats before = model.maintenance_stats();
-    const auto start = Clock::now();
-    const bool is_right = static_cast<bool>(model.move_vertices(batch.ids, batch.positions));
-    moves.push_back(us_since(start));
-    const auto middle = Clock::now();
-    model.commit();
-    commits.push_back(us_since(middle));
+    bool is_right = false;
+    moves.push_back(mean_us(1, [&] { is_right = static_cast<bool>(model.move_vertices(batch.ids, batch.positions)); }));
+    commits.push_back(mean_us(1, [&] { model.commit(); }));
     checker.check(is_right, "{}: refused", name);
     worst.note(before, model.maintenance_stats());
   }
@@ -159,12 +138,12 @@ void play(Deformation& deformation, const std::string& scene, const Variant& var
                   worst.rebuild_us);
   }
   const double times = static_cast<double>(stats.rebuilt_triangles) / (2.0 * side * side);
-  text.line("| {} | moves | {} | | | | | |", name, Percentiles(std::move(moves)).text());
-  text.line("| | commits | {} | {} | {:.1f} | {} | {:.1f} | {:.2f} |", Percentiles(std::move(commits)).text(),
+  text.line("| {} | moves | {} | | | | | |", name, summarize(std::move(moves)).tail());
+  text.line("| | commits | {} | {} | {:.1f} | {} | {:.1f} | {:.2f} |", summarize(std::move(commits)).tail(),
             worst.refits, worst.rebuild_us, stats.whole_passes, times, degradation(model, checker, name));
 }
 
-void time_the_clock(int frames, Markdown& text) {
+void time_the_clock(int frames, Table& text) {
   std::vector<double> idle;
   for (int frame = 0; frame < frames; ++frame) {
     const auto start = Clock::now();
@@ -172,13 +151,12 @@ void time_the_clock(int frames, Markdown& text) {
     }
     idle.push_back(us_since(start) - 50);
   }
-  text.line("| nothing but the clock, for 50 us | late | {} | | | | | |", Percentiles(std::move(idle)).text());
+  text.line("| nothing but the clock, for 50 us | late | {} | | | | | |", summarize(std::move(idle)).tail());
 }
 
-int run(const Options& options) {
+void run(const Options& options, Checker& checker) {
   const int frames = options.quick ? 500 : 100'000;
-  Checker checker;
-  Markdown text(options, "spikes.md");
+  Table text(options, "spikes.md");
   text.line("# Moves and commits at worst, as printed by `limber_bench_spikes`\n");
   text.line("Microseconds, {} frames. Counts are of the one commit that has most.\n", frames);
   text.line(
@@ -193,21 +171,15 @@ int run(const Options& options) {
       {"real time, 20 us", ModelOptions::real_time(budget_us), true},
   };
   for (const Variant& variant : variants) {
-    Dragging dragging;
-    play(dragging, "a dent dragged", variant, frames, checker, text);
-    Drifting drifting;
-    play(drifting, "vertices drifting", variant, frames, checker, text);
+    play(dragged, "a dent dragged", variant, frames, checker, text);
+    play(drifted, "vertices drifting", variant, frames, checker, text);
   }
-  return checker.all_right() ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
-  const auto [options, exit_code] = limber::bench::parse_options(
-      argc, argv, "What moves and commits take at worst while a tree stays as good as new");
-  if (exit_code) return *exit_code;
-  limber::bench::report_machine(options);
-  return limber::bench::run(options);
+  return limber::bench::run_bench(argc, argv, "What moves and commits take at worst while a tree stays as good as new",
+                                  limber::bench::run);
 }

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/scene/manager.h"
+#include "bench/peers/peer.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/distance.h"
@@ -96,10 +96,10 @@ class Frames {
       : count_(count), asked_(pairs_per_body), swarm_(count, pairs_per_body), model_(shape) {
     for (const Transform& pose : swarm_.poses) ids_.push_back(scene_.add({model_, pose}));
     for (const bool builds_anew : {false, true}) {
-#ifdef LIMBER_MANAGER_COAL
+#ifdef LIMBER_PEER_COAL
       managers_.push_back(make_coal_manager(shape, count, builds_anew));
 #endif
-#ifdef LIMBER_MANAGER_FCL
+#ifdef LIMBER_PEER_FCL
       managers_.push_back(make_fcl_manager(shape, count, builds_anew));
 #endif
     }
@@ -135,16 +135,16 @@ class Frames {
     }
   }
 
-  void report(Markdown& text) const {
+  void report(Table& text) const {
     const auto row = [&](const std::string& name, const FrameTimes& t, std::size_t pairs, const std::string& ratio) {
       const Summary whole = summarize(t.whole);
       text.line("| {} | {} | {} | {:.2f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {} |", count_, asked_,
-                name, static_cast<double>(pairs) / static_cast<double>(count_), summarize(t.poses).median,
-                summarize(t.update).median, summarize(t.pairs).median, whole.min, whole.median, whole.p99, ratio);
+                name, static_cast<double>(pairs) / static_cast<double>(count_), median(t.poses), median(t.update),
+                median(t.pairs), whole.min, whole.median, whole.p99, ratio);
     };
     row("limber", ours_, pair_count_, "1");
     for (std::size_t m = 0; m < managers_.size(); ++m) {
-      const double ratio = summarize(theirs_[m].whole).median / summarize(ours_.whole).median;
+      const double ratio = median(theirs_[m].whole) / median(ours_.whole);
       row(managers_[m]->name(), theirs_[m], box_pair_count_, fmt::format("{:.1f}", ratio));
     }
   }
@@ -163,7 +163,7 @@ class Frames {
 };
 
 /// Queries of all pairs, frame by frame.
-void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& checker, Markdown& text) {
+void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& checker, Table& text) {
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
   constexpr double margin = 0.1;
   Swarm swarm(2000, 2);
@@ -184,20 +184,18 @@ void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& c
     const std::size_t count = scene.candidate_pairs(margin, pairs).count;
     const std::span<const ObjectPair> found(pairs.data(), count);
     pair_count += static_cast<double>(count) / frames;
+    const auto ask = [&](std::vector<DistanceResult>& results, SceneCache* kept) {
+      scene.distance(found, std::span(results).first(count), {.max_distance = margin, .cache = kept});
+    };
     collide_us.push_back(mean_us(1, [&] { scene.collide(found, std::span(collisions).first(count)); }));
-    cold_us.push_back(
-        mean_us(1, [&] { scene.distance(found, std::span(cold).first(count), {.max_distance = margin}); }));
-    warm_us.push_back(mean_us(
-        1, [&] { scene.distance(found, std::span(warm).first(count), {.max_distance = margin, .cache = &cache}); }));
+    cold_us.push_back(mean_us(1, [&] { ask(cold, nullptr); }));
+    warm_us.push_back(mean_us(1, [&] { ask(warm, &cache); }));
     ClosestObjects closest, again;
     // Bodies that meet are no news here: the closest two that do not.
-    const std::set<std::pair<ObjectId, ObjectId>> meeting = [&] {
-      std::set<std::pair<ObjectId, ObjectId>> all;
-      for (std::size_t i = 0; i < count; ++i) {
-        if (collisions[i].is_yes()) all.emplace(pairs[i].a, pairs[i].b);
-      }
-      return all;
-    }();
+    std::set<std::pair<ObjectId, ObjectId>> meeting;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (collisions[i].is_yes()) meeting.emplace(pairs[i].a, pairs[i].b);
+    }
     const auto are_apart = [&](ObjectId a, ObjectId b) { return !meeting.contains({a, b}); };
     closest_us.push_back(mean_us(1, [&] { closest = scene.closest_objects({.filter = are_apart}); }));
     warm_closest_us.push_back(
@@ -215,15 +213,13 @@ void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& c
     checker.check(std::abs(closest.result.upper - least) <= 1e-13 && std::abs(again.result.upper - least) <= 1e-13,
                   "closest {} and {} instead of {}", closest.result.upper, again.result.upper, least);
   }
-  const auto median = [](const std::vector<double>& us) { return summarize(us).median; };
   text.line("| {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |", threads, pair_count, median(collide_us),
             median(cold_us), median(warm_us), median(closest_us), median(warm_closest_us));
 }
 
-int run(const Options& options) {
+void run(const Options& options, Checker& checker) {
   const int frames = options.quick ? 10 : 300;
-  Checker checker;
-  Markdown text(options, "scene.md");
+  Table text(options, "scene.md");
   const Mesh shape = scenes::ball(32, 18);
   text.line("# Candidate pairs of moving bodies, as printed by `limber_bench_scene`\n");
   text.line("Balls of {} triangles, {} frames. Medians in microseconds, one thread.\n", shape.triangles().size(),
@@ -254,16 +250,13 @@ int run(const Options& options) {
   const auto all = static_cast<std::size_t>(oneapi::tbb::info::default_concurrency());
   time_queries(shape, 1, frames / 3, checker, text);
   if (all > 1) time_queries(shape, all, frames / 3, checker, text);
-  return checker.all_right() ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
-  const auto [options, exit_code] = limber::bench::parse_options(
-      argc, argv, "How fast candidate pairs of many moving bodies are found, next to other libraries");
-  if (exit_code) return *exit_code;
-  limber::bench::report_machine(options);
-  return limber::bench::run(options);
+  return limber::bench::run_bench(argc, argv,
+                                  "How fast candidate pairs of many moving bodies are found, next to other libraries",
+                                  limber::bench::run);
 }

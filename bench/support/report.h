@@ -7,26 +7,22 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <optional>
+#include <functional>
 #include <string>
 #include <utility>
+
+namespace CLI {
+class App;
+}
 
 /// The command line, the checks and the output of all benchmarks.
 namespace limber::bench {
 
 struct Options {
-  std::filesystem::path out;  ///< folder for results; empty: only the console
-  bool quick = false;         ///< few rounds: shows that everything works, not how fast
+  std::filesystem::path out;     ///< folder for results; empty: only the console
+  std::filesystem::path meshes;  ///< folder with mesh files; empty: only generated scenes
+  bool quick = false;            ///< few rounds: shows that everything works, not how fast
 };
-
-/// The options, or the exit code when the program has to end.
-///
-/// Errors   A folder that cannot be made, and mistakes in the command line, are reported on the console.
-struct ParsedOptions {
-  Options options;
-  std::optional<int> exit_code;
-};
-ParsedOptions parse_options(int argc, const char* const* argv, const std::string& question);
 
 /// Counts and prints wrong answers. A benchmark that has any prints no times and ends with exit code 1.
 class Checker {
@@ -45,39 +41,26 @@ class Checker {
   int wrong_ = 0;
 };
 
-/// A table as comma-separated values; writes nothing when there is no folder to write to.
-class CsvFile {
+/// Lines to the console and, if there is a folder for results, to a file.
+class Table {
  public:
-  CsvFile(const Options& options, const std::string& name, const std::string& header);
+  Table(const Options& options, const std::string& name);
 
-  template <typename... Args>
-  void row(fmt::format_string<Args...> format, Args&&... args) {
-    if (file_.is_open()) file_ << fmt::format(format, std::forward<Args>(args)...) << '\n';
-  }
-
- private:
-  std::ofstream file_;
-};
-
-/// Lines of Markdown to the console and, if there is a folder for results, into a file.
-class Markdown {
- public:
-  Markdown(const Options& options, const std::string& name) {
-    if (!options.out.empty()) file_.open(options.out / name);
-  }
   template <typename... Args>
   void line(fmt::format_string<Args...> format, Args&&... args) {
-    const std::string text = fmt::format(format, std::forward<Args>(args)...);
-    fmt::print("{}\n", text);
-    std::fflush(stdout);
-    if (file_.is_open()) file_ << text << '\n';
+    write(fmt::format(format, std::forward<Args>(args)...));
   }
 
  private:
+  void write(const std::string& text);
+
   std::ofstream file_;
 };
 
-/// Processor, compiler and flags into `machine.txt`; warns on the console when the build checks itself while timed.
-void report_machine(const Options& options);
+/// The main function of a benchmark: reads the options, those that `add_options` knows too, and runs it. Returns the
+/// exit code: 1 for wrong answers, 2 for what was thrown or asked wrongly.
+int run_bench(int argc, const char* const* argv, const std::string& question,
+              const std::function<void(const Options&, Checker&)>& run,
+              const std::function<void(CLI::App&)>& add_options = {});
 
 }  // namespace limber::bench

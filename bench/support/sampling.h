@@ -2,21 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <string>
 #include <vector>
 
 /// Times and their statistics.
 namespace limber::bench {
 
+using Clock = std::chrono::steady_clock;
+
+inline double us_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
 class Stopwatch {
  public:
-  double us() const { return std::chrono::duration<double, std::micro>(Clock::now() - start_).count(); }
+  double us() const { return us_since(start_); }
 
  private:
-  using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
 };
 
@@ -36,7 +45,12 @@ inline std::size_t repetitions_for(double one_call_us) {
 }
 
 struct Summary {
-  double min = 0, median = 0, p99 = 0, max = 0;
+  double min = 0, median = 0, p99 = 0, p999 = 0, p9999 = 0, max = 0;
+
+  /// The tail of a distribution, as cells of a table.
+  std::string tail() const {
+    return fmt::format("{:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f}", median, p99, p999, p9999, max);
+  }
 };
 
 /// Nearest-rank quantiles; with fewer than 100 samples the 99th percentile is the maximum.
@@ -47,13 +61,32 @@ inline Summary summarize(std::vector<double> samples) {
     const double position = std::ceil(quantile * static_cast<double>(samples.size())) - 1;
     return samples[static_cast<std::size_t>(std::max(0.0, position))];
   };
-  return {samples.front(), rank(0.5), rank(0.99), samples.back()};
+  return {samples.front(), rank(0.5), rank(0.99), rank(0.999), rank(0.9999), samples.back()};
 }
+
+inline double median(std::vector<double> samples) { return summarize(std::move(samples)).median; }
 
 inline double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+/// A call, and how often in a row it is made for one sample.
+struct Turn {
+  std::function<void()> call;
+  std::size_t repetitions = 1;
+};
+
+/// The median time of each call over rounds in all of which each has its turn, so that a disturbance affects all alike.
+inline std::vector<double> medians_in_turn(const std::vector<Turn>& turns, int rounds) {
+  std::vector<std::vector<double>> samples(turns.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < turns.size(); ++i) samples[i].push_back(mean_us(turns[i].repetitions, turns[i].call));
+  }
+  std::vector<double> medians;
+  for (const std::vector<double>& of_call : samples) medians.push_back(median(of_call));
+  return medians;
 }
 
 }  // namespace limber::bench

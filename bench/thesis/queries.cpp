@@ -18,7 +18,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -162,28 +161,22 @@ void time_rounds(Checker& checker, const Scene& scene, std::vector<Case>& cases,
 }
 
 void report_pose(const Options& options, const std::vector<Case>& cases) {
-  CsvFile csv(options, "thesis_queries.csv",
-              "query,relative_error,separation,min_us,median_us,p99_us,node_tests,triangle_tests,upper");
-  fmt::print("pose 0: median time per query, us (pairs of spheres / of triangles)\n{:>8}", "sep");
-  for (const Query& query : queries) fmt::print(" {:>26}", fmt::format("{} {}", query.name, query.relative_error));
+  Table csv(options, "thesis_queries.csv");
+  csv.line("query,relative_error,separation,min_us,median_us,p99_us,node_tests,triangle_tests,upper");
   for (const Case& c : cases) {
     const Summary us = summarize(c.samples_us);
     const QueryStats& stats = c.answer.distance.stats;
-    if (c.query.is_collision()) fmt::print("\n{:>8}", c.separation);
-    fmt::print(" {:>26}", fmt::format("{:.1f} ({}/{})", us.median, stats.node_tests, stats.triangle_tests));
-    csv.row("{},{},{},{:.4f},{:.4f},{:.4f},{},{},{}", c.query.name, c.query.relative_error, c.separation, us.min,
-            us.median, us.p99, stats.node_tests, stats.triangle_tests,
-            c.query.is_collision() ? "" : fmt::format("{}", c.answer.distance.upper));
+    csv.line("{},{},{},{:.4f},{:.4f},{:.4f},{},{},{}", c.query.name, c.query.relative_error, c.separation, us.min,
+             us.median, us.p99, stats.node_tests, stats.triangle_tests,
+             c.query.is_collision() ? "" : fmt::format("{}", c.answer.distance.upper));
   }
-  fmt::print("\n\n");
 }
 
 void report_mean_over_poses(const Options& options, const std::vector<std::vector<Case>>& poses) {
-  CsvFile csv(options, "thesis_queries_poses.csv",
-              "query,relative_error,separation,poses,mean_us,fastest_pose_us,slowest_pose_us,mean_node_tests,"
-              "mean_triangle_tests");
-  fmt::print("{} other poses: mean over them of the fastest time per query, us\n{:>8}", poses.size(), "sep");
-  for (const Query& query : queries) fmt::print(" {:>14}", fmt::format("{} {}", query.name, query.relative_error));
+  Table csv(options, "thesis_queries_poses.csv");
+  csv.line(
+      "query,relative_error,separation,poses,mean_us,fastest_pose_us,slowest_pose_us,mean_node_tests,"
+      "mean_triangle_tests");
   for (std::size_t i = 0; i < poses.front().size(); ++i) {
     std::vector<double> us, node_tests, triangle_tests;
     for (const std::vector<Case>& cases : poses) {
@@ -193,21 +186,15 @@ void report_mean_over_poses(const Options& options, const std::vector<std::vecto
     }
     const Case& c = poses.front()[i];
     const Summary spread = summarize(us);
-    if (c.query.is_collision()) fmt::print("\n{:>8}", c.separation);
-    fmt::print(" {:>14.1f}", mean(us));
-    csv.row("{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f},{:.1f}", c.query.name, c.query.relative_error, c.separation,
-            poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(triangle_tests));
+    csv.line("{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f},{:.1f}", c.query.name, c.query.relative_error, c.separation,
+             poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(triangle_tests));
   }
-  fmt::print("\n");
 }
 
-int run(const Options& options) {
-  const int rounds = options.quick ? 3 : 61;
-  const int rounds_of_others = options.quick ? 1 : 3;
+void run(const Options& options, Checker& checker) {
+  const int rounds = options.quick ? 3 : 61, rounds_of_others = options.quick ? 1 : 3;
   const std::uint32_t other_poses = options.quick ? 2 : 15;
-
   const Scene scene;
-  Checker checker;
   std::vector<Case> canonical = cases_of_pose(scene, 0);
   answer_and_check(checker, scene, canonical);
   check_by_brute_force(checker, scene, canonical);
@@ -216,28 +203,22 @@ int run(const Options& options) {
     others.push_back(cases_of_pose(scene, index));
     answer_and_check(checker, scene, others.back());
   }
-  if (!checker.all_right()) return 1;
+  if (!checker.all_right()) return;
 
   time_rounds(checker, scene, canonical, rounds);
   for (int round = 0; round < rounds_of_others; ++round) {
     for (std::vector<Case>& cases : others) time_rounds(checker, scene, cases, 1);
   }
-  if (!checker.all_right()) return 1;
+  if (!checker.all_right()) return;
 
-  report_machine(options);
   report_pose(options, canonical);
   report_mean_over_poses(options, others);
-  return 0;
 }
 
 }  // namespace
 }  // namespace limber::bench
 
-int main(int argc, char** argv) try {
-  const auto [options, exit_code] =
-      limber::bench::parse_options(argc, argv, "Time per query against the separation of ball and square");
-  return exit_code ? *exit_code : limber::bench::run(options);
-} catch (const std::exception& error) {
-  fmt::print(stderr, "{}\n", error.what());
-  return 2;
+int main(int argc, char** argv) {
+  return limber::bench::run_bench(argc, argv, "Time per query against the separation of ball and square",
+                                  limber::bench::run);
 }

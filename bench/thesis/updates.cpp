@@ -23,7 +23,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
@@ -104,17 +103,6 @@ struct Variant {
   }
 };
 
-/// Variants of the fast engine, which has one mode only.
-std::vector<Variant> fast_variants_of(std::vector<Motion>& motions) {
-  std::vector<Variant> variants;
-  for (Motion& motion : motions) {
-    for (const int batch_dents : batch_sizes) {
-      variants.push_back({&motion, Maintenance::by_depth, "fast", 0, batch_dents, {}, {}, 0, 0, 0, 0, 0});
-    }
-  }
-  return variants;
-}
-
 DistanceResult ask(const classic::Model& sheet, const classic::Model& ball, const Transform& pose) {
   return classic::distance({sheet}, {ball, pose});
 }
@@ -122,13 +110,15 @@ DistanceResult ask(const Model& sheet, const Model& ball, const Transform& pose)
   return distance({sheet}, {ball, pose});
 }
 
-std::vector<Variant> variants_of(std::vector<Motion>& motions) {
+/// The classic tree in its three modes, and the fast engine, which has one.
+std::vector<Variant> variants_of(std::vector<Motion>& motions, bool is_fast) {
   std::vector<Variant> variants;
   for (Motion& motion : motions) {
     for (const double extra_radius : extra_radii) {
       for (const auto& [mode, mode_name] : modes) {
+        if (is_fast && (extra_radius > 0 || mode != Maintenance::by_depth)) continue;
         for (const int batch_dents : batch_sizes) {
-          variants.push_back({&motion, mode, mode_name, extra_radius, batch_dents, {}, {}, 0, 0, 0, 0, 0});
+          variants.push_back({&motion, mode, is_fast ? "fast" : mode_name, extra_radius, batch_dents, {}, {}});
         }
       }
     }
@@ -213,60 +203,43 @@ void check_order_of_modes(Checker& checker, const std::vector<Variant>& variants
 }
 
 /// One step that moves every vertex, in each mode.
-struct WholeSheet {
-  const char* mode_name;
-  std::vector<double> us;
-  MaintenanceStats stats;
-};
-
-std::vector<WholeSheet> move_whole_sheet(Checker& checker, const Mesh& target, int rounds) {
-  std::vector<WholeSheet> sheets;
-  sheets.reserve(modes.size());
-  for (const auto& [mode, mode_name] : modes) sheets.push_back({mode_name, {}, {}});
+void move_whole_sheet(Checker& checker, const Mesh& target, int rounds, Table& csv) {
+  const auto moved = static_cast<double>(target.positions().size());
+  std::array<std::vector<double>, modes.size()> us;
+  std::array<double, modes.size()> refits{};
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t m = 0; m < modes.size(); ++m) {
-      classic::Model sheet(scenes::thesis_sheet(), {.maintenance = modes[m].first});
+      const auto& [mode, mode_name] = modes[m];
+      classic::Model sheet(scenes::thesis_sheet(), {.maintenance = mode});
       const Stopwatch watch;
       const bool accepted = static_cast<bool>(sheet.move_all(target.positions()));
       sheet.commit();
-      sheets[m].us.push_back(watch.us() / static_cast<double>(target.positions().size()));
-      sheets[m].stats = sheet.maintenance_stats();
-      checker.check(accepted && sheet.validate(), "all vertices moved, {}: damaged tree", modes[m].second);
-      checker.check(modes[m].first != Maintenance::by_depth || sheets[m].stats.refits == sheet.tree_stats().nodes,
-                    "all vertices moved: {} refits of {} spheres", sheets[m].stats.refits, sheet.tree_stats().nodes);
+      us[m].push_back(watch.us() / moved);
+      const std::uint64_t count = sheet.maintenance_stats().refits;
+      refits[m] = static_cast<double>(count) / moved;
+      checker.check(accepted && sheet.validate(), "all vertices moved, {}: damaged tree", mode_name);
+      checker.check(mode != Maintenance::by_depth || count == sheet.tree_stats().nodes,
+                    "all vertices moved: {} refits of {} spheres", count, sheet.tree_stats().nodes);
     }
   }
-  return sheets;
+  if (!checker.all_right()) return;
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    const Summary spread = summarize(us[m]);
+    csv.line("whole,{},0,1,{},{:.5f},{:.5f},{:.5f},,{:.4f},0,,,", modes[m].second, moved, spread.min, spread.median,
+             spread.max, refits[m]);
+  }
 }
 
-void report(const Options& options, const std::vector<Variant>& variants, const std::vector<WholeSheet>& sheets) {
-  CsvFile csv(options, "thesis_updates.csv",
-              "motion,mode,extra_radius,batch_dents,moved_vertices,min_us,median_us,max_us,move_us,refits,absorbed,"
-              "query_node_tests,query_triangle_tests,query_us");
+void report(const std::vector<Variant>& variants, Table& csv) {
   for (const Variant& v : variants) {
     const Summary us = summarize(v.total_us);
-    if (v.batch_dents == batch_sizes.front()) {
-      fmt::print("\n{} motion, extra radius {}, {}: us per moved vertex (refits)\n ", v.motion->name, v.extra_radius,
-                 v.mode_name);
-    }
-    fmt::print(" {}: {:.3f} ({:.2f})", v.batch_dents, us.median, v.refits);
-    csv.row("{},{},{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.1f},{:.1f},{:.1f}", v.motion->name,
-            v.mode_name, v.extra_radius, v.batch_dents, v.motion->moved_vertices, us.min, us.median, us.max,
-            summarize(v.move_us).median, v.refits, v.absorbed, v.query_node_tests, v.query_triangle_tests, v.query_us);
+    csv.line("{},{},{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.1f},{:.1f},{:.1f}", v.motion->name,
+             v.mode_name, v.extra_radius, v.batch_dents, v.motion->moved_vertices, us.min, us.median, us.max,
+             median(v.move_us), v.refits, v.absorbed, v.query_node_tests, v.query_triangle_tests, v.query_us);
   }
-  fmt::print("\n\nall vertices moved at once: us per moved vertex (refits)\n ");
-  for (const WholeSheet& sheet : sheets) {
-    const Summary us = summarize(sheet.us);
-    const auto moved = static_cast<double>(sheet.stats.moved_vertices);
-    const double refits = static_cast<double>(sheet.stats.refits) / moved;
-    fmt::print(" {}: {:.3f} ({:.2f})", sheet.mode_name, us.median, refits);
-    csv.row("whole,{},0,1,{},{:.5f},{:.5f},{:.5f},,{:.4f},0,,,", sheet.mode_name, sheet.stats.moved_vertices, us.min,
-            us.median, us.max, refits);
-  }
-  fmt::print("\n");
 }
 
-int run(const Options& options) {
+void run(const Options& options, Checker& checker) {
   const int rounds = options.quick ? 1 : 3;
   const int dent_count = options.quick ? 100 : 1000;
 
@@ -274,44 +247,37 @@ int run(const Options& options) {
   std::vector<Motion> motions = {make_motion("large", 0.1, dent_count, ball.mesh()),
                                  make_motion("small", 0.001, dent_count, ball.mesh())};
   const Model fast_ball(scenes::thesis_ball());
-  std::vector<Variant> variants = variants_of(motions), fast_variants = fast_variants_of(motions);
-  Checker checker;
+  std::vector<Variant> variants = variants_of(motions, false), fast_variants = variants_of(motions, true);
+  const auto play = [&](int round, Variant& v, auto sheet, const auto& hovering_ball) {
+    run_dents(checker, v, sheet);
+    if (round > 0) return;
+    check_sheet(checker, v, sheet);
+    hover(checker, v, sheet, hovering_ball);
+  };
   for (int round = 0; round < rounds && checker.all_right(); ++round) {
     for (Variant& v : variants) {
-      classic::Model sheet(scenes::thesis_sheet(),
-                           {.maintenance = v.mode, .looseness = {.extra_radius = v.extra_radius}});
-      run_dents(checker, v, sheet);
-      if (round > 0) continue;
-      check_sheet(checker, v, sheet);
-      hover(checker, v, sheet, ball);
+      const classic::ModelOptions loose{.maintenance = v.mode, .looseness = {.extra_radius = v.extra_radius}};
+      play(round, v, classic::Model(scenes::thesis_sheet(), loose), ball);
     }
-    for (Variant& v : fast_variants) {
-      Model sheet(scenes::thesis_sheet());
-      run_dents(checker, v, sheet);
-      if (round > 0) continue;
-      check_sheet(checker, v, sheet);
-      hover(checker, v, sheet, fast_ball);
-    }
+    for (Variant& v : fast_variants) play(round, v, Model(scenes::thesis_sheet()), fast_ball);
   }
   check_by_brute_force(checker, motions, ball.mesh());
   check_order_of_modes(checker, variants);
-  const std::vector<WholeSheet> sheets = move_whole_sheet(checker, motions.front().dented, 7 * rounds);
-  if (!checker.all_right()) return 1;
+  if (!checker.all_right()) return;
 
-  report_machine(options);
-  variants.insert(variants.end(), fast_variants.begin(), fast_variants.end());
-  report(options, variants, sheets);
-  return 0;
+  Table csv(options, "thesis_updates.csv");
+  csv.line(
+      "motion,mode,extra_radius,batch_dents,moved_vertices,min_us,median_us,max_us,move_us,refits,absorbed,"
+      "query_node_tests,query_triangle_tests,query_us");
+  report(variants, csv);
+  report(fast_variants, csv);
+  move_whole_sheet(checker, motions.front().dented, 7 * rounds, csv);
 }
 
 }  // namespace
 }  // namespace limber::bench
 
-int main(int argc, char** argv) try {
-  const auto [options, exit_code] =
-      limber::bench::parse_options(argc, argv, "Time per moved vertex for the three modes of maintenance");
-  return exit_code ? *exit_code : limber::bench::run(options);
-} catch (const std::exception& error) {
-  fmt::print(stderr, "{}\n", error.what());
-  return 2;
+int main(int argc, char** argv) {
+  return limber::bench::run_bench(argc, argv, "Time per moved vertex for the three modes of maintenance",
+                                  limber::bench::run);
 }

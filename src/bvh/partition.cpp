@@ -41,7 +41,7 @@ constexpr std::size_t sample_size = 128, sample_margin = 12;
 // Primitives that one step of a pass over the window takes.
 constexpr std::size_t primitives_at_once = 1024;
 
-// Upper bounds of what one primitive costs, in ns (bench/develop/partial_rebuild.cpp).
+// Upper bounds of what one primitive costs, in ns (docs/design/real_time.md).
 constexpr double ns_to_measure = 2, ns_to_move = 5, ns_to_select = 10;
 
 /// Swaps those of the primitives `begin` to `end` for whose index is_below() holds to the places from `below_end` on.

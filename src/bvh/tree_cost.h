@@ -23,7 +23,7 @@ namespace limber::bvh {
 /// Throws    Only the constructor allocates.
 class TreeCost {
  public:
-  /// What it takes to look at a node of the lowest level, in ns (bench/develop/partial_rebuild.cpp).
+  /// What it takes to look at a node of the lowest level, in ns (docs/design/real_time.md).
   static constexpr double ns_per_node = 15;
 
   /// Takes the present cost as the expected one. Cost: O(nodes).

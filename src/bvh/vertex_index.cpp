@@ -11,7 +11,7 @@
 namespace limber::bvh {
 namespace {
 
-// What a step costs, in ns (bench/develop/partial_rebuild.cpp).
+// What a step costs, in ns (docs/design/real_time.md).
 constexpr double ns_per_vertex = 2, ns_per_listed_node = 500;
 
 // Vertices in one step.

@@ -15,7 +15,7 @@
 namespace limber::model {
 namespace {
 
-// The experiment behind these numbers is bench/develop/partial_rebuild.cpp; docs/design/deforming.md has its results.
+// docs/design/deforming.md has the results of the experiment behind these numbers.
 
 // How many times its expected cost a tree may have before it is rebuilt. Each rebuild that gains less than
 // `worthwhile_gain` doubles the tolerated excess, up to `most_tolerated`.

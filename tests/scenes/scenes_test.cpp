@@ -204,9 +204,7 @@ TEST(Motions, AreTheSameToTheBitOnEveryMachine) {
       {waving_sheet(20, 10), 0x626562b68b91e032, 0xc33d5be7d6bcdcbb},
       {twisting_bar(5), 0xd1ff959ad5fcda7c, 0x3346af4acc6148a5},
       {crumpling_cloth(20), 0x3ab486cb921808d4, 0x3391a57572677942},
-      {exploding_soup(100), 0xa0eec1773746da06, 0xa418bde72e437aaa},
       {shuffled_soup(100), 0xa0eec1773746da06, 0x2ea4d064bbd7e30d},
-      {jittering_sheet(20, 10, 0.01), 0x626562b68b91e032, 0x16369c97eb0a8564},
   };
   for (const Expected& e : all) {
     EXPECT_EQ(hash_at(e.motion, 0), e.start) << e.motion.name << std::hex << " 0x" << hash_at(e.motion, 0);

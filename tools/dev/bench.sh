@@ -10,7 +10,7 @@
 #:                  what a cache saves and costs
 #: bench spikes     what moves and commits take at worst while trees stay as good as new
 #: bench haptics    the loop of limber haptics for a minute at 1 kHz and one at 5 kHz, with their histograms
-#: bench deforming [F]  what keeping trees of deforming meshes up to date costs, next to other libraries and as they are tuned
+#: bench deforming [F]  what keeping trees of deforming meshes up to date costs, next to other libraries
 #: bench contacts F  pairs of triangles that intersect or are close, and closest points, next to Embree, CGAL and
 #:                  libraries from PyPI, which go into a virtual environment below build/; F is a folder with
 #:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj. MeshLib takes part with
@@ -37,44 +37,59 @@ machine() {
   printf '%s\n' "${name:-$(uname -m)}"
 }
 
-# Builds programs that compare with other libraries, and for which io is needed.
-build_peers() {
+# build_benches NAME...: builds these benchmarks, next to all libraries that are found.
+build_benches() {
   local coal
-  need build io program peers
   # Coal comes as a Python wheel with headers and a library inside; without it the comparison goes on.
   coal=$(python3 -c 'import coal, pathlib; print(pathlib.Path(coal.__file__).parents[4])' 2>/dev/null || true)
   configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON "-DLIMBER_COAL_PREFIX=$coal"
-  build bench --target "$@"
+  build bench --target "${@/#/limber_bench_}"
 }
 
+# run_bench NAME [arguments]: runs a benchmark that has been built, and keeps its tables, processor, compiler and flags.
+run_bench() {
+  mkdir -p -- "$results"
+  {
+    printf 'processor  %s, family %s, model %s\n' "$(processor 'model name')" "$(processor 'cpu family')" "$(processor model)"
+    printf 'cores      %s visible, 1 used\n' "$jobs"
+    cat -- "$root/build/bench/bench/compiler.txt"
+  } >"$results/machine.txt"
+  say "running limber_bench_$1"
+  "$root/build/bench/bench/limber_bench_$1" --out "$results" "${@:2}" </dev/null
+}
+
+# The options of a program for the folder of meshes that a verb was given, or not.
+meshes=()
+use_meshes() { if (($#)); then meshes=(--meshes "$1"); fi; }
+
+# needs_meshes VERB [FOLDER]
+needs_meshes() { (($# > 1)) || die "bench $1: which folder has the meshes? See ./dev help"; }
+
+# Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
+plot() { /usr/bin/python3 "$root/bench/plots/$1.py" "$results"; }
+
 bench_thesis() {
-  local program
-  need build program plots
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=OFF
-  build bench
-  for program in limber_bench_queries limber_bench_updates; do
-    say "running $program"
-    "$root/build/bench/bench/thesis/$program" --out "$results" </dev/null
-  done
-  # Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
-  /usr/bin/python3 "$root/bench/plots/plot_thesis.py" "$results"
+  need build io program plots
+  build_benches queries updates
+  run_bench queries
+  run_bench updates
+  plot plot_thesis
 }
 
 bench_peers() {
-  local meshes=()
-  if (($#)); then meshes=(--meshes "$1"); fi
-  need plots
-  build_peers limber_bench_peers
-  "$root/build/bench/bench/peers/limber_bench_peers" --out "$results" "${meshes[@]}" </dev/null
-  /usr/bin/python3 "$root/bench/plots/plot_peers.py" "$results"
-  bench_mix "$@"
+  use_meshes "$@"
+  need build io program peers plots
+  build_benches peers mix
+  run_bench peers "${meshes[@]}"
+  plot plot_peers
+  run_bench mix "${meshes[@]}"
 }
 
 bench_mix() {
-  local meshes=()
-  if (($#)); then meshes=(--meshes "$1"); fi
-  build_peers limber_bench_mix
-  "$root/build/bench/bench/peers/limber_bench_mix" --out "$results" "${meshes[@]}" "${@:2}" </dev/null
+  use_meshes "$@"
+  need build io program peers
+  build_benches mix
+  run_bench mix "${meshes[@]}" "${@:2}"
 }
 
 # bench_against REV [folder of meshes]: builds that revision with its namespace renamed, so that both can be linked.
@@ -94,40 +109,33 @@ bench_against() {
   build bench --target limber_bench_against
   {
     printf '# This revision next to %s\n\n' "$1"
-    "$root/build/bench/bench/against/limber_bench_against" "${@:2}" </dev/null
+    "$root/build/bench/bench/limber_bench_against" "${@:2}" </dev/null
   } | tee -- "$results/against.md"
 }
 
 bench_deforming() {
-  local meshes=()
-  if (($#)); then meshes=(--meshes "$1"); fi
-  build_peers limber_bench_deforming limber_bench_partial_rebuild
-  "$root/build/bench/bench/peers/limber_bench_deforming" --out "$results" "${meshes[@]}" </dev/null
-  say "running limber_bench_partial_rebuild"
-  "$root/build/bench/bench/develop/limber_bench_partial_rebuild" --out "$results" </dev/null
+  use_meshes "$@"
+  need build io program peers
+  build_benches deforming
+  run_bench deforming "${meshes[@]}"
 }
 
 bench_deadlines() {
-  local meshes=() results=$results
-  if (($#)); then
-    meshes=(--meshes "$1")
-  else
+  if (($# == 0)); then
     results=$root/build/bench/results
     say "without FOLDER there are no scans: results go to $results"
   fi
+  use_meshes "$@"
   need build io program
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
-  build bench --target limber_bench_deadlines limber_bench_endings limber_bench_caches
-  "$root/build/bench/bench/realtime/limber_bench_deadlines" --out "$results" "${meshes[@]}" "${@:2}" </dev/null
-  "$root/build/bench/bench/realtime/limber_bench_endings" --out "$results" "${meshes[@]}" </dev/null
-  "$root/build/bench/bench/realtime/limber_bench_caches" --out "$results" "${meshes[@]}" </dev/null
+  build_benches deadlines caches
+  run_bench deadlines "${meshes[@]}" "${@:2}"
+  run_bench caches "${meshes[@]}"
 }
 
 bench_spikes() {
   need build io program
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
-  build bench --target limber_bench_spikes
-  "$root/build/bench/bench/realtime/limber_bench_spikes" --out "$results" "$@" </dev/null
+  build_benches spikes
+  run_bench spikes "$@"
 }
 
 bench_haptics() {
@@ -142,30 +150,19 @@ bench_haptics() {
   done
 }
 
-# install_from_pypi FILE...: what those files of bench/contacts require, into the virtual environment build/peers. What is
-# there already is not asked for again.
-install_from_pypi() {
-  local environment=$root/build/peers file files=()
-  for file in "$@"; do files+=(-r "$root/bench/contacts/$file"); done
-  # Debian packages the module for virtual environments by itself; other interpreters have it.
-  if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then need pypi; fi
-  [[ -x $environment/bin/python ]] || python3 -m venv "$environment" || return 1
-  "$environment/bin/python" -m pip install -q --retries 1 "${files[@]}" </dev/null
-}
-
 # bench_contacts FOLDER: other libraries first, then ours, which reads their times, their answers and their meshes.
 bench_contacts() {
-  local answers=$root/build/contact_answers requirements=(requirements.txt) peers=(ipctk coal fcpw trimesh) theirs=()
-  (($#)) || die "bench contacts: which folder has the meshes? See ./dev help"
+  local answers=$root/build/contact_answers contacts=../bench/contacts peers=(ipctk coal fcpw trimesh) theirs=()
+  local requirements=("$contacts/requirements.txt")
+  needs_meshes contacts "$@"
   if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then
-    requirements+=(requirements_meshlib.txt)
+    requirements+=("$contacts/requirements_meshlib.txt")
     peers=(meshlib "${peers[@]}")
   fi
   need build io program points
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON
-  build bench --target limber_bench_contacts
+  build_benches contacts
   rm -rf -- "$answers"
-  if install_from_pypi "${requirements[@]}"; then
+  if (python_environment peers "${requirements[@]}"); then
     say "running other libraries: ${peers[*]}"
     PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" "$root/bench/contacts/peers.py" "$1" \
       --peers "${peers[@]}" --out "$results" --answers "$answers" </dev/null
@@ -173,20 +170,19 @@ bench_contacts() {
   else
     say "other libraries are left out, and so are the meshes of two cloths: PyPI's could not be installed"
   fi
-  say "running limber_bench_contacts"
-  "$root/build/bench/bench/contacts/limber_bench_contacts" --meshes "$1" --out "$results" "${theirs[@]}" \
-    "${@:2}" </dev/null
+  run_bench contacts --meshes "$1" "${theirs[@]}" "${@:2}"
 }
 
 bench_scene() {
-  build_peers limber_bench_scene
-  "$root/build/bench/bench/scene/limber_bench_scene" --out "$results" "$@" </dev/null
+  need build io program peers
+  build_benches scene
+  run_bench scene "$@"
 }
 
 # bench_python FOLDER: the package of the preset `bench` in an environment that has the other packages too.
 bench_python() {
   local place=$root/build/python_peers/bin/python requirements=(requirements.txt requirements_test.txt requirements_peers.txt)
-  (($#)) || die "bench python: which folder has the meshes? See ./dev help"
+  needs_meshes python "$@"
   if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then requirements+=(../bench/contacts/requirements_meshlib.txt); fi
   need build io program python
   python_environment python_peers "${requirements[@]}"
@@ -199,7 +195,7 @@ bench_python() {
 
 bench_cluster() {
   local place=$root/build/python/bin/python
-  (($#)) || die "bench cluster: which folder has the meshes? See ./dev help"
+  needs_meshes cluster "$@"
   need build io program python
   tests_environment
   configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
@@ -210,7 +206,7 @@ bench_cluster() {
 
 # bench_web FOLDER: both programs run turn by turn.
 bench_web() {
-  (($#)) || die "bench web: which folder has the meshes? See ./dev help"
+  needs_meshes web "$@"
   local folder
   folder=$(readlink -f -- "$1")
   build_web limber_web_bench

@@ -83,28 +83,37 @@ run_tests() {
   (cd -- "$root" && ctest --preset "$preset" --parallel "$jobs" "$@") </dev/null
 }
 
-# run_programs PRESET NAME[:FILTER]...: the programs of these tests, each in as many shards as there are processors. ctest
-# starts a process for each test, which costs more than most tests where processes start slowly: with sanitizers, on an
-# emulator. What a program printed is in build/PRESET/NAME_SHARD.log, and shown if it failed.
-emulator=()
-run_programs() {
-  local preset=$1 run shard running=0 status=0
+# in_parallel FUNCTION WORDS...: calls it with the words of each argument, as many at a time as there are processors.
+in_parallel() {
+  local function=$1 call words running=0 status=0
   shift
-  for run in "$@"; do
-    for ((shard = 0; shard < jobs; ++shard)); do
-      if ((running == jobs)); then
-        wait -n || status=1
-        running=$((running - 1))
-      fi
-      run_shard "$preset" "$run" "$shard" &
-      running=$((running + 1))
-    done
+  for call in "$@"; do
+    if ((running == jobs)); then
+      wait -n || status=1
+      running=$((running - 1))
+    fi
+    read -ra words <<<"$call"
+    "$function" "${words[@]}" &
+    running=$((running + 1))
   done
   while ((running > 0)); do
     wait -n || status=1
     running=$((running - 1))
   done
   return "$status"
+}
+
+# run_programs PRESET NAME[:FILTER]...: the programs of these tests, each in as many shards as there are processors. ctest
+# starts a process for each test, which costs more than most tests where processes start slowly: with sanitizers, on an
+# emulator. What a program printed is in build/PRESET/NAME_SHARD.log, and shown if it failed.
+emulator=()
+run_programs() {
+  local preset=$1 run shard shards=()
+  shift
+  for run in "$@"; do
+    for ((shard = 0; shard < jobs; ++shard)); do shards+=("$preset $run $shard"); done
+  done
+  in_parallel run_shard "${shards[@]}"
 }
 
 # run_shard PRESET NAME[:FILTER] SHARD

@@ -48,7 +48,7 @@ fuzz_one() {
   return 1
 }
 
-seconds=60 options=() replay='' targets=() status=0 running=0
+seconds=60 options=() replay='' targets=()
 while (($#)); do
   case $1 in
     --seconds) seconds=${2:-} && shift ;;
@@ -77,17 +77,5 @@ if [[ -n $replay ]]; then
   exit
 fi
 say "fuzzing ${targets[*]}, $seconds s each, $jobs at a time"
-for target in "${targets[@]}"; do
-  if ((running == jobs)); then
-    wait -n || status=1
-    running=$((running - 1))
-  fi
-  fuzz_one "$target" "$seconds" &
-  running=$((running + 1))
-done
-while ((running > 0)); do
-  wait -n || status=1
-  running=$((running - 1))
-done
-((status == 0)) || die "fuzzing found something"
+in_parallel fuzz_one "${targets[@]/%/ $seconds}" || die "fuzzing found something"
 say "fuzzing found nothing"

@@ -8,6 +8,4 @@
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 need_for_tests mutants
-runner=mutants.py
-if [[ ${1-} == --random ]]; then runner=random_mutants.py && shift; fi
-python3 "$root/tools/$runner" --jobs "$jobs" "$@"
+python3 "$root/tools/mutants.py" --jobs "$jobs" "$@"

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,14 +39,17 @@ PeerScene turned_ball_and_square(std::size_t pose_count);
 PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
                     std::size_t pose_count);
 
-/// The pose after b has slid along `outward` until the gap is right. No step goes too far, because its length is a
-/// distance.
-Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap);
+/// Calls `use` with each scene of the broad mix: pairs of mesh files, things over floors, in rooms and in a maze, FCL's
+/// own test scene, ball over square, linked rings, soups. The mix stands for what users may have: no scene is chosen
+/// for the sake of a library or of a heuristic.
+///
+/// Situations have up to `pose_count` random poses each. `PeerScene::path` is coherent, for queries with a cache.
+/// Scenes whose files are not in `meshes` are left out; with an empty path only generated scenes remain.
+/// Errors   BadResult when a file is there and cannot be read.
+void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_count,
+                        const std::function<void(const PeerScene&)>& use);
 
 /// Centered on its box and scaled to a diagonal of 1, without triangles that have no area.
 Mesh normalised(const Mesh& mesh);
-
-/// Every triangle divided into four at the midpoints of its edges.
-Mesh subdivided(const Mesh& mesh);
 
 }  // namespace limber::bench

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/peers/mix_scenes.h"
+#include "bench/peers/scenes.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <string>
+#include <limits>
 #include <utility>
-#include <vector>
 
 #include "limber/distance.h"
 #include "limber/io.h"
@@ -19,6 +18,35 @@
 
 namespace limber::bench {
 namespace {
+
+/// All vertices turned about the origin.
+Mesh turned(const Mesh& mesh, const Mat3& turn) {
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p = turn * p;
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+/// The pose after b has slid along `outward` until the gap is right. No step goes too far, because its length is a
+/// distance.
+Transform at_gap(const Model& a, const Model& b, Transform pose, const Vec3& outward, double gap) {
+  for (int step = 0; step < 200; ++step) {
+    const double found = distance({a}, {b, pose}).upper;
+    if (std::abs(found - gap) <= 1e-9) break;
+    pose.translation += outward * (gap - found);
+  }
+  return pose;
+}
+
+/// Slides b from `pose` to gaps of 1, 0.05 and 0.001, which are the last three of the scene's situations, from behind.
+/// Returns the last pose.
+Transform add_at_gaps(PeerScene& scene, const Model& a, const Model& b, Transform pose, const Vec3& outward) {
+  std::size_t situation = scene.situations.size();
+  for (const double gap : {1.0, 0.05, 0.001}) {
+    pose = at_gap(a, b, pose, outward, gap);
+    scene.situations[--situation].poses.push_back(pose);
+  }
+  return pose;
+}
 
 constexpr std::uint64_t mesh_seed = 0x5EED0010, pose_seed = 0x5EED0011;
 
@@ -45,11 +73,7 @@ Mesh floor_slab() { return boxes({{{-5, -5, -0.05}, {5, 5, 0.05}}}); }
 /// A slab that stands upright, turned so that nothing is aligned with an axis.
 Mesh turned_wall() {
   scenes::Rng rng(mesh_seed);
-  const Mesh wall = boxes({{{-0.05, -5, -1.5}, {0.05, 5, 1.5}}});
-  const Mat3 turn = scenes::random_rotation(rng);
-  std::vector<Vec3> positions = wall.positions();
-  for (Vec3& p : positions) p = turn * p;
-  return Mesh::create(std::move(positions), wall.triangles()).value();
+  return turned(boxes({{{-0.05, -5, -1.5}, {0.05, 5, 1.5}}}), scenes::random_rotation(rng));
 }
 
 /// A room of 4 by 4 by 2.5 with walls, a doorway, a table and a column.
@@ -113,12 +137,7 @@ PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::si
       name, a, b, {{"overlapping", false, {}}, {"0.001", false, {}}, {"0.05", false, {}}, {"1", false, {}}}};
   for (std::size_t i = 0; i < pose_count; ++i) {
     const Vec3 outward = scenes::random_rotation(rng).row0;
-    Transform pose{scenes::random_rotation(rng), outward * 20};
-    std::size_t situation = scene.situations.size();
-    for (const double gap : {1.0, 0.05, 0.001}) {
-      pose = at_gap(model_a, model_b, pose, outward, gap);
-      scene.situations[--situation].poses.push_back(pose);
-    }
+    const Transform pose = add_at_gaps(scene, model_a, model_b, {scenes::random_rotation(rng), outward * 20}, outward);
     Transform inside = pose;
     do {
       inside.translation = pose.translation * rng.uniform();
@@ -169,6 +188,54 @@ PeerScene rings(std::size_t pose_count) {
 }
 
 }  // namespace
+
+PeerScene turned_ball_and_square(std::size_t pose_count) {
+  scenes::Rng rng(11);
+  const Mat3 turn = scenes::random_rotation(rng);
+  const Mesh ball = scenes::thesis_ball();
+  PeerScene scene{"ball over square, turned", turned(scenes::thesis_square(), turn), ball, {}};
+  for (const double separation :
+       {64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.01, 0.001, 0.0, -0.001, -0.1, -0.5, -1.0}) {
+    Situation situation{fmt::format("{:g}", separation), separation == 0, {}};
+    for (std::uint32_t i = 0; i < pose_count; ++i) {
+      situation.poses.push_back(Transform{turn, {}} * scenes::ball_over_square(ball, separation, i));
+    }
+    scene.situations.push_back(std::move(situation));
+  }
+  return scene;
+}
+
+PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
+                    std::size_t pose_count) {
+  PeerScene scene{name, normalised(load_mesh(a).value()), normalised(load_mesh(b).value()), {}};
+  const Model model_a(scene.a), model_b(scene.b);
+  scene.situations = {{"overlap", false, {}}, {"near", false, {}}, {"mid", false, {}}, {"far", false, {}}};
+  scenes::Rng rng(0x5EED0002);
+  for (std::size_t i = 0; i < pose_count; ++i) {
+    const Mat3 rotation = scenes::random_rotation(rng);
+    const Vec3 outward = scenes::random_rotation(rng).row0;
+    Transform pose = add_at_gaps(scene, model_a, model_b, {rotation, outward * 3}, outward);
+    pose.translation -= outward * 0.011;
+    scene.situations[0].poses.push_back(pose);
+  }
+  return scene;
+}
+
+Mesh normalised(const Mesh& mesh) {
+  std::vector<Corners> triangles;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    const Triangle c = mesh.triangle(t);
+    if (!(length_sq(cross(c.v1 - c.v0, c.v2 - c.v0)) > 0)) continue;
+    triangles.push_back(mesh.triangles()[t]);
+    low = min(low, min(min(c.v0, c.v1), c.v2)), high = max(high, max(max(c.v0, c.v1), c.v2));
+  }
+  const Vec3 center = (low + high) * 0.5;
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p = (p - center) * (1 / length(high - low));
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
 
 void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_count,
                         const std::function<void(const PeerScene&)>& use) {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/contacts/peer_answers.h"
+#include "bench/contacts/answers.h"
+
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 
@@ -70,26 +70,24 @@ std::string reason_of_distance(double distance, double margin, bool is_ours, con
   return is_ours && distance == 0 && !tolerance.finds_intersections ? "intersect" : "";
 }
 
-/// Takes differences apart; reason(a, b, is_ours) says why a pair is in one of the answers alone.
-template <typename Reason>
-Difference compare(Difference difference, const IdPairs& ours, const IdPairs& theirs, Checker& checker,
-                   const Reason& reason) {
-  difference.ours = ours.size(), difference.theirs = theirs.size();
+/// Takes differences apart; reason(pair, is_ours) says why a pair is in one of the answers alone.
+template <typename Pairs, typename Reason>
+void compare(Difference& difference, const Pairs& ours, const Pairs& theirs, Checker& checker, const Reason& reason) {
+  difference.ours += ours.size(), difference.theirs += theirs.size();
   for (const bool is_ours : {true, false}) {
-    const IdPairs &one = is_ours ? ours : theirs, &other = is_ours ? theirs : ours;
-    IdPairs only;
+    const Pairs &one = is_ours ? ours : theirs, &other = is_ours ? theirs : ours;
+    Pairs only;
     std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only));
-    difference.both = one.size() - only.size();
+    if (is_ours) difference.both += one.size() - only.size();
     std::size_t unexplained = 0;
-    for (const auto& [a, b] : only) {
-      const std::string why = reason(a, b, is_ours);
+    for (const auto& pair : only) {
+      const std::string why = reason(pair, is_ours);
       ++(is_ours ? difference.only_ours : difference.only_theirs)[why.empty() ? "no reason" : why];
       if (!why.empty() || ++unexplained > 5) continue;  // a few are enough on the console
-      checker.check(false, "{}, {}: the pair {} {} is only in {}", difference.mesh, difference.question, a, b,
+      checker.check(false, "{}, {}: the pair {} is only in {}", difference.mesh, difference.question, pair,
                     is_ours ? "ours" : difference.library + "'s");
     }
   }
-  return difference;
 }
 
 /// The triangles at each vertex, in the order of ids.
@@ -113,10 +111,6 @@ class Incidence {
 
 }  // namespace
 
-std::runtime_error bad_line(const std::filesystem::path& file, const std::string& line) {
-  return std::runtime_error(file.string() + ": not as expected: " + line);
-}
-
 std::vector<PeerRow> read_peer_rows(const std::filesystem::path& csv) {
   std::vector<PeerRow> rows;
   std::ifstream file(csv);
@@ -127,7 +121,9 @@ std::vector<PeerRow> read_peer_rows(const std::filesystem::path& csv) {
     PeerRow row;
     std::string us;
     for (std::string* cell : {&row.peer, &row.mesh, &row.question, &us, &row.count}) {
-      if (!std::getline(cells, *cell, ',')) throw bad_line(csv, line);
+      if (!std::getline(cells, *cell, ',')) {
+        throw std::runtime_error(csv.string() + ": not as expected: " + line);
+      }
     }
     std::getline(cells, row.details);
     std::erase(row.details, '"');  // around details that have commas
@@ -137,131 +133,90 @@ std::vector<PeerRow> read_peer_rows(const std::filesystem::path& csv) {
   return rows;
 }
 
-std::optional<PeerRow> fastest(const std::vector<PeerRow>& rows, const std::string& peer, const std::string& mesh,
-                               const std::string& question, const std::string& part) {
-  std::optional<PeerRow> best;
-  for (const PeerRow& row : rows) {
-    if (row.peer != peer || row.mesh != mesh || row.question != question) continue;
-    if (row.us <= 0 || row.details.find(part) == std::string::npos) continue;
-    if (!best || row.us < best->us) best = row;
-  }
-  return best;
-}
-
 void sort_pairs(IdPairs& pairs) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-std::optional<IdPairs> read_pairs(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return std::nullopt;
+std::optional<IdPairs> read_pairs(const std::filesystem::path& file) {
+  const auto lines = read_numbers<2>(file);
+  if (!lines) return std::nullopt;
   IdPairs pairs;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    TriangleId a = 0, b = 0;
-    if (!(words >> a >> b)) throw bad_line(path, line);
-    pairs.emplace_back(a, b);
-  }
-  sort_pairs(pairs);
-  return pairs;
-}
-
-std::optional<IdPairs> read_ipc_pairs(const std::filesystem::path& edge_edge, const std::filesystem::path& face_vertex,
-                                      MeshView mesh) {
-  std::ifstream edges(edge_edge), faces(face_vertex);
-  if (!edges || !faces) return std::nullopt;
-  const Incidence incidence(mesh);
-  IdPairs pairs;
-  const auto add = [&](TriangleId a, TriangleId b) {
-    if (shared_vertices(mesh.triangles[a], mesh.triangles[b]) == 0) pairs.emplace_back(std::minmax(a, b));
-  };
-  for (std::string line; std::getline(edges, line);) {
-    std::istringstream words(line);
-    std::array<VertexId, 4> v{};
-    if (!(words >> v[0] >> v[1] >> v[2] >> v[3])) throw bad_line(edge_edge, line);
-    for (const TriangleId a : incidence.at(v[0], v[1])) {
-      for (const TriangleId b : incidence.at(v[2], v[3])) add(a, b);
-    }
-  }
-  for (std::string line; std::getline(faces, line);) {
-    std::istringstream words(line);
-    TriangleId face = 0;
-    VertexId v = 0;
-    if (!(words >> face >> v) || face >= mesh.triangles.size()) throw bad_line(face_vertex, line);
-    for (const TriangleId b : incidence.at(v)) add(face, b);
-  }
+  for (const auto& [a, b] : *lines) pairs.emplace_back(static_cast<TriangleId>(a), static_cast<TriangleId>(b));
   sort_pairs(pairs);
   return pairs;
 }
 
 std::optional<ElementIds> read_ipc_elements(const std::filesystem::path& edge_edge,
                                             const std::filesystem::path& face_vertex) {
-  std::ifstream edges(edge_edge), faces(face_vertex);
+  const auto edges = read_numbers<4>(edge_edge);
+  const auto faces = read_numbers<2>(face_vertex);
   if (!edges || !faces) return std::nullopt;
   ElementIds found;
-  for (std::string line; std::getline(edges, line);) {
-    std::istringstream words(line);
-    std::array<VertexId, 4> v{};
-    if (!(words >> v[0] >> v[1] >> v[2] >> v[3])) throw bad_line(edge_edge, line);
-    found.edge_edge.push_back(v);
+  for (const std::array<double, 4>& ends : *edges) {
+    std::transform(ends.begin(), ends.end(), found.edge_edge.emplace_back().begin(),
+                   [](double id) { return static_cast<VertexId>(id); });
   }
-  for (std::string line; std::getline(faces, line);) {
-    std::istringstream words(line);
-    TriangleId face = 0;
-    VertexId v = 0;
-    if (!(words >> face >> v)) throw bad_line(face_vertex, line);
-    found.vertex_face.emplace_back(v, face);
+  for (const auto& [face, v] : *faces) {
+    found.vertex_face.emplace_back(static_cast<VertexId>(v), static_cast<TriangleId>(face));
   }
   std::sort(found.edge_edge.begin(), found.edge_edge.end());
   std::sort(found.vertex_face.begin(), found.vertex_face.end());
   return found;
 }
 
+IdPairs triangles_of(const ElementIds& elements, MeshView mesh) {
+  const Incidence incidence(mesh);
+  IdPairs pairs;
+  const auto add = [&](TriangleId a, TriangleId b) {
+    if (shared_vertices(mesh.triangles[a], mesh.triangles[b]) == 0) pairs.emplace_back(std::minmax(a, b));
+  };
+  for (const std::array<VertexId, 4>& v : elements.edge_edge) {
+    for (const TriangleId a : incidence.at(v[0], v[1])) {
+      for (const TriangleId b : incidence.at(v[2], v[3])) add(a, b);
+    }
+  }
+  for (const auto& [v, face] : elements.vertex_face) {
+    if (face >= mesh.triangles.size()) throw std::out_of_range("a face of the IPC Toolkit");
+    for (const TriangleId b : incidence.at(v)) add(face, b);
+  }
+  sort_pairs(pairs);
+  return pairs;
+}
+
 Difference compare_elements(const std::string& mesh, MeshView view, double margin, const ElementIds& ours,
                             const ElementIds& theirs, Checker& checker) {
-  Difference difference{mesh, fmt::format("self_element_pairs within {:.4g}", margin), "IPC Toolkit", 0, 0, 0, {}, {}};
-  const Tolerance tolerance{.relative = 1e-9, .absolute = 0, .finds_intersections = true};
-  const auto compare_lists = [&](const auto& of_ours, const auto& of_theirs, const auto& distance_of) {
-    difference.ours += of_ours.size(), difference.theirs += of_theirs.size();
-    for (const bool is_ours : {true, false}) {
-      const auto &one = is_ours ? of_ours : of_theirs, &other = is_ours ? of_theirs : of_ours;
-      auto only = one;
-      only.clear();
-      std::set_difference(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(only));
-      if (is_ours) difference.both += one.size() - only.size();
-      for (const auto& pair : only) {
-        const std::string why = reason_of_distance(distance_of(pair), margin, is_ours, tolerance);
-        ++(is_ours ? difference.only_ours : difference.only_theirs)[why.empty() ? "no reason" : why];
-        checker.check(!why.empty(), "{}: a pair of elements is only in {}", mesh, is_ours ? "ours" : "IPC Toolkit's");
-      }
-    }
-  };
+  Difference difference{mesh, fmt::format("self_element_pairs within {:.4g}", margin), "IPC Toolkit"};
+  const Tolerance tolerance{.relative = 1e-9};
   const auto& at = view.positions;
-  compare_lists(ours.vertex_face, theirs.vertex_face, [&](const std::pair<VertexId, TriangleId>& pair) {
-    return closest_points(at[pair.first], view.triangle(pair.second)).distance;
+  compare(difference, ours.vertex_face, theirs.vertex_face, checker, [&](const auto& pair, bool is_ours) {
+    const double distance = closest_points(at[pair.first], view.triangle(pair.second)).distance;
+    return reason_of_distance(distance, margin, is_ours, tolerance);
   });
-  compare_lists(ours.edge_edge, theirs.edge_edge, [&](const std::array<VertexId, 4>& v) {
-    return closest_points(Segment{at[v[0]], at[v[1]]}, Segment{at[v[2]], at[v[3]]}).distance;
+  compare(difference, ours.edge_edge, theirs.edge_edge, checker, [&](const auto& v, bool is_ours) {
+    const Segment a{at[v[0]], at[v[1]]}, b{at[v[2]], at[v[3]]};
+    return reason_of_distance(closest_points(a, b).distance, margin, is_ours, tolerance);
   });
   return difference;
 }
 
 Difference compare_crossings(const std::string& mesh, const std::string& library, const MeshPair& meshes,
                              const IdPairs& ours, const IdPairs& theirs, Checker& checker) {
-  const std::string question = meshes.is_self ? "self_intersections" : "intersections";
-  return compare({mesh, question, library, 0, 0, 0, {}, {}}, ours, theirs, checker,
-                 [&](TriangleId a, TriangleId b, bool is_ours) { return reason_of_crossing(meshes, a, b, is_ours); });
+  Difference difference{mesh, meshes.is_self ? "self_intersections" : "intersections", library};
+  compare(difference, ours, theirs, checker,
+          [&](const auto& pair, bool is_ours) { return reason_of_crossing(meshes, pair.first, pair.second, is_ours); });
+  return difference;
 }
 
 Difference compare_within(const std::string& mesh, const std::string& library, const MeshPair& meshes, double margin,
                           const IdPairs& ours, const IdPairs& theirs, const Tolerance& tolerance, Checker& checker) {
-  const std::string question = fmt::format("{} within {:.4g}", meshes.is_self ? "self_contacts" : "contacts", margin);
-  return compare({mesh, question, library, 0, 0, 0, {}, {}}, ours, theirs, checker,
-                 [&](TriangleId a, TriangleId b, bool is_ours) {
-                   const double distance = closest_points(meshes.a.triangle(a), meshes.b.triangle(b)).distance;
-                   return reason_of_distance(distance, margin, is_ours, tolerance);
-                 });
+  const char* const kind = meshes.is_self ? "self_contacts" : "contacts";
+  Difference difference{mesh, fmt::format("{} within {:.4g}", kind, margin), library};
+  compare(difference, ours, theirs, checker, [&](const auto& pair, bool is_ours) {
+    const double distance = closest_points(meshes.a.triangle(pair.first), meshes.b.triangle(pair.second)).distance;
+    return reason_of_distance(distance, margin, is_ours, tolerance);
+  });
+  return difference;
 }
 
 }  // namespace limber::bench

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct RealTimeScene {
 };
 
 /// `meshes` is a folder with stanford-bunny.obj and armadillo.obj, or empty: then there are no scans.
-std::vector<RealTimeScene> real_time_scenes(const std::string& meshes);
+std::vector<RealTimeScene> real_time_scenes(const std::filesystem::path& meshes);
 
 /// Frames in which b turns and slides by `step` of its size; without anything in common if that is 0.
 std::vector<Transform> real_time_path(const RealTimeScene& scene, double step, std::size_t frames);

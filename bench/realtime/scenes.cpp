@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/realtime/real_time_scenes.h"
+#include "bench/realtime/scenes.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
-#include "bench/peers/scenes_of_peers.h"
+#include "bench/peers/scenes.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {
@@ -64,7 +63,7 @@ Transform at(double x, double y, double z) { return {{}, {x, y, z}}; }
 
 }  // namespace
 
-std::vector<RealTimeScene> real_time_scenes(const std::string& meshes) {
+std::vector<RealTimeScene> real_time_scenes(const std::filesystem::path& meshes) {
   std::vector<RealTimeScene> all;
   const auto add = [&](const std::string& name, const Mesh& a, const Mesh& b, const Transform& pose) {
     Model model_a(a), model_b(b);
@@ -89,8 +88,7 @@ std::vector<RealTimeScene> real_time_scenes(const std::string& meshes) {
   scenes::Rng rng(5);
   add("soups", scenes::random_soup(rng, 4000, 0.1), scenes::random_soup(rng, 4000, 0.1), at(1.1, 0.1, 0));
   if (meshes.empty()) return all;
-  const std::filesystem::path folder(meshes);
-  const PeerScene scans = two_scans("bunny and armadillo", folder / "stanford-bunny.obj", folder / "armadillo.obj", 1);
+  const PeerScene scans = two_scans("bunny and armadillo", meshes / "stanford-bunny.obj", meshes / "armadillo.obj", 1);
   for (const Situation& situation : scans.situations) {
     add(scans.name + ", " + situation.name, scans.a, scans.b, situation.poses.front());
   }
