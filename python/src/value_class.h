@@ -13,7 +13,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "limber/scene.h"
 #include "records.h"
 
 /// Classes of values, such as results: fields that are read, and what follows from them.
@@ -113,13 +112,12 @@ class ValueClass {
     const auto read = [member](const Value& value) { return plain(value.*member); };
     fields_->all.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
     if constexpr (std::is_same_v<Field, Vec3> || std::is_same_v<Field, std::array<double, 3>>) {
-      const std::string signature = std::string("def ") + name + "(self) -> FloatArray";
       class_.def_prop_ro(
-          name, [member](const Value& value) { return array_of(value.*member); }, nb::sig(signature.c_str()),
-          documentation);
+          name, [member](const Value& value) { return array_of(value.*member); }, documentation);
     } else if constexpr (std::is_same_v<Field, ObjectPair>) {
-      const std::string signature = std::string("def ") + name + "(self) -> tuple[int, int] | None";
-      class_.def_prop_ro(name, read, nb::sig(signature.c_str()), documentation);
+      using Pair = Named<"tuple[int, int] | None">;
+      class_.def_prop_ro(
+          name, [read](const Value& value) { return Pair(read(value)); }, documentation);
     } else {
       class_.def_ro(name, member, documentation);
     }
