@@ -31,8 +31,7 @@ import limber3d
 import numpy
 import psutil  # type: ignore[import-untyped]
 from limber3d import batch
-from limber3d.batch.folder import write_whole
-from limber3d.batch.tables import to_parquet
+from limber3d.batch.folder import to_parquet, write_whole
 from peers import random_poses, scaled
 
 DaskClient: Any = distributed.Client  # has no types

@@ -117,9 +117,8 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
             placed = [None if form is None else (turns[m], shifts[m]) if i == 0 else form[m] for m in (j, k)]
             single = limber3d.distance_many(models[j], models[k], *placed)
             assert same_bits(numpy.array([record], record.dtype), single)
-    assert set(inputs.Unpacked(inputs.Meshes(models).packed()).arrays) == {
-        *(f"{name}_{k}" for name in ("vertices", "faces") for k in range(3)), "mesh_of_model",
-    }  # fmt: skip
+    sent, _ = inputs.unpacked(inputs.Meshes(models).packed())
+    assert len(sent) == 5 and len(set(map(id, sent))) == 3
     few = [[3, 0], [1, 2], [4, 4]]
     batch.pairs(models, poses[1], few, out=tmp_path / "few", query="collide")
     for record, (j, k) in zip(batch.read(tmp_path / "few"), few):
@@ -138,16 +137,8 @@ def test_content_is_told_apart() -> None:
     for place in (0, 4095, 4096, 4999):
         contents.append(rows.copy())
         contents[-1][place, 1] += 1
-    names = set[str]()
-    for array in contents:
-        digest = inputs.Digest()
-        digest.add(array)
-        names.add(digest.text())
-    assert len(names) == len(contents)
-    digests = [inputs.Digest(), inputs.Digest()]
-    for digest, array in zip(digests, (rows, numpy.asfortranarray(rows))):
-        digest.add(array)
-    assert digests[0].text() == digests[1].text()
+    assert len({inputs.digest_of([array]) for array in contents}) == len(contents)
+    assert inputs.digest_of([rows]) == inputs.digest_of([numpy.asfortranarray(rows)])
 
 
 def test_bad_arguments_leave_no_folder(tmp_path: Path, ball: limber3d.Model) -> None:
@@ -193,7 +184,7 @@ def test_a_broken_pool_raises_and_the_next_call_goes_on(
     out = tmp_path / "out"
     shared_batches.set_gate(out, 3)
     with monkeypatch.context() as patched, ThreadPoolExecutor(1) as aside:
-        patched.setattr("limber3d.batch.pools.run", shared_batches.gated_run)
+        patched.setattr("limber3d.batch.running.run", shared_batches.gated_run)
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
             call = aside.submit(shared_batches.sweep, out, processes)
             shared_batches.wait_for(lambda: shared_batches.done(out) >= 3)
@@ -236,12 +227,11 @@ def test_few_partitions_are_under_way_and_models_are_not_sent_with_them(
 ) -> None:
     counting, unpacked = Counting(), list[int]()
 
-    class Unpacked(inputs.Unpacked):
-        def __init__(self, data: bytes) -> None:
-            super().__init__(data)
-            unpacked.append(len(data))
+    def unpack(data: bytes) -> work.Prepared:
+        unpacked.append(len(data))
+        return inputs.unpacked(data)
 
-    monkeypatch.setattr("limber3d.batch.work.Unpacked", Unpacked)
+    monkeypatch.setattr("limber3d.batch.work.unpacked", unpack)
     shared_batches.sweep(tmp_path, counting, COUNT - 1)
     assert counting.most <= 6 and counting.begun == PARTS
     assert len(unpacked) == 1 and counting.bytes / PARTS < 20_000 < unpacked[0]
@@ -265,7 +255,7 @@ def test_workers_that_do_not_see_the_folder_send_their_files(
     shared_batches.sweep(elsewhere)
     for path in elsewhere.glob("part-*"):
         path.unlink()
-    monkeypatch.setattr("limber3d.batch.pools.run", run)
+    monkeypatch.setattr("limber3d.batch.running.run", run)
     shared_batches.sweep(tmp_path / "here")
     assert len(sent) == PARTS and shared_batches.done(elsewhere) == 0
     assert same_bits(batch.read(tmp_path / "here"), expected)
@@ -278,11 +268,11 @@ def test_errors_of_workers_are_raised(tmp_path: Path, monkeypatch: pytest.Monkey
         return work.run(task, meshes)
 
     with monkeypatch.context() as patched:
-        patched.setattr("limber3d.batch.pools.run", run)
+        patched.setattr("limber3d.batch.running.run", run)
         with pytest.raises(OSError, match="disk full"):
             shared_batches.sweep(tmp_path)
     assert shared_batches.done(tmp_path) < PARTS
-    task = work.Task(work.Batch("", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
+    task = work.Task(work.Batch("", "sweep", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
     with pytest.raises(RuntimeError, match="asked for by 0.0.1"):
         work.run(task, b"")
 

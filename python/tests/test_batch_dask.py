@@ -29,9 +29,9 @@ DaskClient: Any = distributed.Client  # has no types
 CLIENT = """
 import sys
 import distributed
-import limber3d.batch.pools
+import limber3d.batch.running
 import shared_batches
-limber3d.batch.pools.run = shared_batches.gated_run
+limber3d.batch.running.run = shared_batches.gated_run
 shared_batches.sweep(sys.argv[1], distributed.Client(scheduler_file=sys.argv[2]))
 """
 
@@ -93,7 +93,7 @@ def cluster(scheduler: Cluster) -> Iterator[Cluster]:
 @pytest.fixture
 def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose batch is held when three partitions are done."""
-    monkeypatch.setattr("limber3d.batch.pools.run", shared_batches.gated_run)
+    monkeypatch.setattr("limber3d.batch.running.run", shared_batches.gated_run)
     set_gate(tmp_path / "out", 3)
     return tmp_path / "out"
 
@@ -169,7 +169,7 @@ def test_a_lost_scheduler_is_told_and_the_next_call_goes_on(
 
 def test_the_program_asks_a_scheduler(tmp_path: Path, cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     cluster.add_worker()
-    monkeypatch.setattr("limber3d.batch.running.PlainPool", None)
+    monkeypatch.setattr("limber3d.batch.running.Pool", None)
     mesh, poses = str(shapes.write_obj(tmp_path / "a.obj", *shapes.ball(12, 8))), shapes.random_poses(3, 40)
     numpy.save(tmp_path / "poses.npy", poses)
     with cluster.client() as client:

@@ -25,9 +25,9 @@ from shared_batches import COUNT, PARTS, same_bits
 CLIENT = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
-import limber3d.batch.pools
+import limber3d.batch.running
 import shared_batches
-limber3d.batch.pools.run = shared_batches.gated_run
+limber3d.batch.running.run = shared_batches.gated_run
 shared_batches.sweep(sys.argv[1], ThreadPoolExecutor(1))
 """
 
