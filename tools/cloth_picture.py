@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws states of examples/10_falling_cloth.cpp side by side, from the OBJ files that it writes. Needs Python alone.
+"""Draws states of examples/08_falling_cloth.cpp side by side, from the OBJ files that it writes. Needs Python alone.
 
 A rasterizer with a depth buffer: parallel projection, one light with shadows, shading that is smooth over vertices. The
 two sides of the cloth have two colors, so that folds can be told from the side that was up.

@@ -119,25 +119,3 @@ def test_a_wrong_snippet_is_noticed() -> None:
     assert not same({(1, 2): 0.5}, {(1, 2): 0.6}) and not same({(1, 2): 0.5}, {(1, 3): 0.5}) and not same(True, False)
     with pytest.raises(AssertionError, match="no snippet of limber3d"):
         groups("```python\n# Coal\nhit = True\n```\n")
-
-
-def test_what_the_page_says_is_different() -> None:
-    fcl, coal, trimesh = (pytest.importorskip(name) for name in ("fcl", "coal", "trimesh"))
-    pytest.importorskip("scipy")
-    nested = {"large": trimesh.creation.box(), "small": trimesh.creation.box((0.2, 0.2, 0.2))}
-    managers = importlib.import_module("trimesh.collision").CollisionManager(), limber3d.CollisionManager()
-    for manager in managers:
-        for name, mesh in nested.items():
-            manager.add_object(name, mesh)
-    assert managers[0].in_collision_internal() and managers[0].min_distance_internal() < -0.5
-    assert not managers[1].in_collision_internal() and managers[1].min_distance_internal() == 0.4
-
-    assert fcl.CollisionRequest().num_max_contacts == coal.CollisionRequest().num_max_contacts == 1
-    stretched = numpy.diag([1.1, 1, 1])
-    assert fcl.Transform(stretched, numpy.zeros(3)).getRotation()[0, 0] == 1.1
-    with pytest.raises(ValueError, match="rigid"):
-        limber3d.collide(limber3d.Model(nested["large"]), limber3d.Model(nested["small"]), (stretched, numpy.zeros(3)))
-    assert trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]], [[0, 1, 2], [3, 2, 1]]).vertices.shape == (
-        3,
-        3,
-    )

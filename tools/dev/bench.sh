@@ -17,10 +17,9 @@
 #:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
 #:                  accepts that license
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
-#: bench python F   what calls of Python cost above C++; then collision and distance next to packages from PyPI, MeshLib's
-#:                  as above; F is a folder with stanford-bunny.obj and armadillo.obj
-#: bench cluster F  a million poses on a cluster of this machine next to one process, with a worker and a client that are
-#:                  killed; F as for python
+#: bench python F   what calls of Python cost above a batch; then collision and distance next to packages from PyPI; F is
+#:                  a folder with stanford-bunny.obj and armadillo.obj
+#: bench cluster F  a million poses on a cluster of this machine next to one process; F as for python
 #: bench web F      the JavaScript package next to the native library on one thread; F is a folder as above
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -187,13 +186,12 @@ bench_scene() {
 bench_python() {
   local place=$root/build/python_peers/bin/python requirements=(requirements.txt requirements_test.txt requirements_peers.txt)
   (($#)) || die "bench python: which folder has the meshes? See ./dev help"
-  if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then requirements+=(../bench/contacts/requirements_meshlib.txt); fi
   need build io program python
   python_environment python_peers "${requirements[@]}"
   configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
-  build bench --target limber_python_stub limber_bench_python_calls
+  build bench --target limber_python_stub
   export PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1
-  "$place" "$root/python/bench/overhead.py" "$root/build/bench/python/limber_bench_python_calls" --out "$results" </dev/null
+  "$place" "$root/python/bench/overhead.py" --out "$results" </dev/null
   "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
 }
 

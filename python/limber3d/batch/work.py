@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -99,8 +100,8 @@ def run(task: Task, meshes: bytes | str) -> bytes | None:
     batch = task.batch
     if batch.version != _core.version:
         raise RuntimeError(f"this worker has limber3d {_core.version}, the batch was asked for by {batch.version}")
-    answered = {"sweep": _swept, "track": _tracked, "pairs": _paired}[batch.kind]
-    records = answered(batch.query, _prepare(batch, meshes), task.part)
+    answered: dict[str, Callable[..., RecordArray]] = {"sweep": _swept, "track": _tracked, "pairs": _paired}
+    records = answered[batch.kind](batch.query, _prepare(batch, meshes), task.part)
     data = folder.to_parquet(records, task.first_row, task.label)
     if not folder.is_shared(batch.folder, batch.token):
         return data
