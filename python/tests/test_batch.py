@@ -27,21 +27,21 @@ from limber3d.typing import RecordArray
 from shared_batches import COUNT, PARTS, SIZE, same_bits
 
 
-def test_a_folder_has_the_bits_of_one_call(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
-    poses_a, poses_b = shapes.random_poses(1, 530), shapes.random_poses(2, 530)
-    report = batch.sweep(
-        ball, tetra, poses_a, poses_b, out=tmp_path / "d", partition_size=100, relative_error=0.1, max_distance=2.0
-    )
-    assert report == batch.Report(count=530, partitions=6, found=0)
-    many = limber3d.distance_many(ball, tetra, poses_a, poses_b, relative_error=0.1, max_distance=2.0)
-    assert set(many["status"]) == {1, 2, 3} and same_bits(batch.read(tmp_path / "d"), many)
-    batch.sweep(ball, tetra, poses_a, poses_b, out=tmp_path / "c", query="collide", partition_size=99)
-    assert same_bits(batch.read(tmp_path / "c"), limber3d.collide_many(ball, tetra, poses_a, poses_b))
-    batch.sweep(
-        ball, tetra, poses_a, poses_b, out=tmp_path / "w", query="within", max_distance=0.5, partition_size=1000
-    )
-    within = limber3d.within_many(ball, tetra, 0.5, poses_a, poses_b)
-    assert 0 < within["is_yes"].sum() < 530 and same_bits(batch.read(tmp_path / "w"), within)
+@pytest.mark.parametrize(
+    ("query", "options"),
+    [("distance", {"relative_error": 0.1, "max_distance": 2.0}), ("collide", {}), ("within", {"max_distance": 0.5})],
+)
+def test_a_folder_has_the_bits_of_one_call(
+    tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model, query: Any, options: dict[str, float]
+) -> None:
+    poses = {"poses_a": shapes.random_poses(1, 530), "poses_b": shapes.random_poses(2, 530)}
+    many = getattr(limber3d, f"{query}_many")(ball, tetra, **poses, **options)
+    for size, partitions in ((100, 6), (1000, 1)):
+        out = tmp_path / f"{size}"
+        report = batch.sweep(ball, tetra, **poses, out=out, query=query, partition_size=size, **options)
+        assert report == batch.Report(count=530, partitions=partitions, found=0)
+        assert same_bits(batch.read(out), many)
+    assert len(set(many["status" if query == "distance" else "is_yes"])) == (3 if query == "distance" else 2)
 
 
 def test_parts_of_the_answers_can_be_read(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:

@@ -8,8 +8,8 @@ import asyncio
 import pickle
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,14 +26,6 @@ from limber3d.typing import RecordArray
 from shared_batches import PARTS, done, kill, same_bits, set_gate, wait_for
 
 DaskClient: Any = distributed.Client  # has no types
-CLIENT = """
-import sys
-import distributed
-import limber3d.batch.running
-import shared_batches
-limber3d.batch.running.run = shared_batches.gated_run
-shared_batches.sweep(sys.argv[1], distributed.Client(scheduler_file=sys.argv[2]))
-"""
 
 
 class Cluster:
@@ -101,25 +93,16 @@ def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @contextmanager
 def beside(call: Callable[[], object]) -> Iterator[None]:
     """Has another thread do something meanwhile, which must not fail."""
-    failed: list[Exception] = []
-
-    def run() -> None:
-        try:
-            call()
-        except Exception as error:
-            failed.append(error)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    yield
-    thread.join()
-    assert not failed
+    with ThreadPoolExecutor(1) as thread:
+        doing = thread.submit(call)
+        yield
+        doing.result()
 
 
 def test_a_worker_and_the_client_are_killed(out: Path, cluster: Cluster, expected: RecordArray) -> None:
     worker = cluster.add_worker()
     cluster.add_worker()
-    client = shared_batches.start(CLIENT, out, cluster.file)
+    client = shared_batches.start_client(out, f"distributed.Client(scheduler_file={str(cluster.file)!r})")
     wait_for(lambda: done(out) >= 3)
     kill(client)
 
