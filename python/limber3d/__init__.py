@@ -12,8 +12,8 @@ Models    are made of arrays, or of an object that has them, such as a trimesh.T
 Poses     are world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix;
           (quaternion, translation) with w, x, y, z. They must be rigid to 1e-9: for rotations that were computed in
           float32 there is orthonormalized().
-Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64. They are read where they are,
-          whatever their strides, unless the coordinates of a vertex are not side by side. Others raise ValueError.
+Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64, with any strides. Others raise
+          ValueError.
 Errors    limber3d.Error where a docstring names an error code: an InputError, which is a ValueError; for
           `index_out_of_range` an OutOfRangeError, an IndexError; for `unreadable_file` an UnreadableFileError, an
           OSError. Their `code` and `where` say what was wrong, and where. BusyError where a model is changed and used

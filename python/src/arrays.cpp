@@ -168,16 +168,11 @@ PositionsView Positions::view() const {
   return PositionsView::strided(reinterpret_cast<const double*>(array_.data()), array_.size(0), *array_.row_bytes());
 }
 
-Ids::Ids(nb::handle object, const char* name)
-    : array_(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", Lists::integers) {
-  if (!array_.is_empty_list() && !(array_.is_integer() && array_.has_shape({-1}))) array_.refuse();
-  const bool is_aligned = reinterpret_cast<std::uintptr_t>(array_.data()) % alignof(std::uint32_t) == 0;
-  if (array_.scalar() != Scalar::uint32 || !array_.is_packed() || !is_aligned) copied_ = array_.ids();
-}
-
-std::span<const std::uint32_t> Ids::view() const {
-  if (copied_) return *copied_;
-  return {reinterpret_cast<const std::uint32_t*>(array_.data()), array_.size(0)};
+std::vector<std::uint32_t> ids_from(nb::handle object, const char* name) {
+  const Array array(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", Lists::integers);
+  if (array.is_empty_list()) return {};
+  if (!array.is_integer() || !array.has_shape({-1})) array.refuse();
+  return array.ids();
 }
 
 namespace {

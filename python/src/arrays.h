@@ -100,17 +100,8 @@ class Positions {
   std::optional<std::vector<double>> copied_;
 };
 
-/// Ids of vertices, read where they are if they are packed uint32.
-class Ids {
- public:
-  Ids(nb::handle object, const char* name);
-  std::span<const std::uint32_t> view() const;
-
- private:
-  Array array_;
-  std::optional<std::vector<std::uint32_t>> copied_;
-};
-
+/// Ids.
+std::vector<std::uint32_t> ids_from(nb::handle object, const char* name);
 /// Triples of vertex ids.
 std::vector<Corners> faces_from(nb::handle object, const char* name);
 /// Pairs of ids.

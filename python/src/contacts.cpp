@@ -38,7 +38,8 @@ void look_for_signals() {
 
 /// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search.
 template <typename Pair, typename Search>
-std::vector<Pair> collected(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
+std::vector<Pair> collected(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
+                            std::optional<std::size_t> max_count, const Search& search) {
   std::vector<Pair> found;
   if (max_count == 0) return found;
   const Filter which(filter);
@@ -50,36 +51,34 @@ std::vector<Pair> collected(nb::handle filter, std::optional<std::size_t> max_co
           if (found.size() % pairs_between_looks == 0) look_for_signals();
           return found.size() != max_count;
         },
-        PairOptions{which.get()});
+        PairOptions{which.get(), oriented_faces});
   });
   return found;
 }
 
 template <typename Search>
 IdArray found_pairs(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
-  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, max_count, search);
+  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, std::nullopt, max_count, search);
   return array_of(std::span<const TrianglePair>(found), nb::str("uint32"), {found.size(), 2});
 }
 
 template <typename Search>
-RecordArray found_contacts(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
-  const std::vector<Contact> found = collected<Contact>(filter, max_count, search);
+RecordArray found_contacts(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
+                           std::optional<std::size_t> max_count, const Search& search) {
+  const std::vector<Contact> found = collected<Contact>(filter, oriented_faces, max_count, search);
   return array_of(std::span<const Contact>(found), dtypes().contact);
 }
 
 /// The contacts that search(room, options) writes, for room of that many.
 template <typename Search>
-RecordArray found_closest(nb::handle filter, std::size_t room, const Search& search) {
+RecordArray found_closest(nb::handle filter, std::optional<OrientedFaces> oriented_faces, std::size_t room,
+                          const Search& search) {
   const Filter which(filter);
   std::vector<Contact> found(room);
-  const PairCount count =
-      without_gil_unless(which.needs_gil(), [&] { return search(found, PairOptions{which.get()}); });
+  const PairCount count = without_gil_unless(which.needs_gil(), [&] {
+    return search(found, PairOptions{which.get(), oriented_faces});
+  });
   return array_of(std::span<const Contact>(found).first(count.count), dtypes().contact);
-}
-
-PairOptions with_faces(PairOptions options, std::optional<OrientedFaces> oriented_faces) {
-  options.oriented_faces = oriented_faces;
-  return options;
 }
 
 IdArray intersections_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
@@ -94,8 +93,8 @@ RecordArray contacts_of(ModelObject& a, ModelObject& b, double margin, const Pos
                         const TriangleFilter& filter, std::optional<std::size_t> max_count,
                         std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_contacts(pair.a(), pair.b(), margin, visit, with_faces(options, oriented_faces));
+  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+    visit_contacts(pair.a(), pair.b(), margin, visit, options);
   });
 }
 
@@ -108,9 +107,9 @@ RecordArray closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, 
                              const PoseLike& pose_b, const TriangleFilter& filter,
                              std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_closest(filter, std::min(count, most_pairs(a, b)),
+  return found_closest(filter, oriented_faces, std::min(count, most_pairs(a, b)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return closest_pairs(pair.a(), pair.b(), room, with_faces(options, oriented_faces));
+                         return closest_pairs(pair.a(), pair.b(), room, options);
                        });
 }
 
@@ -166,17 +165,17 @@ IdArray self_intersections_of(ModelObject& model, const TriangleFilter& filter, 
 RecordArray self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
                              std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
-  return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_self_contacts(model.model, margin, visit, with_faces(options, oriented_faces));
+  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+    visit_self_contacts(model.model, margin, visit, options);
   });
 }
 
 RecordArray self_closest_pairs_of(ModelObject& model, std::size_t count, const TriangleFilter& filter,
                                   std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
-  return found_closest(filter, std::min(count, most_pairs(model, model)),
+  return found_closest(filter, oriented_faces, std::min(count, most_pairs(model, model)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return self_closest_pairs(model.model, room, with_faces(options, oriented_faces));
+                         return self_closest_pairs(model.model, room, options);
                        });
 }
 

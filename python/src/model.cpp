@@ -74,10 +74,10 @@ void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& fac
 }
 
 void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
-  const Ids vertices(ids, "ids");
+  const std::vector<std::uint32_t> vertices = ids_from(ids, "ids");
   const Positions moved(positions, "positions");
   const Changing guard = changing(self);
-  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices.view(), moved.view()); }));
+  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices, moved.view()); }));
 }
 
 void move_all(ModelObject& self, const ArrayLike& positions) {

@@ -80,12 +80,12 @@ class SceneObject {
   }
 
   void set_poses(const ArrayLike& ids, const PosesLike& poses) {
-    const Ids objects(ids, "ids");
+    const std::vector<ObjectId> objects = ids_from(ids, "ids");
     const PoseList list(poses, "poses");
     const std::vector<Transform> placed =
-        list.is_one_for_all() ? std::vector<Transform>(objects.view().size(), list[0]) : list.poses();
+        list.is_one_for_all() ? std::vector<Transform>(objects.size(), list[0]) : list.poses();
     const Changing guard = changing();
-    without_gil([&] { scene_.set_poses(objects.view(), placed); });
+    without_gil([&] { scene_.set_poses(objects, placed); });
   }
 
   void commit() {

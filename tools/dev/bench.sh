@@ -19,7 +19,6 @@
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 #: bench python F   what calls of Python cost above a batch; then collision and distance next to packages from PyPI; F is
 #:                  a folder with stanford-bunny.obj and armadillo.obj
-#: bench cluster F  a million poses on a cluster of this machine next to one process; F as for python
 #: bench web F      the JavaScript package next to the native library on one thread; F is a folder as above
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -195,17 +194,6 @@ bench_python() {
   "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
 }
 
-bench_cluster() {
-  local place=$root/build/python/bin/python
-  (($#)) || die "bench cluster: which folder has the meshes? See ./dev help"
-  need build io program python
-  tests_environment
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
-  build bench --target limber_python_stub
-  PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1 \
-    "$place" "$root/python/bench/cluster.py" "$1" --out "$results" "${@:2}" </dev/null
-}
-
 # bench_web FOLDER: both programs run turn by turn.
 bench_web() {
   (($#)) || die "bench web: which folder has the meshes? See ./dev help"
@@ -230,9 +218,8 @@ case $name in
   contacts) bench_contacts "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   python) bench_python "${@:2}" ;;
-  cluster) bench_cluster "${@:2}" ;;
   web) bench_web "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, web" ;;
 esac
 say "results are in $results"
