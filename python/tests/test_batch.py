@@ -32,9 +32,9 @@ from shared_batches import COUNT, PARTS, SIZE, same_bits
     [("distance", {"relative_error": 0.1, "max_distance": 2.0}), ("collide", {}), ("within", {"max_distance": 0.5})],
 )
 def test_a_folder_has_the_bits_of_one_call(
-    tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model, query: Any, options: dict[str, float]
+    tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model, query: Any, options: dict[str, Any]
 ) -> None:
-    poses = {"poses_a": shapes.random_poses(1, 530), "poses_b": shapes.random_poses(2, 530)}
+    poses: dict[str, Any] = {"poses_a": shapes.random_poses(1, 530), "poses_b": shapes.random_poses(2, 530)}
     many = getattr(limber3d, f"{query}_many")(ball, tetra, **poses, **options)
     for size, partitions in ((100, 6), (1000, 1)):
         out = tmp_path / f"{size}"

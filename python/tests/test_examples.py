@@ -25,8 +25,9 @@ def example(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def least(a: Any, b: Any, pose_a: Any = None, pose_b: Any = None) -> float:
-    """The distance of two meshes, each vertices and faces, by brute force."""
-    return brute_force.least_distance(brute_force.corners(a[0], a[1], pose_a), brute_force.corners(b[0], b[1], pose_b))
+    """The distance of two meshes by brute force."""
+    placed_a, placed_b = brute_force.corners(a.vertices, a.faces, pose_a), brute_force.corners(b.vertices, b.faces, pose_b)
+    return brute_force.least_distance(placed_a, placed_b)
 
 
 def assert_is_picture(file: Path) -> None:
@@ -88,11 +89,9 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
     squares, count, margin = 32, 42, 2 * cloth.THICKNESS
     found = cloth.main(["--squares", str(squares), "--frames", str(count), "--plot", str(tmp_path / "cloth.png")])
     assert_is_picture(tmp_path / "cloth.png")
-    import limber3d
-
     ring, (_, faces) = cloth.ring(), cloth.sheet(squares)
-    frames: list[FloatArray] = list(cloth.simulated(squares, count, limber3d.Model(*ring)))
-    body = brute_force.corners(*ring)
+    frames: list[FloatArray] = list(cloth.simulated(squares, count, ring))
+    body = brute_force.corners(ring.vertices, ring.faces)
     vertex_of = numpy.zeros((len(faces), int(faces.max()) + 1), numpy.float32)
     numpy.put_along_axis(vertex_of, faces.astype(int), 1, axis=1)
     edges = (vertex_of.T @ vertex_of > 0).astype(numpy.float32)  # of the sheet, and from each vertex to itself

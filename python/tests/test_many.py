@@ -20,7 +20,7 @@ from limber3d.typing import RecordArray
 from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions
 
 
-SINGLE_AND_MANY: list[tuple[Callable[..., Any], Callable[..., RecordArray], list[float], dict[str, float]]] = [
+SINGLE_AND_MANY: list[tuple[Any, Any, list[float], dict[str, float]]] = [
     (limber3d.distance, limber3d.distance_many, [], {"relative_error": 0.1, "max_distance": 2.0}),
     (limber3d.collide, limber3d.collide_many, [], {}),
     (limber3d.within, limber3d.within_many, [0.5], {}),
@@ -221,7 +221,7 @@ def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) ->
 
 @pytest.mark.parametrize("count", [0, -1, 4097, 10**7, 10**9, 2**31 - 1, 2**31, 2**63, -(2**200)])
 def test_numbers_of_threads_have_a_limit(ball: limber3d.Model, count: int) -> None:
-    for _, many, arguments, _ in [*SINGLE_AND_MANY, (None, limber3d.contacts_many, [1.0], None)]:
+    for _, many, arguments, _ in [*SINGLE_AND_MANY, (None, limber3d.contacts_many, [1.0], {})]:
         with pytest.raises(ValueError, match="threads: expected 1 to 4096, or None"):
             many(ball, ball, *arguments, threads=count)
     with pytest.raises(ValueError, match="count: expected 1 to 4096, or None"):
