@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 import pickle
 import subprocess
@@ -13,7 +14,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import limber3d
@@ -168,6 +168,8 @@ def test_threads_and_processes(tmp_path: Path, expected: RecordArray) -> None:
         shared_batches.sweep(tmp_path / "threads", threads)
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
         shared_batches.sweep(tmp_path / "processes", processes)
+        twin = processes.submit(copy.copy, shared_batches.models()[0]).result()  # models can be sent, too
+        assert (twin.vertices == shared_batches.models()[0].vertices).all()
         # Another batch on the same processes: they must not take its models for those of the first.
         batch.sweep(
             *shared_batches.models()[::-1], shared_batches.poses(500), out=tmp_path / "swapped", executor=processes
@@ -284,21 +286,13 @@ def test_ctrl_c_ends_a_batch_which_goes_on(
         if shared_batches.done(tmp_path) >= 3:
             raise KeyboardInterrupt
 
-    class Bar:
-        def __init__(self, total: int) -> None:
-            assert total == COUNT
-
-        def __enter__(self) -> Any:
-            return SimpleNamespace(update=interrupt)
-
-        def __exit__(self, *_: object) -> None: ...
-
-    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    totals = list[Any]()
+    shapes.tell_progress(monkeypatch, totals, interrupt)
     a, b = shared_batches.models()
     with pytest.raises(KeyboardInterrupt):
         batch.sweep(a, b, poses_b=shared_batches.poses(), out=tmp_path, partition_size=SIZE, progress=True)
     done = shared_batches.done(tmp_path)
-    assert 3 <= done < PARTS and shared_batches.sweep(tmp_path).found == done
+    assert totals == [COUNT] and 3 <= done < PARTS and shared_batches.sweep(tmp_path).found == done
     assert same_bits(batch.read(tmp_path), expected)
 
 

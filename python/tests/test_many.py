@@ -9,15 +9,13 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
-from types import SimpleNamespace
+from collections.abc import Iterator
 from typing import Any
 
 import limber3d
 import numpy
 import pytest
-from limber3d.typing import RecordArray
-from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions
+from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions, tell_progress
 
 
 SINGLE_AND_MANY: list[tuple[Any, Any, list[float], dict[str, float]]] = [
@@ -180,30 +178,15 @@ def test_interruption_keeps_contacts_and_frames(ball: limber3d.Model, monkeypatc
 
 
 def test_progress_is_told_to_tqdm_if_there_is_one(ball: limber3d.Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[int] = []
-
-    class Bar:
-        def __init__(self, total: int | None) -> None:
-            told.append(-1 if total is None else total)
-
-        def __enter__(self) -> Bar:
-            return self
-
-        def __exit__(self, *_: object) -> None: ...
-
-        def update(self, done: int) -> None:
-            told.append(done)
-
-    poses = random_poses(9, 100)
-    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    totals, told, poses = list[Any](), list[int](), random_poses(9, 100)
+    tell_progress(monkeypatch, totals, told.append)
     limber3d.distance_many(ball, ball, poses, progress=True)
-    assert told[0] == 100 and sum(told[1:]) == 100
+    assert sum(told) == 100
     told.clear()
     limber3d.track(ball, [ball.vertices] * 3, ball, progress=True)
-    assert told == [3, 1, 1, 1]
+    assert told == [1, 1, 1] and totals == [100, 3]
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
-    without: RecordArray = limber3d.collide_many(ball, ball, poses, progress=True)
-    assert len(without) == 100
+    assert len(limber3d.collide_many(ball, ball, poses, progress=True)) == 100
 
 
 def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) -> None:
