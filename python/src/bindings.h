@@ -49,7 +49,7 @@ struct Text {
 template <Text name>
 class Named : public nb::object {
  public:
-  static constexpr auto Name = nb::detail::const_name(name.characters);
+  static constexpr auto Name = nb::detail::const_name(name.characters);  // NOLINT(readability-identifier-naming)
   Named(nb::handle value, nb::detail::borrow_t tag) : nb::object(value, tag) {}
   Named(nb::handle value, nb::detail::steal_t tag) : nb::object(value, tag) {}
   Named(nb::object&& value) : nb::object(std::move(value)) {}

@@ -96,10 +96,11 @@ RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
 }
 
 /// Three numbers.
-template <typename Triple>
-requires std::is_same_v<Triple, Vec3> || std::is_same_v<Triple, std::array<double, 3>> FloatArray
-array_of(const Triple& triple) {
-  return array_of(std::span<const Triple>(&triple, 1), nb::str("float64"), {3});
+template <typename T>
+concept Triple = std::is_same_v<T, Vec3> || std::is_same_v<T, std::array<double, 3>>;
+template <Triple T>
+FloatArray array_of(const T& triple) {
+  return array_of(std::span<const T>(&triple, 1), nb::str("float64"), {3});
 }
 /// Rows of three coordinates.
 FloatArray array_of(std::span<const Vec3> vectors);
