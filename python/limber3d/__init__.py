@@ -109,3 +109,7 @@ __all__ = [
     "within",
     "within_many",
 ]
+
+for _name in __all__:  # so that signatures, tracebacks and pickles name classes as users do
+    if isinstance(_class := globals()[_name], type):
+        _class.__module__ = __name__

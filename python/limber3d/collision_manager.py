@@ -68,10 +68,11 @@ class _World:
 
     def __init__(self, mine: CollisionManager, theirs: CollisionManager | None = None, name: str | None = None) -> None:
         self.scene = Scene()
-        objects = [*mine._objects.items(), *([] if theirs is None else theirs._objects.items())]
-        self._names = [its_name for its_name, _ in objects]  # by id
-        for _, (model, pose) in objects:
-            self.scene.add(model, pose)
+        self._names: list[str] = []  # by id
+        for manager in (mine,) if theirs is None else (mine, theirs):
+            for its_name, (model, pose) in manager._objects.items():
+                self.scene.add(model, pose)
+                self._names.append(its_name)
         self.scene.commit()
         self._mine = len(mine._objects)  # ids from there on are of the other manager
         self._filter: Callable[[int, int], bool] | None = None

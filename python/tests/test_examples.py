@@ -26,8 +26,8 @@ def example(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def least(a: Any, b: Any, pose_a: Any = None, pose_b: Any = None) -> float:
     """The distance of two meshes by brute force."""
-    placed_a, placed_b = brute_force.corners(a.vertices, a.faces, pose_a), brute_force.corners(b.vertices, b.faces, pose_b)
-    return brute_force.least_distance(placed_a, placed_b)
+    corners = brute_force.corners
+    return brute_force.least_distance(corners(a.vertices, a.faces, pose_a), corners(b.vertices, b.faces, pose_b))
 
 
 def assert_is_picture(file: Path) -> None:

@@ -27,7 +27,7 @@ SINGLE_AND_MANY: list[tuple[Any, Any, list[float], dict[str, float]]] = [
 
 @pytest.mark.parametrize(("single", "many", "arguments", "options"), SINGLE_AND_MANY)
 def test_answers_of_many_poses_are_those_of_single_calls(
-    ball: limber3d.Model, tetra: limber3d.Model, single: Any, many: Any, arguments: list[float], options: dict[str, float]
+    ball: limber3d.Model, tetra: limber3d.Model, single: Any, many: Any, arguments: list[float], options: Any
 ) -> None:
     poses_a, poses_b = random_poses(1, 700), random_poses(2, 700)
     records = many(ball, tetra, *arguments, poses_a, poses_b, **options)

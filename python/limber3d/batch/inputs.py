@@ -90,11 +90,10 @@ def _array(value: Any) -> AnyArray:
 class Poses:
     """Poses of one object: one for all, or one after the other. They are well formed: _core.Batch has taken them."""
 
-    def __init__(self, poses: Any) -> None:
+    def __init__(self, poses: PosesLike) -> None:
         self._is_pair = isinstance(poses, tuple) and len(poses) == 2
-        self.parts: list[AnyArray] = []
-        if poses is not None:
-            self.parts = [_array(part) for part in (poses if self._is_pair else [poses])]
+        parts: Any = [] if poses is None else poses if self._is_pair else [poses]
+        self.parts: list[AnyArray] = [_array(part) for part in parts]
         self._is_list = bool(self.parts) and self.parts[-1].ndim > (1 if self._is_pair else 2)
 
     @property
@@ -153,7 +152,7 @@ class Meshes:
     def packed(self, poses: Poses | None = None) -> bytes:
         """All meshes, and poses besides, for unpacked()."""
         places = {name: k for k, name in enumerate(self._meshes)}
-        arrays: dict[str, AnyArray] = {"mesh_of_model": numpy.array([places[name] for name in self.digests], numpy.uint32)}
+        arrays: dict[str, AnyArray] = {"mesh_of_model": numpy.array([places[name] for name in self.digests])}
         for k, (vertices, faces) in enumerate(self._meshes.values()):
             arrays |= {f"vertices_{k}": vertices, f"faces_{k}": faces}
         if poses is not None:
@@ -171,4 +170,5 @@ def unpacked(data: bytes) -> tuple[list[_core.Model], Poses]:
     places = arrays["mesh_of_model"].tolist()
     made = {k: _core.Model(arrays[f"vertices_{k}"], arrays[f"faces_{k}"]) for k in sorted(set(places))}
     parts = [arrays[name] for name in ("poses_0", "poses_1") if name in arrays]
-    return [made[k] for k in places], Poses(tuple(parts) if len(parts) == 2 else parts[0] if parts else None)
+    poses: Any = tuple(parts) if len(parts) == 2 else parts[0] if parts else None
+    return [made[k] for k in places], Poses(poses)

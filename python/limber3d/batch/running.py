@@ -134,7 +134,8 @@ def answer(request: Request, out: Path, executor: Any, partition_size: int | Non
     """Answers what is missing in a folder. The errors of workers are raised; what was done stays done."""
     folder.imported("pyarrow")
     _check_executor(executor)
-    manifest = {"format": _FORMAT, "version": _core.version, "batch": request.kind, **request.described, "count": request.count}
+    identity = {"format": _FORMAT, "version": _core.version, "batch": request.kind}
+    manifest = identity | request.described | {"count": request.count}
     out = out.absolute()
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
     name = folder.batch_name(manifest | {"partition_size": size})
