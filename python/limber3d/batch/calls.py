@@ -56,18 +56,16 @@ def sweep(
     count = 1 if size is None else size
     asked.check(a, b)
     meshes, placed_a, placed_b = Meshes([a, b]), Poses(poses_a), Poses(poses_b)
-    described = {
-        **asked.described(),
-        "model_a": meshes.digests[0],
-        "model_b": meshes.digests[1],
-        "poses_a": placed_a.digest(),
-        "poses_b": placed_b.digest(),
-    }
     request = Request(
         kind="sweep",
         query=asked,
         count=count,
-        described=described,
+        described={
+            "model_a": meshes.digests[0],
+            "model_b": meshes.digests[1],
+            "poses_a": placed_a.digest(),
+            "poses_b": placed_b.digest(),
+        },
         meshes=meshes.packed,
         part=lambda begin, end: (placed_a.part(begin, end), placed_b.part(begin, end), end - begin),
         usual_size=_usual_size(count),
@@ -107,25 +105,19 @@ def track(
         raise ValueError(f"frames: there are {len(listed)}, and {size} poses; expected as many, or one pose")
     asked.check(model, other)
     meshes, placed, placed_other = Meshes([model, other]), Poses(poses), Poses(poses_other)
-    described = {
-        **asked.described(),
-        "model": meshes.digests[0],
-        "other": meshes.digests[1],
-        "frames": listed.digest(),
-        "poses": placed.digest(),
-        "poses_other": placed_other.digest(),
-    }
     request = Request(
         kind="track",
         query=asked,
         count=len(listed),
-        described=described,
+        described={
+            "model": meshes.digests[0],
+            "other": meshes.digests[1],
+            "frames": listed.digest(),
+            "poses": placed.digest(),
+            "poses_other": placed_other.digest(),
+        },
         meshes=meshes.packed,
-        part=lambda begin, end: (
-            listed.part(begin, end),
-            placed.part(begin, end),
-            placed_other.part(begin, end),
-        ),
+        part=lambda begin, end: (listed.part(begin, end), placed.part(begin, end), placed_other.part(begin, end)),
         usual_size=max(1, min(_MOST_FRAMES, _MOST_FRAME_BYTES // model.vertices.nbytes)),
     )
     return answer(request, Path(out), executor, partition_size, progress)
@@ -163,17 +155,15 @@ def pairs(
     for model in models:
         asked.check(model, model)
     meshes, placed = Meshes(models), Poses(poses)
-    described = {
-        **asked.described(),
-        "models": meshes.digests,
-        "poses": placed.digest(),
-        "pairs": digest_of([listed]),
-    }
     request = Request(
         kind="pairs",
         query=asked,
         count=len(listed),
-        described=described,
+        described={
+            "models": meshes.digests,
+            "poses": placed.digest(),
+            "pairs": digest_of([listed]),
+        },
         meshes=lambda: meshes.packed(placed),
         part=lambda begin, end: listed[begin:end],
         usual_size=_usual_size(len(listed)),

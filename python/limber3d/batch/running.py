@@ -135,7 +135,7 @@ def answer(request: Request, out: Path, executor: Any, partition_size: int | Non
     folder.imported("pyarrow")
     _check_executor(executor)
     identity = {"format": _FORMAT, "version": _core.version, "batch": request.kind}
-    manifest = identity | request.described | {"count": request.count}
+    manifest = identity | request.query.described() | request.described | {"count": request.count}
     out = out.absolute()
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
     name = folder.batch_name(manifest | {"partition_size": size})
