@@ -4,7 +4,9 @@
 #include <nanobind/stl/pair.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -18,25 +20,17 @@ namespace {
 
 using RecordArrays = std::pair<RecordArray, RecordArray>;
 
-struct FoundElements {
-  std::vector<VertexFacePair> vertex_face;
-  std::vector<EdgeEdgePair> edge_edge;
-
-  RecordArrays arrays() const {
-    return {array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
-            array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge)};
-  }
-};
-
 /// The pairs that search(visitor, visitor) visits, without the GIL.
 template <typename Search>
 RecordArrays found_elements(const Search& search) {
-  FoundElements found;
+  std::vector<VertexFacePair> vertex_face;
+  std::vector<EdgeEdgePair> edge_edge;
   without_gil([&] {
-    search([&](const VertexFacePair& pair) { return found.vertex_face.push_back(pair), true; },
-           [&](const EdgeEdgePair& pair) { return found.edge_edge.push_back(pair), true; });
+    search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
+           [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; });
   });
-  return found.arrays();
+  return {array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
+          array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge)};
 }
 
 RecordArrays element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
