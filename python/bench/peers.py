@@ -24,7 +24,7 @@ from typing import Any
 import limber3d
 import numpy
 
-PEERS = {"fcl": ("python-fcl", 1e-6), "coal": ("coal", 1e-6), "meshlib": ("meshlib", 1e-3)}  # distribution, tolerance
+PEERS = {"fcl": ("python-fcl", 1e-6), "coal": ("coal", 1e-6)}  # distribution, tolerance
 Mesh = tuple[Any, Any]
 Ask = Callable[[int], Any]
 
@@ -40,20 +40,9 @@ def random_poses(count: int) -> tuple[Any, Any]:
     random = numpy.random.default_rng(20)
     q = random.normal(size=(count, 4))
     w, x, y, z = (q / numpy.linalg.norm(q, axis=1, keepdims=True)).T
-    turns = numpy.stack(
-        [
-            1 - 2 * (y * y + z * z),
-            2 * (x * y - w * z),
-            2 * (x * z + w * y),
-            2 * (x * y + w * z),
-            1 - 2 * (x * x + z * z),
-            2 * (y * z - w * x),
-            2 * (x * z - w * y),
-            2 * (y * z + w * x),
-            1 - 2 * (x * x + y * y),
-        ],
-        axis=1,
-    ).reshape(-1, 3, 3)
+    zero = 0 * w
+    cross = numpy.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    turns = numpy.eye(3) + 2 * w[:, None, None] * cross + 2 * cross @ cross
     ways = random.normal(size=(count, 3))
     return turns, ways / numpy.linalg.norm(ways, axis=1, keepdims=True) * random.uniform(0.2, 1, (count, 1))
 
@@ -109,25 +98,6 @@ def ask_coal(a: Mesh, b: Mesh, turns: Any, shifts: Any) -> tuple[Ask, Ask]:
 
     def distance(i: int) -> Any:
         return coal.distance(one, here, other, poses[i], coal.DistanceRequest(), coal.DistanceResult())
-
-    return collide, distance
-
-
-def ask_meshlib(a: Mesh, b: Mesh, turns: Any, shifts: Any) -> tuple[Ask, Ask]:
-    import meshlib.mrmeshnumpy as bridge
-    import meshlib.mrmeshpy as library
-
-    one, other = (library.MeshPart(bridge.meshFromFacesVerts(mesh[1].astype(numpy.int32), mesh[0])) for mesh in (a, b))
-    poses = []
-    for turn, shift in zip(turns, shifts):
-        rows = (library.Vector3f(*map(float, row)) for row in turn)
-        poses.append(library.AffineXf3f(library.Matrix3f(*rows), library.Vector3f(*map(float, shift))))
-
-    def collide(i: int) -> bool:
-        return len(library.findCollidingTriangles(one, other, poses[i], True)) > 0
-
-    def distance(i: int) -> Any:
-        return float(library.findDistance(one, other, poses[i]).distSq) ** 0.5
 
     return collide, distance
 

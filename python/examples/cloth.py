@@ -19,37 +19,26 @@ from typing import Any, NamedTuple
 
 import limber3d
 import numpy
+import trimesh
 from limber3d.typing import FloatArray, IdArray, RecordArray
 
 Mesh = tuple[FloatArray, IdArray]
 THICKNESS = 0.01  # how far the sheet is kept from the ring, and closer than what counts as a contact
 
 
-def grid_faces(rows: int, columns: int) -> IdArray:
-    """Two triangles for each square of a grid of vertices."""
-    row, column = numpy.divmod(numpy.arange((rows - 1) * (columns - 1), dtype=numpy.uint32), columns - 1)
-    a = row * columns + column
-    faces = numpy.stack([a, a + 1, a + columns + 1, a, a + columns + 1, a + columns], axis=1).reshape(-1, 3)
-    return faces.astype(numpy.uint32)
-
-
 def sheet(squares: int) -> Mesh:
-    """A flat square of side 1.4, at height 0.4."""
+    """A flat square of side 1.4, at height 0.4, two triangles for each square of a grid of vertices."""
     line = numpy.linspace(-0.7, 0.7, squares + 1)
     x, y = numpy.meshgrid(line, line)
-    return numpy.stack([x, y, numpy.full_like(x, 0.4)], axis=2).reshape(-1, 3), grid_faces(squares + 1, squares + 1)
+    row, column = numpy.divmod(numpy.arange(squares**2, dtype=numpy.uint32), squares)
+    a, below = row * (squares + 1) + column, squares + 1
+    faces = numpy.stack([a, a + 1, a + below + 1, a, a + below + 1, a + below], axis=1).reshape(-1, 3)
+    return numpy.stack([x, y, numpy.full_like(x, 0.4)], axis=2).reshape(-1, 3), faces.astype(numpy.uint32)
 
 
-def ring(radius: float = 0.2, tube: float = 0.08, around: int = 48, across: int = 20) -> Mesh:
-    """A closed torus about the z axis, normals outward."""
-    u, v = numpy.meshgrid(
-        numpy.linspace(0, 2 * numpy.pi, around + 1), numpy.linspace(0, 2 * numpy.pi, across + 1), indexing="ij"
-    )
-    far = radius + tube * numpy.cos(v)
-    vertices = numpy.stack([far * numpy.cos(u), far * numpy.sin(u), tube * numpy.sin(v)], axis=2)
-    ids = numpy.arange(around * across, dtype=numpy.uint32).reshape(around, across)
-    wrapped = numpy.pad(ids, ((0, 1), (0, 1)), mode="wrap").ravel()  # the last row and column are the first
-    return vertices[:-1, :-1].reshape(-1, 3), wrapped[grid_faces(around + 1, across + 1)]
+def ring() -> limber3d.Model:
+    """A torus about the z axis."""
+    return limber3d.Model(trimesh.creation.torus(0.2, 0.08, major_sections=48, minor_sections=20))
 
 
 def springs(squares: int) -> list[Any]:
@@ -128,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> Found:
     parser.add_argument("--plot", type=Path, help="a file for the picture, such as cloth.png; needs matplotlib")
     options = parser.parse_args(arguments)
 
-    body, (vertices, faces) = limber3d.Model(*ring()), sheet(options.squares)
+    body, (vertices, faces) = ring(), sheet(options.squares)
     frames = list(simulated(options.squares, options.frames, body))
     margin = 2 * THICKNESS
     cloth = limber3d.Model(vertices, faces)

@@ -7,7 +7,7 @@ MuJoCo simulates; after each step the vertices of its flex go into a limber3d.Mo
 makes a contact of an element of the cloth whose distance is less than the cloth's radius, so its smallest contact
 distance is limber3d's distance, less that radius, and the elements in contact are those that limber3d finds.
 
-    python mujoco_flex.py --count 33 --steps 1000 --plot mujoco_flex.png
+    python mujoco_flex.py --count 33 --steps 1000
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import importlib.util
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import limber3d
@@ -114,7 +113,6 @@ def main(arguments: Sequence[str] | None = None) -> Run | None:
     parser = argparse.ArgumentParser(description="A cloth of MuJoCo falls on a stone.")
     parser.add_argument("--count", type=int, default=17, help="vertices along a side of the cloth (17)")
     parser.add_argument("--steps", type=int, default=300, help="steps of 2 ms (300)")
-    parser.add_argument("--plot", type=Path, help="a file for the picture, such as mujoco_flex.png; needs matplotlib")
     options = parser.parse_args(arguments)
     if importlib.util.find_spec("mujoco") is None:
         print("skipped: MuJoCo is not installed (pip install mujoco)")
@@ -130,59 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> Run | None:
     worst = max(abs(step.distance - step.mujoco_distance) for step in touching)
     print(f"{len(touching)} steps in contact; distances differ by {worst:.1e} at most")
     assert all(step.agrees() for step in run.steps)
-    if options.plot is not None:
-        draw(options.plot, run)
     return run
-
-
-def draw(file: Path, run: Run) -> None:
-    """Left the last step, with the elements in contact; right distances and counts of all steps."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.colors
-    import matplotlib.pyplot as pyplot
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-    blue, orange = "#2b6ca3", "#e07b28"
-    figure = pyplot.figure(figsize=(11, 5), layout="constrained")
-    left, right = figure.subfigures(1, 2)
-    scene: Any = left.add_subplot(projection="3d", computed_zorder=False)
-    light = matplotlib.colors.LightSource(azdeg=230, altdeg=55)
-    rotation, shift = run.pose
-    colors = numpy.tile(matplotlib.colors.to_rgba("#a9c7de"), (len(run.cloth.faces), 1))
-    colors[list(run.steps[-1].touching())] = matplotlib.colors.to_rgba(orange)
-    stone = (run.stone.vertices @ rotation.T + shift)[run.stone.faces]
-    cloth = run.cloth.vertices[run.cloth.faces]
-    for corners, paint in ((stone, "#5b6770"), (cloth, colors)):
-        scene.add_collection3d(Poly3DCollection(corners, facecolors=paint, shade=True, lightsource=light, linewidth=0))
-    low, high = cloth.min(axis=(0, 1)), cloth.max(axis=(0, 1))
-    high = numpy.maximum(high, low + 0.1)
-    scene.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    scene.set_box_aspect(high - low, zoom=1.3)
-    scene.view_init(elev=30, azim=-60)
-    scene.set_axis_off()
-    left.suptitle("the last step, elements in contact in orange", fontsize=11)
-
-    above, below = right.subplots(2, 1, sharex=True)
-    times = 0.002 * numpy.arange(len(run.steps))
-    above.plot(times, [step.distance for step in run.steps], color=blue, linewidth=1.2, zorder=3, label="limber3d")
-    theirs = [step.mujoco_distance for step in run.steps]
-    above.plot(times, theirs, color=orange, linewidth=4, alpha=0.5, label="MuJoCo, of its contacts")
-    above.axhline(0, color="#999999", linewidth=1)
-    above.set(ylabel="distance less radius, m")
-    below.plot(
-        times, [len(step.touching()) for step in run.steps], color=blue, linewidth=1.2, zorder=3, label="limber3d"
-    )
-    counts = [len(step.mujoco_elements) for step in run.steps]
-    below.plot(times, counts, color=orange, linewidth=4, alpha=0.5, label="MuJoCo")
-    below.set(xlabel="time, s", ylabel="elements in contact")
-    for graph in (above, below):
-        graph.legend(frameon=False)
-        graph.grid(color="#e4e4e4")
-        graph.spines[["top", "right"]].set_visible(False)
-    figure.savefig(file, dpi=110)
-    pyplot.close(figure)
 
 
 if __name__ == "__main__":

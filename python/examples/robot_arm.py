@@ -3,7 +3,7 @@
 # pyright: basic
 """An arm takes something out of one compartment of a shelf and puts it into another. Is its path free?
 
-The bodies of the arm are made by code, their poses by forward kinematics in NumPy. For each pair of bodies one call
+The bodies of the arm are made by trimesh, their poses by forward kinematics in NumPy. For each pair of bodies one call
 asks for the distances at all times. Prints for two paths when bodies collide, or else how close they come, and where.
 `--plot FILE` draws the arm and its clearance over time.
 
@@ -19,9 +19,10 @@ from typing import Any, NamedTuple
 
 import limber3d
 import numpy
-from limber3d.typing import FloatArray, IdArray, RecordArray
+import trimesh
+from limber3d.typing import FloatArray, RecordArray
 
-Mesh = tuple[FloatArray, IdArray]
+Mesh = Any  # a trimesh.Trimesh
 
 # Joint angles in degrees: turntable, shoulder, elbow, wrist, roll of the gripper. A row each second.
 HOME, FOLDED = [100, -40, 130, 20, 0], [-100, -42, 142, 75, 0]
@@ -37,50 +38,30 @@ SELF_PAIRS = [(0, 2), (0, 3), (0, 4), (1, 3), (1, 4)]
 
 
 def box(size: Sequence[float], center: Sequence[float]) -> Mesh:
-    """A box along the axes: 12 triangles."""
-    corners = numpy.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    faces = [triangle for a, b, c, d in quads for triangle in ([a, b, c], [a, c, d])]
-    return corners * size + center, numpy.array(faces, numpy.uint32)
+    """A box along the axes."""
+    mesh = trimesh.creation.box(size)
+    mesh.apply_translation(center)
+    return mesh
 
 
-def capsule(radius: float, length: float, slices: int = 24, stacks: int = 6) -> Mesh:
+def capsule(radius: float, length: float) -> Mesh:
     """A cylinder from the origin to `length` on the z axis, with round ends beyond."""
-    turns = numpy.linspace(0, 2 * numpy.pi, slices, endpoint=False)
-    heights = numpy.linspace(-numpy.pi / 2, 0, stacks + 1)[1:]
-    rings = [(radius * numpy.cos(h), radius * numpy.sin(h)) for h in heights]  # radius and z of the lower half
-    rings += [(r, length - z) for r, z in reversed(rings)]
-    vertices = [[0, 0, -radius]]
-    vertices += [[r * numpy.cos(t), r * numpy.sin(t), z] for r, z in rings for t in turns]
-    vertices += [[0, 0, length + radius]]
-    last, faces = len(vertices) - 1, list[list[int]]()
-    for i in range(slices):
-        j = (i + 1) % slices
-        faces += [[0, 1 + j, 1 + i], [last, last - slices + i, last - slices + j]]
-        for k in range(1, last - slices, slices):
-            faces += [[k + i, k + j, k + slices + j], [k + i, k + slices + j, k + slices + i]]
-    return numpy.array(vertices), numpy.array(faces, numpy.uint32)
-
-
-def joined(*meshes: Mesh) -> Mesh:
-    """Several meshes as one."""
-    starts = numpy.cumsum([0] + [len(vertices) for vertices, _ in meshes])
-    faces = [faces + numpy.uint32(start) for (_, faces), start in zip(meshes, starts)]
-    return numpy.concatenate([vertices for vertices, _ in meshes]), numpy.concatenate(faces)
+    return trimesh.creation.capsule(height=length, radius=radius, count=[24, 12])
 
 
 def arm() -> list[Mesh]:
     """The bodies, each in the frame of its joint, from which it extends along z. Lengths are in meters."""
     fingers = [box((0.03, 0.02, 0.1), (0, y, 0.21)) for y in (-0.045, 0.045)]
-    palm = box((0.06, 0.12, 0.05), (0, 0, 0.145))
-    base = joined(box((0.36, 0.36, 0.06), (0, 0, 0.03)), box((0.2, 0.2, 0.18), (0, 0, 0.14)))
-    return [base, capsule(0.07, 0.55), capsule(0.055, 0.45), capsule(0.045, 0.1), joined(palm, *fingers)]
+    hand = [box((0.06, 0.12, 0.05), (0, 0, 0.145)), *fingers]
+    base = [box((0.36, 0.36, 0.06), (0, 0, 0.03)), box((0.2, 0.2, 0.18), (0, 0, 0.14))]
+    links = [capsule(0.07, 0.55), capsule(0.055, 0.45), capsule(0.045, 0.1)]
+    return [trimesh.util.concatenate(base), *links, trimesh.util.concatenate(hand)]
 
 
 def shelf() -> Mesh:
     """Three boards between two sides."""
     boards = [box((0.35, 0.9, 0.03), (0.95, 0, z)) for z in (0.2, 0.62, 1.04)]
-    return joined(*boards, *(box((0.35, 0.03, 1.1), (0.95, y, 0.55)) for y in (-0.465, 0.465)))
+    return trimesh.util.concatenate(boards + [box((0.35, 0.03, 1.1), (0.95, y, 0.55)) for y in (-0.465, 0.465)])
 
 
 def motion(waypoints: Sequence[Sequence[float]], count: int) -> tuple[FloatArray, FloatArray]:
@@ -125,7 +106,7 @@ def sweep(waypoints: Sequence[Sequence[float]], count: int) -> Sweep:
     """The distances of all pairs that could meet, at `count` times."""
     times, angles = motion(waypoints, count)
     poses = body_poses(angles)
-    bodies, obstacle = [limber3d.Model(*mesh) for mesh in arm()], limber3d.Model(*shelf())
+    bodies, obstacle = [limber3d.Model(mesh) for mesh in arm()], limber3d.Model(shelf())
     moving = range(1, len(bodies))
     return Sweep(
         times,
@@ -198,7 +179,7 @@ def draw(file: Path, swept: dict[str, Sweep]) -> None:
     light = matplotlib.colors.LightSource(azdeg=200, altdeg=50)
 
     def show(mesh: Mesh, pose: FloatArray, color: str, alpha: float) -> None:
-        corners = (mesh[0] @ pose[:3, :3].T + pose[:3, 3])[mesh[1]]
+        corners = (mesh.vertices @ pose[:3, :3].T + pose[:3, 3])[mesh.faces]
         scene.add_collection3d(
             Poly3DCollection(corners, facecolors=color, alpha=alpha, shade=True, lightsource=light, linewidth=0)
         )

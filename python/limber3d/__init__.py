@@ -12,8 +12,8 @@ Models    are made of arrays, or of an object that has them, such as a trimesh.T
 Poses     are world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix;
           (quaternion, translation) with w, x, y, z. They must be rigid to 1e-9: for rotations that were computed in
           float32 there is orthonormalized().
-Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64. They are read where they are,
-          whatever their strides, unless the coordinates of a vertex are not side by side. Others raise ValueError.
+Arrays    Coordinates are float32 or float64, ids are int32, int64, uint32 or uint64, with any strides. Others raise
+          ValueError.
 Errors    limber3d.Error where a docstring names an error code: an InputError, which is a ValueError; for
           `index_out_of_range` an OutOfRangeError, an IndexError; for `unreadable_file` an UnreadableFileError, an
           OSError. Their `code` and `where` say what was wrong, and where. BusyError where a model is changed and used
@@ -26,67 +26,7 @@ Docstrings are those of the C++ library, so that some of their words are C++.
 
 from . import batch as batch
 from . import typing as typing
-from ._core import (
-    Answer,
-    Box,
-    BusyError,
-    CancelFlag,
-    ClosedSurface,
-    ClosestObjects,
-    CollideResult,
-    DistanceResult,
-    ErrorCode,
-    Feature,
-    FeatureKind,
-    MaintenanceStats,
-    MeshEdges,
-    MeshSequence,
-    Model,
-    NeighborRings,
-    NormalSide,
-    OrientedFaces,
-    PointResult,
-    QueryBudget,
-    QueryCache,
-    QueryStats,
-    RebuildPolicy,
-    Scene,
-    SceneCache,
-    SignedDistance,
-    Sphere,
-    Status,
-    StoppedBy,
-    SurfacePoint,
-    TreeStats,
-    Witness,
-    closest_pairs,
-    closest_point,
-    closest_points,
-    collide,
-    collide_dtype,
-    contact_dtype,
-    contacts,
-    distance,
-    distance_dtype,
-    edge_edge_dtype,
-    element_pairs,
-    intersections,
-    orthonormalized,
-    read_mesh_file,
-    reduce_contacts,
-    self_closest_pairs,
-    self_collide,
-    self_contacts,
-    self_distance,
-    self_element_pairs,
-    self_intersections,
-    set_thread_limit,
-    signed_distance_dtype,
-    surface_point_dtype,
-    vertex_face_dtype,
-    winding_number,
-    within,
-)
+from ._core import *
 from ._core import version as __version__
 from .collision_manager import CollisionManager
 from .errors import Error, InputError, OutOfRangeError, UnreadableFileError
@@ -169,3 +109,7 @@ __all__ = [
     "within",
     "within_many",
 ]
+
+for _name in __all__:  # so that signatures, tracebacks and pickles name classes as users do
+    if isinstance(_class := globals()[_name], type):
+        _class.__module__ = __name__

@@ -15,6 +15,7 @@ from .typing import FloatArray, MeshLike, PoseLike
 _EXTERNAL = "__external"  # the name that trimesh gives to a mesh which is no object of the manager
 
 _Pair = tuple[int, int]  # ids of two objects of a scene
+_Names = tuple[str, str]  # of a pair
 
 
 class ContactData:
@@ -24,7 +25,7 @@ class ContactData:
     `depth` is the least overlap of the two triangles.
     """
 
-    def __init__(self, names: tuple[str, str], contact: numpy.void) -> None:
+    def __init__(self, names: _Names, contact: numpy.void) -> None:
         self.names = set(names)
         self.normal: FloatArray = contact["normal"]
         self.point: FloatArray = contact["point_a"]
@@ -39,10 +40,9 @@ class ContactData:
 class DistanceData:
     """The shortest distance of two meshes: `names`, `distance`, and for each name a point and its triangle."""
 
-    def __init__(self, names: tuple[str, str], result: DistanceResult, is_swapped: bool) -> None:
+    def __init__(self, names: _Names, result: DistanceResult) -> None:
         assert result.witness is not None  # there is no limit
         self.names = set(names)
-        self.pair = (names[1], names[0]) if is_swapped else names
         self.distance = result.upper
         self._points = dict(zip(names, (result.witness.point_a, result.witness.point_b)))
         self._triangles = dict(zip(names, (result.witness.triangle_a, result.witness.triangle_b)))
@@ -63,58 +63,54 @@ def _answer(answer: Any, names: Any, data: Any, return_names: bool, return_data:
 
 
 class _World:
-    """Objects of one or two managers in one scene, and their names by id."""
+    """Objects of one or two managers in one scene, and which pairs of them count: of two managers one object of each;
+    of one manager all pairs, or those of the named object."""
 
-    def __init__(self, mine: CollisionManager, theirs: CollisionManager | None = None) -> None:
+    def __init__(self, mine: CollisionManager, theirs: CollisionManager | None = None, name: str | None = None) -> None:
         self.scene = Scene()
-        self.mine = self._add(mine)
-        self.theirs = {} if theirs is None else self._add(theirs)
-        self.is_between = theirs is not None
+        self._names: list[str] = []  # by id
+        for manager in (mine,) if theirs is None else (mine, theirs):
+            for its_name, (model, pose) in manager._objects.items():
+                self.scene.add(model, pose)
+                self._names.append(its_name)
         self.scene.commit()
+        self._mine = len(mine._objects)  # ids from there on are of the other manager
+        self._filter: Callable[[int, int], bool] | None = None
+        if theirs is not None:
+            self._filter = lambda a, b: (a < self._mine) != (b < self._mine)
+        elif name is not None:
+            named = self._names.index(name)
+            self._filter = lambda a, b: named in (a, b)
 
-    def _add(self, manager: CollisionManager) -> dict[int, str]:
-        return {self.scene.add(model, pose): name for name, (model, pose) in manager._objects.items()}
+    def names(self, pair: _Pair) -> _Names:
+        return self._names[pair[0]], self._names[pair[1]]
 
-    def _filter(self) -> Callable[[int, int], bool] | None:
-        """Of two managers, only pairs of an object of one and an object of the other count."""
-        return (lambda a, b: (a in self.mine) != (b in self.mine)) if self.is_between else None
-
-    def _filter_of(self, name: str) -> Callable[[int, int], bool]:
-        """Only pairs of the named object count."""
-        named = next(id for id, its_name in self.mine.items() if its_name == name)
-        return lambda a, b: named in (a, b)
-
-    def _ordered(self, a: int, b: int) -> _Pair:
+    def ordered(self, pair: _Pair) -> _Pair:
         """Objects of the first manager first; in alphabetic order if both are of one."""
-        return (b, a) if a in self.theirs or (b in self.mine and self.mine[b] < self.mine[a]) else (a, b)
-
-    def names(self, pair: _Pair) -> tuple[str, str]:
-        a, b = (self.mine[id] if id in self.mine else self.theirs[id] for id in pair)
+        a, b = sorted(pair, key=lambda id: (id >= self._mine, self._names[id]))
         return a, b
 
     def collisions(self) -> list[_Pair]:
         """The pairs of objects that meet."""
-        pairs = self.scene.candidate_pairs(0.0, filter=self._filter())
+        pairs = self.scene.candidate_pairs(0.0, filter=self._filter)
         hits = pairs[self.scene.collide(pairs)["is_yes"]]
-        return [self._ordered(int(a), int(b)) for a, b in hits]
+        return [self.ordered((int(a), int(b))) for a, b in hits]
 
     def contacts(self, hits: list[_Pair]) -> list[ContactData]:
         """All pairs of triangles that intersect."""
-        found: list[ContactData] = []
-        for a, b in hits:
-            scene = self.scene
-            for contact in contacts(scene.model(a), scene.model(b), 0.0, scene.pose(a), scene.pose(b)):
-                found.append(ContactData(self.names((a, b)), contact))
-        return found
+        scene = self.scene
+        return [
+            ContactData(self.names((a, b)), contact)
+            for a, b in hits
+            for contact in contacts(scene.model(a), scene.model(b), 0.0, scene.pose(a), scene.pose(b))
+        ]
 
-    def closest(self, name: str | None = None) -> DistanceData | None:
-        """The two objects that are closest; the named one of the first manager and the one that is closest to it, if
-        there is a name; None if there are no two."""
-        found = self.scene.closest_objects(filter=self._filter() if name is None else self._filter_of(name))
+    def closest(self) -> tuple[_Names | None, DistanceData | None]:
+        """The two objects that are closest; None if there are no two."""
+        found = self.scene.closest_objects(filter=self._filter)
         if found.objects is None:
-            return None
-        a, b = found.objects
-        return DistanceData(self.names((a, b)), found.result, self._ordered(a, b) != (a, b))
+            return None, None
+        return self.names(self.ordered(found.objects)), DistanceData(self.names(found.objects), found.result)
 
 
 def _as_model(mesh: Model | MeshLike) -> Model:
@@ -159,9 +155,8 @@ class CollisionManager:
         """Whether a mesh meets any of the objects; if asked for, also the set of their names and the contacts."""
         world = _World(self, _alone(mesh, transform))
         hits = world.collisions()
-        names = {world.names(hit)[0] for hit in hits}
         data = world.contacts(hits) if return_data else []
-        return _answer(bool(hits), names, data, return_names, return_data)
+        return _answer(bool(hits), {world.names(hit)[0] for hit in hits}, data, return_names, return_data)
 
     def in_collision_internal(self, return_names: bool = False, return_data: bool = False) -> Any:
         """Whether two of the objects meet; if asked for, also the set of pairs of names and the list of contacts."""
@@ -181,8 +176,8 @@ class CollisionManager:
         return_data: bool = False,
     ) -> Any:
         """The shortest distance of a mesh to any of the objects; if asked for, also its name and data."""
-        data = _World(self, _alone(mesh, transform)).closest()
-        return self._min_distance(data, None if data is None else data.pair[0], return_name, return_data)
+        names, data = _World(self, _alone(mesh, transform)).closest()
+        return self._min_distance(data, names and names[0], return_name, return_data)
 
     def min_distance_internal(
         self, name: str | None = None, return_names: bool = False, return_data: bool = False
@@ -191,15 +186,15 @@ class CollisionManager:
         the pair of their names and data."""
         if name is not None:
             self._model(name)
-        data = _World(self).closest(name)
-        return self._min_distance(data, None if data is None else data.pair, return_names, return_data)
+        names, data = _World(self, name=name).closest()
+        return self._min_distance(data, names, return_names, return_data)
 
     def min_distance_other(
         self, other_manager: CollisionManager, return_names: bool = False, return_data: bool = False
     ) -> Any:
         """The shortest distance of an object to one of another manager; names come as (this manager's, the other's)."""
-        data = _World(self, other_manager).closest()
-        return self._min_distance(data, None if data is None else data.pair, return_names, return_data)
+        names, data = _World(self, other_manager).closest()
+        return self._min_distance(data, names, return_names, return_data)
 
     def _model(self, name: str) -> Model:
         if name not in self._objects:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from . import __version__, batch
-from .batch.extras import imported
+from .batch.folder import imported
 from .batch.inputs import Poses
 from .files import load
 from .pose_files import read_poses

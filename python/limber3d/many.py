@@ -66,13 +66,13 @@ def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
 def _records(
     batch: _core.Batch, dtype: numpy.dtype[numpy.void], is_shown: bool, ask: Callable[[RecordArray, int, int], None]
 ) -> RecordArray:
-    """The records that ask(records, begin, end) writes, for all poses."""
+    """The records of all poses: ask(records, begin, end) writes those of a part."""
     count = 1 if batch.size is None else batch.size
     records = numpy.zeros(count, dtype)
     done = 0
     try:
         for begin, end in _parts(count, is_shown):
-            ask(records, begin, end)
+            ask(records[begin:end], begin, end)
             done = end
     except KeyboardInterrupt:
         raise BatchInterrupted(records[:done], done) from None
@@ -224,7 +224,7 @@ def track(
                 model.move_all(frame)
                 model.commit()
                 record = numpy.zeros(1, _core.distance_dtype)
-                batch.distance_at(record, i, relative_error, absolute_error, max_distance)
+                batch.distance(record, i, i + 1, relative_error, absolute_error, max_distance)
                 records.append(record)
                 advance(1)
     except KeyboardInterrupt:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from .batch.extras import imported
+from .batch.folder import imported
 from .typing import FloatArray
 
 NAMES = ("tx", "ty", "tz", "qw", "qx", "qy", "qz")  # translation, quaternion

@@ -6,19 +6,13 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
+#include <type_traits>
+#include <utility>
 
-#include "errors.h"
+#include "bindings.h"
 
 namespace limber::python {
 namespace {
-
-template <typename T>
-T read(const unsigned char* place) {
-  T value;
-  std::memcpy(&value, place, sizeof value);
-  return value;
-}
 
 /// The element type that a format of the struct module stands for.
 Scalar scalar_of(const char* format, std::size_t item_bytes) {
@@ -71,21 +65,15 @@ Array::Array(nb::handle object, const char* name, const char* expected, Lists li
     PyErr_Clear();
     refuse(found());
   }
-  strides_ = buffer_.strides;
-  if (strides_ == nullptr) {
-    packed_strides_.resize(dimensions());
-    PyBuffer_FillContiguousStrides(buffer_.ndim, buffer_.shape, packed_strides_.data(),
-                                   static_cast<int>(buffer_.itemsize), 'C');
-    strides_ = packed_strides_.data();
-  }
-  scalar_ = scalar_of(buffer_.format, item_bytes());
+  scalar_ = scalar_of(buffer_.format, static_cast<std::size_t>(buffer_.itemsize));
 }
 
 Array::~Array() { PyBuffer_Release(&buffer_); }
 
-bool Array::is_packed() const {
-  const bool is_aligned = reinterpret_cast<std::uintptr_t>(data()) % item_bytes() == 0;
-  return is_aligned && PyBuffer_IsContiguous(&buffer_, 'C') != 0;
+std::optional<std::size_t> Array::row_bytes() const {
+  if (is_packed()) return static_cast<std::size_t>(buffer_.itemsize * buffer_.shape[1]);
+  if (buffer_.strides[1] != buffer_.itemsize || buffer_.strides[0] < 0) return std::nullopt;
+  return static_cast<std::size_t>(buffer_.strides[0]);
 }
 
 bool Array::has_shape(std::initializer_list<std::ptrdiff_t> shape) const {
@@ -94,48 +82,59 @@ bool Array::has_shape(std::initializer_list<std::ptrdiff_t> shape) const {
                     [](std::ptrdiff_t wanted, Py_ssize_t found) { return wanted < 0 || wanted == found; });
 }
 
-double Array::real(const unsigned char* place) const {
-  double number = 0;
-  read_reals(place, 0, {&number, 1});
-  return number;
-}
-
-void Array::read_reals(const unsigned char* place, std::ptrdiff_t stride, std::span<double> numbers) const {
-  const auto read_as = [&]<typename T>(T) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      numbers[i] = static_cast<double>(read<T>(place + static_cast<std::ptrdiff_t>(i) * stride));
+template <typename Use>
+void Array::for_elements(const Use& use) const {
+  const auto count = static_cast<std::size_t>(buffer_.len / buffer_.itemsize);
+  std::vector<unsigned char> packed;
+  if (!is_packed()) {
+    packed.resize(static_cast<std::size_t>(buffer_.len));
+    if (PyBuffer_ToContiguous(packed.data(), &buffer_, buffer_.len, 'C') != 0) throw nb::python_error();
+  }
+  const unsigned char* const first = is_packed() ? data() : packed.data();
+  const auto use_as = [&]<typename T>(T value) {
+    for (std::size_t i = 0; i < count; ++i) {
+      std::memcpy(&value, first + i * sizeof value, sizeof value);  // which need not be aligned
+      use(value, i);
     }
   };
   switch (scalar_) {
     case Scalar::float32:
-      return read_as(float{});
+      return use_as(float{});
     case Scalar::int32:
-      return read_as(std::int32_t{});
+      return use_as(std::int32_t{});
     case Scalar::int64:
-      return read_as(std::int64_t{});
+      return use_as(std::int64_t{});
     case Scalar::uint32:
-      return read_as(std::uint32_t{});
+      return use_as(std::uint32_t{});
     case Scalar::uint64:
-      return read_as(std::uint64_t{});
+      return use_as(std::uint64_t{});
     default:
-      return read_as(double{});
+      return use_as(double{});
   }
 }
 
-std::uint32_t Array::id(const unsigned char* place, std::size_t row) const {
-  const auto refuse_id = [&](const std::string& value) {
-    raise({ErrorCode::index_out_of_range,
-           std::string(name_) + "[" + std::to_string(row) + "]: " + value + " is not an index", row});
-  };
-  if (scalar_ == Scalar::uint32) return read<std::uint32_t>(place);
-  if (scalar_ == Scalar::uint64) {
-    const auto value = read<std::uint64_t>(place);
-    if (value >= no_id) refuse_id(std::to_string(value));
-    return static_cast<std::uint32_t>(value);
-  }
-  const std::int64_t value = scalar_ == Scalar::int32 ? read<std::int32_t>(place) : read<std::int64_t>(place);
-  if (value < 0 || value >= std::int64_t{no_id}) refuse_id(std::to_string(value));
-  return static_cast<std::uint32_t>(value);
+std::vector<double> Array::numbers() const {
+  std::vector<double> numbers;
+  numbers.reserve(static_cast<std::size_t>(buffer_.len / buffer_.itemsize));
+  for_elements([&](auto value, std::size_t) { numbers.push_back(static_cast<double>(value)); });
+  return numbers;
+}
+
+std::vector<std::uint32_t> Array::ids() const {
+  std::vector<std::uint32_t> ids;
+  ids.reserve(static_cast<std::size_t>(buffer_.len / buffer_.itemsize));
+  for_elements([&]<typename T>(T value, std::size_t i) {
+    if constexpr (std::is_integral_v<T> && !std::is_same_v<T, std::uint32_t>) {
+      if (std::cmp_less(value, 0) || std::cmp_greater_equal(value, no_id)) {
+        const std::size_t row = i / (dimensions() == 1 ? 1 : size(1));
+        raise({ErrorCode::index_out_of_range,
+               std::string(name_) + "[" + std::to_string(row) + "]: " + std::to_string(value) + " is not an index",
+               row});
+      }
+    }
+    ids.push_back(static_cast<std::uint32_t>(value));
+  });
+  return ids;
 }
 
 void Array::refuse(const std::string& found) const {
@@ -155,54 +154,25 @@ std::string Array::found() const {
                                    .format(nb::tuple(shape), buffer_.format == nullptr ? "unknown" : buffer_.format));
 }
 
-namespace {
-
-constexpr const char* rows_of_3_floats = "shape (n, 3) and dtype float32 or float64";
-
-/// Calls read(i, place of the first element) for each row of an array with two axes.
-template <typename Read>
-void for_rows(const Array& array, const Read& read_row) {
-  const unsigned char* row = array.data();
-  for (std::size_t i = 0; i < array.size(0); ++i, row += array.stride(0)) read_row(i, row);
-}
-
-}  // namespace
-
-Positions::Positions(nb::handle object, const char* name) : array_(object, name, rows_of_3_floats, Lists::floats) {
+Positions::Positions(nb::handle object, const char* name)
+    : array_(object, name, "shape (n, 3) and dtype float32 or float64", Lists::floats) {
   if (!array_.has_floats({-1, 3}) && !array_.is_empty_list()) array_.refuse();
-  const bool has_rows = array_.size(0) != 0;
-  const bool is_readable =
-      has_rows && array_.stride(1) == static_cast<std::ptrdiff_t>(array_.item_bytes()) && array_.stride(0) >= 0;
-  if (is_readable) return;
-  copied_.emplace(3 * array_.size(0));
-  if (!has_rows) return;
-  for_rows(array_, [&](std::size_t i, const unsigned char* row) {
-    array_.read_reals(row, array_.stride(1), std::span(*copied_).subspan(3 * i, 3));
-  });
+  if (array_.size(0) == 0 || !array_.row_bytes()) copied_ = array_.numbers();
 }
 
 PositionsView Positions::view() const {
   if (copied_) return PositionsView::packed(*copied_);
-  const auto stride_bytes = static_cast<std::size_t>(array_.stride(0));
   if (array_.scalar() == Scalar::float32) {
-    return PositionsView::strided(reinterpret_cast<const float*>(array_.data()), array_.size(0), stride_bytes);
+    return PositionsView::strided(reinterpret_cast<const float*>(array_.data()), array_.size(0), *array_.row_bytes());
   }
-  return PositionsView::strided(reinterpret_cast<const double*>(array_.data()), array_.size(0), stride_bytes);
+  return PositionsView::strided(reinterpret_cast<const double*>(array_.data()), array_.size(0), *array_.row_bytes());
 }
 
-Ids::Ids(nb::handle object, const char* name)
-    : array_(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", Lists::integers) {
-  if (!array_.is_empty_list() && !(array_.is_integer() && array_.has_shape({-1}))) array_.refuse();
-  if (array_.scalar() == Scalar::uint32 && array_.is_packed()) return;
-  copied_.emplace(array_.size(0));
-  for (std::size_t i = 0; i < copied_->size(); ++i) {
-    (*copied_)[i] = array_.id(array_.data() + static_cast<std::ptrdiff_t>(i) * array_.stride(0), i);
-  }
-}
-
-std::span<const std::uint32_t> Ids::view() const {
-  if (copied_) return *copied_;
-  return {reinterpret_cast<const std::uint32_t*>(array_.data()), array_.size(0)};
+std::vector<std::uint32_t> ids_from(nb::handle object, const char* name) {
+  const Array array(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", Lists::integers);
+  if (array.is_empty_list()) return {};
+  if (!array.is_integer() || !array.has_shape({-1})) array.refuse();
+  return array.ids();
 }
 
 namespace {
@@ -213,16 +183,9 @@ std::vector<std::array<std::uint32_t, width>> id_rows(const Array& array) {
   const bool has_rows = !array.is_empty_list() && !array.has_shape({0, static_cast<std::ptrdiff_t>(width)});
   if (!has_rows) return {};
   if (!array.is_integer() || !array.has_shape({-1, static_cast<std::ptrdiff_t>(width)})) array.refuse();
+  const std::vector<std::uint32_t> ids = array.ids();
   std::vector<std::array<std::uint32_t, width>> rows(array.size(0));
-  if (array.scalar() == Scalar::uint32 && array.is_packed()) {
-    std::memcpy(rows.data(), array.data(), rows.size() * sizeof rows[0]);
-    return rows;
-  }
-  for_rows(array, [&](std::size_t i, const unsigned char* row) {
-    for (std::size_t k = 0; k < width; ++k) {
-      rows[i][k] = array.id(row + static_cast<std::ptrdiff_t>(k) * array.stride(1), i);
-    }
-  });
+  std::memcpy(rows.data(), ids.data(), ids.size() * sizeof ids[0]);
   return rows;
 }
 
@@ -246,8 +209,99 @@ std::vector<Vec3> points_from(nb::handle object, const char* name) {
 Vec3 point_from(nb::handle object, const char* name) {
   const Array array(object, name, "shape (3,) and dtype float32 or float64", Lists::floats);
   if (!array.has_floats({3})) array.refuse();
-  const auto coordinate = [&](std::ptrdiff_t axis) { return array.real(array.data() + axis * array.stride(0)); };
-  return {coordinate(0), coordinate(1), coordinate(2)};
+  const std::vector<double> p = array.numbers();
+  return {p[0], p[1], p[2]};
+}
+
+Mat3 matrix_from(nb::handle object, const char* name) {
+  const Array array(object, name, "shape (3, 3) and dtype float32 or float64", Lists::floats);
+  if (!array.has_floats({3, 3})) array.refuse();
+  const std::vector<double> m = array.numbers();
+  return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
+}
+
+namespace {
+
+constexpr const char* pose_form =
+    "None, a 4 x 4 matrix, (rotation, translation) with a 3 x 3 matrix, or (quaternion, translation) with w, x, y, z, "
+    "of float32, float64, or integers of 32 or 64 bits";
+constexpr const char* poses_form =
+    "None, one pose, n 4 x 4 matrices, (n rotations, n translations) or (n quaternions, n translations), "
+    "of float32, float64, or integers of 32 or 64 bits";
+
+/// The pose that numbers stand for: a matrix of 16; or a rotation of 9 or a quaternion, and a translation. `index` is
+/// that in a list, where there is one.
+Transform rigid_or_raise(std::span<const double> turn, std::span<const double> shift, const char* name,
+                         std::optional<std::size_t> index) {
+  const auto converted = [&]() -> Result<Transform> {
+    const auto& q = turn;
+    const auto& t = shift;
+    if (turn.size() == 16) return transform_from_matrix(turn.first<16>(), MatrixOrder::row_major);
+    if (turn.size() == 4) return transform_from_quaternion({t[0], t[1], t[2]}, q[0], q[1], q[2], q[3]);
+    const std::array<double, 16> matrix{turn[0], turn[1], turn[2], t[0], turn[3], turn[4], turn[5], t[1],
+                                        turn[6], turn[7], turn[8], t[2], 0,       0,       0,       1};
+    return transform_from_matrix(matrix, MatrixOrder::row_major);
+  };
+  const Result<Transform> result = converted();
+  if (result) return *result;
+  std::string text = name;
+  if (index) text.append("[").append(std::to_string(*index)).append("]");
+  raise({result.error().code, text.append(": ").append(result.error().text), index});
+}
+
+/// The two parts of a pose or of poses, or nothing if the object is not a tuple of two.
+std::optional<std::array<nb::handle, 2>> parts_of(nb::handle object) {
+  if (!PyTuple_CheckExact(object.ptr()) || PyTuple_GET_SIZE(object.ptr()) != 2) return std::nullopt;
+  return std::array<nb::handle, 2>{PyTuple_GET_ITEM(object.ptr(), 0), PyTuple_GET_ITEM(object.ptr(), 1)};
+}
+
+/// Poses of as many numbers: matrices without shifts, or turns with them.
+std::vector<Transform> all_rigid(std::size_t count, const std::vector<double>& turns, const std::vector<double>& shifts,
+                                 const char* name) {
+  std::vector<Transform> poses;
+  poses.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t turn_size = turns.size() / count, shift_size = shifts.size() / count;
+    poses.push_back(rigid_or_raise(std::span(turns).subspan(i * turn_size, turn_size),
+                                   std::span(shifts).subspan(i * shift_size, shift_size), name, i));
+  }
+  return poses;
+}
+
+}  // namespace
+
+Transform pose_from(nb::handle object, const char* name) {
+  if (object.is_none()) return {};
+  if (const auto parts = parts_of(object)) {
+    const Array turn((*parts)[0], name, pose_form, Lists::floats), shift((*parts)[1], name, pose_form, Lists::floats);
+    if (!turn.has_numbers({3, 3}) && !turn.has_numbers({4})) turn.refuse();
+    if (!shift.has_numbers({3})) shift.refuse();
+    return rigid_or_raise(turn.numbers(), shift.numbers(), name, std::nullopt);
+  }
+  const Array matrix(object, name, pose_form, Lists::floats);
+  if (!matrix.has_numbers({4, 4})) matrix.refuse();
+  return rigid_or_raise(matrix.numbers(), {}, name, std::nullopt);
+}
+
+PoseList::PoseList(nb::handle object, const char* name) {
+  if (const auto parts = parts_of(object)) {
+    const Array turns((*parts)[0], name, poses_form, Lists::floats);
+    const Array shifts((*parts)[1], name, poses_form, Lists::floats);
+    is_one_for_all_ = shifts.dimensions() == 1;
+    if (!is_one_for_all_) {
+      if (!turns.has_numbers({-1, 3, 3}) && !turns.has_numbers({-1, 4})) turns.refuse();
+      if (!shifts.has_numbers({static_cast<std::ptrdiff_t>(turns.size(0)), 3})) shifts.refuse();
+      poses_ = all_rigid(turns.size(0), turns.numbers(), shifts.numbers(), name);
+    }
+  } else if (!object.is_none()) {
+    const Array matrices(object, name, poses_form, Lists::floats);
+    is_one_for_all_ = matrices.dimensions() == 2;
+    if (!is_one_for_all_) {
+      if (!matrices.has_numbers({-1, 4, 4})) matrices.refuse();
+      poses_ = all_rigid(matrices.size(0), matrices.numbers(), {}, name);
+    }
+  }
+  if (is_one_for_all_) poses_.push_back(pose_from(object, name));
 }
 
 }  // namespace limber::python

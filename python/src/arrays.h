@@ -7,14 +7,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "limber/math.h"
 #include "limber/mesh.h"
 
-/// Arrays that come from Python, read where they are.
+/// Arrays and poses that come from Python.
 namespace limber::python {
 
 namespace nb = nanobind;
@@ -28,7 +30,7 @@ enum class Lists { floats, integers };
 /// The memory of an array: NumPy's, or anything with the buffer protocol. What has neither, such as a list, becomes
 /// a NumPy array first. Arrays with masked elements are refused: whoever reads memory does not see the mask.
 ///
-/// Threads  The destructor needs the GIL; reading does not.
+/// Threads  Functions need the GIL; reading the memory does not.
 class Array {
  public:
   /// `expected` says what the argument has to be, for messages: "shape (n, 3) and dtype float32 or float64".
@@ -45,11 +47,12 @@ class Array {
   bool is_integer() const { return scalar_ != Scalar::other && !is_float(); }
   std::size_t dimensions() const { return static_cast<std::size_t>(buffer_.ndim); }
   std::size_t size(std::size_t axis) const { return static_cast<std::size_t>(buffer_.shape[axis]); }
-  std::ptrdiff_t stride(std::size_t axis) const { return strides_[axis]; }
-  std::size_t item_bytes() const { return static_cast<std::size_t>(buffer_.itemsize); }
-  /// Whether the elements lie one after the other, the last axis fastest, at multiples of their size.
-  bool is_packed() const;
   const unsigned char* data() const { return static_cast<const unsigned char*>(buffer_.buf); }
+  /// Whether the elements lie one after the other, the last axis fastest.
+  bool is_packed() const { return PyBuffer_IsContiguous(&buffer_, 'C') != 0; }
+  /// From one row of an array with two axes to the next, if the elements of a row lie side by side, and rows do not run
+  /// backwards.
+  std::optional<std::size_t> row_bytes() const;
 
   /// Whether this is an array of floats of that shape; -1 stands for any size.
   bool has_floats(std::initializer_list<std::ptrdiff_t> shape) const { return is_float() && has_shape(shape); }
@@ -61,14 +64,12 @@ class Array {
   /// Whether this may be a list of no rows: NumPy makes it one axis of floats.
   bool is_empty_list() const { return dimensions() == 1 && size(0) == 0; }
 
-  /// The number at a place. Pre: the array holds floats, or integers.
-  double real(const unsigned char* place) const;
-  /// The numbers at a place and every `stride` bytes on, as many as `numbers` has. Pre: as real().
-  void read_reals(const unsigned char* place, std::ptrdiff_t stride, std::span<double> numbers) const;
-  /// The id at a place in that row. Pre: the array holds integers.
+  /// All elements, row by row. Pre: the array holds floats, or integers.
+  std::vector<double> numbers() const;
+  /// All elements, row by row, as ids. Pre: the array holds integers.
   ///
-  /// Throws   IndexError for a number that is no id.
-  std::uint32_t id(const unsigned char* place, std::size_t row) const;
+  /// Throws   IndexError, naming the row, for a number that is no id.
+  std::vector<std::uint32_t> ids() const;
 
   /// Throws nb::value_error naming argument, shape, element type and what was expected.
   [[noreturn]] void refuse() const;
@@ -77,10 +78,11 @@ class Array {
   [[noreturn]] void refuse(const std::string& found) const;
   /// What the argument is: shape and element type, or its class where it has neither.
   std::string found() const;
+  /// Calls use(value, i) for each element, row by row.
+  template <typename Use>
+  void for_elements(const Use& use) const;
 
   Py_buffer buffer_{};
-  const Py_ssize_t* strides_ = nullptr;
-  std::vector<Py_ssize_t> packed_strides_;  // of objects that leave them out, as ctypes does
   nb::object owner_;
   const char* name_;
   const char* expected_;
@@ -98,24 +100,40 @@ class Positions {
   std::optional<std::vector<double>> copied_;
 };
 
-/// Ids of vertices, read where they are if they are packed uint32.
-class Ids {
- public:
-  Ids(nb::handle object, const char* name);
-  std::span<const std::uint32_t> view() const;
-
- private:
-  Array array_;
-  std::optional<std::vector<std::uint32_t>> copied_;
-};
-
+/// Ids.
+std::vector<std::uint32_t> ids_from(nb::handle object, const char* name);
 /// Triples of vertex ids.
 std::vector<Corners> faces_from(nb::handle object, const char* name);
+/// Pairs of ids.
+std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name);
 /// Points as rows.
 std::vector<Vec3> points_from(nb::handle object, const char* name);
 /// One point.
 Vec3 point_from(nb::handle object, const char* name);
-/// Pairs of ids.
-std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name);
+/// Three rows of a matrix.
+Mat3 matrix_from(nb::handle object, const char* name);
+
+/// One pose: None; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix; (quaternion, translation) with
+/// w, x, y, z.
+///
+/// Throws   nb::value_error if it has none of these forms, or for what the functions of limber/math.h refuse.
+Transform pose_from(nb::handle object, const char* name);
+
+/// Many poses: the same forms with another axis before the others, or one pose for all.
+class PoseList {
+ public:
+  /// Throws   As pose_from(), naming the index.
+  PoseList(nb::handle object, const char* name);
+
+  bool is_one_for_all() const { return is_one_for_all_; }
+  /// Pre: not is_one_for_all().
+  std::size_t size() const { return poses_.size(); }
+  const Transform& operator[](std::size_t i) const { return poses_[is_one_for_all_ ? 0 : i]; }
+  const std::vector<Transform>& poses() const { return poses_; }
+
+ private:
+  std::vector<Transform> poses_;
+  bool is_one_for_all_ = true;
+};
 
 }  // namespace limber::python

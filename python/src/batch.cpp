@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -13,16 +14,16 @@
 #include <string>
 #include <vector>
 
+#include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "limber/limber.h"
-#include "model_object.h"
-#include "poses.h"
-#include "query_arguments.h"
 #include "records.h"
 
 namespace limber::python {
 namespace {
+
+using WholeNumber = Named<"int">;  // that thread_count() looks at
 
 /// The most threads that an argument may ask for. oneTBB takes memory for each of them at once.
 constexpr Py_ssize_t most_threads = 4096;
@@ -42,8 +43,8 @@ std::optional<int> thread_count(nb::handle argument, const char* name) {
 class Batch {
  public:
   /// `threads`: at most so many, the caller's included; None: all.
-  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, nb::handle poses_a, nb::handle poses_b,
-        nb::handle threads)
+  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, const PosesLike& poses_a, const PosesLike& poses_b,
+        const WholeNumber& threads)
       : owner_a_(nb::borrow(a)),
         owner_b_(nb::borrow(b)),
         a_(nb::cast<ModelObject&>(a)),
@@ -64,26 +65,21 @@ class Batch {
   /// How many poses there are; nothing if there is one for all.
   std::optional<std::size_t> size() const { return size_; }
 
-  /// Writes record(a, b) of poses begin to end to that part of `records`, on all threads.
-  template <typename Record, typename Query>
+  /// Writes the records of query(a, b) for poses begin to end.
+  template <typename Query>
   void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
     const Reading reading_a = reading(a_), reading_b = reading(b_);
     require_within(end);
-    auto* const out = static_cast<Record*>(memory_of(records, end * sizeof(Record)));
-    without_gil([&] { for_all(begin, end, [&](std::size_t i) { out[i] = query(placed_a(i), placed_b(i)); }); });
-  }
-
-  /// Writes the answer for one pose to the first record.
-  template <typename Record, typename Query>
-  void run_at(nb::handle records, std::size_t i, const Query& query) {
-    const Reading reading_a = reading(a_), reading_b = reading(b_);
-    require_within(i + 1);
-    auto* const out = static_cast<Record*>(memory_of(records, sizeof(Record)));
-    without_gil([&] { *out = query(placed_a(i), placed_b(i)); });
+    using Record = decltype(record_of(query(placed_a(0), placed_b(0))));
+    auto* const out = static_cast<Record*>(memory_of(records, (std::max(begin, end) - begin) * sizeof(Record)));
+    without_gil([&] {
+      for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(query(placed_a(i), placed_b(i))); });
+    });
   }
 
   /// The contacts of poses begin to end, one pose after the other, and how many each has.
-  nb::tuple contacts(double margin, std::size_t begin, std::size_t end, const NeighborRings* rings) {
+  std::pair<RecordArray, IdArray> contacts(double margin, std::size_t begin, std::size_t end,
+                                           const NeighborRings* rings) {
     const Reading reading_a = reading(a_), reading_b = reading(b_);
     require_within(end);
     std::vector<std::vector<Contact>> found(end - std::min(begin, end));
@@ -101,8 +97,8 @@ class Batch {
         all.insert(all.end(), part.begin(), part.end());
       }
     });
-    return nb::make_tuple(array_of(std::span<const Contact>(all), dtypes().contact),
-                          array_of(std::span<const std::uint32_t>(counts)));
+    return {array_of(std::span<const Contact>(all), dtypes().contact),
+            array_of(std::span<const std::uint32_t>(counts))};
   }
 
  private:
@@ -136,35 +132,23 @@ class Batch {
   std::optional<std::size_t> size_;
 };
 
-void run_distance(Batch& batch, nb::handle records, std::size_t begin, std::size_t end, double relative_error,
+void run_distance(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double relative_error,
                   double absolute_error, double max_distance) {
   const DistanceOptions options{relative_error, absolute_error, max_distance};
-  batch.run<DistanceRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
-    return record_of(limber::distance(a, b, options));
-  });
+  batch.run(records, begin, end, [&](const Placed& a, const Placed& b) { return distance(a, b, options); });
 }
 
-void run_distance_at(Batch& batch, nb::handle records, std::size_t i, double relative_error, double absolute_error,
-                     double max_distance) {
-  const DistanceOptions options{relative_error, absolute_error, max_distance};
-  batch.run_at<DistanceRecord>(
-      records, i, [&](const Placed& a, const Placed& b) { return record_of(limber::distance(a, b, options)); });
+void run_collide(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end) {
+  batch.run(records, begin, end, [](const Placed& a, const Placed& b) { return collide(a, b); });
 }
 
-void run_collide(Batch& batch, nb::handle records, std::size_t begin, std::size_t end) {
-  batch.run<CollideRecord>(records, begin, end,
-                           [](const Placed& a, const Placed& b) { return record_of(limber::collide(a, b)); });
-}
-
-void run_within(Batch& batch, nb::handle records, std::size_t begin, std::size_t end, double max_distance) {
-  batch.run<CollideRecord>(records, begin, end, [&](const Placed& a, const Placed& b) {
-    return record_of(limber::within(a, b, max_distance));
-  });
+void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double max_distance) {
+  batch.run(records, begin, end, [&](const Placed& a, const Placed& b) { return within(a, b, max_distance); });
 }
 
 std::unique_ptr<oneapi::tbb::global_control> thread_limit;
 
-void set_thread_limit(nb::handle count) {
+void set_thread_limit(const WholeNumber& count) {
   const std::optional<int> threads = thread_count(count, "count");
   thread_limit.reset();
   if (!threads) return;
@@ -176,33 +160,17 @@ void set_thread_limit(nb::handle count) {
 
 void bind_batch(nb::module_& m) {
   nb::class_<Batch>(m, "Batch", "Two models and many poses.")
-      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, nb::handle, nb::handle, nb::handle>(), "a"_a,
-           "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none(),
-           nb::sig("def __init__(self, a: Model, b: Model, poses_a: PosesLike, poses_b: PosesLike, "
-                   "threads: int | None = None) -> None"))
+      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, PosesLike, PosesLike, WholeNumber>(), "a"_a,
+           "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none())
       .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
       .def("distance", &run_distance, "records"_a, "begin"_a, "end"_a, "relative_error"_a, "absolute_error"_a,
-           "max_distance"_a,
-           nb::sig("def distance(self, records: RecordArray, begin: int, end: int, relative_error: float, "
-                   "absolute_error: float, max_distance: float) -> None"),
-           "Writes the distances of poses begin to end.")
-      .def("distance_at", &run_distance_at, "records"_a, "i"_a, "relative_error"_a, "absolute_error"_a,
-           "max_distance"_a,
-           nb::sig("def distance_at(self, records: RecordArray, i: int, relative_error: float, "
-                   "absolute_error: float, max_distance: float) -> None"),
-           "Writes the distance of pose i to the first record.")
-      .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a,
-           nb::sig("def collide(self, records: RecordArray, begin: int, end: int) -> None"),
-           "Writes the collisions of poses begin to end.")
+           "max_distance"_a, "Writes the distances of poses begin to end.")
+      .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a, "Writes the collisions of poses begin to end.")
       .def("within", &run_within, "records"_a, "begin"_a, "end"_a, "max_distance"_a,
-           nb::sig("def within(self, records: RecordArray, begin: int, end: int, max_distance: float) -> None"),
            "Writes the answers of within() for poses begin to end.")
       .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
-           nb::sig("def contacts(self, margin: float, begin: int, end: int, rings: NeighborRings | None) "
-                   "-> tuple[RecordArray, IdArray]"),
            "Contacts of poses begin to end, and how many each pose has.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
-        nb::sig("def set_thread_limit(count: int | None) -> None"),
         "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
         "limit.\n\n"
         "Raises   ValueError for other numbers.\n"

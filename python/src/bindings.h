@@ -4,32 +4,230 @@
 
 #include <nanobind/nanobind.h>
 
-/// The parts of the module, one for each theme.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "limber/base.h"
+#include "limber/distance.h"
+#include "limber/elements.h"
+#include "limber/model.h"
+
+/// What the parts of the module share: names of types, errors, the GIL, and who uses an object.
 namespace limber::python {
 
-using nanobind::literals::operator""_a;
+namespace nb = nanobind;
+using nb::literals::operator""_a;
+
+void bind_records(nb::module_& module);
+void bind_results(nb::module_& module);
+void bind_model(nb::module_& module);
+void bind_queries(nb::module_& module);
+void bind_contacts(nb::module_& module);
+void bind_elements(nb::module_& module);
+void bind_points(nb::module_& module);
+void bind_scene(nb::module_& module);
+void bind_batch(nb::module_& module);
+
+// --- signatures ---
+
+template <std::size_t size>
+struct Text {
+  consteval Text(const char (&text)[size]) { std::copy_n(text, size, characters); }
+  char characters[size];
+};
+
+/// Any object of Python. Signatures call it by a name of limber3d.typing; whoever takes it checks what it is.
+template <Text name>
+class Named : public nb::object {
+ public:
+  static constexpr auto Name = nb::detail::const_name(name.characters);  // NOLINT(readability-identifier-naming)
+  Named(nb::handle value, nb::detail::borrow_t tag) : nb::object(value, tag) {}
+  Named(nb::handle value, nb::detail::steal_t tag) : nb::object(value, tag) {}
+  Named(nb::object&& value) : nb::object(std::move(value)) {}
+  static bool check_(nb::handle) { return true; }
+};
+
+using ArrayLike = Named<"ArrayLike">;
+using PoseLike = Named<"PoseLike">;
+using PosesLike = Named<"PosesLike">;
+using FloatArray = Named<"FloatArray">;
+using IdArray = Named<"IdArray">;
+using RecordArray = Named<"RecordArray">;
+
+/// The argument max_distance, without a limit unless it is given.
+inline auto max_distance_argument() {
+  return nb::arg("max_distance").sig("float('inf')") = std::numeric_limits<double>::infinity();
+}
+
+// --- errors ---
+
+/// Raises the exception of limber3d.errors that stands for the error. Pre: the GIL is held.
+[[noreturn]] void raise(const Error& error);
+
+template <typename T>
+T value_or_raise(Result<T> result) {
+  if (!result) raise(result.error());
+  return std::move(result).value();
+}
+
+inline void value_or_raise(const Result<void>& result) {
+  if (!result) raise(result.error());
+}
+
+// --- the GIL ---
+
+/// Other threads of Python may run while this lives.
+///
+/// Where Python has ended meanwhile, the thread stops in the destructor for good, as Python has it from 3.14 on.
+/// Earlier versions end the thread by unwinding its stack, which the C++ in between does not allow: the process would
+/// abort.
+class Released {
+ public:
+  Released() : state_(PyEval_SaveThread()) {}
+  Released(const Released&) = delete;
+  Released& operator=(const Released&) = delete;
+  ~Released() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (...) {  // nothing but that unwinding comes out of a function in C
+      while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+  }
+
+ private:
+  PyThreadState* state_;
+};
+
+/// Calls `work` without the GIL, unless it is needed: for a filter in Python.
+template <typename Work>
+auto without_gil_unless(bool is_needed, const Work& work) {
+  std::optional<Released> released;
+  if (!is_needed) released.emplace();
+  return work();
+}
+
+template <typename Work>
+auto without_gil(const Work& work) {
+  return without_gil_unless(false, work);
+}
+
+// --- who uses an object ---
+
+/// Somebody else uses the object in a way that excludes the call. Python sees limber3d.BusyError.
+class Busy : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Counts the users of an object: any number of readers, or one that changes it. Nobody waits: a call that may not go
+/// on throws Busy.
+class Users {
+  struct EndReading {
+    void operator()(Users* users) const { users->count_.fetch_sub(1, std::memory_order_release); }
+  };
+  struct EndChanging {
+    void operator()(Users* users) const { users->count_.store(0, std::memory_order_release); }
+  };
+
+ public:
+  using Reading = std::unique_ptr<Users, EndReading>;
+  using Changing = std::unique_ptr<Users, EndChanging>;
+
+  /// The object is read for as long as the result lives.
+  [[nodiscard]] Reading read(const char* refusal) {
+    int users = count_.load(std::memory_order_relaxed);
+    do {
+      if (users < 0) throw Busy(refusal);
+    } while (!count_.compare_exchange_weak(users, users + 1, std::memory_order_acquire, std::memory_order_relaxed));
+    return Reading(this);
+  }
+
+  /// The object is changed for as long as the result lives.
+  [[nodiscard]] Changing change(const char* refusal) {
+    int nobody = 0;
+    if (!count_.compare_exchange_strong(nobody, -1, std::memory_order_acquire, std::memory_order_relaxed)) {
+      throw Busy(refusal);
+    }
+    return Changing(this);
+  }
+
+ private:
+  std::atomic<int> count_ = 0;  // of readers; -1 while the object is changed
+};
+
+using Reading = Users::Reading;
+using Changing = Users::Changing;
+
+/// A model, who uses it, and its edges once they have been asked for.
+struct ModelObject {
+  explicit ModelObject(Model built) : model(std::move(built)) {}
+
+  Model model;
+  Users users;
+  std::mutex edges_mutex;
+  std::shared_ptr<const MeshEdges> edges;  // until reset()
+};
+
+[[nodiscard]] inline Reading reading(ModelObject& object) {
+  return object.users.read("the model is being changed by another thread, or by a call that has not returned");
+}
+
+[[nodiscard]] inline Changing changing(ModelObject& object) {
+  return object.users.change("the model is in use by another thread, or by a query that has not returned");
+}
+
+/// The edges of a model, which are built when they are first asked for. Pre: the model is being read.
+std::shared_ptr<const MeshEdges> edges_of(ModelObject& object);
+
+/// A cache, and who uses it.
+template <typename Cache>
+struct CacheObject {
+  template <typename... Arguments>
+  explicit CacheObject(Arguments... arguments) : cache(arguments...) {}
+
+  Cache cache;
+  Users users;
+};
+using QueryCacheObject = CacheObject<QueryCache>;
+
+/// The cache that a query uses, if it was given one.
+template <typename Cache>
+class Used {
+ public:
+  explicit Used(CacheObject<Cache>* object) : object_(object) {
+    if (object == nullptr) return;
+    changing_ = object->users.change("the cache is in use by another thread, or by a query that has not returned");
+  }
+  Cache* get() const { return object_ != nullptr ? &object_->cache : nullptr; }
+
+ private:
+  CacheObject<Cache>* object_;
+  Changing changing_;
+};
+
+template <typename Cache>
+void clear(CacheObject<Cache>& object) {
+  Used(&object).get()->clear();
+}
 
 /// How Python's garbage collector sees objects that keep others alive: through visit_references() of class T. A cycle
 /// through such an object passes through the dictionary of an object too, where the collector breaks it.
 template <typename T>
 int traverse(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
-  if (!nanobind::inst_ready(self)) return 0;
-  return nanobind::inst_ptr<T>(self)->visit_references(visit, arg);
+  if (!nb::inst_ready(self)) return 0;
+  return nb::inst_ptr<T>(self)->visit_references(visit, arg);
 }
 template <typename T>
 inline PyType_Slot collectable[] = {{Py_tp_traverse, reinterpret_cast<void*>(&traverse<T>)}, {0, nullptr}};
-
-void bind_errors(nanobind::module_& module);
-void bind_results(nanobind::module_& module);
-void bind_model(nanobind::module_& module);
-void bind_queries(nanobind::module_& module);
-void bind_contacts(nanobind::module_& module);
-void bind_self_queries(nanobind::module_& module);
-void bind_elements(nanobind::module_& module);
-void bind_points(nanobind::module_& module);
-void bind_scene(nanobind::module_& module);
-void bind_batch(nanobind::module_& module);
-void bind_mesh_files(nanobind::module_& module);
 
 }  // namespace limber::python

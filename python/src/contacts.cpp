@@ -2,45 +2,99 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <limits>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "docstrings.h"
-#include "found_pairs.h"
 #include "limber/limber.h"
-#include "model_object.h"
-#include "query_arguments.h"
 #include "records.h"
 
 namespace limber::python {
 namespace {
 
-PairOptions with_faces(PairOptions options, std::optional<OrientedFaces> oriented_faces) {
-  options.oriented_faces = oriented_faces;
-  return options;
+using TriangleFilter = Named<"TriangleFilter">;
+using Filter = PairFilter<TrianglePairFilter>;
+
+/// The thread that runs handlers of signals, and that does not outlive Python.
+unsigned long main_thread = 0;
+
+/// Raises what the handler of a signal raises, such as KeyboardInterrupt. Does nothing except in the main thread.
+void look_for_signals() {
+  if (PyThread_get_thread_ident() != main_thread) return;
+  const nb::gil_scoped_acquire acquired;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-nb::object intersections_of(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, nb::handle filter,
-                            std::optional<std::size_t> max_count) {
+/// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search.
+template <typename Pair, typename Search>
+std::vector<Pair> collected(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
+                            std::optional<std::size_t> max_count, const Search& search) {
+  std::vector<Pair> found;
+  if (max_count == 0) return found;
+  const Filter which(filter);
+  without_gil_unless(which.needs_gil(), [&] {
+    search(
+        [&](const Pair& pair) {
+          found.push_back(pair);
+          constexpr std::size_t pairs_between_looks = 1 << 16;  // some ten milliseconds
+          if (found.size() % pairs_between_looks == 0) look_for_signals();
+          return found.size() != max_count;
+        },
+        PairOptions{which.get(), oriented_faces});
+  });
+  return found;
+}
+
+template <typename Search>
+IdArray found_pairs(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
+  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, std::nullopt, max_count, search);
+  return array_of(std::span<const TrianglePair>(found), nb::str("uint32"), {found.size(), 2});
+}
+
+template <typename Search>
+RecordArray found_contacts(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
+                           std::optional<std::size_t> max_count, const Search& search) {
+  const std::vector<Contact> found = collected<Contact>(filter, oriented_faces, max_count, search);
+  return array_of(std::span<const Contact>(found), dtypes().contact);
+}
+
+/// The contacts that search(room, options) writes, for room of that many.
+template <typename Search>
+RecordArray found_closest(nb::handle filter, std::optional<OrientedFaces> oriented_faces, std::size_t room,
+                          const Search& search) {
+  const Filter which(filter);
+  std::vector<Contact> found(room);
+  const PairCount count = without_gil_unless(which.needs_gil(), [&] {
+    return search(found, PairOptions{which.get(), oriented_faces});
+  });
+  return array_of(std::span<const Contact>(found).first(count.count), dtypes().contact);
+}
+
+IdArray intersections_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+                         const TriangleFilter& filter, std::optional<std::size_t> max_count) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_pairs(filter, max_count, [&](auto visit, const PairOptions& options) {
     visit_intersections(pair.a(), pair.b(), visit, options);
   });
 }
 
-nb::object contacts_of(ModelObject& a, ModelObject& b, double margin, nb::handle pose_a, nb::handle pose_b,
-                       nb::handle filter, std::optional<std::size_t> max_count,
-                       std::optional<OrientedFaces> oriented_faces) {
+RecordArray contacts_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
+                        const TriangleFilter& filter, std::optional<std::size_t> max_count,
+                        std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_contacts(pair.a(), pair.b(), margin, visit, with_faces(options, oriented_faces));
+  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+    visit_contacts(pair.a(), pair.b(), margin, visit, options);
   });
 }
 
@@ -49,17 +103,19 @@ std::size_t most_pairs(const ModelObject& a, const ModelObject& b) {
   return a.model.mesh().triangles().size() * b.model.mesh().triangles().size();
 }
 
-nb::object closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, nb::handle pose_a, nb::handle pose_b,
-                            nb::handle filter, std::optional<OrientedFaces> oriented_faces) {
+RecordArray closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, const PoseLike& pose_a,
+                             const PoseLike& pose_b, const TriangleFilter& filter,
+                             std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_closest(filter, std::min(count, most_pairs(a, b)),
+  return found_closest(filter, oriented_faces, std::min(count, most_pairs(a, b)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return closest_pairs(pair.a(), pair.b(), room, with_faces(options, oriented_faces));
+                         return closest_pairs(pair.a(), pair.b(), room, options);
                        });
 }
 
 /// The kept contacts and their patches.
-nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size_t max_points) {
+std::pair<RecordArray, IdArray> reduce(const RecordArray& contacts, double radius, double max_angle,
+                                       std::size_t max_points) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   const nb::object given = numpy.attr("asarray")(contacts);
   // Arrays that NumPy has put together have the fields, at other places.
@@ -77,49 +133,49 @@ nb::tuple reduce(nb::object contacts, double radius, double max_angle, std::size
   std::vector<std::uint32_t> patches(count);
   const ReductionOptions options{.radius = radius, .max_angle = max_angle, .max_points = max_points};
   const std::size_t kept = without_gil([&] { return reduce_contacts(all, options, patches); });
-  return nb::make_tuple(array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
-                        array_of(std::span<const std::uint32_t>(patches).first(kept)));
+  return {array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
+          array_of(std::span<const std::uint32_t>(patches).first(kept))};
 }
 
 // --- one model with itself ---
 
-CollideResult self_collide_of(ModelObject& model, nb::handle filter, CacheObject* cache) {
+CollideResult self_collide_of(ModelObject& model, const TriangleFilter& filter, QueryCacheObject* cache) {
   const Reading reading_model = reading(model);
-  const TriangleFilter which(filter);
+  const Filter which(filter);
   const Used used(cache);
   return without_gil_unless(which.needs_gil(), [&] { return self_collide(model.model, {which.get(), used.get()}); });
 }
 
 DistanceResult self_distance_of(ModelObject& model, double relative_error, double absolute_error, double max_distance,
-                                nb::handle filter, CacheObject* cache) {
+                                const TriangleFilter& filter, QueryCacheObject* cache) {
   const Reading reading_model = reading(model);
-  const TriangleFilter which(filter);
+  const Filter which(filter);
   const Used used(cache);
   const SelfDistanceOptions options{relative_error, absolute_error, max_distance, which.get(), used.get()};
   return without_gil_unless(which.needs_gil(), [&] { return self_distance(model.model, options); });
 }
 
-nb::object self_intersections_of(ModelObject& model, nb::handle filter, std::optional<std::size_t> max_count) {
+IdArray self_intersections_of(ModelObject& model, const TriangleFilter& filter, std::optional<std::size_t> max_count) {
   const Reading guard = reading(model);
   return found_pairs(filter, max_count, [&](auto visit, const PairOptions& options) {
     visit_self_intersections(model.model, visit, options);
   });
 }
 
-nb::object self_contacts_of(ModelObject& model, double margin, nb::handle filter, std::optional<std::size_t> max_count,
-                            std::optional<OrientedFaces> oriented_faces) {
+RecordArray self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
+                             std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
-  return found_contacts(filter, max_count, [&](auto visit, const PairOptions& options) {
-    visit_self_contacts(model.model, margin, visit, with_faces(options, oriented_faces));
+  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+    visit_self_contacts(model.model, margin, visit, options);
   });
 }
 
-nb::object self_closest_pairs_of(ModelObject& model, std::size_t count, nb::handle filter,
-                                 std::optional<OrientedFaces> oriented_faces) {
+RecordArray self_closest_pairs_of(ModelObject& model, std::size_t count, const TriangleFilter& filter,
+                                  std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
-  return found_closest(filter, std::min(count, most_pairs(model, model)),
+  return found_closest(filter, oriented_faces, std::min(count, most_pairs(model, model)),
                        [&](std::span<Contact> room, const PairOptions& options) {
-                         return self_closest_pairs(model.model, room, with_faces(options, oriented_faces));
+                         return self_closest_pairs(model.model, room, options);
                        });
 }
 
@@ -150,62 +206,41 @@ Returns  An array of at most `count` contacts, limber3d.contact_dtype, with thes
          contact_fields();
 }
 
+void bind_self_queries(nb::module_& m) {
+  m.def("self_collide", &self_collide_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(), "cache"_a = nb::none(),
+        docs::self_collide);
+  m.def("self_distance", &self_distance_of, "model"_a, nb::kw_only(), "relative_error"_a = 0.0,
+        "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
+        docs::self_distance);
+  m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
+        "max_count"_a = nb::none(), pairs_documentation(docs::visit_self_intersections).c_str());
+  m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
+        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
+        contacts_documentation(docs::visit_self_contacts).c_str());
+  m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), "filter"_a = nb::none(),
+        "oriented_faces"_a = nb::none(), closest_documentation(docs::self_closest_pairs).c_str());
+}
+
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
+  main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
   m.def("intersections", &intersections_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
-        nb::sig("def intersections(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "filter: TriangleFilter = None, max_count: int | None = None) -> IdArray"),
         pairs_documentation(docs::visit_intersections).c_str());
   m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        nb::sig("def contacts(a: Model, b: Model, margin: float, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "filter: TriangleFilter = None, max_count: int | None = None, oriented_faces: OrientedFaces | None = "
-                "None) -> RecordArray"),
         contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        nb::sig("def closest_pairs(a: Model, b: Model, count: int, pose_a: PoseLike = None, pose_b: PoseLike = None, "
-                "*, filter: TriangleFilter = None, oriented_faces: OrientedFaces | None = None) -> RecordArray"),
         closest_documentation(docs::closest_pairs).c_str());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
-        nb::sig("def reduce_contacts(contacts: RecordArray, *, radius: float, max_angle: float = 0.5, "
-                "max_points: int = 4) -> tuple[RecordArray, IdArray]"),
         (std::string(docs::reduce_contacts) +
          "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nradius: " +
          docs::ReductionOptions_radius + "\n\nmax_angle: " + docs::ReductionOptions_max_angle +
          "\n\nmax_points: " + docs::ReductionOptions_max_points)
             .c_str());
-}
-
-void bind_self_queries(nb::module_& m) {
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
-  m.def("self_collide", &self_collide_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(), "cache"_a = nb::none(),
-        nb::sig("def self_collide(model: Model, *, filter: TriangleFilter = None, cache: QueryCache | None = None) "
-                "-> CollideResult"),
-        docs::self_collide);
-  m.def("self_distance", &self_distance_of, "model"_a, nb::kw_only(), "relative_error"_a = 0.0,
-        "absolute_error"_a = 0.0, "max_distance"_a = unlimited, "filter"_a = nb::none(), "cache"_a = nb::none(),
-        nb::sig("def self_distance(model: Model, *, relative_error: float = 0.0, absolute_error: float = 0.0, "
-                "max_distance: float = float('inf'), filter: TriangleFilter = None, cache: QueryCache | None = None) "
-                "-> DistanceResult"),
-        docs::self_distance);
-  m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(),
-        nb::sig("def self_intersections(model: Model, *, filter: TriangleFilter = None, "
-                "max_count: int | None = None) -> IdArray"),
-        pairs_documentation(docs::visit_self_intersections).c_str());
-  m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        nb::sig("def self_contacts(model: Model, margin: float, *, filter: TriangleFilter = None, "
-                "max_count: int | None = None, oriented_faces: OrientedFaces | None = None) -> RecordArray"),
-        contacts_documentation(docs::visit_self_contacts).c_str());
-  m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "oriented_faces"_a = nb::none(),
-        nb::sig("def self_closest_pairs(model: Model, count: int, *, filter: TriangleFilter = None, oriented_faces: "
-                "OrientedFaces | None = None) -> RecordArray"),
-        closest_documentation(docs::self_closest_pairs).c_str());
+  bind_self_queries(m);
 }
 
 }  // namespace limber::python

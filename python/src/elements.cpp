@@ -1,50 +1,47 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "arguments.h"
 #include "bindings.h"
 #include "docstrings.h"
 #include "limber/limber.h"
-#include "model_object.h"
-#include "query_arguments.h"
 #include "records.h"
 
 namespace limber::python {
 namespace {
 
-struct FoundElements {
-  std::vector<VertexFacePair> vertex_face;
-  std::vector<EdgeEdgePair> edge_edge;
-
-  nb::tuple arrays() const {
-    return nb::make_tuple(array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
-                          array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge));
-  }
-};
+using RecordArrays = std::pair<RecordArray, RecordArray>;
 
 /// The pairs that search(visitor, visitor) visits, without the GIL.
 template <typename Search>
-nb::tuple found_elements(const Search& search) {
-  FoundElements found;
+RecordArrays found_elements(const Search& search) {
+  std::vector<VertexFacePair> vertex_face;
+  std::vector<EdgeEdgePair> edge_edge;
   without_gil([&] {
-    search([&](const VertexFacePair& pair) { return found.vertex_face.push_back(pair), true; },
-           [&](const EdgeEdgePair& pair) { return found.edge_edge.push_back(pair), true; });
+    search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
+           [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; });
   });
-  return found.arrays();
+  return {array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
+          array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge)};
 }
 
-nb::tuple element_pairs_of(ModelObject& a, ModelObject& b, double margin, nb::handle pose_a, nb::handle pose_b) {
+RecordArrays element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
+                              const PoseLike& pose_b) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_elements([&](auto vertex_face, auto edge_edge) {
     visit_element_pairs(pair.a(), *edges_of(a), pair.b(), *edges_of(b), margin, vertex_face, edge_edge);
   });
 }
 
-nb::tuple self_element_pairs_of(ModelObject& model, double margin) {
+RecordArrays self_element_pairs_of(ModelObject& model, double margin) {
   const Reading guard = reading(model);
   return found_elements([&](auto vertex_face, auto edge_edge) {
     visit_self_element_pairs(model.model, *edges_of(model), margin, vertex_face, edge_edge);
@@ -83,17 +80,17 @@ void bind_elements(nb::module_& m) {
       .def("__len__", [](const EdgesObject& self) { return self.edges->size(); })
       .def_prop_ro(
           "vertices", [](const EdgesObject& self) { return array_of(self.edges->vertices()); },
-          nb::sig("def vertices(self) -> IdArray"), docs::MeshEdges_vertices)
+          docs::MeshEdges_vertices)
       .def_prop_ro(
           "of_triangles", [](const EdgesObject& self) { return array_of(self.edges->of_triangles()); },
-          nb::sig("def of_triangles(self) -> IdArray"), docs::MeshEdges_of_triangles)
+          docs::MeshEdges_of_triangles)
       .def_prop_ro(
           "representatives", [](const EdgesObject& self) { return array_of(self.edges->representatives()); },
-          nb::sig("def representatives(self) -> IdArray"), docs::MeshEdges_representatives)
+          docs::MeshEdges_representatives)
       .def_prop_ro(
           "vertex_representatives",
           [](const EdgesObject& self) { return array_of(self.edges->vertex_representatives()); },
-          nb::sig("def vertex_representatives(self) -> IdArray"), docs::MeshEdges_vertex_representatives);
+          docs::MeshEdges_vertex_representatives);
   nb::class_<NeighborRings>(m, "NeighborRings", docs::NeighborRings)
       .def(
           "__init__",
@@ -106,11 +103,8 @@ void bind_elements(nb::module_& m) {
       .def_prop_ro("triangle_count", &NeighborRings::triangle_count, "Triangles of the mesh.")
       .def_prop_ro("pair_count", &NeighborRings::pair_count, docs::NeighborRings_pair_count);
   m.def("element_pairs", &element_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::sig("def element_pairs(a: Model, b: Model, margin: float, pose_a: PoseLike = None, "
-                "pose_b: PoseLike = None) -> tuple[RecordArray, RecordArray]"),
         element_pairs_documentation(docs::visit_element_pairs).c_str());
   m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a,
-        nb::sig("def self_element_pairs(model: Model, margin: float) -> tuple[RecordArray, RecordArray]"),
         element_pairs_documentation(docs::visit_self_element_pairs).c_str());
 }
 

@@ -1,21 +1,25 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "docstrings.h"
-#include "errors.h"
+#include "limber/io.h"
 #include "limber/limber.h"
-#include "model_object.h"
-#include "query_arguments.h"
 #include "records.h"
 #include "value_class.h"
 
@@ -39,9 +43,11 @@ void with_mesh(nb::handle vertices, nb::handle faces, const Use& use) {
   if (error) raise(*error);
 }
 
+using MeshArgument = Named<"ArrayLike | MeshLike">;
+
 /// The vertices and faces that the arguments of a model stand for: two arrays, or an object that has both.
-std::pair<nb::object, nb::object> mesh_arrays(nb::object vertices, nb::object faces) {
-  if (!faces.is_none()) return {std::move(vertices), std::move(faces)};
+std::pair<nb::object, nb::object> mesh_arrays(const nb::object& vertices, const nb::object& faces) {
+  if (!faces.is_none()) return {vertices, faces};
   for (const char* const name : {"faces", "triangles"}) {
     if (nb::hasattr(vertices, "vertices") && nb::hasattr(vertices, name)) {
       return {vertices.attr("vertices"), vertices.attr(name)};
@@ -50,31 +56,31 @@ std::pair<nb::object, nb::object> mesh_arrays(nb::object vertices, nb::object fa
   throw nb::type_error("Model: expected vertices and faces, or a mesh that has them: vertices and faces or triangles");
 }
 
-void construct(ModelObject* self, nb::object vertices, nb::object faces, double motion_margin,
+void construct(ModelObject* self, const MeshArgument& vertices, const ArrayLike& faces, double motion_margin,
                RebuildPolicy rebuild_policy, std::optional<double> rebuild_budget_us, bool preallocate) {
   const ModelOptions options{.motion_margin = motion_margin,
                              .rebuild_policy = rebuild_policy,
                              .rebuild_budget_us = rebuild_budget_us,
                              .preallocate = preallocate};
-  const auto [positions, triangles] = mesh_arrays(std::move(vertices), std::move(faces));
+  const auto [positions, triangles] = mesh_arrays(vertices, faces);
   with_mesh(positions, triangles, [&](Mesh mesh) { new (self) ModelObject(Model(std::move(mesh), options)); });
 }
 
-void reset(ModelObject& self, nb::object vertices, nb::object faces) {
-  const auto [positions, triangles] = mesh_arrays(std::move(vertices), std::move(faces));
+void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& faces) {
+  const auto [positions, triangles] = mesh_arrays(vertices, faces);
   const Changing guard = changing(self);
   with_mesh(positions, triangles, [&](Mesh mesh) { self.model.reset(std::move(mesh)); });
   self.edges.reset();
 }
 
-void move_vertices(ModelObject& self, nb::handle ids, nb::handle positions) {
-  const Ids vertices(ids, "ids");
+void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
+  const std::vector<std::uint32_t> vertices = ids_from(ids, "ids");
   const Positions moved(positions, "positions");
   const Changing guard = changing(self);
-  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices.view(), moved.view()); }));
+  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices, moved.view()); }));
 }
 
-void move_all(ModelObject& self, nb::handle positions) {
+void move_all(ModelObject& self, const ArrayLike& positions) {
   const Positions moved(positions, "positions");
   const Changing guard = changing(self);
   value_or_raise(without_gil([&] { return self.model.move_all(moved.view()); }));
@@ -93,11 +99,11 @@ auto read(ModelObject& self, const Read& read_model) {
   return read_model(static_cast<const Model&>(self.model));
 }
 
-nb::object vertices_of(ModelObject& self) {
+FloatArray vertices_of(ModelObject& self) {
   return read(self, [](const Model& m) { return array_of(std::span<const Vec3>(m.mesh().positions())); });
 }
 
-nb::dict options_of(ModelObject& self) {
+Named<"ModelOptions"> options_of(ModelObject& self) {
   const ModelOptions o = read(self, [](const Model& m) { return m.options(); });
   nb::dict options;
   options["motion_margin"] = o.motion_margin;
@@ -107,7 +113,7 @@ nb::dict options_of(ModelObject& self) {
   return options;
 }
 
-nb::object faces_of(ModelObject& self) {
+IdArray faces_of(ModelObject& self) {
   return read(self, [](const Model& m) { return array_of(std::span<const Corners>(m.mesh().triangles())); });
 }
 
@@ -122,7 +128,7 @@ nb::tuple state_of(nb::handle_t<ModelObject> self) {
 void restore(nb::pointer_and_handle<ModelObject> self, const nb::tuple& state) {
   if (state.size() != 4) throw nb::value_error("the state is not that of a model");
   const nb::dict options = nb::cast<nb::dict>(state[2]);
-  construct(self.p, state[0], state[1], nb::cast<double>(options["motion_margin"]),
+  construct(self.p, nb::object(state[0]), nb::object(state[1]), nb::cast<double>(options["motion_margin"]),
             nb::cast<RebuildPolicy>(options["rebuild_policy"]),
             nb::cast<std::optional<double>>(options["rebuild_budget_us"]), nb::cast<bool>(options["preallocate"]));
   if (!state[3].is_none()) nb::getattr(self.h, "__dict__").attr("update")(state[3]);
@@ -142,6 +148,45 @@ void bind_stats(nb::module_& m) {
       .field("motion_margin", &MaintenanceStats::motion_margin, docs::MaintenanceStats_motion_margin)
       .field("rebuilt_triangles", &MaintenanceStats::rebuilt_triangles, docs::MaintenanceStats_rebuilt_triangles)
       .field("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
+}
+
+std::tuple<FloatArray, IdArray, IdArray> mesh_file(const std::filesystem::path& path) {
+  const MeshFile file = value_or_raise(without_gil([&] { return read_mesh_file(path); }));
+  return {array_of(std::span<const Vec3>(file.mesh.positions())),
+          array_of(std::span<const Corners>(file.mesh.triangles())),
+          array_of(std::span<const std::uint32_t>(file.face_of_triangle))};
+}
+
+void open_sequence(MeshSequence* self, const std::filesystem::path& first) {
+  new (self) MeshSequence(value_or_raise(without_gil([&] { return MeshSequence::open(first); })));
+}
+
+FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& path, std::size_t frame) {
+  const std::vector<Vec3> positions = value_or_raise(without_gil([&] { return self.read_positions(path, frame); }));
+  return array_of(std::span<const Vec3>(positions));
+}
+
+void bind_mesh_files(nb::module_& m) {
+  m.def(
+      "read_mesh_file", &mesh_file, "path"_a,
+      nb::sig("def read_mesh_file(path: str | os.PathLike[str]) -> tuple[FloatArray, IdArray, IdArray]"),
+      (std::string(docs::read_mesh_file) +
+       "\n\nReturns  Vertices (v, 3), triangles (n, 3), and the file's own face, counted from 0, behind each triangle.")
+          .c_str());
+  nb::class_<MeshSequence>(m, "MeshSequence", docs::MeshSequence)
+      .def("__init__", &open_sequence, "first_frame"_a,
+           nb::sig("def __init__(self, first_frame: str | os.PathLike[str]) -> None"), docs::MeshSequence_open)
+      .def_prop_ro(
+          "vertices",
+          [](const MeshSequence& self) { return array_of(std::span<const Vec3>(self.first().mesh.positions())); },
+          "Vertices of the first frame.")
+      .def_prop_ro(
+          "faces",
+          [](const MeshSequence& self) { return array_of(std::span<const Corners>(self.first().mesh.triangles())); },
+          "Triangles of every frame.")
+      .def("read_positions", &positions_in, "path"_a, "frame"_a,
+           nb::sig("def read_positions(self, path: str | os.PathLike[str], frame: int) -> FloatArray"),
+           docs::MeshSequence_read_positions);
 }
 
 constexpr const char* constructor_doc = R"(A model of a mesh.
@@ -170,6 +215,7 @@ std::shared_ptr<const MeshEdges> edges_of(ModelObject& object) {
 
 void bind_model(nb::module_& m) {
   bind_stats(m);
+  bind_mesh_files(m);
   nb::enum_<RebuildPolicy>(m, "RebuildPolicy", docs::RebuildPolicy)
       .value("off", RebuildPolicy::off, docs::RebuildPolicy_off)
       .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)
@@ -185,15 +231,9 @@ Busy     A call that would change a model while another thread uses it raises Bu
                               .c_str())
       .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a = 0.0,
            "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
-           "preallocate"_a = false,
-           nb::sig("def __init__(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None, *, "
-                   "motion_margin: float = 0.0, rebuild_policy: RebuildPolicy = ..., "
-                   "rebuild_budget_us: float | None = None, preallocate: bool = False) -> None"),
-           constructor_documentation().c_str())
-      .def("move_vertices", &move_vertices, "ids"_a, "positions"_a,
-           nb::sig("def move_vertices(self, ids: ArrayLike, positions: ArrayLike) -> None"), docs::Model_move_vertices)
-      .def("move_all", &move_all, "positions"_a, nb::sig("def move_all(self, positions: ArrayLike) -> None"),
-           docs::Model_move_all)
+           "preallocate"_a = false, constructor_documentation().c_str())
+      .def("move_vertices", &move_vertices, "ids"_a, "positions"_a, docs::Model_move_vertices)
+      .def("move_all", &move_all, "positions"_a, docs::Model_move_all)
       .def(
           "commit", [](ModelObject& self) { changed(self, [](Model& model) { model.commit(); }); }, docs::Model_commit)
       .def(
@@ -205,9 +245,7 @@ Busy     A call that would change a model while another thread uses it raises Bu
             changed(self, [&](Model& model) { model.set_motion_margin(margin); });
           },
           "motion_margin"_a, docs::Model_set_motion_margin)
-      .def("reset", &reset, "vertices"_a, "faces"_a = nb::none(),
-           nb::sig("def reset(self, vertices: ArrayLike | MeshLike, faces: ArrayLike | None = None) -> None"),
-           docs::Model_reset)
+      .def("reset", &reset, "vertices"_a, "faces"_a = nb::none(), docs::Model_reset)
       .def(
           "validate",
           [](ModelObject& self) {
@@ -219,12 +257,9 @@ Busy     A call that would change a model while another thread uses it raises Bu
           "is_committed",
           [](ModelObject& self) { return read(self, [](const Model& model) { return model.is_committed(); }); },
           docs::Model_is_committed)
-      .def_prop_ro("vertices", &vertices_of, nb::sig("def vertices(self) -> FloatArray"),
-                   "A copy of the positions, moves included: shape (v, 3), float64.")
-      .def_prop_ro("faces", &faces_of, nb::sig("def faces(self) -> IdArray"),
-                   "A copy of the triangles: shape (n, 3), uint32.")
-      .def_prop_ro("options", &options_of, nb::sig("def options(self) -> ModelOptions"),
-                   "The options that the model has, by name.")
+      .def_prop_ro("vertices", &vertices_of, "A copy of the positions, moves included: shape (v, 3), float64.")
+      .def_prop_ro("faces", &faces_of, "A copy of the triangles: shape (n, 3), uint32.")
+      .def_prop_ro("options", &options_of, "The options that the model has, by name.")
       .def_prop_ro(
           "tree_stats",
           [](ModelObject& self) { return read(self, [](const Model& model) { return model.tree_stats(); }); },

@@ -3,91 +3,107 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
-#include <limits>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 
+#include "arguments.h"
 #include "bindings.h"
 #include "docstrings.h"
 #include "limber/limber.h"
-#include "model_object.h"
-#include "poses.h"
-#include "query_arguments.h"
 
 namespace limber::python {
 namespace {
 
-DistanceResult distance(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, double relative_error,
-                        double absolute_error, double max_distance, const BudgetObject* budget, CacheObject* cache) {
+/// What ends a query from another thread.
+struct CancelFlag {
+  std::atomic<bool> flag = false;
+};
+
+/// A budget. Whoever creates it keeps the flag alive.
+struct BudgetObject {
+  /// `deadline` counts the seconds of time.monotonic().
+  ///
+  /// Throws   nb::value_error for a deadline that is not a number.
+  BudgetObject(std::optional<double> deadline, std::optional<std::uint64_t> max_steps, const CancelFlag* cancel) {
+    if (deadline) {
+      if (std::isnan(*deadline)) throw nb::value_error("deadline: expected seconds of time.monotonic(); got nan");
+      // Python's time.monotonic() and this clock are the same clock of the system. A century is as good as for ever.
+      using Clock = std::chrono::steady_clock;
+      constexpr double century_s = 3.2e9;
+      const std::chrono::duration<double> since_start(std::clamp(*deadline, 0.0, century_s));
+      budget.deadline = Clock::time_point(std::chrono::duration_cast<Clock::duration>(since_start));
+    }
+    if (max_steps) budget.max_steps = *max_steps;
+    if (cancel != nullptr) budget.cancel = &cancel->flag;
+  }
+
+  QueryBudget budget;
+};
+
+/// The budget that a query gets: without limits if Python gave none.
+QueryBudget budget_of(const BudgetObject* budget) { return budget != nullptr ? budget->budget : QueryBudget{}; }
+
+DistanceResult distance_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+                           double relative_error, double absolute_error, double max_distance,
+                           const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
   const DistanceOptions options{relative_error, absolute_error, max_distance, used.get(), budget_of(budget)};
-  return without_gil([&] { return limber::distance(pair.a(), pair.b(), options); });
+  return without_gil([&] { return distance(pair.a(), pair.b(), options); });
 }
 
-CollideResult collide(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b, const BudgetObject* budget,
-                      CacheObject* cache) {
+CollideResult collide_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+                         const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
-  return without_gil([&] { return limber::collide(pair.a(), pair.b(), {used.get(), budget_of(budget)}); });
+  return without_gil([&] { return collide(pair.a(), pair.b(), {used.get(), budget_of(budget)}); });
 }
 
-CollideResult within(ModelObject& a, ModelObject& b, double max_distance, nb::handle pose_a, nb::handle pose_b,
-                     const BudgetObject* budget, CacheObject* cache) {
+CollideResult within_of(ModelObject& a, ModelObject& b, double max_distance, const PoseLike& pose_a,
+                        const PoseLike& pose_b, const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
-  return without_gil([&] { return limber::within(pair.a(), pair.b(), max_distance, {used.get(), budget_of(budget)}); });
+  return without_gil([&] { return within(pair.a(), pair.b(), max_distance, {used.get(), budget_of(budget)}); });
 }
 
 void bind_arguments(nb::module_& m) {
-  nb::class_<CacheObject>(m, "QueryCache", docs::QueryCache)
+  nb::class_<QueryCacheObject>(m, "QueryCache", docs::QueryCache)
       .def(nb::init<>())
-      .def(
-          "clear",
-          [](CacheObject& self) {
-            const Used used(&self);
-            used.get()->clear();
-          },
-          docs::QueryCache_clear);
+      .def("clear", &clear<QueryCache>, docs::QueryCache_clear);
   nb::class_<CancelFlag>(m, "CancelFlag", "Ends queries from another thread: those whose budget was given it.")
       .def(nb::init<>())
-      .def("set", &CancelFlag::set, "Ends the queries.")
-      .def("clear", &CancelFlag::clear, "Lets queries run again.")
-      .def("is_set", &CancelFlag::is_set, "Whether queries are to end.");
+      .def(
+          "set", [](CancelFlag& self) { self.flag = true; }, "Ends the queries.")
+      .def(
+          "clear", [](CancelFlag& self) { self.flag = false; }, "Lets queries run again.")
+      .def(
+          "is_set", [](const CancelFlag& self) { return self.flag.load(); }, "Whether queries are to end.");
   nb::class_<BudgetObject>(
       m, "QueryBudget",
       (std::string(docs::QueryBudget) + "\n\nA deadline is a value of time.monotonic(), in seconds.").c_str())
       .def(nb::init<std::optional<double>, std::optional<std::uint64_t>, const CancelFlag*>(), nb::kw_only(),
-           nb::keep_alive<1, 4>(), "deadline"_a = nb::none(), "max_steps"_a = nb::none(), "cancel"_a = nb::none(),
-           nb::sig("def __init__(self, *, deadline: float | None = None, max_steps: int | None = None, "
-                   "cancel: CancelFlag | None = None) -> None"));
+           nb::keep_alive<1, 4>(), "deadline"_a = nb::none(), "max_steps"_a = nb::none(), "cancel"_a = nb::none());
 }
 
 }  // namespace
 
 void bind_queries(nb::module_& m) {
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
   bind_arguments(m);
-  m.def("distance", &distance, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
-        "relative_error"_a = 0.0, "absolute_error"_a = 0.0, "max_distance"_a = unlimited, "budget"_a = nb::none(),
+  m.def("distance", &distance_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+        "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "budget"_a = nb::none(),
         "cache"_a = nb::none(),
-        nb::sig("def distance(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "relative_error: float = 0.0, absolute_error: float = 0.0, max_distance: float = float('inf'), "
-                "budget: QueryBudget | None = None, cache: QueryCache | None = None) -> DistanceResult"),
         (std::string(docs::distance) + "\n\nrelative_error: " + docs::DistanceOptions_relative_error +
          "\n\nabsolute_error: " + docs::DistanceOptions_absolute_error +
          "\n\nmax_distance: " + docs::DistanceOptions_max_distance)
             .c_str());
-  m.def("collide", &collide, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
-        "budget"_a = nb::none(), "cache"_a = nb::none(),
-        nb::sig("def collide(a: Model, b: Model, pose_a: PoseLike = None, pose_b: PoseLike = None, *, "
-                "budget: QueryBudget | None = None, cache: QueryCache | None = None) -> CollideResult"),
-        docs::collide);
-  m.def("within", &within, "a"_a, "b"_a, "max_distance"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "budget"_a = nb::none(), "cache"_a = nb::none(),
-        nb::sig("def within(a: Model, b: Model, max_distance: float, pose_a: PoseLike = None, pose_b: PoseLike = None, "
-                "*, budget: QueryBudget | None = None, cache: QueryCache | None = None) -> CollideResult"),
-        docs::within);
+  m.def("collide", &collide_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(), "cache"_a = nb::none(), docs::collide);
+  m.def("within", &within_of, "a"_a, "b"_a, "max_distance"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        nb::kw_only(), "budget"_a = nb::none(), "cache"_a = nb::none(), docs::within);
 }
 
 }  // namespace limber::python

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "records.h"
-#include "limber/distance.h"
 
 #include <initializer_list>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "docstrings.h"
 
@@ -18,118 +16,81 @@ constexpr Vec3 nowhere{not_a_number, not_a_number, not_a_number};
 
 Dtypes all_dtypes;
 
-/// A type of records, field by field. Places are read off an object, as the compiler has laid it out.
-class RecordType {
- public:
-  template <typename Record>
-  explicit RecordType(const Record& record)
-      : record_(reinterpret_cast<const unsigned char*>(&record)), bytes_(sizeof record) {}
-
-  template <typename Field>
-  RecordType& field(const char* name, nb::object format, const Field& place) {
-    names_.append(name);
-    formats_.append(format);
-    offsets_.append(reinterpret_cast<const unsigned char*>(&place) - record_);
-    return *this;
-  }
-  template <typename Field>
-  RecordType& field(const char* name, const char* format, const Field& place) {
-    return field(name, nb::str(format), place);
-  }
-
-  nb::object dtype() const {
-    nb::dict description;
-    description["names"] = names_;
-    description["formats"] = formats_;
-    description["offsets"] = offsets_;
-    description["itemsize"] = bytes_;
-    return nb::module_::import_("numpy").attr("dtype")(description);
-  }
-
- private:
-  const unsigned char* record_;
-  std::size_t bytes_;
-  nb::list names_, formats_, offsets_;
-};
-
-nb::object feature_dtype() {
-  const Feature f;
-  return RecordType(f).field("kind", "u1", f.kind).field("index", "u1", f.index).dtype();
+nb::object format_of(double) { return nb::str("f8"); }
+nb::object format_of(const Vec3&) { return nb::str("(3,)f8"); }
+nb::object format_of(const std::array<double, 3>&) { return nb::str("(3,)f8"); }
+nb::object format_of(std::uint32_t) { return nb::str("u4"); }
+nb::object format_of(bool) { return nb::str("?"); }
+template <typename Enum>
+requires std::is_enum_v<Enum> nb::object format_of(Enum) {
+  static_assert(sizeof(Enum) == 1);
+  return nb::str("u1");
 }
+nb::object format_of(std::uint8_t) { return nb::str("u1"); }
+nb::object format_of(const Feature& feature);
+
+/// A type of records. Places of fields are read off a record, as the compiler has laid it out.
+template <typename Record, typename... Fields>
+nb::object dtype_of(const Record& record, const std::array<const char*, sizeof...(Fields)>& names,
+                    const Fields&... fields) {
+  const auto place = [&](const auto& field) {
+    return reinterpret_cast<const unsigned char*>(&field) - reinterpret_cast<const unsigned char*>(&record);
+  };
+  nb::dict description;
+  nb::list all_names;
+  for (const char* const name : names) all_names.append(name);
+  description["names"] = all_names;
+  description["formats"] = nb::make_tuple(format_of(fields)...);
+  description["offsets"] = nb::make_tuple(place(fields)...);
+  description["itemsize"] = sizeof record;
+  return nb::module_::import_("numpy").attr("dtype")(description);
+}
+
+nb::object format_of(const Feature& f) { return dtype_of(f, {"kind", "index"}, f.kind, f.index); }
 
 nb::object distance_dtype() {
   const DistanceRecord r{};
-  return RecordType(r)
-      .field("lower", "f8", r.lower)
-      .field("upper", "f8", r.upper)
-      .field("point_a", "(3,)f8", r.point_a)
-      .field("point_b", "(3,)f8", r.point_b)
-      .field("triangle_a", "u4", r.triangle_a)
-      .field("triangle_b", "u4", r.triangle_b)
-      .field("status", "u1", r.status)
-      .field("stopped_by", "u1", r.stopped_by)
-      .dtype();
+  return dtype_of(r, {"lower", "upper", "point_a", "point_b", "triangle_a", "triangle_b", "status", "stopped_by"},
+                  r.lower, r.upper, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.status, r.stopped_by);
 }
 
 nb::object collide_dtype() {
   const CollideRecord r{};
-  return RecordType(r)
-      .field("is_yes", "?", r.is_yes)
-      .field("point_a", "(3,)f8", r.point_a)
-      .field("point_b", "(3,)f8", r.point_b)
-      .field("triangle_a", "u4", r.triangle_a)
-      .field("triangle_b", "u4", r.triangle_b)
-      .dtype();
+  return dtype_of(r, {"is_yes", "point_a", "point_b", "triangle_a", "triangle_b"}, r.is_yes, r.point_a, r.point_b,
+                  r.triangle_a, r.triangle_b);
 }
 
-nb::object surface_point_dtype(bool is_signed) {
+nb::object surface_point_dtype() {
   const SurfacePointRecord r{};
-  RecordType type(r);
-  type.field("distance", "f8", r.distance)
-      .field("position", "(3,)f8", r.position)
-      .field("barycentric", "(3,)f8", r.barycentric)
-      .field("triangle", "u4", r.triangle)
-      .field("feature", feature_dtype(), r.feature);
-  if (is_signed) type.field("is_inside", "?", r.is_inside);
-  return type.dtype();
+  return dtype_of(r, {"distance", "position", "barycentric", "triangle", "feature"}, r.distance, r.position,
+                  r.barycentric, r.triangle, r.feature);
+}
+
+nb::object signed_distance_dtype() {
+  const SurfacePointRecord r{};
+  return dtype_of(r, {"distance", "position", "barycentric", "triangle", "feature", "is_inside"}, r.distance,
+                  r.position, r.barycentric, r.triangle, r.feature, r.is_inside);
 }
 
 nb::object contact_dtype() {
   const Contact c;
-  return RecordType(c)
-      .field("distance", "f8", c.distance)
-      .field("depth", "f8", c.depth)
-      .field("point_a", "(3,)f8", c.point_a)
-      .field("point_b", "(3,)f8", c.point_b)
-      .field("normal", "(3,)f8", c.normal)
-      .field("feature_a", feature_dtype(), c.feature_a)
-      .field("feature_b", feature_dtype(), c.feature_b)
-      .field("normal_side", "u1", c.normal_side)
-      .field("triangle_a", "u4", c.triangle_a)
-      .field("triangle_b", "u4", c.triangle_b)
-      .dtype();
+  return dtype_of(c,
+                  {"distance", "depth", "point_a", "point_b", "normal", "feature_a", "feature_b", "normal_side",
+                   "triangle_a", "triangle_b"},
+                  c.distance, c.depth, c.point_a, c.point_b, c.normal, c.feature_a, c.feature_b, c.normal_side,
+                  c.triangle_a, c.triangle_b);
 }
 
 nb::object vertex_face_dtype() {
   const VertexFacePair p;
-  return RecordType(p)
-      .field("vertex", "u4", p.vertex)
-      .field("triangle", "u4", p.triangle)
-      .field("is_vertex_of_b", "?", p.is_vertex_of_b)
-      .field("distance", "f8", p.distance)
-      .field("weights", "(3,)f8", p.weights)
-      .dtype();
+  return dtype_of(p, {"vertex", "triangle", "is_vertex_of_b", "distance", "weights"}, p.vertex, p.triangle,
+                  p.is_vertex_of_b, p.distance, p.weights);
 }
 
 nb::object edge_edge_dtype() {
   const EdgeEdgePair p;
-  return RecordType(p)
-      .field("a", "u4", p.a)
-      .field("b", "u4", p.b)
-      .field("distance", "f8", p.distance)
-      .field("parameter_a", "f8", p.parameter_a)
-      .field("parameter_b", "f8", p.parameter_b)
-      .dtype();
+  return dtype_of(p, {"a", "b", "distance", "parameter_a", "parameter_b"}, p.a, p.b, p.distance, p.parameter_a,
+                  p.parameter_b);
 }
 
 /// The end of a docstring: fields and what they are.
@@ -141,28 +102,11 @@ std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
 
 constexpr const char* feature_text = "kind, a FeatureKind, and index, as those of Feature";
 
-CollideRecord collide_record(const std::optional<Witness>& witness, bool is_yes) {
-  const Witness w = witness.value_or(Witness{nowhere, nowhere, no_id, no_id});
-  return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, is_yes};
+Witness witness_or_nowhere(const std::optional<Witness>& witness) {
+  return witness.value_or(Witness{nowhere, nowhere, no_id, no_id});
 }
 
-}  // namespace
-
-DistanceRecord record_of(const DistanceResult& result) {
-  const Witness w = result.witness.value_or(Witness{nowhere, nowhere, no_id, no_id});
-  return {result.lower,
-          result.upper,
-          w.point_a,
-          w.point_b,
-          w.triangle_a,
-          w.triangle_b,
-          static_cast<std::uint8_t>(result.status),
-          static_cast<std::uint8_t>(result.stopped_by)};
-}
-
-CollideRecord record_of(const CollideResult& result) { return collide_record(result.witness, result.is_yes()); }
-
-SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest) {
+SurfacePointRecord surface_point_record(const std::optional<SurfacePoint>& closest) {
   if (!closest) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     return {infinite, nowhere, {not_a_number, not_a_number, not_a_number}, no_id, {}, false};
@@ -170,10 +114,25 @@ SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest) {
   return {closest->distance, closest->position, closest->barycentric, closest->triangle, closest->feature, false};
 }
 
-SurfacePointRecord record_of(const SignedDistance& signed_distance) {
-  SurfacePointRecord record = record_of(signed_distance.closest);
-  record.is_inside = signed_distance.is_inside;
-  if (signed_distance.closest) record.distance = signed_distance.distance();
+}  // namespace
+
+DistanceRecord record_of(const DistanceResult& r) {
+  const Witness w = witness_or_nowhere(r.witness);
+  const auto status = static_cast<std::uint8_t>(r.status), stopped_by = static_cast<std::uint8_t>(r.stopped_by);
+  return {r.lower, r.upper, w.point_a, w.point_b, w.triangle_a, w.triangle_b, status, stopped_by};
+}
+
+CollideRecord record_of(const CollideResult& r) {
+  const Witness w = witness_or_nowhere(r.witness);
+  return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes()};
+}
+
+SurfacePointRecord record_of(const PointResult& r) { return surface_point_record(r.closest); }
+
+SurfacePointRecord record_of(const SignedDistance& s) {
+  SurfacePointRecord record = surface_point_record(s.closest);
+  record.is_inside = s.is_inside;
+  if (s.closest) record.distance = s.distance();
   return record;
 }
 
@@ -226,8 +185,8 @@ void bind_records(nb::module_& module) {
   };
   all_dtypes = {.distance = keep("distance_dtype", distance_dtype()),
                 .collide = keep("collide_dtype", collide_dtype()),
-                .surface_point = keep("surface_point_dtype", surface_point_dtype(false)),
-                .signed_distance = keep("signed_distance_dtype", surface_point_dtype(true)),
+                .surface_point = keep("surface_point_dtype", surface_point_dtype()),
+                .signed_distance = keep("signed_distance_dtype", signed_distance_dtype()),
                 .contact = keep("contact_dtype", contact_dtype()),
                 .vertex_face = keep("vertex_face_dtype", vertex_face_dtype()),
                 .edge_edge = keep("edge_edge_dtype", edge_edge_dtype())};
@@ -249,16 +208,10 @@ void* memory_of(nb::handle array, std::size_t bytes) {
   return memory;
 }
 
-nb::object array_of(const Vec3& vector) { return array_of(std::span<const Vec3>(&vector, 1), nb::str("float64"), {3}); }
-
-nb::object array_of(const std::array<double, 3>& numbers) {
-  return array_of(std::span<const double>(numbers), nb::str("float64"), {3});
-}
-
-nb::object array_of(std::span<const Vec3> vectors) {
+FloatArray array_of(std::span<const Vec3> vectors) {
   return array_of(vectors, nb::str("float64"), {vectors.size(), 3});
 }
 
-nb::object array_of(std::span<const std::uint32_t> ids) { return array_of(ids, nb::str("uint32"), {ids.size()}); }
+IdArray array_of(std::span<const std::uint32_t> ids) { return array_of(ids, nb::str("uint32"), {ids.size()}); }
 
 }  // namespace limber::python

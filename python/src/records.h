@@ -12,13 +12,13 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
+#include "bindings.h"
 #include "limber/limber.h"
 
 /// Answers as arrays of NumPy: many of them are one array of records.
 namespace limber::python {
-
-namespace nb = nanobind;
 
 /// One answer of distance(), as an array holds it.
 struct DistanceRecord {
@@ -47,7 +47,7 @@ struct SurfacePointRecord {
 
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
-SurfacePointRecord record_of(const std::optional<SurfacePoint>& closest);
+SurfacePointRecord record_of(const PointResult& result);
 SurfacePointRecord record_of(const SignedDistance& signed_distance);
 
 /// The element types of such arrays, as NumPy describes them. They live as long as the process.
@@ -62,9 +62,6 @@ std::string surface_point_fields();
 std::string distance_fields();
 std::string vertex_face_fields();
 std::string edge_edge_fields();
-
-/// Creates them and makes them attributes of the module.
-void bind_records(nb::module_& module);
 
 /// A new array of that shape and element type, not initialised.
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape);
@@ -84,20 +81,34 @@ nb::object array_of(std::span<const T> values, nb::handle dtype, std::initialize
 
 /// Records as an array of one axis.
 template <typename T>
-nb::object array_of(std::span<const T> records, nb::handle dtype) {
+RecordArray array_of(std::span<const T> records, nb::handle dtype) {
   return array_of(records, dtype, {records.size()});
 }
 
+/// The records of results.
+template <typename Result>
+RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
+  using Record = decltype(record_of(results[0]));
+  std::vector<Record> records;
+  records.reserve(results.size());
+  for (const Result& result : results) records.push_back(record_of(result));
+  return array_of(std::span<const Record>(records), dtype);
+}
+
 /// Three numbers.
-nb::object array_of(const Vec3& vector);
-nb::object array_of(const std::array<double, 3>& numbers);
+template <typename T>
+concept Triple = std::is_same_v<T, Vec3> || std::is_same_v<T, std::array<double, 3>>;
+template <Triple T>
+FloatArray array_of(const T& triple) {
+  return array_of(std::span<const T>(&triple, 1), nb::str("float64"), {3});
+}
 /// Rows of three coordinates.
-nb::object array_of(std::span<const Vec3> vectors);
+FloatArray array_of(std::span<const Vec3> vectors);
 /// Rows of ids.
 template <std::size_t width>
-nb::object array_of(std::span<const std::array<std::uint32_t, width>> rows) {
+IdArray array_of(std::span<const std::array<std::uint32_t, width>> rows) {
   return array_of(rows, nb::str("uint32"), {rows.size(), width});
 }
-nb::object array_of(std::span<const std::uint32_t> ids);
+IdArray array_of(std::span<const std::uint32_t> ids);
 
 }  // namespace limber::python

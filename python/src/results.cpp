@@ -9,7 +9,6 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "docstrings.h"
-#include "errors.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "value_class.h"
@@ -117,14 +116,8 @@ void bind_shapes(nb::module_& m) {
       .field("radius", &Sphere::radius, "Its radius.");
 }
 
-nb::object orthonormalized_of(nb::handle matrix) {
-  const Array array(matrix, "matrix", "shape (3, 3) and dtype float32 or float64", Lists::floats);
-  if (!array.has_floats({3, 3})) array.refuse();
-  const auto at = [&](std::ptrdiff_t row, std::ptrdiff_t column) {
-    return array.real(array.data() + row * array.stride(0) + column * array.stride(1));
-  };
-  const Mat3 rotation = value_or_raise(orthonormalized(
-      {{at(0, 0), at(0, 1), at(0, 2)}, {at(1, 0), at(1, 1), at(1, 2)}, {at(2, 0), at(2, 1), at(2, 2)}}));
+FloatArray orthonormalized_of(const ArrayLike& matrix) {
+  const Mat3 rotation = value_or_raise(orthonormalized(matrix_from(matrix, "matrix")));
   const std::array<Vec3, 3> rows{rotation.row0, rotation.row1, rotation.row2};
   return array_of(std::span<const Vec3>(rows));
 }
@@ -137,8 +130,7 @@ void bind_results(nb::module_& m) {
   bind_answers(m);
   bind_points_found(m);
   bind_shapes(m);
-  m.def("orthonormalized", &orthonormalized_of, nb::arg("matrix"),
-        nb::sig("def orthonormalized(matrix: ArrayLike) -> FloatArray"), docs::orthonormalized);
+  m.def("orthonormalized", &orthonormalized_of, "matrix"_a, docs::orthonormalized);
 }
 
 }  // namespace limber::python

@@ -4,28 +4,137 @@
 #include <nanobind/stl/optional.h>
 
 #include <array>
-#include <limits>
-#include <optional>
+#include <cstddef>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "arrays.h"
+#include "arguments.h"
 #include "bindings.h"
 #include "docstrings.h"
 #include "limber/limber.h"
-#include "poses.h"
-#include "query_arguments.h"
 #include "records.h"
-#include "scene_object.h"
 #include "value_class.h"
 
 namespace limber::python {
 namespace {
 
-using ObjectFilter = PairFilter<ObjectPairFilter>;
+using ObjectFilter = Named<"ObjectFilter">;
+using Filter = PairFilter<ObjectPairFilter>;
+using SceneCacheObject = CacheObject<SceneCache>;
 
-nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filter) {
-  const ObjectFilter which(filter);
+/// A scene as Python holds it, with the models that its objects refer to.
+///
+/// Threads  Functions are called with the GIL. Queries read the scene and all of its models.
+class SceneObject {
+ public:
+  /// Calls query(scene) while nobody changes the scene; models may change meanwhile.
+  template <typename Query>
+  auto look(const Query& query) {
+    const Reading guard =
+        users_.read("the scene is being changed by another thread, or by a call that has not returned");
+    return query(static_cast<const Scene&>(scene_));
+  }
+
+  /// Calls query(scene) while nobody changes the scene or one of its models.
+  template <typename Query>
+  auto read(const Query& query) {
+    return look([&](const Scene& scene) {
+      const std::vector<Reading> guards = reading_models();
+      return query(scene);
+    });
+  }
+
+  ObjectId add(nb::handle_t<ModelObject> model, const PoseLike& pose) {
+    auto& object = nb::cast<ModelObject&>(model);
+    const Transform placed = pose_from(pose, "pose");
+    const Changing guard = changing();
+    const Reading model_guard = reading(object);
+    const auto [entry, is_new] = models_.try_emplace(&object, Shared{nb::borrow(model), 0});
+    try {
+      model_of_.reserve(scene_.size() + model_of_.size() + 1);
+      const ObjectId id = scene_.add({object.model, placed});
+      if (id >= model_of_.size()) model_of_.resize(id + 1, nullptr);
+      model_of_[id] = &object;
+      ++entry->second.objects;
+      return id;
+    } catch (...) {
+      if (is_new) models_.erase(entry);
+      throw;
+    }
+  }
+
+  void remove(ObjectId id) {
+    const Changing guard = changing();
+    scene_.remove(id);
+    const auto entry = models_.find(model_of_[id]);
+    model_of_[id] = nullptr;
+    if (--entry->second.objects == 0) models_.erase(entry);
+  }
+
+  void set_pose(ObjectId id, const PoseLike& pose) {
+    const Transform placed = pose_from(pose, "pose");
+    const Changing guard = changing();
+    scene_.set_pose(id, placed);
+  }
+
+  void set_poses(const ArrayLike& ids, const PosesLike& poses) {
+    const std::vector<ObjectId> objects = ids_from(ids, "ids");
+    const PoseList list(poses, "poses");
+    const std::vector<Transform> placed =
+        list.is_one_for_all() ? std::vector<Transform>(objects.size(), list[0]) : list.poses();
+    const Changing guard = changing();
+    without_gil([&] { scene_.set_poses(objects, placed); });
+  }
+
+  void commit() {
+    const Changing guard = changing();
+    const std::vector<Reading> guards = reading_models();
+    without_gil([&] { scene_.commit(); });
+  }
+
+  Named<"Model"> model(ObjectId id) {
+    return look([&](const Scene& scene) {
+      (void)scene.object(id);  // throws unless there is such an object
+      return models_.at(model_of_[id]).owner;
+    });
+  }
+
+  /// For the garbage collector: calls visit(object, argument) for what this keeps alive, until it returns something
+  /// other than 0; returns that.
+  int visit_references(visitproc visit, void* argument) const {
+    for (const auto& [model, shared] : models_) {
+      if (const int result = visit(shared.owner.ptr(), argument); result != 0) return result;
+    }
+    return 0;
+  }
+
+ private:
+  struct Shared {
+    nb::object owner;
+    std::size_t objects = 0;  // that show the model
+  };
+
+  Changing changing() {
+    return users_.change("the scene is in use by another thread, or by a query that has not returned");
+  }
+
+  std::vector<Reading> reading_models() {
+    std::vector<Reading> guards;
+    guards.reserve(models_.size());
+    for (auto& [model, shared] : models_) guards.push_back(reading(*model));
+    return guards;
+  }
+
+  Users users_;
+  std::map<ModelObject*, Shared> models_;
+  std::vector<ModelObject*> model_of_;  // by id; nullptr where there is no object
+  Scene scene_;                         // ends before the models that it refers to
+};
+
+IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter& filter) {
+  const Filter which(filter);
   std::vector<ObjectPair> pairs;
   self.read([&](const Scene& scene) {
     without_gil_unless(which.needs_gil(), [&] {
@@ -37,45 +146,42 @@ nb::object candidate_pairs_of(SceneObject& self, double margin, nb::handle filte
 }
 
 /// Asks query(scene, pairs, results, cache) about pairs of objects; its answers as an array of records.
-template <typename Result, typename Record, typename Query>
-nb::object asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
-                          const Query& query) {
+template <typename Result, typename Query>
+RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
+                           const Query& query) {
   const Used used(cache);
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
   std::vector<Result> results(asked.size());
   self.read([&](const Scene& scene) { without_gil([&] { query(scene, asked, results, used.get()); }); });
-  std::vector<Record> records;
-  records.reserve(results.size());
-  for (const Result& result : results) records.push_back(record_of(result));
-  return array_of(std::span<const Record>(records), dtype);
+  return recorded(results, dtype);
 }
 
-nb::object collide_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache) {
-  return asked_of_pairs<CollideResult, CollideRecord>(
-      self, pairs, cache, dtypes().collide, [](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.collide(asked, results, {.cache = c});
-      });
+RecordArray collide_pairs(SceneObject& self, const ArrayLike& pairs, SceneCacheObject* cache) {
+  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
+                                       [](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
+                                         scene.collide(asked, results, {.cache = c});
+                                       });
 }
 
-nb::object pairs_within(SceneObject& self, nb::handle pairs, double max_distance, SceneCacheObject* cache) {
-  return asked_of_pairs<CollideResult, CollideRecord>(
-      self, pairs, cache, dtypes().collide, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.within(asked, max_distance, results, {.cache = c});
-      });
+RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_distance, SceneCacheObject* cache) {
+  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
+                                       [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
+                                         scene.within(asked, max_distance, results, {.cache = c});
+                                       });
 }
 
-nb::object pair_distances(SceneObject& self, nb::handle pairs, double relative_error, double absolute_error,
-                          double max_distance, SceneCacheObject* cache) {
-  return asked_of_pairs<DistanceResult, DistanceRecord>(
+RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double relative_error, double absolute_error,
+                           double max_distance, SceneCacheObject* cache) {
+  return asked_of_pairs<DistanceResult>(
       self, pairs, cache, dtypes().distance, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
         scene.distance(asked, results, {relative_error, absolute_error, max_distance, c});
       });
 }
 
 ClosestObjects closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
-                                  nb::handle filter, SceneCacheObject* cache) {
-  const ObjectFilter which(filter);
+                                  const ObjectFilter& filter, SceneCacheObject* cache) {
+  const Filter which(filter);
   const Used used(cache);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
@@ -84,26 +190,15 @@ ClosestObjects closest_objects_of(SceneObject& self, double relative_error, doub
   });
 }
 
-void set_poses_of(SceneObject& self, nb::handle ids, nb::handle poses) {
-  const Ids objects(ids, "ids");
-  const PoseList list(poses, "poses");
-  if (!list.is_one_for_all()) return self.set_poses(objects.view(), list.poses());
-  self.set_poses(objects.view(), std::vector<Transform>(objects.view().size(), list[0]));
+FloatArray pose_of(SceneObject& self, ObjectId id) {
+  const Transform pose = self.look([&](const Scene& scene) { return scene.object(id).pose; });
+  const std::array<double, 16> matrix = matrix_of(pose, MatrixOrder::row_major);
+  return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
 }
 
-void bind_scene_results(nb::module_& m) {
-  ValueClass<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
-      .field("objects", &ClosestObjects::objects, "The ids of the two, or None if the result has no witness.")
-      .field("result", &ClosestObjects::result, docs::ClosestObjects_result);
-  nb::class_<SceneCacheObject>(m, "SceneCache", docs::SceneCache)
-      .def(nb::init<std::size_t>(), "max_pairs"_a = SceneCache::usual_max_pairs)
-      .def(
-          "clear",
-          [](SceneCacheObject& self) {
-            const Used used(&self);
-            used.get()->clear();
-          },
-          docs::SceneCache_clear);
+bool contains(SceneObject& self, nb::handle id) {
+  ObjectId number = no_id;
+  return nb::try_cast(id, number) && self.look([&](const Scene& scene) { return scene.contains(number); });
 }
 
 /// The docstring of a query of pairs of objects.
@@ -115,50 +210,31 @@ std::string asked_documentation(const char* dtype) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
-  bind_scene_results(m);
+  ValueClass<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
+      .field("objects", &ClosestObjects::objects, "The ids of the two, or None if the result has no witness.")
+      .field("result", &ClosestObjects::result, docs::ClosestObjects_result);
+  nb::class_<SceneCacheObject>(m, "SceneCache", docs::SceneCache)
+      .def(nb::init<std::size_t>(), "max_pairs"_a = SceneCache::usual_max_pairs)
+      .def("clear", &clear<SceneCache>, docs::SceneCache_clear);
   nb::class_<SceneObject>(m, "Scene", docs::Scene, nb::type_slots(collectable<SceneObject>))
       .def(nb::init<>())
-      .def(
-          "add",
-          [](SceneObject& self, nb::handle_t<ModelObject> model, nb::handle pose) {
-            return self.add(model, pose_from(pose, "pose"));
-          },
-          "model"_a, "pose"_a = nb::none(), nb::sig("def add(self, model: Model, pose: PoseLike = None) -> int"),
-          docs::Scene_add)
+      .def("add", &SceneObject::add, "model"_a, "pose"_a = nb::none(), docs::Scene_add)
       .def("remove", &SceneObject::remove, "id"_a, docs::Scene_remove)
-      .def(
-          "set_pose",
-          [](SceneObject& self, ObjectId id, nb::handle pose) { self.set_pose(id, pose_from(pose, "pose")); }, "id"_a,
-          "pose"_a.none(), nb::sig("def set_pose(self, id: int, pose: PoseLike) -> None"), docs::Scene_set_pose)
-      .def("set_poses", &set_poses_of, "ids"_a, "poses"_a.none(),
-           nb::sig("def set_poses(self, ids: ArrayLike, poses: PosesLike) -> None"), docs::Scene_set_poses)
+      .def("set_pose", &SceneObject::set_pose, "id"_a, "pose"_a.none(), docs::Scene_set_pose)
+      .def("set_poses", &SceneObject::set_poses, "ids"_a, "poses"_a.none(), docs::Scene_set_poses)
       .def("commit", &SceneObject::commit, docs::Scene_commit)
       .def_prop_ro(
           "is_committed",
           [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.is_committed(); }); },
           docs::Scene_is_committed)
       .def("__len__", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.size(); }); })
-      .def(
-          "__contains__",
-          [](SceneObject& self, nb::handle id) {
-            ObjectId number = no_id;
-            return nb::try_cast(id, number) && self.look([&](const Scene& scene) { return scene.contains(number); });
-          },
-          nb::sig("def __contains__(self, id: object, /) -> bool"), "Whether that is the id of an object.")
+      .def("__contains__", &contains, nb::sig("def __contains__(self, id: object, /) -> bool"),
+           "Whether that is the id of an object.")
       .def_prop_ro(
           "id_bound", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.id_bound(); }); },
           docs::Scene_id_bound)
-      .def("model", &SceneObject::model, "id"_a, nb::sig("def model(self, id: int) -> Model"),
-           "The model of an object.")
-      .def(
-          "pose",
-          [](SceneObject& self, ObjectId id) {
-            const Transform pose = self.look([&](const Scene& scene) { return scene.object(id).pose; });
-            const std::array<double, 16> matrix = matrix_of(pose, MatrixOrder::row_major);
-            return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
-          },
-          "id"_a, nb::sig("def pose(self, id: int) -> FloatArray"), "world_from_model of an object, 4 x 4.")
+      .def("model", &SceneObject::model, "id"_a, "The model of an object.")
+      .def("pose", &pose_of, "id"_a, "world_from_model of an object, 4 x 4.")
       .def(
           "bounding_box",
           [](SceneObject& self, ObjectId id) {
@@ -166,26 +242,16 @@ void bind_scene(nb::module_& m) {
           },
           "id"_a, docs::Scene_bounding_box)
       .def("candidate_pairs", &candidate_pairs_of, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-           nb::sig("def candidate_pairs(self, margin: float, *, filter: ObjectFilter = None) -> IdArray"),
            docs::Scene_visit_candidate_pairs)
       .def("collide", &collide_pairs, "pairs"_a, nb::kw_only(), "cache"_a = nb::none(),
-           nb::sig("def collide(self, pairs: ArrayLike, *, cache: SceneCache | None = None) -> RecordArray"),
            asked_documentation("collide_dtype.").c_str())
       .def("within", &pairs_within, "pairs"_a, "max_distance"_a, nb::kw_only(), "cache"_a = nb::none(),
-           nb::sig("def within(self, pairs: ArrayLike, max_distance: float, *, cache: SceneCache | None = None) "
-                   "-> RecordArray"),
            asked_documentation("collide_dtype.").c_str())
       .def("distance", &pair_distances, "pairs"_a, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
-           "max_distance"_a = unlimited, "cache"_a = nb::none(),
-           nb::sig("def distance(self, pairs: ArrayLike, *, relative_error: float = 0.0, absolute_error: float = 0.0, "
-                   "max_distance: float = float('inf'), cache: SceneCache | None = None) -> RecordArray"),
+           max_distance_argument(), "cache"_a = nb::none(),
            (asked_documentation("distance_dtype, with these fields.") + distance_fields()).c_str())
       .def("closest_objects", &closest_objects_of, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
-           "max_distance"_a = unlimited, "filter"_a = nb::none(), "cache"_a = nb::none(),
-           nb::sig("def closest_objects(self, *, relative_error: float = 0.0, absolute_error: float = 0.0, "
-                   "max_distance: float = float('inf'), filter: ObjectFilter = None, "
-                   "cache: SceneCache | None = None) -> ClosestObjects"),
-           docs::Scene_closest_objects);
+           max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(), docs::Scene_closest_objects);
 }
 
 }  // namespace limber::python

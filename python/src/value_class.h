@@ -6,48 +6,40 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
 
-#include "limber/scene.h"
 #include "records.h"
 
 /// Classes of values, such as results: fields that are read, and what follows from them.
 namespace limber::python {
 
-/// A field as it is compared, written and pickled: vectors are tuples, everything else is what Python gets anyway.
+/// A field as it is compared, written and pickled: three numbers are a tuple, everything else is what Python gets.
 template <typename Field>
 nb::object plain(const Field& field) {
-  return nb::cast(field, nb::rv_policy::copy);
-}
-inline nb::object plain(const Vec3& vector) { return nb::make_tuple(vector.x, vector.y, vector.z); }
-inline nb::object plain(const std::array<double, 3>& numbers) {
-  return nb::make_tuple(numbers[0], numbers[1], numbers[2]);
-}
-inline nb::object plain(const ObjectPair& pair) {
-  if (pair.a == no_id) return nb::none();
-  return nb::make_tuple(pair.a, pair.b);
+  if constexpr (Triple<Field>) {
+    const auto& [x, y, z] = field;
+    return nb::make_tuple(x, y, z);
+  } else if constexpr (std::is_same_v<Field, ObjectPair>) {
+    return field.a == no_id ? nb::object(nb::none()) : nb::make_tuple(field.a, field.b);
+  } else {
+    return nb::cast(field, nb::rv_policy::copy);
+  }
 }
 
 /// The reverse of plain(). Throws nb::python_error or nb::cast_error for something else.
 template <typename Field>
 void assign(Field& field, nb::handle value) {
-  field = nb::cast<Field>(value);
-}
-inline void assign(std::array<double, 3>& numbers, nb::handle value) {
-  for (std::size_t i = 0; i < 3; ++i) numbers[i] = nb::cast<double>(value[i]);
-}
-inline void assign(Vec3& vector, nb::handle value) {
-  std::array<double, 3> numbers;
-  assign(numbers, value);
-  vector = {numbers[0], numbers[1], numbers[2]};
-}
-inline void assign(ObjectPair& pair, nb::handle value) {
-  if (!value.is_none()) pair = {nb::cast<ObjectId>(value[0]), nb::cast<ObjectId>(value[1])};
+  if constexpr (Triple<Field>) {
+    field = {nb::cast<double>(value[0]), nb::cast<double>(value[1]), nb::cast<double>(value[2])};
+  } else if constexpr (std::is_same_v<Field, ObjectPair>) {
+    if (!value.is_none()) field = {nb::cast<ObjectId>(value[0]), nb::cast<ObjectId>(value[1])};
+  } else {
+    field = nb::cast<Field>(value);
+  }
 }
 
 /// The fields of a class of values, and what follows from them.
@@ -112,14 +104,13 @@ class ValueClass {
   ValueClass& field(const char* name, Field Value::*member, const char* documentation) {
     const auto read = [member](const Value& value) { return plain(value.*member); };
     fields_->all.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
-    if constexpr (std::is_same_v<Field, Vec3> || std::is_same_v<Field, std::array<double, 3>>) {
-      const std::string signature = std::string("def ") + name + "(self) -> FloatArray";
+    if constexpr (Triple<Field>) {
       class_.def_prop_ro(
-          name, [member](const Value& value) { return array_of(value.*member); }, nb::sig(signature.c_str()),
-          documentation);
+          name, [member](const Value& value) { return array_of(value.*member); }, documentation);
     } else if constexpr (std::is_same_v<Field, ObjectPair>) {
-      const std::string signature = std::string("def ") + name + "(self) -> tuple[int, int] | None";
-      class_.def_prop_ro(name, read, nb::sig(signature.c_str()), documentation);
+      using Pair = Named<"tuple[int, int] | None">;
+      class_.def_prop_ro(
+          name, [read](const Value& value) { return Pair(read(value)); }, documentation);
     } else {
       class_.def_ro(name, member, documentation);
     }

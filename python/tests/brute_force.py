@@ -23,13 +23,14 @@ def _dot(a: Any, b: Any) -> Any:
     return numpy.einsum("...i,...i->...", a, b)
 
 
+def _corner_and_sides(triangles: Any) -> tuple[Any, Any, Any]:
+    a = triangles[..., 0, :]
+    return a, triangles[..., 1, :] - a, triangles[..., 2, :] - a
+
+
 def _from_points(points: Any, triangles: Any) -> Any:
     """Distances from points to triangles where the foot is inside; infinite where it is not, as edges cover that."""
-    a, u, v = (
-        triangles[..., 0, :],
-        triangles[..., 1, :] - triangles[..., 0, :],
-        triangles[..., 2, :] - triangles[..., 0, :],
-    )
+    a, u, v = _corner_and_sides(triangles)
     normal, w = numpy.cross(u, v), points - a
     area = _dot(normal, normal)
     beta, gamma = _dot(numpy.cross(w, v), normal) / area, _dot(numpy.cross(u, w), normal) / area
@@ -59,11 +60,7 @@ def _of_segments(p: Any, d: Any, q: Any, e: Any) -> Any:
 
 def _crosses(p: Any, d: Any, triangles: Any) -> Any:
     """Whether segments p + s d pass through triangles."""
-    a, u, v = (
-        triangles[..., 0, :],
-        triangles[..., 1, :] - triangles[..., 0, :],
-        triangles[..., 2, :] - triangles[..., 0, :],
-    )
+    a, u, v = _corner_and_sides(triangles)
     across = numpy.cross(d, v)
     determinant = _dot(u, across)
     scale = numpy.where(determinant == 0, 1, determinant)

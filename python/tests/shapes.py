@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy
@@ -59,6 +63,17 @@ def random_poses(seed: int, count: int, spread: float = 2.0) -> numpy.typing.NDA
     for pose, turn, shift in zip(poses, turns, shifts):
         pose[:3, :3], pose[:3, 3] = rotation(turn), shift
     return poses
+
+
+def tell_progress(monkeypatch: Any, totals: list[Any], update: Any) -> None:
+    """Stands in for tqdm: notes what there is in all, and calls update(done)."""
+
+    @contextmanager
+    def bar(total: int | None) -> Iterator[Any]:
+        totals.append(total)
+        yield SimpleNamespace(update=update)
+
+    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=bar))
 
 
 def write_obj(path: Path, vertices: Any, faces: Any) -> Path:

@@ -73,9 +73,17 @@ def gated_run(task: work.Task, meshes: bytes | str) -> bytes | None:
     return work.run(task, meshes)
 
 
-def start(code: str, *arguments: object) -> subprocess.Popen[bytes]:
-    """Python with that code."""
-    return subprocess.Popen([sys.executable, "-c", code, *map(str, arguments)], env=environment())
+def start_client(out: Path, executor: str) -> subprocess.Popen[bytes]:
+    """A process that sweeps, held at the gate. `executor` is Python's text."""
+    code = f"""
+import concurrent.futures
+import distributed
+import limber3d.batch.running
+import shared_batches
+limber3d.batch.running.run = shared_batches.gated_run
+shared_batches.sweep({str(out)!r}, {executor})
+"""
+    return subprocess.Popen([sys.executable, "-c", code], env=environment())
 
 
 def environment() -> dict[str, str]:

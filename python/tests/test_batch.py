@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 import pickle
 import subprocess
@@ -13,7 +14,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import limber3d
@@ -27,21 +27,21 @@ from limber3d.typing import RecordArray
 from shared_batches import COUNT, PARTS, SIZE, same_bits
 
 
-def test_a_folder_has_the_bits_of_one_call(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
-    poses_a, poses_b = shapes.random_poses(1, 530), shapes.random_poses(2, 530)
-    report = batch.sweep(
-        ball, tetra, poses_a, poses_b, out=tmp_path / "d", partition_size=100, relative_error=0.1, max_distance=2.0
-    )
-    assert report == batch.Report(count=530, partitions=6, found=0)
-    many = limber3d.distance_many(ball, tetra, poses_a, poses_b, relative_error=0.1, max_distance=2.0)
-    assert set(many["status"]) == {1, 2, 3} and same_bits(batch.read(tmp_path / "d"), many)
-    batch.sweep(ball, tetra, poses_a, poses_b, out=tmp_path / "c", query="collide", partition_size=99)
-    assert same_bits(batch.read(tmp_path / "c"), limber3d.collide_many(ball, tetra, poses_a, poses_b))
-    batch.sweep(
-        ball, tetra, poses_a, poses_b, out=tmp_path / "w", query="within", max_distance=0.5, partition_size=1000
-    )
-    within = limber3d.within_many(ball, tetra, 0.5, poses_a, poses_b)
-    assert 0 < within["is_yes"].sum() < 530 and same_bits(batch.read(tmp_path / "w"), within)
+@pytest.mark.parametrize(
+    ("query", "options"),
+    [("distance", {"relative_error": 0.1, "max_distance": 2.0}), ("collide", {}), ("within", {"max_distance": 0.5})],
+)
+def test_a_folder_has_the_bits_of_one_call(
+    tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model, query: Any, options: dict[str, Any]
+) -> None:
+    poses: dict[str, Any] = {"poses_a": shapes.random_poses(1, 530), "poses_b": shapes.random_poses(2, 530)}
+    many = getattr(limber3d, f"{query}_many")(ball, tetra, **poses, **options)
+    for size, partitions in ((100, 6), (1000, 1)):
+        out = tmp_path / f"{size}"
+        report = batch.sweep(ball, tetra, **poses, out=out, query=query, partition_size=size, **options)
+        assert report == batch.Report(count=530, partitions=partitions, found=0)
+        assert same_bits(batch.read(out), many)
+    assert len(set(many["status" if query == "distance" else "is_yes"])) == (3 if query == "distance" else 2)
 
 
 def test_parts_of_the_answers_can_be_read(tmp_path: Path, ball: limber3d.Model, tetra: limber3d.Model) -> None:
@@ -117,9 +117,8 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
             placed = [None if form is None else (turns[m], shifts[m]) if i == 0 else form[m] for m in (j, k)]
             single = limber3d.distance_many(models[j], models[k], *placed)
             assert same_bits(numpy.array([record], record.dtype), single)
-    assert set(inputs.Unpacked(inputs.Meshes(models).packed()).arrays) == {
-        *(f"{name}_{k}" for name in ("vertices", "faces") for k in range(3)), "mesh_of_model",
-    }  # fmt: skip
+    sent, _ = inputs.unpacked(inputs.Meshes(models).packed())
+    assert len(sent) == 5 and len(set(map(id, sent))) == 3
     few = [[3, 0], [1, 2], [4, 4]]
     batch.pairs(models, poses[1], few, out=tmp_path / "few", query="collide")
     for record, (j, k) in zip(batch.read(tmp_path / "few"), few):
@@ -138,16 +137,8 @@ def test_content_is_told_apart() -> None:
     for place in (0, 4095, 4096, 4999):
         contents.append(rows.copy())
         contents[-1][place, 1] += 1
-    names = set[str]()
-    for array in contents:
-        digest = inputs.Digest()
-        digest.add(array)
-        names.add(digest.text())
-    assert len(names) == len(contents)
-    digests = [inputs.Digest(), inputs.Digest()]
-    for digest, array in zip(digests, (rows, numpy.asfortranarray(rows))):
-        digest.add(array)
-    assert digests[0].text() == digests[1].text()
+    assert len({inputs.digest_of([array]) for array in contents}) == len(contents)
+    assert inputs.digest_of([rows]) == inputs.digest_of([numpy.asfortranarray(rows)])
 
 
 def test_bad_arguments_leave_no_folder(tmp_path: Path, ball: limber3d.Model) -> None:
@@ -177,6 +168,8 @@ def test_threads_and_processes(tmp_path: Path, expected: RecordArray) -> None:
         shared_batches.sweep(tmp_path / "threads", threads)
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
         shared_batches.sweep(tmp_path / "processes", processes)
+        twin = processes.submit(copy.copy, shared_batches.models()[0]).result()  # models can be sent, too
+        assert (twin.vertices == shared_batches.models()[0].vertices).all()
         # Another batch on the same processes: they must not take its models for those of the first.
         batch.sweep(
             *shared_batches.models()[::-1], shared_batches.poses(500), out=tmp_path / "swapped", executor=processes
@@ -193,7 +186,7 @@ def test_a_broken_pool_raises_and_the_next_call_goes_on(
     out = tmp_path / "out"
     shared_batches.set_gate(out, 3)
     with monkeypatch.context() as patched, ThreadPoolExecutor(1) as aside:
-        patched.setattr("limber3d.batch.pools.run", shared_batches.gated_run)
+        patched.setattr("limber3d.batch.running.run", shared_batches.gated_run)
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
             call = aside.submit(shared_batches.sweep, out, processes)
             shared_batches.wait_for(lambda: shared_batches.done(out) >= 3)
@@ -236,12 +229,11 @@ def test_few_partitions_are_under_way_and_models_are_not_sent_with_them(
 ) -> None:
     counting, unpacked = Counting(), list[int]()
 
-    class Unpacked(inputs.Unpacked):
-        def __init__(self, data: bytes) -> None:
-            super().__init__(data)
-            unpacked.append(len(data))
+    def unpack(data: bytes) -> work.Prepared:
+        unpacked.append(len(data))
+        return inputs.unpacked(data)
 
-    monkeypatch.setattr("limber3d.batch.work.Unpacked", Unpacked)
+    monkeypatch.setattr("limber3d.batch.work.unpacked", unpack)
     shared_batches.sweep(tmp_path, counting, COUNT - 1)
     assert counting.most <= 6 and counting.begun == PARTS
     assert len(unpacked) == 1 and counting.bytes / PARTS < 20_000 < unpacked[0]
@@ -265,7 +257,7 @@ def test_workers_that_do_not_see_the_folder_send_their_files(
     shared_batches.sweep(elsewhere)
     for path in elsewhere.glob("part-*"):
         path.unlink()
-    monkeypatch.setattr("limber3d.batch.pools.run", run)
+    monkeypatch.setattr("limber3d.batch.running.run", run)
     shared_batches.sweep(tmp_path / "here")
     assert len(sent) == PARTS and shared_batches.done(elsewhere) == 0
     assert same_bits(batch.read(tmp_path / "here"), expected)
@@ -278,11 +270,11 @@ def test_errors_of_workers_are_raised(tmp_path: Path, monkeypatch: pytest.Monkey
         return work.run(task, meshes)
 
     with monkeypatch.context() as patched:
-        patched.setattr("limber3d.batch.pools.run", run)
+        patched.setattr("limber3d.batch.running.run", run)
         with pytest.raises(OSError, match="disk full"):
             shared_batches.sweep(tmp_path)
     assert shared_batches.done(tmp_path) < PARTS
-    task = work.Task(work.Batch("", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
+    task = work.Task(work.Batch("", "sweep", None, "0.0.1", str(tmp_path), ""), 0, 0, None)  # type: ignore[arg-type]
     with pytest.raises(RuntimeError, match="asked for by 0.0.1"):
         work.run(task, b"")
 
@@ -294,21 +286,13 @@ def test_ctrl_c_ends_a_batch_which_goes_on(
         if shared_batches.done(tmp_path) >= 3:
             raise KeyboardInterrupt
 
-    class Bar:
-        def __init__(self, total: int) -> None:
-            assert total == COUNT
-
-        def __enter__(self) -> Any:
-            return SimpleNamespace(update=interrupt)
-
-        def __exit__(self, *_: object) -> None: ...
-
-    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    totals = list[Any]()
+    shapes.tell_progress(monkeypatch, totals, interrupt)
     a, b = shared_batches.models()
     with pytest.raises(KeyboardInterrupt):
         batch.sweep(a, b, poses_b=shared_batches.poses(), out=tmp_path, partition_size=SIZE, progress=True)
     done = shared_batches.done(tmp_path)
-    assert 3 <= done < PARTS and shared_batches.sweep(tmp_path).found == done
+    assert totals == [COUNT] and 3 <= done < PARTS and shared_batches.sweep(tmp_path).found == done
     assert same_bits(batch.read(tmp_path), expected)
 
 

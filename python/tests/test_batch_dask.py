@@ -8,8 +8,8 @@ import asyncio
 import pickle
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,14 +26,6 @@ from limber3d.typing import RecordArray
 from shared_batches import PARTS, done, kill, same_bits, set_gate, wait_for
 
 DaskClient: Any = distributed.Client  # has no types
-CLIENT = """
-import sys
-import distributed
-import limber3d.batch.pools
-import shared_batches
-limber3d.batch.pools.run = shared_batches.gated_run
-shared_batches.sweep(sys.argv[1], distributed.Client(scheduler_file=sys.argv[2]))
-"""
 
 
 class Cluster:
@@ -93,7 +85,7 @@ def cluster(scheduler: Cluster) -> Iterator[Cluster]:
 @pytest.fixture
 def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder whose batch is held when three partitions are done."""
-    monkeypatch.setattr("limber3d.batch.pools.run", shared_batches.gated_run)
+    monkeypatch.setattr("limber3d.batch.running.run", shared_batches.gated_run)
     set_gate(tmp_path / "out", 3)
     return tmp_path / "out"
 
@@ -101,25 +93,16 @@ def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @contextmanager
 def beside(call: Callable[[], object]) -> Iterator[None]:
     """Has another thread do something meanwhile, which must not fail."""
-    failed: list[Exception] = []
-
-    def run() -> None:
-        try:
-            call()
-        except Exception as error:
-            failed.append(error)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    yield
-    thread.join()
-    assert not failed
+    with ThreadPoolExecutor(1) as thread:
+        doing = thread.submit(call)
+        yield
+        doing.result()
 
 
 def test_a_worker_and_the_client_are_killed(out: Path, cluster: Cluster, expected: RecordArray) -> None:
     worker = cluster.add_worker()
     cluster.add_worker()
-    client = shared_batches.start(CLIENT, out, cluster.file)
+    client = shared_batches.start_client(out, f"distributed.Client(scheduler_file={str(cluster.file)!r})")
     wait_for(lambda: done(out) >= 3)
     kill(client)
 
@@ -169,7 +152,7 @@ def test_a_lost_scheduler_is_told_and_the_next_call_goes_on(
 
 def test_the_program_asks_a_scheduler(tmp_path: Path, cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     cluster.add_worker()
-    monkeypatch.setattr("limber3d.batch.running.PlainPool", None)
+    monkeypatch.setattr("limber3d.batch.running.Pool", None)
     mesh, poses = str(shapes.write_obj(tmp_path / "a.obj", *shapes.ball(12, 8))), shapes.random_poses(3, 40)
     numpy.save(tmp_path / "poses.npy", poses)
     with cluster.client() as client:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -22,20 +21,10 @@ from limber3d.typing import RecordArray
 from shared_batches import COUNT, PARTS, same_bits
 
 
-CLIENT = """
-import sys
-from concurrent.futures import ThreadPoolExecutor
-import limber3d.batch.pools
-import shared_batches
-limber3d.batch.pools.run = shared_batches.gated_run
-shared_batches.sweep(sys.argv[1], ThreadPoolExecutor(1))
-"""
-
-
 def test_a_client_that_was_killed_goes_on_where_it_was(tmp_path: Path, expected: RecordArray) -> None:
     out = tmp_path / "out"
     shared_batches.set_gate(out, 3)
-    client = shared_batches.start(CLIENT, out)
+    client = shared_batches.start_client(out, "concurrent.futures.ThreadPoolExecutor(1)")
     shared_batches.wait_for(lambda: shared_batches.done(out) == 3)
     shared_batches.kill(client)
     (out / "_temporary-left").write_bytes(b"PAR1")
@@ -118,9 +107,7 @@ def test_a_file_has_its_name_only_once_it_is_whole(tmp_path: Path, monkeypatch: 
     assert path.read_bytes() == b"mine" and [file.name for file in tmp_path.iterdir()] == ["part"]
 
 
-def test_a_file_whose_beginning_was_removed_by_another_client_is_no_loss(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_another_client_has_removed_is_no_loss(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def removed(temporary: Path, path: Path) -> None:
         temporary.unlink()
         raise FileNotFoundError
@@ -140,21 +127,19 @@ def test_the_folder_of_another_batch_is_refused(tmp_path: Path, ball: limber3d.M
     other = poses.copy()
     other[19, 0, 3] += 1
     moved = limber3d.Model(numpy.nextafter(ball.vertices, 9), ball.faces)
-    others: list[tuple[str, Callable[[], object]]] = [
-        ("poses_a", lambda: batch.sweep(ball, tetra, other, out=tmp_path)),
-        ("model_a", lambda: batch.sweep(moved, tetra, poses, out=tmp_path)),
-        ("model_b", lambda: batch.sweep(ball, ball, poses, out=tmp_path)),
-        ("query", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, query="collide")),
-        ("max_distance", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, max_distance=1.0)),
-        ("partition_size", lambda: batch.sweep(ball, tetra, poses, out=tmp_path, partition_size=7)),
-        (
-            "batch",
-            lambda: batch.pairs([ball, tetra], numpy.tile(poses[:2], (10, 1, 1))[:2], [[0, 1]] * 20, out=tmp_path),
-        ),
+    others: list[tuple[str, Any, Any, Any, dict[str, Any]]] = [
+        ("poses_a", ball, tetra, other, {}),
+        ("model_a", moved, tetra, poses, {}),
+        ("model_b", ball, ball, poses, {}),
+        ("query", ball, tetra, poses, {"query": "collide"}),
+        ("max_distance", ball, tetra, poses, {"max_distance": 1.0}),
+        ("partition_size", ball, tetra, poses, {"partition_size": 7}),
     ]
-    for name, call in others:
+    for name, a, b, placed, options in others:
         with pytest.raises(ValueError, match=f"out: .* is the folder of another batch: {name} is "):
-            call()
+            batch.sweep(a, b, placed, out=tmp_path, **options)
+    with pytest.raises(ValueError, match="out: .* is the folder of another batch: batch is "):
+        batch.pairs([ball, tetra], poses[:2], [[0, 1]] * 20, out=tmp_path)
     assert {path: path.read_bytes() for path in tmp_path.glob("part-*")} == before
     assert batch.sweep(ball, tetra, poses, out=tmp_path).found == 1
     manifest = json.loads((tmp_path / folder.MANIFEST).read_text())

@@ -82,6 +82,12 @@ def test_distances() -> None:
     )
 
 
+def test_meshes_are_surfaces() -> None:
+    manager = boxes(0)
+    manager.add_object("inside", trimesh.creation.box((0.2, 0.2, 0.2)))
+    assert not manager.in_collision_internal() and manager.min_distance_internal() == 0.4
+
+
 def test_any_string_is_a_name() -> None:
     manager = boxes(0)
     manager.add_object("", trimesh.creation.box(), at(0.9))

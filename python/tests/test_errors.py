@@ -74,11 +74,19 @@ def test_interruptions_are_pickled_with_their_results() -> None:
     assert twin.count == 1 and (twin.results == results).all() and str(twin) == "interrupted after 1 results"
 
 
-def test_refused_calls_are_named_as_in_python() -> None:
-    with pytest.raises(ValueError, match="^limber3d.contacts: margin must be finite and at least 0$"):
-        limber3d.contacts(model(), model(), -1.0)
-    with pytest.raises(ValueError, match="^limber3d.Scene.remove: id names no object of the scene$"):
-        limber3d.Scene().remove(1)
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: limber3d.contacts(model(), model(), -1.0), "limber3d.contacts: margin must be finite and at least 0"),
+    (lambda: limber3d.Scene().remove(1), "limber3d.Scene.remove: id names no object of the scene"),
+    (lambda: limber3d.Model(TETRA_VERTICES, TETRA_FACES, motion_margin=-1.0), "limber3d.*motion_margin.*"),
+    (lambda: limber3d.Model(TETRA_VERTICES, []), "the mesh has no triangle.*"),
+    (lambda: mesh_with(2, float("nan")), "vertex 2 .*"),
+]
+
+
+@pytest.mark.parametrize(("mistake", "text"), REFUSED)
+def test_refused_calls_are_named_as_in_python(mistake: Callable[[], object], text: str) -> None:
+    with pytest.raises(ValueError, match=f"^{text}$"):
+        mistake()
 
 
 def test_names_of_files_need_not_be_utf_8(tmp_path: Path) -> None:

@@ -9,58 +9,46 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
-from types import SimpleNamespace
+from collections.abc import Iterator
 from typing import Any
 
 import limber3d
 import numpy
 import pytest
-from limber3d.typing import RecordArray
-from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions
+from shapes import TETRA_FACES, TETRA_VERTICES, random_poses, random_quaternions, tell_progress
 
 
-def assert_equals(record: Any, result: limber3d.DistanceResult) -> None:
-    """Compares a record with a single answer, to the bit."""
-    assert (record["lower"], record["upper"]) == (result.lower, result.upper)
-    assert (record["status"], record["stopped_by"]) == (result.status, result.stopped_by)
-    if result.witness is None:
-        assert numpy.isnan(record["point_a"]).all() and record["triangle_a"] == record["triangle_b"] == 2**32 - 1
-        return
-    assert (record["point_a"] == result.witness.point_a).all() and (record["point_b"] == result.witness.point_b).all()
-    assert (record["triangle_a"], record["triangle_b"]) == (result.witness.triangle_a, result.witness.triangle_b)
+SINGLE_AND_MANY: list[tuple[Any, Any, list[float], dict[str, float]]] = [
+    (limber3d.distance, limber3d.distance_many, [], {"relative_error": 0.1, "max_distance": 2.0}),
+    (limber3d.collide, limber3d.collide_many, [], {}),
+    (limber3d.within, limber3d.within_many, [0.5], {}),
+]
 
 
-def test_distances_of_many_poses_are_those_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
+@pytest.mark.parametrize(("single", "many", "arguments", "options"), SINGLE_AND_MANY)
+def test_answers_of_many_poses_are_those_of_single_calls(
+    ball: limber3d.Model, tetra: limber3d.Model, single: Any, many: Any, arguments: list[float], options: Any
+) -> None:
     poses_a, poses_b = random_poses(1, 700), random_poses(2, 700)
-    many = limber3d.distance_many(ball, tetra, poses_a, poses_b, relative_error=0.1, max_distance=2.0)
-    assert many.dtype == limber3d.distance_dtype and many.shape == (700,)
-    assert set(many["status"]) == {1, 2, 3}
-    for record, pose_a, pose_b in zip(many, poses_a, poses_b):
-        assert_equals(record, limber3d.distance(ball, tetra, pose_a, pose_b, relative_error=0.1, max_distance=2.0))
-
-
-def test_collisions_of_many_poses_are_those_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
-    poses = random_poses(3, 500)
-    many = limber3d.collide_many(ball, tetra, poses_b=poses)
-    assert many["is_yes"].any() and not many["is_yes"].all()
-    for record, pose in zip(many, poses):
-        single = limber3d.collide(ball, tetra, pose_b=pose)
-        assert record["is_yes"] == bool(single)
-        if single.witness is not None:
-            assert (record["point_a"] == single.witness.point_a).all()
-            assert record["triangle_b"] == single.witness.triangle_b
-
-
-def test_within_of_many_poses_is_that_of_single_calls(ball: limber3d.Model, tetra: limber3d.Model) -> None:
-    poses = random_poses(3, 500)
-    many = limber3d.within_many(ball, tetra, 0.5, poses_b=poses)
-    assert many.dtype == limber3d.collide_dtype and many["is_yes"].any() and not many["is_yes"].all()
-    for record, pose in zip(many, poses):
-        single = limber3d.within(ball, tetra, 0.5, pose_b=pose)
-        assert record["is_yes"] == bool(single)
-        if single.witness is not None:
-            assert (record["point_b"] == single.witness.point_b).all()
+    records = many(ball, tetra, *arguments, poses_a, poses_b, **options)
+    kinds = set[object]()
+    for record, pose_a, pose_b in zip(records, poses_a, poses_b):
+        result = single(ball, tetra, *arguments, pose_a, pose_b, **options)
+        if single is limber3d.distance:
+            assert (record["lower"], record["upper"]) == (result.lower, result.upper)
+            assert (record["status"], record["stopped_by"]) == (result.status, result.stopped_by)
+            kinds.add(result.status)
+        else:
+            assert record["is_yes"] == bool(result)
+            kinds.add(bool(result))
+        witness = result.witness
+        if witness is None:
+            assert numpy.isnan(record["point_a"]).all() and record["triangle_a"] == record["triangle_b"] == 2**32 - 1
+            continue
+        assert (record["point_a"] == witness.point_a).all() and (record["point_b"] == witness.point_b).all()
+        assert (record["triangle_a"], record["triangle_b"]) == (witness.triangle_a, witness.triangle_b)
+    assert len(kinds) == (3 if single is limber3d.distance else 2) and records.shape == (700,)
+    assert records.dtype == (limber3d.distance_dtype if single is limber3d.distance else limber3d.collide_dtype)
 
 
 def test_contacts_of_many_poses_are_those_of_single_calls(ball: limber3d.Model) -> None:
@@ -190,35 +178,23 @@ def test_interruption_keeps_contacts_and_frames(ball: limber3d.Model, monkeypatc
 
 
 def test_progress_is_told_to_tqdm_if_there_is_one(ball: limber3d.Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[int] = []
-
-    class Bar:
-        def __init__(self, total: int | None) -> None:
-            told.append(-1 if total is None else total)
-
-        def __enter__(self) -> Bar:
-            return self
-
-        def __exit__(self, *_: object) -> None: ...
-
-        def update(self, done: int) -> None:
-            told.append(done)
-
-    poses = random_poses(9, 100)
-    monkeypatch.setitem(sys.modules, "tqdm.auto", SimpleNamespace(tqdm=Bar))
+    totals, told, poses = list[Any](), list[int](), random_poses(9, 100)
+    tell_progress(monkeypatch, totals, told.append)
     limber3d.distance_many(ball, ball, poses, progress=True)
-    assert told[0] == 100 and sum(told[1:]) == 100
+    assert sum(told) == 100
     told.clear()
     limber3d.track(ball, [ball.vertices] * 3, ball, progress=True)
-    assert told == [3, 1, 1, 1]
+    assert told == [1, 1, 1] and totals == [100, 3]
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
-    without: RecordArray = limber3d.collide_many(ball, ball, poses, progress=True)
-    assert len(without) == 100
+    assert len(limber3d.collide_many(ball, ball, poses, progress=True)) == 100
 
 
 def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) -> None:
     poses = random_poses(10, 300)
     expected = limber3d.distance_many(ball, ball, poses)
+    threads: Any
+    for threads in (1, 2, numpy.int64(5), 4096):
+        assert (limber3d.distance_many(ball, ball, poses, threads=threads) == expected).all()
     try:
         limber3d.set_thread_limit(1)
         assert (limber3d.distance_many(ball, ball, poses) == expected).all()
@@ -226,25 +202,11 @@ def test_answers_do_not_depend_on_the_number_of_threads(ball: limber3d.Model) ->
         limber3d.set_thread_limit(None)
 
 
-def test_a_batch_may_have_threads_of_its_own(ball: limber3d.Model) -> None:
-    poses = random_poses(10, 300)
-    expected = limber3d.distance_many(ball, ball, poses)
-    threads: Any
-    for threads in (1, 2, numpy.int64(5), 4096):
-        assert (limber3d.distance_many(ball, ball, poses, threads=threads) == expected).all()
-
-
 @pytest.mark.parametrize("count", [0, -1, 4097, 10**7, 10**9, 2**31 - 1, 2**31, 2**63, -(2**200)])
 def test_numbers_of_threads_have_a_limit(ball: limber3d.Model, count: int) -> None:
-    batches: list[Callable[[], object]] = [
-        lambda: limber3d.distance_many(ball, ball, threads=count),
-        lambda: limber3d.collide_many(ball, ball, threads=count),
-        lambda: limber3d.within_many(ball, ball, 1.0, threads=count),
-        lambda: limber3d.contacts_many(ball, ball, 1.0, threads=count),
-    ]
-    for call in batches:
+    for _, many, arguments, _ in [*SINGLE_AND_MANY, (None, limber3d.contacts_many, [1.0], {})]:
         with pytest.raises(ValueError, match="threads: expected 1 to 4096, or None"):
-            call()
+            many(ball, ball, *arguments, threads=count)
     with pytest.raises(ValueError, match="count: expected 1 to 4096, or None"):
         limber3d.set_thread_limit(count)
 

@@ -34,11 +34,8 @@ def test_many_points_give_the_bits_of_one(ball: limber3d.Model) -> None:
         if one is None:
             assert math.isinf(record["distance"]) and record["triangle"] == 2**32 - 1
         else:
-            assert (one.distance, one.triangle, one.feature.index) == (
-                record["distance"],
-                record["triangle"],
-                record["feature"]["index"],
-            )
+            found_here = record["distance"], record["triangle"], record["feature"]["index"]
+            assert (one.distance, one.triangle, one.feature.index) == found_here
             assert (one.position == record["position"]).all() and (one.barycentric == record["barycentric"]).all()
 
 
@@ -67,9 +64,8 @@ def test_open_surfaces_have_a_winding_number_and_no_inside(ball: limber3d.Model)
     with pytest.raises(ValueError, match="edge"):
         limber3d.ClosedSurface(opened)
     assert 0.9 < limber3d.winding_number(opened, [0, 0, 0]) < 1
-    assert limber3d.winding_number(ball, [0, 0, 0]) == pytest.approx(1) and limber3d.winding_number(
-        ball, [3, 0, 0]
-    ) == pytest.approx(0)
+    for point, number in (([0, 0, 0], 1), ([3, 0, 0], 0)):
+        assert limber3d.winding_number(ball, point) == pytest.approx(number)
 
 
 def test_a_surface_whose_model_was_reset_is_refused(ball: limber3d.Model) -> None:

@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import signal
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import limber3d
@@ -198,14 +197,3 @@ def test_python_may_end_while_daemons_ask() -> None:
         command = [sys.executable, "-c", DAEMONS, str(Path(__file__).parent)]
         ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
         assert (ended.returncode, ended.stderr) == (0, "")
-
-
-def distance_elsewhere(model: limber3d.Model) -> numpy.typing.NDArray[numpy.float64]:
-    """Runs in another process."""
-    upper: numpy.typing.NDArray[numpy.float64] = limber3d.distance_many(model, model, POSES)["upper"]
-    return upper
-
-
-def test_models_go_to_other_processes(ball: limber3d.Model) -> None:
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        assert (pool.submit(distance_elsewhere, ball).result() == distance_elsewhere(ball)).all()

@@ -17,10 +17,8 @@
 #:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
 #:                  accepts that license
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
-#: bench python F   what calls of Python cost above C++; then collision and distance next to packages from PyPI, MeshLib's
-#:                  as above; F is a folder with stanford-bunny.obj and armadillo.obj
-#: bench cluster F  a million poses on a cluster of this machine next to one process, with a worker and a client that are
-#:                  killed; F as for python
+#: bench python F   what calls of Python cost above a batch; then collision and distance next to packages from PyPI; F is
+#:                  a folder with stanford-bunny.obj and armadillo.obj
 #: bench web F      the JavaScript package next to the native library on one thread; F is a folder as above
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -183,25 +181,13 @@ bench_scene() {
 bench_python() {
   local place=$root/build/python_peers/bin/python requirements=(requirements.txt requirements_test.txt requirements_peers.txt)
   needs_meshes python "$@"
-  if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then requirements+=(../bench/contacts/requirements_meshlib.txt); fi
   need build io program python
   python_environment python_peers "${requirements[@]}"
   configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
-  build bench --target limber_python_stub limber_bench_python_calls
-  export PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1
-  "$place" "$root/python/bench/overhead.py" "$root/build/bench/python/limber_bench_python_calls" --out "$results" </dev/null
-  "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
-}
-
-bench_cluster() {
-  local place=$root/build/python/bin/python
-  needs_meshes cluster "$@"
-  need build io program python
-  tests_environment
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
   build bench --target limber_python_stub
-  PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1 \
-    "$place" "$root/python/bench/cluster.py" "$1" --out "$results" "${@:2}" </dev/null
+  export PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1
+  "$place" "$root/python/bench/overhead.py" --out "$results" </dev/null
+  "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
 }
 
 # bench_web FOLDER: both programs run turn by turn.
@@ -228,9 +214,8 @@ case $name in
   contacts) bench_contacts "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   python) bench_python "${@:2}" ;;
-  cluster) bench_cluster "${@:2}" ;;
   web) bench_web "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, cluster, web" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, web" ;;
 esac
 say "results are in $results"

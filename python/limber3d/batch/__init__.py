@@ -15,7 +15,7 @@ Needs      pip install limber3d[cluster], here and where the workers are.
 """
 
 from .calls import pairs, sweep, track
-from .reading import read
+from .folder import read
 from .running import Report
 
 __all__ = ["Report", "pairs", "read", "sweep", "track"]

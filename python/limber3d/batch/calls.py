@@ -13,9 +13,7 @@ import numpy
 
 from .. import _core
 from ..typing import ArrayLike, PosesLike
-from .inputs import Digest, Frames, Meshes, Poses
-from .jobs import PairsJob, SweepJob, TrackJob
-from .queries import Query, QueryName
+from .inputs import Frames, Meshes, Poses, Query, QueryName, digest_of
 from .running import Report, Request, answer
 
 _LEAST_POSES, _MOST_POSES, _USUAL_PARTITIONS = 1000, 10_000, 100
@@ -51,23 +49,23 @@ def sweep(
               pyarrow.
     Threads   Each partition takes one thread of one worker.
     """
-    asked = _query(query, relative_error, absolute_error, max_distance)
+    asked = Query.of(
+        query, relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance
+    )
     size = _core.Batch(a, b, poses_a, poses_b).size
     count = 1 if size is None else size
     asked.check(a, b)
     meshes, placed_a, placed_b = Meshes([a, b]), Poses(poses_a), Poses(poses_b)
-    described = {
-        "batch": "sweep",
-        **asked.described(),
-        "model_a": meshes.digests[0],
-        "model_b": meshes.digests[1],
-        "poses_a": placed_a.digest(),
-        "poses_b": placed_b.digest(),
-    }
     request = Request(
-        job=SweepJob(asked),
+        kind="sweep",
+        query=asked,
         count=count,
-        described=described,
+        described={
+            "model_a": meshes.digests[0],
+            "model_b": meshes.digests[1],
+            "poses_a": placed_a.digest(),
+            "poses_b": placed_b.digest(),
+        },
         meshes=meshes.packed,
         part=lambda begin, end: (placed_a.part(begin, end), placed_b.part(begin, end), end - begin),
         usual_size=_usual_size(count),
@@ -98,32 +96,28 @@ def track(
               within an error that is allowed, answers depend on partition_size as well.
     Folder, Options, Failures, Raises, Threads   As sweep(); ValueError if there are not as many poses as frames.
     """
-    asked = _query("distance", relative_error, absolute_error, max_distance)
+    asked = Query.of(
+        "distance", relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance
+    )
     listed = Frames(frames)
     size = _core.Batch(model, other, poses, poses_other).size
     if size is not None and size != len(listed):
         raise ValueError(f"frames: there are {len(listed)}, and {size} poses; expected as many, or one pose")
     asked.check(model, other)
     meshes, placed, placed_other = Meshes([model, other]), Poses(poses), Poses(poses_other)
-    described = {
-        "batch": "track",
-        **asked.described(),
-        "model": meshes.digests[0],
-        "other": meshes.digests[1],
-        "frames": listed.digest(),
-        "poses": placed.digest(),
-        "poses_other": placed_other.digest(),
-    }
     request = Request(
-        job=TrackJob(asked),
+        kind="track",
+        query=asked,
         count=len(listed),
-        described=described,
+        described={
+            "model": meshes.digests[0],
+            "other": meshes.digests[1],
+            "frames": listed.digest(),
+            "poses": placed.digest(),
+            "poses_other": placed_other.digest(),
+        },
         meshes=meshes.packed,
-        part=lambda begin, end: (
-            listed.part(begin, end),
-            placed.part(begin, end),
-            placed_other.part(begin, end),
-        ),
+        part=lambda begin, end: (listed.part(begin, end), placed.part(begin, end), placed_other.part(begin, end)),
         usual_size=max(1, min(_MOST_FRAMES, _MOST_FRAME_BYTES // model.vertices.nbytes)),
     )
     return answer(request, Path(out), executor, partition_size, progress)
@@ -152,37 +146,29 @@ def pairs(
     """
     if not models:
         raise ValueError("models: expected at least one")
-    asked = _query(query, relative_error, absolute_error, max_distance)
+    asked = Query.of(
+        query, relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance
+    )
     if _core.Batch(models[0], models[0], poses, None).size not in ({None} if poses is None else {len(models)}):
         raise ValueError(f"poses: expected one for each of {len(models)} models")
     listed = _pair_ids(pairs, len(models))
     for model in models:
         asked.check(model, model)
-    meshes, placed, digest = Meshes(models), Poses(poses), Digest()
-    digest.add(listed)
-    described = {
-        "batch": "pairs",
-        **asked.described(),
-        "models": meshes.digests,
-        "poses": placed.digest(),
-        "pairs": digest.text(),
-    }
-    arrays = {f"poses_{k}": part for k, part in enumerate(placed.parts)}
+    meshes, placed = Meshes(models), Poses(poses)
     request = Request(
-        job=PairsJob(asked, len(placed.parts) == 2),
+        kind="pairs",
+        query=asked,
         count=len(listed),
-        described=described,
-        meshes=lambda: meshes.packed(**arrays),
+        described={
+            "models": meshes.digests,
+            "poses": placed.digest(),
+            "pairs": digest_of([listed]),
+        },
+        meshes=lambda: meshes.packed(placed),
         part=lambda begin, end: listed[begin:end],
         usual_size=_usual_size(len(listed)),
     )
     return answer(request, Path(out), executor, partition_size, progress)
-
-
-def _query(
-    name: QueryName, relative_error: float | None, absolute_error: float | None, max_distance: float | None
-) -> Query:
-    return Query.of(name, relative_error=relative_error, absolute_error=absolute_error, max_distance=max_distance)
 
 
 def _usual_size(count: int) -> int:

@@ -1,32 +1,33 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""From the call of a batch to a folder that is complete."""
+"""From the call of a batch to a folder that is complete: threads, processes or Dask run the partitions."""
 
 from __future__ import annotations
 
-import hashlib
-import json
+import math
+import os
+import sys
+import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, Literal
 
 from .. import _core
 from ..many import progress_bar
 from . import folder
-from .extras import imported
-from .jobs import Job
-from .pools import DaskPool, Future, PlainPool, Pool, check_executor, is_dask_client, own_threads
-from .queries import dtype_of
-from .tables import read_parquet
-from .work import Batch, Task, label_of
+from .inputs import Query, dtype_of
+from .work import Batch, Task, run, unchanged
 
 _FORMAT = 1  # of the folder
 _PER_THREAD = 3  # partitions that are under way for each thread of the workers: one runs, the others are on their way
 _CHECK_SECONDS = 2.0  # without an answer, after which the pool is looked at
+_CHANGE_SECONDS = 2.0  # after which Dask is asked how many workers there are: they come and go, and asking is a message
+_LOST = "the scheduler is lost; the same call goes on once there is one"
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,8 @@ class Report:
 class Request:
     """A batch that was asked for: what identifies it, and how to make its parts."""
 
-    job: Job
+    kind: Literal["sweep", "track", "pairs"]
+    query: Query
     count: int
     described: dict[str, Any]
     meshes: Callable[[], bytes]
@@ -53,29 +55,96 @@ class Request:
     usual_size: int  # of a partition
 
 
-def batch_name(manifest: dict[str, Any]) -> str:
-    """A name for what a manifest says."""
-    return hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
+class Pool:
+    """Runs tasks on an executor as those of concurrent.futures. Its processes read the meshes from a file."""
+
+    def __init__(self, executor: Any, meshes: Path) -> None:
+        self._executor = executor
+        self._meshes = str(meshes)
+
+    def width(self) -> int:
+        """How many tasks run at a time, now."""
+        return int(getattr(self._executor, "_max_workers", None) or _processor_count())
+
+    def submit(self, task: Task) -> Any:
+        """A future, of concurrent.futures or of Dask."""
+        return self._executor.submit(run, task, self._meshes)
+
+    def check(self) -> None:
+        """Raises ConnectionError if nothing will come any more."""
+
+    def explain(self, error: Exception) -> None:
+        """Raises ConnectionError if that is what an error means."""
 
 
-def ranges(count: int, size: int) -> list[tuple[int, int]]:
-    """Begin and end of each partition."""
-    return [(begin, min(begin + size, count)) for begin in range(0, count, size)]
+class DaskPool(Pool):
+    """A client of Dask. The meshes are the result of a task: workers hand it on to each other, and the scheduler has
+    the task run again when all of them are lost."""
+
+    def __init__(self, client: Any, meshes: bytes) -> None:
+        self._client = client
+        self._config = folder.imported("dask.config")
+        self._sent = self._submit(unchanged, meshes)
+        self._width, self._looked_at = 0, -math.inf
+
+    def width(self) -> int:
+        if time.monotonic() > self._looked_at + _CHANGE_SECONDS:
+            self._width, self._looked_at = sum(self._client.nthreads().values()), time.monotonic()
+        return self._width
+
+    def submit(self, task: Task) -> Any:
+        return self._submit(run, task, self._sent)
+
+    def check(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise ConnectionError(_LOST)
+
+    def explain(self, error: Exception) -> None:
+        # Futures of a lost scheduler are cancelled; whoever asks it something finds the connection closed.
+        if isinstance(error, (CancelledError, folder.imported("distributed.comm").CommClosedError)):
+            raise ConnectionError(_LOST) from error
+
+    def _submit(self, *call: Any) -> Any:
+        # Dask warns of large arguments, which meshes and frames are on purpose.
+        with self._config.set({"distributed.admin.large-graph-warning-threshold": sys.maxsize}):
+            return self._client.submit(*call, pure=False)
+
+
+def _processor_count() -> int:
+    """Of those that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def _check_executor(executor: Any) -> None:
+    """Raises TypeError or ValueError if it cannot run batches."""
+    if _is_dask_client(executor):
+        if executor.asynchronous:
+            raise ValueError("executor: expected a Client that is not asynchronous")
+    elif executor is not None and not hasattr(executor, "submit"):
+        raise TypeError("executor: expected None, a distributed.Client or an object with submit()")
+
+
+def _is_dask_client(executor: Any) -> bool:
+    """Never imports Dask: who has a client has imported it."""
+    distributed = sys.modules.get("distributed")
+    return distributed is not None and isinstance(executor, distributed.Client)
 
 
 def answer(request: Request, out: Path, executor: Any, partition_size: int | None, progress: bool) -> Report:
     """Answers what is missing in a folder. The errors of workers are raised; what was done stays done."""
-    imported("pyarrow")
-    check_executor(executor)
-    manifest = {"format": _FORMAT, "version": _core.version, **request.described, "count": request.count}
+    folder.imported("pyarrow")
+    _check_executor(executor)
+    identity = {"format": _FORMAT, "version": _core.version, "batch": request.kind}
+    manifest = identity | request.query.described() | request.described | {"count": request.count}
     out = out.absolute()
     token, size = folder.open_folder(out, manifest, partition_size, request.usual_size)
-    name = batch_name(manifest | {"partition_size": size})
-    batch = Batch(name, request.job, _core.version, str(out), token)
-    parts, dtype = ranges(request.count, size), dtype_of(request.job.query.name)
+    name = folder.batch_name(manifest | {"partition_size": size})
+    batch = Batch(name, request.kind, request.query, _core.version, str(out), token)
+    dtype = dtype_of(request.query.name)
+    parts = [(begin, min(begin + size, request.count)) for begin in range(0, request.count, size)]
     missing = [
         i for i, (begin, end) in enumerate(parts)
-        if read_parquet(out / folder.part_name(i), dtype, end - begin, label_of(name, i)) is None
+        if folder.read_parquet(out / folder.part_name(i), dtype, end - begin, folder.label_of(name, i)) is None
     ]  # fmt: skip
     tasks = (Task(batch, i, parts[i][0], request.part(*parts[i])) for i in missing)
     with progress_bar(request.count, progress) as advance, ExitStack() as owned:
@@ -88,17 +157,17 @@ def answer(request: Request, out: Path, executor: Any, partition_size: int | Non
 
 
 def _pool(executor: Any, meshes: bytes, out: Path, owned: ExitStack) -> Pool:
-    if is_dask_client(executor):
+    if _is_dask_client(executor):
         return DaskPool(executor, meshes)
     if executor is None:
-        executor = owned.enter_context(own_threads())
+        executor = owned.enter_context(ThreadPoolExecutor(_processor_count()))
     folder.write_whole(out / folder.MESHES, meshes)
-    return PlainPool(executor, str(out / folder.MESHES))
+    return Pool(executor, out / folder.MESHES)
 
 
 def _run_all(pool: Pool, tasks: Iterator[Task], out: Path, done: Callable[[Task], object]) -> None:
-    running: dict[Future, Task] = {}
-    finished: SimpleQueue[Future] = SimpleQueue()
+    running: dict[Any, Task] = {}
+    finished: SimpleQueue[Any] = SimpleQueue()
     try:
         while True:
             for task in islice(tasks, max(0, _PER_THREAD * max(1, pool.width()) - len(running))):

@@ -4,40 +4,16 @@
 
 #include <nanobind/nanobind.h>
 
-#include <atomic>
-#include <memory>
+#include <cstdint>
 #include <optional>
+#include <type_traits>
 
-#include "gil.h"
+#include "arrays.h"
+#include "bindings.h"
 #include "limber/contacts.h"
-#include "limber/distance.h"
-#include "model_object.h"
-#include "poses.h"
 
-/// Keyword arguments that queries share.
+/// Arguments that queries share.
 namespace limber::python {
-
-/// What ends a query from another thread.
-class CancelFlag {
- public:
-  void set() { flag_.store(true); }
-  void clear() { flag_.store(false); }
-  bool is_set() const { return flag_.load(); }
-  const std::atomic<bool>& flag() const { return flag_; }
-
- private:
-  std::atomic<bool> flag_ = false;
-};
-
-/// A budget. Whoever creates it keeps the flag alive.
-struct BudgetObject {
-  /// `deadline` counts the seconds of time.monotonic().
-  ///
-  /// Throws   nb::value_error for a deadline that is not a number.
-  BudgetObject(std::optional<double> deadline, std::optional<std::uint64_t> max_steps, const CancelFlag* cancel);
-
-  QueryBudget budget;
-};
 
 /// Two models that are read until the call returns, and where they stand.
 class PlacedPair {
@@ -55,28 +31,6 @@ class PlacedPair {
   Reading reading_a_, reading_b_;
   Placed a_, b_;
 };
-
-/// The cache that a query uses, if it was given one. `Object` holds it as Python does.
-template <typename Object>
-class Used {
- public:
-  explicit Used(Object* object) : object_(object) {
-    if (object == nullptr) return;
-    object->users.begin_changing("the cache is in use by another thread, or by a query that has not returned");
-  }
-  Used(const Used&) = delete;
-  Used& operator=(const Used&) = delete;
-  ~Used() {
-    if (object_ != nullptr) object_->users.end_changing();
-  }
-  auto* get() const { return object_ != nullptr ? &object_->cache : nullptr; }
-
- private:
-  Object* object_;
-};
-
-/// The budget that a query gets: without limits if Python gave none.
-inline QueryBudget budget_of(const BudgetObject* budget) { return budget != nullptr ? budget->budget : QueryBudget{}; }
 
 /// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
 template <typename FilterRef>
@@ -111,7 +65,5 @@ class PairFilter {
   Predicate predicate_;
   const NeighborRings* rings_ = nullptr;
 };
-
-using TriangleFilter = PairFilter<TrianglePairFilter>;
 
 }  // namespace limber::python

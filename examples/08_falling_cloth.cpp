@@ -4,7 +4,7 @@
 // A sheet of springs falls on a body and folds onto itself. It never passes through the body or through itself: after
 // every step the program asks for all intersections, and fails if there is one.
 //
-//   example_10_falling_cloth [seconds [squares [body's mesh file [folder for OBJ files]]]]
+//   example_08_falling_cloth [seconds [squares [body's mesh file [folder for OBJ files]]]]
 //
 // Each step asks for all pairs of triangles that are close. They become constraints, and they bound how far each vertex
 // may move in the step: triangles that are d apart, and whose vertices move by less than d / 2, cannot meet. These are
@@ -42,25 +42,10 @@ struct Lengths {
   double body_margin = 2 * body_gap, self_margin = 2 * self_gap;  // and look so far
 };
 
-/// Milliseconds, and pairs.
-struct Costs {
-  double commit = 0, body = 0, self = 0, neighbors = 0, solve = 0, check = 0;
+/// How often the simulation has looked around, and the pairs that it has found.
+struct Counts {
   std::size_t looks = 0, body_pairs = 0, self_pairs = 0;
-
-  Costs& operator+=(const Costs& c) {
-    commit += c.commit, body += c.body, self += c.self, neighbors += c.neighbors, solve += c.solve, check += c.check;
-    looks += c.looks, body_pairs += c.body_pairs, self_pairs += c.self_pairs;
-    return *this;
-  }
 };
-
-/// Runs `work` and adds its time.
-template <typename Work>
-void timed(double& milliseconds, const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  milliseconds += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// The body, 1 high, standing on a large floor at z = 0. Meshes have y upward, as the Stanford bunny.
 limber::Mesh body_on_floor(const limber::Mesh& mesh) {
@@ -190,24 +175,23 @@ class Simulation {
   const limber::Model& body() const { return body_; }
 
   /// Returns how many pairs of triangles intersect afterwards.
-  std::size_t step(Costs& costs) {
-    if (at_limit_ > sheet_.positions().size() / 100 || age_ == most_steps_a_look) look_around(costs);
-    timed(costs.solve, [&] { at_limit_ = sheet_.step(step_s, iterations); });
+  std::size_t step(Counts& counts) {
+    if (at_limit_ > sheet_.positions().size() / 100 || age_ == most_steps_a_look) look_around(counts);
+    at_limit_ = sheet_.step(step_s, iterations);
     ++age_;
-    timed(costs.commit, [&] {
-      cloth_.move_all(sheet_.positions()).value();
-      cloth_.commit();
-    });
-    std::size_t meeting = 0;
-    timed(costs.check, [&] {
-      meeting = limber::self_intersections(cloth_, {}).count + limber::intersections({cloth_}, {body_}, {}).count;
-    });
-    return meeting;
+    cloth_.move_all(sheet_.positions()).value();
+    cloth_.commit();
+    return meeting();
+  }
+
+  /// How many pairs of triangles intersect.
+  std::size_t meeting() const {
+    return limber::self_intersections(cloth_, {}).count + limber::intersections({cloth_}, {body_}, {}).count;
   }
 
  private:
   /// Finds all that is close, for constraints, and for how far each vertex may move until the next look.
-  void look_around(Costs& costs) {
+  void look_around(Counts& counts) {
     const limber::Mesh& mesh = cloth_.mesh();
     std::vector<double> reach(mesh.positions().size(),
                               std::min(share * lengths_.self_margin, 2 * share * lengths_.body_margin));
@@ -226,14 +210,11 @@ class Simulation {
       constraints.push_back(constraint_of(contact, mesh, true, lengths_.self_gap));
       return true;
     };
-    timed(costs.body, [&] {
-      costs.body_pairs += limber::visit_contacts({cloth_}, {body_}, lengths_.body_margin, take_body).count;
-    });
-    timed(costs.self,
-          [&] { costs.self_pairs += limber::visit_self_contacts(cloth_, lengths_.self_margin, take_self).count; });
-    timed(costs.neighbors, [&] { fans_.bound(mesh, sheet_, lengths_.self_margin, reach); });
+    counts.body_pairs += limber::visit_contacts({cloth_}, {body_}, lengths_.body_margin, take_body).count;
+    counts.self_pairs += limber::visit_self_contacts(cloth_, lengths_.self_margin, take_self).count;
+    fans_.bound(mesh, sheet_, lengths_.self_margin, reach);
     sheet_.look_around(std::move(constraints), std::move(reach));
-    ++costs.looks;
+    ++counts.looks;
     age_ = 0;
   }
 
@@ -251,15 +232,6 @@ class Simulation {
   int age_ = most_steps_a_look;  // steps since the last look around
   std::size_t at_limit_ = 0;     // vertices that will have gone as far as they may
 };
-
-void print(int frame, const Costs& sum, int frames) {
-  const auto looks = static_cast<double>(std::max<std::size_t>(sum.looks, 1));
-  const double all = sum.commit + sum.body + sum.self + sum.neighbors + sum.solve + sum.check;
-  std::printf("%5d %6.1f %7.0f %7.0f %8.2f %8.2f %8.2f %8.2f %8.2f %8.2f %8.2f\n", frame, looks / frames,
-              static_cast<double>(sum.body_pairs) / looks, static_cast<double>(sum.self_pairs) / looks,
-              sum.commit / frames, sum.body / frames, sum.self / frames, sum.neighbors / frames, sum.solve / frames,
-              sum.check / frames, all / frames);
-}
 
 /// Not a number, where the whole text is none.
 double number(const char* text) {
@@ -282,25 +254,23 @@ int main(int argc, char** argv) try {
   if (!folder.empty()) write_obj(folder / "body.obj", simulation.body().mesh());
 
   const int frames = static_cast<int>(std::ceil(seconds * frames_a_second));
-  Costs total;
   std::size_t meeting_steps = 0;
-  std::printf("means of %d frames; pairs are those of a look, times are milliseconds a frame\n", frames_a_line);
-  std::printf("frame  looks    body    self   commit     body     self neighbor    solve    check      all\n");
+  std::printf("frame  looks    body    self   ms a frame    pairs are those of a look\n");
   for (int first = 0; first < frames; first += frames_a_line) {
-    Costs costs;
-    const int last = std::min(first + frames_a_line, frames);
-    for (int i = 0; i < (last - first) * steps_a_frame; ++i) meeting_steps += simulation.step(costs) > 0 ? 1 : 0;
-    print(last, costs, last - first);
-    total += costs;
+    Counts counts;
+    const auto start = std::chrono::steady_clock::now();
+    const int last = std::min(first + frames_a_line, frames), count = last - first;
+    for (int i = 0; i < count * steps_a_frame; ++i) meeting_steps += simulation.step(counts) > 0 ? 1 : 0;
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    const std::size_t looks = std::max<std::size_t>(counts.looks, 1);
+    std::printf("%5d %6zu %7zu %7zu %12.2f\n", last, counts.looks, counts.body_pairs / looks, counts.self_pairs / looks,
+                took.count() / count);
     if (!folder.empty()) write_obj(folder / ("cloth_" + std::to_string(last) + ".obj"), simulation.cloth().mesh());
   }
-  std::printf("all frames:\n");
-  print(frames, total, frames);
-  const std::size_t self = limber::self_intersections(simulation.cloth(), {}).count;
-  const std::size_t with_body = limber::intersections({simulation.cloth()}, {simulation.body()}, {}).count;
-  std::printf("at the end: %zu self-intersections, %zu intersections with the body; %zu of %d steps had any\n", self,
-              with_body, meeting_steps, frames * steps_a_frame);
-  return self + with_body + meeting_steps > 0 ? 1 : 0;
+  const std::size_t meeting = simulation.meeting();
+  std::printf("at the end %zu pairs intersect; %zu of %d steps had any\n", meeting, meeting_steps,
+              frames * steps_a_frame);
+  return meeting + meeting_steps > 0 ? 1 : 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 2;
