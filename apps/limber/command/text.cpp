@@ -63,12 +63,8 @@ std::string to_text(const Vec3& point, const char* separator) {
 }
 
 std::string grouped(std::uint64_t count) {
-  const std::string digits = fmt::format("{}", count);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
-    text += digits[i];
-  }
+  std::string text = fmt::format("{}", count);
+  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ' ');
   return text;
 }
 

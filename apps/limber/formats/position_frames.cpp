@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "command/bad_input.h"
+#include "command/text.h"
 
 namespace limber::program {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "command/stopwatch.h"
+#include "command/output.h"
 #include "command/text.h"
 
 namespace limber::program {
@@ -54,7 +54,7 @@ std::string width_text(const Percentiles& width) {
                      percent(width.max));
 }
 
-Json to_json(const std::optional<Percentiles>& percentiles) {
+Json json_of(const std::optional<Percentiles>& percentiles) {
   if (!percentiles) return nullptr;
   Json json = Json::object();
   for (std::size_t i = 0; i < percentile_levels.size(); ++i) {
@@ -64,7 +64,7 @@ Json to_json(const std::optional<Percentiles>& percentiles) {
   return json;
 }
 
-Json to_json(const LogHistogram& histogram) {
+Json json_of(const LogHistogram& histogram) {
   Json json = Json::array();
   for (std::size_t i = 0; i < histogram.counts().size(); ++i) {
     if (histogram.counts()[i] == 0) continue;
@@ -74,7 +74,7 @@ Json to_json(const LogHistogram& histogram) {
   return json;
 }
 
-Json to_json(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
+Json json_of(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
 
 /// A float in the digits that it has.
 std::string shortest(float number) { return fmt::format("{}", number); }
@@ -180,22 +180,22 @@ Json to_json(const HapticRun& run, const HapticSummary& summary) {
                {"rate_hz", options.scene.rate_hz},
                {"ticks", main_ticks(run).size()},
                {"core", options.core},
-               {"fifo_priority", to_json(run.priority)},
-               {"locked_memory", to_json(run.locked_memory)},
+               {"fifo_priority", json_of(run.priority)},
+               {"locked_memory", json_of(run.locked_memory)},
                {"spin_us", options.spin_us},
                {"missed", summary.missed},
                {"late_starts", summary.late_starts},
-               {"wake_up_us", to_json(summary.wake_up)},
-               {"empty_wake_up_us", to_json(summary.empty_wake_up)}};
+               {"wake_up_us", json_of(summary.wake_up)},
+               {"empty_wake_up_us", json_of(summary.empty_wake_up)}};
   if (options.is_empty) return json;
   json["tissue_triangles"] = run.tissue_triangles;
   json["tool_triangles"] = run.tool_triangles;
   json["relative_error"] = options.scene.relative_error;
   json["tick_budget_us"] = 1e-3 * static_cast<double>(options.scene.tick_budget.count());
-  for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = to_json(summary.parts[i]);
-  json["work_histogram"] = to_json(LogHistogram(times_of(run.ticks, tick_parts[0])));
+  for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = json_of(summary.parts[i]);
+  json["work_histogram"] = json_of(LogHistogram(times_of(run.ticks, tick_parts[0])));
   for (std::size_t i = 0; i < all_statuses.size(); ++i) json["answers"][to_text(all_statuses[i])] = summary.answers[i];
-  json["interrupted_width"] = to_json(summary.interrupted_width);
+  json["interrupted_width"] = json_of(summary.interrupted_width);
   json["largest_force_n"] = summary.largest_force_n;
   json["moved_vertices"] = summary.moved_vertices;
   json["rebuilt_triangles"] = run.rebuilt_triangles;

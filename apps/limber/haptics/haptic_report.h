@@ -65,4 +65,8 @@ Json to_json(const HapticRun& run, const HapticSummary& summary);
 /// A header, and a row for each tick.
 std::string ticks_csv(const HapticRun& run);
 
+/// A self-contained page: histograms of the times, the slowest ticks over time, and the summary. Pre: the run is not
+/// empty.
+std::string haptic_page(const HapticRun& run, const HapticSummary& summary);
+
 }  // namespace limber::program

@@ -9,7 +9,6 @@
 
 #include "command/options.h"
 #include "command/output.h"
-#include "command/stopwatch.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/model.h"

@@ -8,11 +8,16 @@
 #include <variant>
 #include <vector>
 
-#include "command/stopwatch.h"
+#include "command/output.h"
 #include "limber/classic.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "reference/reference.h"
+#include "verbs/closed_mesh.h"
+
+namespace CLI {
+class App;
+}
 
 /// Models as the command line names them, and queries between two that do not deform.
 namespace limber::program {
@@ -101,5 +106,41 @@ enum class Nesting { none, a_in_b, b_in_a };
 /// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
 ///          first time.
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
+
+/// Two rigid models, and where they stand.
+struct PlacedArguments {
+  std::string a, b;
+  Transform pose_a, pose_b;  // world_from_model
+  Engine engine = Engine::fast;
+};
+
+/// An option that says where a model stands: "A".
+void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model);
+
+/// `A`, `B`, `--pose-a`, `--pose-b`.
+void add_placed_arguments(CLI::App& command, PlacedArguments& arguments);
+
+/// The arguments that the verbs about the closest or any pair of points of two rigid models share.
+struct PairArguments : PlacedArguments {
+  bool json = false;
+  bool exit_code = false;
+};
+
+/// Those above, `--engine`, `--json`, and `--exit-code` with what it tells: "the models collide".
+void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
+
+/// The two models that the arguments name.
+class Pair {
+ public:
+  explicit Pair(const PlacedArguments& arguments);
+
+  PlacedModel a() const { return {a_, arguments_.pose_a}; }
+  PlacedModel b() const { return {b_, arguments_.pose_b}; }
+  double build_us() const;  ///< of the trees of both
+
+ private:
+  PlacedArguments arguments_;
+  RigidModel a_, b_;
+};
 
 }  // namespace limber::program

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "command/text.h"
+
 namespace limber::program {
 namespace {
 
@@ -70,6 +72,10 @@ Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
       models_{Model(models[0]), Model(models[1])},
       rows_(empty_lists(row_names)),
       contacts_(Json::array()) {
+  if (sequence_.row_count > most_rows) {
+    throw BadInput(
+        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
+  }
   for (const std::string& name : sequence_.contact_names) {
     Json json = empty_lists(contact_row_names);
     json["name"] = name;

@@ -44,7 +44,7 @@ class Replay {
     std::uint64_t max_megabytes = 0;  ///< that the page may have
   };
 
-  /// Pre      At most `most_rows` rows.
+  /// Errors   BadInput unless there are at most `most_rows` rows.
   Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models);
 
   /// Adds a row, and the frame if it has not been added yet. Errors as PositionFrames::add().

@@ -9,8 +9,8 @@
 
 #include "limber/distance.h"
 #include "verbs/answers.h"
+#include "verbs/contact_answers.h"
 #include "verbs/deforming_model.h"
-#include "verbs/track_contacts.h"
 
 /// What `limber track` says about each frame.
 namespace limber::program {
@@ -21,6 +21,12 @@ struct TreeUpdate {
   DeformingWork done;
 
   TreeUpdate& operator+=(const TreeUpdate& other);
+};
+
+/// The pairs of triangles of one frame, and the word that their columns start with.
+struct FrameContacts {
+  std::string name;
+  FoundContacts found;
 };
 
 /// One line of the answer.
@@ -35,7 +41,7 @@ struct TrackRow {
 
 /// The first line of CSV; `contact_names` are the words that columns of contacts start with.
 std::string track_csv_header(const std::vector<std::string>& contact_names);
-std::string csv_line(const TrackRow& row);
-std::string json_line(const TrackRow& row);
+/// The line, whose values are the cells under the header.
+Json to_json(const TrackRow& row);
 
 }  // namespace limber::program
