@@ -24,7 +24,7 @@ void write_to(std::FILE* stream, std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) fail(errno);
 }
 
-void flush(std::FILE* stream) {
+void flush_to(std::FILE* stream) {
   if (std::fflush(stream) != 0) fail(errno);
 }
 
@@ -113,7 +113,7 @@ constexpr double bar_redraw_s = 0.1;
 
 void write(std::string_view text) { write_to(stdout, text); }
 
-void flush() { flush(stdout); }
+void flush() { flush_to(stdout); }
 
 void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs) {
   if (path.empty() || path == "-") return;
@@ -141,7 +141,7 @@ bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
 
 void OutputFile::write(std::string_view text) {
   write_to(stream_, text);
-  flush(stream_);
+  flush_to(stream_);
 }
 
 void show(const std::string& text) {

@@ -16,11 +16,6 @@ namespace {
 
 double us(std::uint32_t ns) { return rounded_us(1e-3 * ns); }
 
-std::uint64_t count_of(const HapticSummary& summary, Status status) {
-  const auto* const found = std::find(all_statuses.begin(), all_statuses.end(), status);
-  return summary.answers[static_cast<std::size_t>(found - all_statuses.begin())];
-}
-
 const std::vector<TickSample>& main_ticks(const HapticRun& run) {
   return run.options.is_empty ? run.empty_ticks : run.ticks;
 }
@@ -40,10 +35,10 @@ std::string part_text(std::uint64_t part, std::size_t all) {
 }
 
 std::string answers_text(const HapticRun& run, const HapticSummary& summary) {
-  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted",
-                     grouped(count_of(summary, Status::exact)), grouped(count_of(summary, Status::within_error)),
-                     100 * run.options.scene.relative_error, grouped(count_of(summary, Status::collision)),
-                     grouped(count_of(summary, Status::beyond_limit)), grouped(count_of(summary, Status::interrupted)));
+  const auto count = [&](Status status) { return grouped(summary.answers.at(status)); };
+  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted", count(Status::exact),
+                     count(Status::within_error), 100 * run.options.scene.relative_error, count(Status::collision),
+                     count(Status::beyond_limit), count(Status::interrupted));
 }
 
 std::string width_text(const Percentiles& width) {
@@ -100,13 +95,13 @@ std::vector<double> wake_up_times(const std::vector<TickSample>& ticks) {
 HapticSummary summary_of(const HapticRun& run) {
   HapticSummary summary;
   std::vector<double> widths;
+  for (const auto& [status, word] : status_words) summary.answers[status] = 0;
   for (const TickSample& tick : main_ticks(run)) {
     summary.missed += tick.is_missed ? 1 : 0;
     summary.late_starts += tick.has_waited ? 0 : 1;
   }
   for (const TickSample& tick : run.ticks) {
-    const auto* const status = std::find(all_statuses.begin(), all_statuses.end(), tick.status);
-    ++summary.answers[static_cast<std::size_t>(status - all_statuses.begin())];
+    ++summary.answers[tick.status];
     if (tick.status == Status::interrupted) widths.push_back(static_cast<double>(1 - tick.lower / tick.upper));
     summary.largest_force_n = std::max(summary.largest_force_n, static_cast<double>(tick.force_n));
     summary.moved_vertices += tick.moved_vertices;
@@ -194,7 +189,7 @@ Json to_json(const HapticRun& run, const HapticSummary& summary) {
   json["tick_budget_us"] = 1e-3 * static_cast<double>(options.scene.tick_budget.count());
   for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = json_of(summary.parts[i]);
   json["work_histogram"] = json_of(LogHistogram(times_of(run.ticks, tick_parts[0])));
-  for (std::size_t i = 0; i < all_statuses.size(); ++i) json["answers"][to_text(all_statuses[i])] = summary.answers[i];
+  for (const auto& [status, word] : status_words) json["answers"][word] = summary.answers.at(status);
   json["interrupted_width"] = json_of(summary.interrupted_width);
   json["largest_force_n"] = summary.largest_force_n;
   json["moved_vertices"] = summary.moved_vertices;

@@ -48,7 +48,8 @@ struct HapticRun {
 
 /// Runs both loops in a thread of their own, on one core, with what the operating system grants. Everything is
 /// allocated and written to before the first tick; the results are looked at after the last. The calling thread shows
-/// progress meanwhile, on other cores where there are any: it only looks at counters, so a slow terminal delays nothing.
+/// progress meanwhile, on other cores where there are any: it only looks at counters, so a slow terminal delays no
+/// tick.
 ///
 /// Pre      may_run_on(core).
 HapticRun run_haptics(const LoopOptions& options);

@@ -182,27 +182,6 @@ constexpr std::size_t most_triangles = 100'000;
 /// Of the diagonal of the smaller model's box: shorter edges are not divided for the map.
 constexpr double shortest_edge_part = 1.0 / 256;
 
-/// A model for point queries and contacts, which only the fast engine has.
-class FastModel {
- public:
-  FastModel(const PlacedModel& model, Engine engine) : pose_(model.pose) {
-    if (engine == Engine::fast) {
-      model_ = &model.model.fast();
-    } else {
-      model_ = &own_.emplace(model.model.mesh());
-    }
-  }
-  FastModel(const FastModel&) = delete;
-  FastModel& operator=(const FastModel&) = delete;
-
-  Placed placed() const { return {*model_, pose_}; }
-
- private:
-  Transform pose_;
-  std::optional<Model> own_;
-  const Model* model_;
-};
-
 double diagonal_of(const Box& box) { return length(box.high - box.low); }
 
 /// The triangles of each model that intersect the other, and how many pairs of them there are.
@@ -284,9 +263,11 @@ Json json_of_witness_corners(const Pair& pair, const std::optional<FoundWitness>
 
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer) {
-  const FastModel a(pair.a(), arguments.engine), b(pair.b(), arguments.engine);
+  // Only the fast engine has point queries and contacts.
+  const Model model_a(pair.a().model.mesh()), model_b(pair.b().model.mesh());
+  const Placed a{model_a, pair.a().pose}, b{model_b, pair.b().pose};
   Intersections found;
-  if (answer.result.status == Status::collision) found = intersections_of(a.placed(), b.placed());
+  if (answer.result.status == Status::collision) found = intersections_of(a, b);
   const double shortest_edge =
       shortest_edge_part * std::min(diagonal_of(pair.a().model.box()), diagonal_of(pair.b().model.box()));
   Json json;
@@ -300,8 +281,8 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
   json["intersections"] = found.pair_count;
   json["contact_normal"] = found.normal ? to_json(*found.normal) : Json(nullptr);
   json["witness_corners"] = json_of_witness_corners(pair, answer.witness);
-  json["models"] = {json_of_model(arguments.a, pair.a(), b.placed(), shortest_edge, found.a),
-                    json_of_model(arguments.b, pair.b(), a.placed(), shortest_edge, found.b)};
+  json["models"] = {json_of_model(arguments.a, pair.a(), b, shortest_edge, found.a),
+                    json_of_model(arguments.b, pair.b(), a, shortest_edge, found.b)};
   return json;
 }
 

@@ -12,7 +12,6 @@
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/model.h"
-#include "verbs/closed_mesh.h"
 #include "verbs/models.h"
 
 namespace limber::program {

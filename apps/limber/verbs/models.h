@@ -13,7 +13,6 @@
 #include "limber/io.h"
 #include "limber/model.h"
 #include "reference/reference.h"
-#include "verbs/closed_mesh.h"
 
 namespace CLI {
 class App;
@@ -24,6 +23,20 @@ namespace limber::program {
 
 /// The help about an argument that names a model.
 inline constexpr const char* model_argument_help = "mesh file (.obj .ply .stl .off .gltf .glb) or scene:NAME";
+
+/// An edge has two distinct ends. A triangle uses an edge once, even where two of its corners coincide.
+struct EdgeCounts {
+  std::size_t open = 0;          ///< used by one triangle
+  std::size_t closed = 0;        ///< used by two
+  std::size_t non_manifold = 0;  ///< used by more
+
+  /// Whether every edge has two triangles, so that the mesh has an inside.
+  bool are_closed() const { return closed > 0 && open == 0 && non_manifold == 0; }
+};
+EdgeCounts count_edges(MeshView mesh);
+
+/// The box of the triangles; vertices without a triangle do not count. Pre: there is a triangle.
+Box box_of(MeshView mesh);
 
 /// Whether the argument names a scene instead of a file.
 bool is_scene(const std::string& argument);

@@ -23,7 +23,6 @@
 #include "verbs/deforming_model.h"
 #include "verbs/models.h"
 #include "verbs/replay.h"
-#include "verbs/track_row.h"
 
 namespace limber::program {
 namespace {
@@ -228,34 +227,6 @@ Names inputs_of(const TrackArguments& arguments) {
   return inputs;
 }
 
-/// The page, and the file that it is written to.
-class TrackReport {
- public:
-  /// Errors   BadInput as ReportFile, or where there are more rows than a page has room for.
-  TrackReport(const TrackArguments& arguments, Replay::Sequence sequence, const std::array<ReplayedModel, 2>& models)
-      : file_(arguments.report, inputs_of(arguments)),
-        max_megabytes_(arguments.max_report_megabytes),
-        replay_(std::move(sequence), models) {}
-
-  void add(const TrackRow& row, const TrackedModel& a, const TrackedModel& b) {
-    replay_.add(row, {a.state(), b.state()});
-  }
-
-  /// Warns where frames have been left out.
-  void write() {
-    if (replay_.stride() > 1) {
-      warn("track", fmt::format("--report: the page has 1 of every {} frames, as more would exceed {} MB",
-                                replay_.stride(), max_megabytes_));
-    }
-    file_.write(replay_.to_json());
-  }
-
- private:
-  ReportFile file_;
-  std::uint64_t max_megabytes_;
-  Replay replay_;
-};
-
 ExitCode run(const TrackArguments& arguments) {
   check_contact_options(arguments);
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
@@ -266,10 +237,11 @@ ExitCode run(const TrackArguments& arguments) {
   const std::vector<AskedContacts> asked = asked_contacts(arguments, a, b);
   std::vector<std::string> contact_names;
   for (const AskedContacts& contacts : asked) contact_names.push_back(contacts.name);
-  std::optional<TrackReport> report;
+  std::optional<ReportFile> page;
+  std::optional<Replay> replay;
   if (!arguments.report.path.empty()) {
-    report.emplace(arguments,
-                   Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
+    page.emplace(arguments.report, inputs_of(arguments));
+    replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
                                     arguments.max_report_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
@@ -282,12 +254,17 @@ ExitCode run(const TrackArguments& arguments) {
     for (const AskedContacts& contacts : asked) {
       row.contacts.push_back(find_contacts(contacts, arguments.margin.value_or(0)));
     }
-    if (report) report->add(row, a, b);
+    if (replay) replay->add(row, {a.state(), b.state()});
     if (isatty(STDOUT_FILENO) != 0) bar.clear();
     write((arguments.json ? to_line : csv_line)(to_json(row)));
     flush();
   }
-  if (report) report->write();
+  if (!replay) return ExitCode::answered;
+  if (replay->stride() > 1) {
+    warn("track", fmt::format("--report: the page has 1 of every {} frames, as more would exceed {} MB",
+                              replay->stride(), arguments.max_report_megabytes));
+  }
+  page->write(replay->to_json());
   return ExitCode::answered;
 }
 
