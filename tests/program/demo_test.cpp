@@ -170,10 +170,11 @@ TEST(ProgramDemo, OnlyManyFramesHavePercentiles) {
     EXPECT_EQ(count_of("p99", demo.outcome.out), has_percentiles ? 3U : 0U) << demo.outcome.out;
     EXPECT_EQ(count_of("p99", demo.data["demo"]["summary"].dump()), has_percentiles ? 3U : 0U) << frames;
     EXPECT_EQ(count_of(", max ", demo.outcome.out), 3U) << demo.outcome.out;
-    const nlohmann::json json = json_of("demo --frames " + frames + " --out " + demo.folder.path("x.html"));
+    const std::string check = has_percentiles ? "" : " --no-check";  // which takes a while
+    const nlohmann::json json = json_of("demo --frames " + frames + " --out " + demo.folder.path("x.html") + check);
     EXPECT_EQ(json["query"], "demo");
     EXPECT_EQ(json["frames"], std::stoi(frames));
-    EXPECT_EQ(json["brute_force"], "equal");
+    EXPECT_EQ(json["brute_force"], has_percentiles ? "equal" : "skipped");
     EXPECT_EQ(json["engine"], "fast");
     for (const char* count : {"moved_vertices", "refits"}) EXPECT_GT(json[count], 0) << count;
     for (const char* key : {"update_us", "query_us", "rough_query_us"}) {

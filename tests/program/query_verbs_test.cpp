@@ -53,8 +53,10 @@ TEST(ProgramDistance, AnswersAreThoseOfTheLibraryForAllEngines) {
 }
 
 TEST(ProgramDistance, LimitIsHeldByAllEngines) {
+  const Folder folder;
+  const std::string square = folder.store("square.obj", scenes::grid(2, 2, -2, -2, 2, 2));
   for (const std::string& engine : engines) {
-    const std::string line = "distance" + raised_ball + "0,0,3,1,0,0,0 --engine " + engine;
+    const std::string line = "distance scene:ball " + square + " --pose-a 0,0,3,1,0,0,0 --engine " + engine;
     const std::string beyond = answer_to(line + " --max-distance 1.5");
     EXPECT_NE(beyond.find("status    beyond_limit\nlower     1.5\ntests"), std::string::npos) << beyond;
     EXPECT_NE(answer_to(line + " --max-distance 2.5").find("status    exact"), std::string::npos) << engine;

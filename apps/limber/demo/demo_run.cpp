@@ -60,6 +60,7 @@ bool is_confirmed(const DistanceResult& answer, double relative_error, double ex
 
 Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*value) {
   std::vector<double> values;
+  values.reserve(frames.size());
   for (const DemoFrame& frame : frames) values.push_back(frame.*value);
   const Percentiles found = percentiles_of(std::move(values)).value();
   const auto& [median, p90, p99, p999, p9999] = found.at;

@@ -51,7 +51,7 @@ class PositionFrames {
   Steps last_;  // the frame that was added last
 };
 
-/// Poses as twelve float64 each, the rows of the rotation and then the translation. The lowest byte of each comes first.
+/// Poses as twelve float64 each: the rows of the rotation, then the translation. The lowest byte of each comes first.
 Json poses_json(std::span<const Transform> poses);
 
 }  // namespace limber::program

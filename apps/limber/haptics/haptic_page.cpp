@@ -180,7 +180,8 @@ Curve largest_of_each(std::size_t group, double unit, const std::string& label, 
   for (std::size_t i = 0; i < values.size(); i += group) {
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i);
     const auto count = static_cast<std::ptrdiff_t>(std::min(group, values.size() - i));
-    curve.points.emplace_back(unit * static_cast<double>(i / group), *std::max_element(begin, begin + count));
+    const std::size_t point = i / group;
+    curve.points.emplace_back(unit * static_cast<double>(point), *std::max_element(begin, begin + count));
   }
   return curve;
 }
@@ -200,7 +201,8 @@ std::string time_line(const HapticRun& run) {
   chart.x = linear_axis(std::max(unit, chart.curves.front().points.back().first), unit);
   chart.y = logarithmic_axis(std::max(low, least_us), high);
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
-    const double s = unit * static_cast<double>(i / group);
+    const std::size_t point = i / group;
+    const double s = unit * static_cast<double>(point);
     if (run.ticks[i].is_missed && (chart.marks.empty() || chart.marks.back() != s)) chart.marks.push_back(s);
   }
   chart.mark_label = "missed";

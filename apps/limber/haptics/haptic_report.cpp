@@ -71,9 +71,6 @@ Json json_of(const LogHistogram& histogram) {
 
 Json json_of(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
 
-/// A float in the digits that it has.
-std::string shortest(float number) { return fmt::format("{}", number); }
-
 }  // namespace
 
 std::vector<double> times_of(const std::vector<TickSample>& ticks, const TickPart& part) {
@@ -208,8 +205,8 @@ std::string ticks_csv(const HapticRun& run) {
     const TickSample& tick = run.ticks[i];
     fmt::format_to(out, "{},{},{}", i, us(tick.late), tick.has_waited);
     for (const TickPart& part : tick_parts) fmt::format_to(out, ",{}", us(tick.*part.ns));
-    fmt::format_to(out, ",{},{},{},{},{},{}\n", tick.is_missed, tick.moved_vertices, to_text(tick.status),
-                   shortest(tick.lower), std::isfinite(tick.upper) ? shortest(tick.upper) : "", shortest(tick.force_n));
+    fmt::format_to(out, ",{},{},{},{},{},{}\n", tick.is_missed, tick.moved_vertices, to_text(tick.status), tick.lower,
+                   std::isfinite(tick.upper) ? fmt::format("{}", tick.upper) : "", tick.force_n);
   }
   return fmt::to_string(csv);
 }

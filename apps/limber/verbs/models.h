@@ -88,26 +88,22 @@ struct TimedAnswer {
   double elapsed_us = 0;  ///< of the query alone
 };
 
+inline Placed placed(const Model& model, const Transform& pose) { return {model, pose}; }
+inline classic::Placed placed(const classic::Model& model, const Transform& pose) { return {model, pose}; }
+inline reference::Placed placed(const Mesh& mesh, const Transform& pose) { return {mesh, pose}; }
+
 /// Puts a query to the engine of two models; `query` takes two placed models or meshes of any engine.
 ///
 /// Pre      Both models are of one engine.
 template <typename Query>
 auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
-  return std::visit(
-      [&](const auto& model_a) {
-        using Either = std::decay_t<decltype(model_a)>;
-        const Either& model_b = std::get<Either>(b.model.model_);
-        const Stopwatch asking;
-        if constexpr (std::is_same_v<Either, Mesh>) {
-          auto answer = query(reference::Placed{model_a, a.pose}, reference::Placed{model_b, b.pose});
-          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
-        } else {
-          using Placed = std::conditional_t<std::is_same_v<Either, Model>, limber::Placed, classic::Placed>;
-          auto answer = query(Placed{model_a, a.pose}, Placed{model_b, b.pose});
-          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
-        }
-      },
-      a.model.model_);
+  const auto ask_engine = [&](const auto& model_a) {
+    const auto& model_b = std::get<std::decay_t<decltype(model_a)>>(b.model.model_);
+    const Stopwatch asking;
+    auto answer = query(placed(model_a, a.pose), placed(model_b, b.pose));
+    return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
+  };
+  return std::visit(ask_engine, a.model.model_);
 }
 
 /// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to

@@ -236,6 +236,7 @@ ExitCode run(const TrackArguments& arguments) {
   const std::size_t row_count = frame_count * arguments.loops;
   const std::vector<AskedContacts> asked = asked_contacts(arguments, a, b);
   std::vector<std::string> contact_names;
+  contact_names.reserve(asked.size());
   for (const AskedContacts& contacts : asked) contact_names.push_back(contacts.name);
   std::optional<ReportFile> page;
   std::optional<Replay> replay;
