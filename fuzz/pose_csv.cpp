@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Bytes as one pose and as a list of poses: the result is rigid transforms or an error of one line, whatever the text.
-#include "formats/pose_text.h"
+#include "formats/csv_inputs.h"
 
 #include <algorithm>
 #include <string>
 #include <string_view>
 
-#include "command/bad_input.h"
+#include "command/text.h"
 #include "fuzz/scratch_file.h"
 
 namespace limber::fuzz {

@@ -1,21 +1,247 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <new>
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
-#include "command/bad_input.h"
-#include "command/command_line.h"
 #include "command/output.h"
+#include "command/text.h"
 #include "command/verb.h"
 
 namespace limber::program {
 namespace {
+
+constexpr std::size_t line_width = 80;
+constexpr std::size_t name_width = 30;
+constexpr const char* version_line = "limber " LIMBER_VERSION;
+
+/// Help in lines that fit into a terminal.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() {
+    column_width(name_width);
+    label("SUBCOMMAND", "VERB");
+    label("Positionals", "Arguments");
+  }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return described(option->get_description());
+  }
+
+  std::string make_subcommand(const CLI::App* verb) const override {
+    std::ostringstream lines;
+    CLI::detail::format_help(lines, verb->get_name(), described(verb->get_description()), name_width);
+    return lines.str();
+  }
+
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(app->get_description(), line_width) + "\n\n";
+  }
+
+  std::string make_footer(const CLI::App* app) const override {
+    const std::string text = app->get_footer();
+    return text.empty() ? std::string() : wrapped(trimmed(text), line_width) + '\n';
+  }
+
+ private:
+  static std::string described(const std::string& text) { return wrapped(text, line_width - name_width); }
+};
+
+std::vector<std::string> verb_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
+
+std::string no_such_verb(const CLI::App& app, const std::string& word) {
+  const std::vector<std::string> names = verb_names(app);
+  const std::optional<std::string> meant = nearest(word, names);
+  return meant ? fmt::format("'{}' is no verb; did you mean {}?", word, *meant)
+               : fmt::format("'{}' is no verb; there are {}", word, fmt::join(names, ", "));
+}
+
+/// What is said about options that a command does not have, in the order in which they were typed; empty without one.
+std::string no_such_options(const CLI::App& command) {
+  std::string text;
+  for (const std::string& word : command.remaining()) {
+    if (!is_option(word)) continue;
+    const std::string name = word.substr(0, word.find('='));
+    text += fmt::format("{}'{}' is no option", text.empty() ? "" : "; ", name);
+    if (const auto meant = nearest(name, option_names(command))) text += fmt::format(", did you mean {}?", *meant);
+  }
+  return text;
+}
+
+std::string verb_error(const CLI::App& app, const CLI::App& verb, const CLI::ParseError& error) {
+  if (std::string text = no_such_options(verb); !text.empty()) return text;
+  if (const std::vector<std::string> words = app.remaining(); !words.empty()) {
+    return fmt::format("'{}' stands before the verb; options follow it", words.front());
+  }
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    const std::vector<std::string> words = verb.remaining();
+    return fmt::format("there is no place for '{}'", fmt::join(words, "' and '"));
+  }
+  return error.what();
+}
+
+std::string help_of(const CLI::App& app, const CLI::App& command) {
+  const std::string& name = app.get_name();
+  return app.get_formatter()->make_help(&command, &command == &app ? name : name + ' ' + command.get_name(),
+                                        CLI::AppFormatMode::Normal);
+}
+
+std::string help_about(const CLI::App& app, const std::string& word) {
+  if (word.empty()) return help_of(app, app);
+  for (const CLI::App* verb : app.get_subcommands({})) {
+    if (verb->get_name() == word) return help_of(app, *verb);
+  }
+  throw BadInput(no_such_verb(app, word));
+}
+
+/// Help as lines of man(7), which stay as they are. A line that ends with a colon starts a section if `has_sections`.
+std::string in_manual(const std::string& help, bool has_sections) {
+  std::string page = ".nf\n.in 0\n";
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    if (has_sections && !line.starts_with(' ') && line.ends_with(':')) {
+      line.pop_back();
+      std::transform(line.begin(), line.end(), line.begin(), [](unsigned char c) { return std::toupper(c); });
+      page += ".SH " + line + "\n.nf\n.in 0\n";
+      continue;
+    }
+    if (line.starts_with('.') || line.starts_with('\'')) page += "\\&";
+    for (const char c : line) page += c == '\\' ? std::string("\\(rs") : c == '-' ? "\\-" : std::string(1, c);
+    page += '\n';
+  }
+  return page;
+}
+
+/// All help of the program and its verbs as a manual page.
+std::string manual_page(const CLI::App& app) {
+  std::string usages, verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) {
+    const std::string help = help_of(app, *verb);
+    constexpr std::string_view mark = "Usage: ";
+    const std::size_t begin = help.find(mark) + mark.size();
+    usages += ".br\n" + help.substr(begin, help.find('\n', begin) - begin) + '\n';
+    verbs += fmt::format(".SS {}\n{}", verb->get_name(), in_manual(help, false));
+  }
+  return fmt::format(
+      ".TH LIMBER 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\nlimber \\- {}\n.SH SYNOPSIS\nlimber [OPTIONS] VERB\n{}"
+      ".SH DESCRIPTION\n{}.SH HELP OF EACH VERB\n{}",
+      version_line, app.get_description(), usages, in_manual(help_of(app, app), true), verbs);
+}
+
+/// A word as a shell reads it back.
+std::string shell_word(std::string_view word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string_view::npos) return std::string(word);
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + '\'';
+}
+
+/// The command line as it could be typed into a shell, the program called limber.
+std::string typed_line(int argc, const char* const* argv) {
+  std::string line = "limber";
+  for (int i = 1; i < argc; ++i) line += ' ' + shell_word(argv[i]);
+  return line;
+}
+
+/// What the program says about itself. Verbs that are added later take over how help is written.
+void describe(CLI::App& app) {
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this help");
+  app.set_version_flag("-v,--version", version_line, "print the version");
+  const auto version = [] { throw CLI::CallForVersion(version_line, 0); };
+  app.add_flag_callback("-V", version)->group("");  // as some programs call it; help need not say so
+  app.require_subcommand(1);
+  app.footer(R"(
+limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-in
+meshes scene:square, scene:ball, scene:sheet. In help, OPTION TYPE=VALUE tells the default of an option.
+
+Exit status:
+
+  0  there is an answer
+  1  the program has failed, or the answer could not be written
+  2  bad usage or bad input; one line on standard error says what and where
+  3  there is an answer, and something was found; only where options say so
+
+Examples:
+
+    limber demo
+    limber info gear.obj
+    limber distance gear.obj housing.stl --pose-b 0,0,12.5,1,0,0,0
+    limber contacts gear.obj housing.stl --margin 0.1 --csv contacts.csv
+    limber track --a cloth_*.ply --b scene:ball > distances.csv
+)");
+}
+
+Verb add_help(CLI::App& app) {
+  const auto word = std::make_shared<std::string>();
+  const auto as_manual = std::make_shared<bool>(false);
+  CLI::App& command = *app.add_subcommand("help", "This help, or that of a verb");
+  command.add_option("VERB", *word, "the verb; without it, the help of the program")->type_name("");
+  command.add_flag("--man", *as_manual, "all help as a manual page, in the language of man");
+  command.footer("");
+  command.parse_complete_callback([word, as_manual] {
+    if (*as_manual && !word->empty()) throw CLI::ValidationError("--man", "leaves no room for VERB");
+  });
+  return {&command, [&app, word, as_manual] {
+            write(*as_manual ? manual_page(app) : help_about(app, *word));
+            return ExitCode::answered;
+          }};
+}
+
+Verb add_version(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("version", "The version of the program");
+  command.footer("");
+  return {&command, [] {
+            write(std::string(version_line) + '\n');
+            return ExitCode::answered;
+          }};
+}
+
+/// One line about a command line that `app` did not understand: where, and what is wrong.
+struct UsageError {
+  std::string place;  ///< "distance: ", or empty
+  std::string text;
+};
+
+UsageError usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  for (const CLI::App* verb : app.get_subcommands()) return {verb->get_name() + ": ", verb_error(app, *verb, error)};
+  const auto and_see_help = [](const std::string& text) {
+    return text + (text.ends_with('?') ? " See limber --help" : "; see limber --help");
+  };
+  if (const std::string text = no_such_options(app); !text.empty()) return {{}, and_see_help(text)};
+  const std::vector<std::string> words = app.remaining();
+  if (!words.empty()) return {{}, and_see_help(no_such_verb(app, words.front()))};
+  const bool is_missing = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+  if (!is_missing) return {{}, error.what()};
+  return {{}, and_see_help(fmt::format("a verb is missing; there are {}", fmt::join(verb_names(app), ", ")))};
+}
 
 /// Every failure ends with this line on standard error.
 ExitCode fail(ExitCode exit_code, const std::string& place, const std::string& text) {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "allocation/heap.h"
-#include "haptics/haptic_tool.h"
+#include "haptics/haptic_models.h"
 
 namespace limber::program {
 namespace {

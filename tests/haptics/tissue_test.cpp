@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "haptics/haptic_tissue.h"
+#include "haptics/haptic_models.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,6 @@
 #include <map>
 #include <set>
 #include <utility>
-
-#include "haptics/haptic_tool.h"
 
 namespace limber::program {
 namespace {

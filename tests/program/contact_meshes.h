@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "limber/mesh.h"
+#include "program/run_program.h"
 #include "scenes/scenes.h"
 
-/// Meshes whose contacts are counted on paper.
+/// Meshes that several tests ask about. Contacts of all but the soups are counted on paper.
 namespace limber::program_tests {
 
 /// A square of two triangles in the plane z = 0, split along the diagonal from (-1, -1) to (1, 1). Triangle 0 is where
@@ -52,5 +54,22 @@ inline Mesh folded_strip(double z_3, double z_4) {
   strip.set_positions(positions).value();
   return strip;
 }
+
+/// Two soups at the same place, and their files.
+struct Soups {
+  Folder folder;
+  scenes::Rng rng;
+  Mesh a, b;
+  std::string file_a, file_b;
+
+  Soups(std::uint64_t seed, double size)
+      : rng(seed),
+        a(scenes::random_soup(rng, 60, size)),
+        b(scenes::random_soup(rng, 50, size)),
+        file_a(folder.store("a.obj", a)),
+        file_b(folder.store("b.obj", b)) {}
+
+  std::string files() const { return ' ' + file_a + ' ' + file_b + ' '; }
+};
 
 }  // namespace limber::program_tests

@@ -4,35 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <regex>
+#include <utility>
 
 #include "program/run_program.h"
 
 namespace limber::program_tests {
 namespace {
 
-/// A run at 200 Hz over a small tissue, with further options.
-Outcome play(const Words& more, const std::string& seconds = "0.2", const std::string& jitter_seconds = "0.05") {
-  Words words = {"haptics", "--rate", "200",  "--seconds",        seconds,       "--tissue",
-                 "4000",    "--tool", "1000", "--jitter-seconds", jitter_seconds};
-  words.insert(words.end(), more.begin(), more.end());
-  return run(words);
-}
+/// A run at 200 Hz over a small tissue.
+const std::string small = "haptics --rate 200 --tissue 4000 --tool 1000 ";
+const std::string short_run = small + "--seconds 0.2 --jitter-seconds 0.05 ";
 
 TEST(ProgramHaptics, AnswersWithATable) {
-  const Outcome outcome = play({});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");  // no line of progress outside a terminal
+  const std::string text = answer_to(short_run);  // without a line of progress outside a terminal
   for (const char* part : {"us ", "p99.99", "\nwhole tick ", "\n  move and deform ", "\n  commit ", "\n  query ",
                            "\n  force ", "\nlate wake-up ", "\nlate wake-up, empty loop ", "\nticks ", "40 at 200 Hz",
                            "\nmissed ticks ", "\nanswers ", "\ntree ", "sleeps until 30 us before a tick"}) {
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
 }
 
 TEST(ProgramHaptics, AnswersWithJson) {
-  const nlohmann::json json = json_of(play({"--json"}));
+  const nlohmann::json json = json_of(short_run);
   EXPECT_EQ(json["query"], "haptics");
   EXPECT_EQ(json["rate_hz"], 200);
   EXPECT_EQ(json["ticks"], 40);
@@ -60,35 +54,31 @@ TEST(ProgramHaptics, AnswersWithJson) {
 }
 
 TEST(ProgramHaptics, ChoosesABudgetThatThePeriodHasRoomFor) {
-  const auto budget = [](const std::string& rate, const Words& more) {
-    Words words = {"haptics", "--rate", rate,   "--seconds",        "0.01", "--tissue",
-                   "1000",    "--tool", "1000", "--jitter-seconds", "0",    "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return json_of(run(words))["tick_budget_us"].get<double>();
+  const auto budget = [](const std::string& options) {
+    return json_of("haptics --seconds 0.01 --tissue 1000 --tool 1000 --jitter-seconds 0 " + options)["tick_budget_us"];
   };
-  EXPECT_EQ(budget("100", {}), 130);
-  EXPECT_EQ(budget("5000", {}), 90);
-  EXPECT_EQ(budget("5000", {"--tick-budget", "12.5"}), 12.5);
+  EXPECT_EQ(budget("--rate 100"), 130);
+  EXPECT_EQ(budget("--rate 5000"), 90);
+  EXPECT_EQ(budget("--rate 5000 --tick-budget 12.5"), 12.5);
 }
 
 TEST(ProgramHaptics, MeasuresTheMachineAlone) {
-  const nlohmann::json json = json_of(play({"--empty", "--json"}));
+  const nlohmann::json json = json_of(short_run + "--empty");
   EXPECT_EQ(json["ticks"], 40);
   EXPECT_TRUE(json["wake_up_us"].is_null());
   EXPECT_GE(json["empty_wake_up_us"]["max"], 0);
   EXPECT_FALSE(json.contains("work_us"));
-  const Outcome outcome = play({"--empty"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_NE(outcome.out.find("\nlate wake-up, empty loop "), std::string::npos);
-  EXPECT_EQ(outcome.out.find("whole tick"), std::string::npos);
-  EXPECT_TRUE(json_of(play({"--json"}, "0.2", "0"))["empty_wake_up_us"].is_null());
+  const std::string text = answer_to(short_run + "--empty");
+  EXPECT_NE(text.find("\nlate wake-up, empty loop "), std::string::npos);
+  EXPECT_EQ(text.find("whole tick"), std::string::npos);
+  EXPECT_TRUE(json_of(small + "--seconds 0.2 --jitter-seconds 0")["empty_wake_up_us"].is_null());
 }
 
 TEST(ProgramHaptics, WritesARowForEachTick) {
   const Folder folder;
   const std::string path = folder.path("ticks.csv");
   // A pressing takes two seconds. Queries have the whole tick, so that forces do not depend on the machine.
-  const nlohmann::json json = json_of(play({"--out", path, "--json", "--tick-budget", "1000000"}, "2"));
+  const nlohmann::json json = json_of(small + "--seconds 2 --jitter-seconds 0 --tick-budget 1000000 --out " + path);
   const std::vector<Row> rows = table_of(text_of(path));
   ASSERT_EQ(rows.size(), 400U);
   std::uint64_t missed = 0, moved = 0;
@@ -124,7 +114,7 @@ TEST(ProgramHaptics, WritesAPageWithItsCharts) {
   const Folder folder;
   const std::string path = folder.path("page.html");
   for (const std::string seconds : {"0.005", "1"}) {
-    ASSERT_EQ(play({"--page", path}, seconds).exit_code, 0);
+    answer_to(small + "--jitter-seconds 0.05 --seconds " + seconds + " --page " + path);
     const std::string page = text_of(path);
     EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
     EXPECT_NE(page.find("</html>"), std::string::npos);
@@ -145,7 +135,7 @@ TEST(ProgramHaptics, WritesAPageWithItsCharts) {
 TEST(ProgramHaptics, DrawsHistogramsWhoseHeightsAreCounts) {
   const Folder folder;
   const std::string path = folder.path("page.html");
-  const nlohmann::json json = json_of(play({"--page", path, "--json"}));
+  const nlohmann::json json = json_of(short_run + "--page " + path);
   const std::string page = text_of(path);
   const std::string section = page.substr(page.find("<section id=\"work\">"));
   const std::string line = section.substr(section.find("points='"), section.find("'/>", section.find("points='")));
@@ -173,46 +163,35 @@ TEST(ProgramHaptics, DrawsHistogramsWhoseHeightsAreCounts) {
 
 TEST(ProgramHaptics, TellsMissedTicksByItsExitCodeOnlyWhereAsked) {
   // Hardly a machine does everything in 10 us.
-  const auto missing = [](const Words& more) {
-    Words words = {"haptics", "--rate", "100000",    "--seconds", "0.01",  "--jitter-seconds", "0", "--tissue", "4000",
-                   "--tool",  "4000",   "--spin-us", "1",         "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run(words);
-  };
-  EXPECT_EQ(missing({}).exit_code, 0);
-  EXPECT_EQ(missing({"--max-missed", "1000"}).exit_code, 0);
-  const Outcome strict = missing({"--max-missed", "0"});
+  const std::string missing =
+      "haptics --rate 100000 --seconds 0.01 --jitter-seconds 0 --tissue 4000 --tool 4000 --spin-us 1 --json";
+  EXPECT_EQ(run(missing).exit_code, 0);
+  EXPECT_EQ(run(missing + " --max-missed 1000").exit_code, 0);
+  const Outcome strict = run(missing + " --max-missed 0");
   EXPECT_EQ(strict.exit_code, json_lines_of(strict).at(0)["missed"] > 0 ? 3 : 0);
 }
 
-void expect_haptics_refuses(const Words& more, const std::string& line) {
-  Words words = {"haptics"};
-  words.insert(words.end(), more.begin(), more.end());
-  expect_refused(words, "limber: haptics: " + line);
-}
-
 TEST(ProgramHaptics, RefusesWhatItCannotDo) {
-  const Folder folder;
-  for (const std::string value : {"0", "-1", "nan", "inf", "1e6", "fast", ""}) {
-    expect_haptics_refuses({"--rate", value}, "--rate: must be a number from 1 to 100000, not '" + value + "'");
+  for (const std::string value : {"0", "-1", "nan", "inf", "1e6", "fast"}) {
+    expect_refused("haptics --rate " + value, "--rate: must be a number from 1 to 100000, not '" + value + "'");
   }
-  expect_haptics_refuses({"--seconds", "-1"}, "--seconds: must be a number from 0 to 86400");
-  expect_haptics_refuses({"--seconds", "86400"}, "--seconds: 86400 seconds at 1000 Hz are more than 5000000 ticks");
-  expect_haptics_refuses({"--jitter-seconds", "86400"}, "--jitter-seconds: 86400 seconds at 1000 Hz are more than");
-  expect_haptics_refuses({"--spin-us", "1000"}, "--spin-us: must be less than the period of 1000 us");
-  expect_haptics_refuses({"--tick-budget", "0"}, "--tick-budget: must be a number > 0, at most 1e6, not '0'");
-  expect_haptics_refuses({"--tissue", "10"}, "--tissue: must be a whole number from 1000");
-  expect_haptics_refuses({"--tool", "many"}, "--tool: must be a whole number from 1000");
-  expect_haptics_refuses({"--core", "1000"}, "--core: 1000 is no core that may be used; there are ");
-  expect_haptics_refuses({"--core", "-1"}, "--core: must be a whole number from 0");
-  expect_haptics_refuses({"--max-missed", "-1"}, "--max-missed: must be a whole number from 0");
-  expect_haptics_refuses({"--relative-error", "-1"}, "--relative-error: must be a finite number >= 0");
-  expect_haptics_refuses({"--empty", "--page", folder.path("x.html")}, "--page: has nothing to tell of --empty");
-  expect_haptics_refuses({"--empty", "--out", folder.path("x.csv")}, "--out: has nothing to tell of --empty");
-  expect_haptics_refuses({"--out", "-"}, "--out: must name a file");
-  expect_haptics_refuses({"--out", folder.path("missing/x.csv")}, "--out: cannot write ");
-  expect_haptics_refuses({"--page", folder.path("")}, "--page: cannot write ");
-  EXPECT_FALSE(std::filesystem::exists(folder.path("x.csv")));
+  const std::pair<const char*, const char*> refusals[] = {
+      {"--seconds -1", "--seconds: must be a number from 0 to 86400"},
+      {"--seconds 86400", "--seconds: 86400 seconds at 1000 Hz are more than 5000000 ticks"},
+      {"--jitter-seconds 86400", "--jitter-seconds: 86400 seconds at 1000 Hz are more than"},
+      {"--spin-us 1000", "--spin-us: must be less than the period of 1000 us"},
+      {"--tick-budget 0", "--tick-budget: must be a number > 0, at most 1e6, not '0'"},
+      {"--tissue 10", "--tissue: must be a whole number from 1000"},
+      {"--tool many", "--tool: must be a whole number from 1000"},
+      {"--core 1000", "--core: 1000 is no core that may be used; there are "},
+      {"--core -1", "--core: must be a whole number from 0"},
+      {"--max-missed -1", "--max-missed: must be a whole number from 0"},
+      {"--relative-error -1", "--relative-error: must be a finite number >= 0"},
+      {"--empty --page no/x.html", "--page: has nothing to tell of --empty"},
+      {"--empty --out no/x.csv", "--out: has nothing to tell of --empty"}};
+  for (const auto& [options, error] : refusals) {
+    expect_refused(std::string("haptics ") + options, std::string("limber: haptics: ") + error);
+  }
 }
 
 }  // namespace

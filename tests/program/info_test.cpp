@@ -15,7 +15,7 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
                                         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 2\n"
                                         "v 5 5 5\nv 6 6 6\nv 7 7 7\nv 100 0 0\nv 0 0 0\n"
                                         "f 1 2 3 4\nf 3 2 10\nf 1 3 5\nf 6 7 8\n");
-  const nlohmann::json json = json_of(run({"info", file, "--json"}));
+  const nlohmann::json json = json_of("info " + file);
   EXPECT_EQ(json["query"], "info");
   EXPECT_EQ(json["vertices"], 9);
   EXPECT_EQ(json["triangles"], 5);
@@ -35,7 +35,7 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
 }
 
 TEST(ProgramInfo, FindsNothingWrongWithABall) {
-  const nlohmann::json json = json_of(run({"info", "scene:ball", "--json"}));
+  const nlohmann::json json = json_of("info scene:ball");
   EXPECT_EQ(json["triangles"], 1024);
   EXPECT_EQ(json["vertices"], 514);
   for (const char* key :
@@ -56,23 +56,15 @@ TEST(ProgramInfo, TellsNearlyDegenerateFromDegenerate) {
   const std::string file = folder.store("thin.obj",
                                         "v 0 0 0\nv 1 1 0\nv 2 2 0\nv 2 2.0000000000000004 0\n"
                                         "f 1 2 3\nf 1 2 4\nf 1 1 1\n");
-  EXPECT_EQ(json_of(run({"info", file, "--json"}))["degenerate_triangles"], 2);
+  EXPECT_EQ(json_of("info " + file)["degenerate_triangles"], 2);
 }
 
 TEST(ProgramInfo, TextNamesEveryCount) {
-  const Outcome outcome = run({"info", "scene:sheet"});
-  EXPECT_EQ(outcome.exit_code, 0);
+  const std::string text = answer_to("info scene:sheet");
   for (const char* line : {"vertices               10201\n", "triangles              20000\n",
                            "open edges             400\n", " of them leaves\n", "extent max             100 100 0\n"}) {
-    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
-}
-
-TEST(Program, AFullDiskIsOneLineAndNoAnswer) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  const Outcome outcome = run_into("/dev/full", {"distance", "scene:ball", "scene:ball", "--json"});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
 }
 
 }  // namespace

@@ -28,10 +28,8 @@ struct Soup {
 };
 
 /// The field `inside` of a query; where it is not null, there is one line of warning.
-nlohmann::json inside(const Words& question) {
-  Words words = question;
-  words.push_back("--json");
-  const Outcome outcome = run(words);
+nlohmann::json inside_of(const std::string& line) {
+  const Outcome outcome = run(line + " --json");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const nlohmann::json json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(lines_of(outcome.err).size(), json["inside"].is_null() ? 0U : 1U) << outcome.err;
@@ -39,30 +37,23 @@ nlohmann::json inside(const Words& question) {
 }
 
 nlohmann::json inside(const std::string& a, const std::string& b, const std::string& pose_b = "0,0,0,1,0,0,0") {
-  return inside({"distance", a, b, "--pose-b", pose_b});
+  return inside_of("distance " + a + ' ' + b + " --pose-b " + pose_b);
 }
 
 TEST(ProgramInside, IsToldByEveryVerbAndEveryEngine) {
   const Folder folder;
   const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
-  const std::string turned_inside = "3,0,0,1,2,3,4", apart = "10,0,0,1,0,0,0", touching = "3,3,0,1,0,0,0";
+  const std::string in_shell = " scene:ball " + shell, around_ball = ' ' + shell + " scene:ball";
   for (const std::string engine : {"fast", "classic", "reference"}) {
-    for (const Words& verb : {Words{"distance"}, Words{"collide"}, Words{"within", "--max-distance", "0.01"},
-                              Words{"within", "--max-distance", "7"}}) {
-      const auto ask = [&](const std::string& a, const std::string& b, const std::string& option,
-                           const std::string& pose) {
-        Words words = verb;
-        words.insert(words.end(), {a, b, option, pose, "--engine", engine});
-        return inside(words);
-      };
-      SCOPED_TRACE(engine + " " + verb.front());
-      EXPECT_EQ(ask(shell, "scene:ball", "--pose-b", turned_inside), "b_in_a");
-      EXPECT_EQ(ask("scene:ball", shell, "--pose-a", turned_inside), "a_in_b");
-      EXPECT_TRUE(ask(shell, "scene:ball", "--pose-b", apart).is_null());
-      EXPECT_TRUE(ask(shell, "scene:ball", "--pose-b", touching).is_null());
+    for (const std::string verb : {"distance", "collide", "within --max-distance 0.01", "within --max-distance 7"}) {
+      const std::string line = verb + " --engine " + engine;
+      EXPECT_EQ(inside_of(line + around_ball + " --pose-b 3,0,0,1,2,3,4"), "b_in_a");
+      EXPECT_EQ(inside_of(line + in_shell + " --pose-a 3,0,0,1,2,3,4"), "a_in_b");
+      EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 10,0,0,1,0,0,0").is_null());  // apart
+      EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 3,3,0,1,0,0,0").is_null());   // touching
     }
   }
-  const Outcome outcome = run({"collide", shell, "scene:ball"});
+  const Outcome outcome = run("collide" + around_ball);
   EXPECT_EQ(
       outcome.err,
       "limber: collide: warning: B lies inside A without touching it; models are surfaces, not solids, so they do "
@@ -77,14 +68,9 @@ TEST(ProgramInside, BoxesAreNotEnough) {
   EXPECT_EQ(inside(shell, seed, "3,3,0,1,0,0,0"), "b_in_a");
   EXPECT_TRUE(inside(shell, seed, "4.5,4.5,0,1,0,0,0").is_null());  // in a corner of the box
   // Nor is the box enough when both are turned and far away.
-  const Words far = {"distance", shell, seed, "--pose-a", "1000,0,0,1,1,0.5,0", "--pose-b"};
-  const auto at = [&](const std::string& pose) {
-    Words words = far;
-    words.push_back(pose);
-    return inside(words);
-  };
-  EXPECT_EQ(at("1003,3,0,1,0,0,0"), "b_in_a");
-  EXPECT_TRUE(at("1005,5,5,1,0,0,0").is_null());
+  const std::string far = "distance " + shell + ' ' + seed + " --pose-a 1000,0,0,1,1,0.5,0 --pose-b ";
+  EXPECT_EQ(inside_of(far + "1003,3,0,1,0,0,0"), "b_in_a");
+  EXPECT_TRUE(inside_of(far + "1005,5,5,1,0,0,0").is_null());
 }
 
 TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
@@ -129,7 +115,7 @@ TEST(ProgramInside, RowsOfPairsTellItInAColumnAndOneWarning) {
   const Folder folder;
   const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
   const std::string rows = shell + ",scene:ball,0\n" + "scene:ball," + shell + ",0\n" + shell + ",scene:ball,9\n";
-  const Outcome outcome = run({"distance", "--pairs", folder.store("pairs.csv", "model_a,model_b,pose_b_tx\n" + rows)});
+  const Outcome outcome = run("distance --pairs " + folder.store("pairs.csv", "model_a,model_b,pose_b_tx\n" + rows));
   EXPECT_EQ(outcome.err,
             "limber: distance: warning: in 2 rows a model lies inside the other without touching it; models are "
             "surfaces, not solids (column inside)\n");

@@ -10,6 +10,14 @@
 
 namespace limber::program_tests {
 
+Report::Report(const std::string& line, const std::string& option) {
+  const std::string path = folder.path("page.html");
+  outcome = run(line + ' ' + option + ' ' + path);
+  EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 3) << line << '\n' << outcome.err;
+  page = text_of(path);
+  data = page_data(page);
+}
+
 nlohmann::json page_data(const std::string& page) {
   const std::string start = "<script type=\"application/json\" id=\"data\">";
   const std::size_t at = page.find(start);

@@ -8,9 +8,21 @@
 #include <vector>
 
 #include "limber/mesh.h"
+#include "program/run_program.h"
 
 /// Reads what pages of `--report` hold. Written apart from the program, and from the scripts of the pages.
 namespace limber::program_tests {
+
+/// A run that must succeed, and the page that it has written.
+struct Report {
+  Folder folder;
+  Outcome outcome;
+  std::string page;
+  nlohmann::json data;
+
+  /// Completes the line by the option and the path.
+  explicit Report(const std::string& line, const std::string& option = "--report");
+};
 
 /// The data of a page; fails the test where there is none.
 nlohmann::json page_data(const std::string& page);

@@ -33,18 +33,14 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
   const std::vector<Vec3> points = some_points(300);
   const std::string file = folder.store("points.csv", csv_of(points, "x,y,z\n"));
   const Transform pose{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {0.5, 0.25, 0}};
-  const Words words = {"points",         model,  file,       "--pose",          "0.5,0.25,0,0.5,0.5,0.5,0.5",
-                       "--max-distance", "1.25", "--signed", "--winding-number"};
-  const Outcome outcome = run(words);
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.err, "");
-  EXPECT_EQ(lines_of(outcome.out).front(),
+  const std::string line = "points " + model + ' ' + file +
+                           " --pose 0.5,0.25,0,0.5,0.5,0.5,0.5 --max-distance 1.25 --signed --winding-number";
+  const std::string csv = answer_to(line);
+  EXPECT_EQ(lines_of(csv).front(),
             "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2,"
             "inside,winding_number");
-  Words json_words = words;
-  json_words.emplace_back("--json");
-  const std::vector<Row> rows = table_of(outcome.out);
-  const std::vector<nlohmann::json> objects = json_lines_of(run(json_words));
+  const std::vector<Row> rows = table_of(csv);
+  const std::vector<nlohmann::json> objects = json_lines_of(run(line + " --json"));
   ASSERT_EQ(rows.size(), points.size());
   ASSERT_EQ(objects.size(), points.size());
   int beyond = 0, inside = 0;
@@ -90,45 +86,22 @@ TEST(ProgramPoints, ReadsColumnsInAnyOrderOrNone) {
   const Folder folder;
   const std::string plain = folder.store("plain.csv", "# no names\n0,0,3\n\n1,2,3\n");
   const std::string named = folder.store("named.csv", "id,z,x,y\r\na,3,0,0\r\nb,3,1,2\r\n");
-  const Outcome answer = run({"points", "scene:ball", plain});
-  EXPECT_EQ(answer.exit_code, 0);
-  EXPECT_EQ(lines_of(answer.out)[1], "0,0,0,3,2,0,0,1,0,0,vertex 0,1,0,0");
-  EXPECT_EQ(run({"points", "scene:ball", named}).out, answer.out);
+  const std::string answer = answer_to("points scene:ball " + plain);
+  EXPECT_EQ(lines_of(answer)[1], "0,0,0,3,2,0,0,1,0,0,vertex 0,1,0,0");
+  EXPECT_EQ(answer_to("points scene:ball " + named), answer);
 }
 
 TEST(ProgramPoints, WritesManyPointsInOrderIntoAFile) {
   const Folder folder;
   const std::vector<Vec3> points = some_points(10'000);
   const std::string file = folder.store("points.csv", csv_of(points, "")), out = folder.path("out.csv");
-  EXPECT_EQ(run({"points", "scene:ball", file, "--out", out}).out, "");
-  const std::vector<std::string> lines = lines_of(text_of(out));
-  ASSERT_EQ(lines.size(), points.size() + 1);
+  EXPECT_EQ(answer_to("points scene:ball " + file + " --out " + out), "");
+  const std::vector<Row> rows = table_of(text_of(out));
+  ASSERT_EQ(rows.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    ASSERT_TRUE(lines[i + 1].starts_with(std::to_string(i) + ',')) << i;
-    ASSERT_EQ(number(cells_of(lines[i + 1])[3]), points[i].z) << i;
+    ASSERT_EQ(rows[i].at("row"), std::to_string(i));
+    ASSERT_EQ(number(rows[i].at("z")), points[i].z) << i;
   }
-}
-
-TEST(ProgramPoints, RefusesWhatMeansNothing) {
-  const Folder folder;
-  const std::string good = folder.store("good.csv", "0,0,3\n");
-  const auto expect_refused_file = [&](const std::string& text, const std::string& part) {
-    expect_refused({"points", "scene:ball", folder.store("bad.csv", text)}, part);
-  };
-  expect_refused_file("", "has no point");
-  expect_refused_file("x,y,z\n", "has no point");
-  expect_refused_file("x,y\n1,2\n", "line 1: there is no column z");
-  expect_refused_file("0,0,0\n1,2\n", "line 2: a point is 3 numbers x,y,z, not 2");
-  expect_refused_file("x,y,z\n0,0,0\n1,2,a\n", "line 3: column z: 'a' is not a number");
-  expect_refused_file("0,nan,0\n", "line 1: column y: 'nan' is not a number of at most 2^200");
-  expect_refused_file("1e61,0,0\n", "line 1: column x");
-  expect_refused({"points", "scene:ball", folder.path("none.csv")}, "none.csv");
-  expect_refused({"points", "scene:ball", good, "--max-distance", "-1"}, "--max-distance: must be a number >= 0");
-  expect_refused({"points", "scene:ball", good, "--out", good}, "--out: " + good + " is one of the inputs");
-  expect_refused({"points", "scene:square", good, "--signed"},
-                 "--signed: scene:square: the surface is not closed: the edge of triangle 0 between vertices 0 and 1 "
-                 "belongs to no other triangle");
-  EXPECT_EQ(text_of(good), "0,0,3\n");
 }
 
 }  // namespace

@@ -25,12 +25,10 @@ std::vector<Mesh> waves(std::uint32_t count, std::uint32_t side) {
   return meshes;
 }
 
-Words stored(const Folder& folder, const std::vector<Mesh>& meshes) {
+std::string stored(const Folder& folder, const std::vector<Mesh>& meshes) {
   Words files;
-  for (std::size_t f = 0; f < meshes.size(); ++f) {
-    files.push_back(folder.store("wave" + std::to_string(f) + ".obj", meshes[f]));
-  }
-  return files;
+  for (const Mesh& mesh : meshes) files.push_back(folder.store("wave" + std::to_string(files.size()) + ".obj", mesh));
+  return joined(files);
 }
 
 /// Every frame that the page keeps, next to the meshes; `stride` of those are between two.
@@ -60,14 +58,11 @@ TEST(ProgramReplay, HoldsAllFramesWithinHalfAStepAndAllAnswers) {
   const std::vector<Mesh> meshes = waves(70, 12);  // more than two runs of frames that build on each other
   std::string poses;
   for (int f = 0; f < 70; ++f) poses += std::to_string(3 + 0.1 * f) + ",5,3.5,1,0," + std::to_string(0.01 * f) + ",0\n";
-  const std::string page = folder.path("replay.html");
-  const Outcome outcome = run(track(stored(folder, meshes), {"scene:ball"},
-                                    {"--poses-b", folder.store("poses.csv", poses), "--relative-error", "0.5",
-                                     "--contacts", "--margin", "3", "--json", "--report", page}));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");
-  const nlohmann::json data = page_data(text_of(page));
-  const std::vector<nlohmann::json> lines = json_lines_of(outcome);
+  const Report report("track --b scene:ball --relative-error 0.5 --contacts --margin 3 --json --a " +
+                      stored(folder, meshes) + " --poses-b " + folder.store("poses.csv", poses));
+  EXPECT_EQ(report.outcome.err, "");
+  const nlohmann::json& data = report.data;
+  const std::vector<nlohmann::json> lines = json_lines_of(report.outcome);
   ASSERT_EQ(lines.size(), 70U);
   EXPECT_EQ(data["stride"], 1);
   EXPECT_EQ(data["frame_count"], 70);
@@ -112,66 +107,47 @@ TEST(ProgramReplay, HoldsAllFramesWithinHalfAStepAndAllAnswers) {
 TEST(ProgramReplay, ThinsOutFramesOfPagesThatWouldBeTooLargeAndSaysSo) {
   const Folder folder;
   const std::vector<Mesh> meshes = waves(13, 90);
-  const std::string page = folder.path("replay.html");
-  const Outcome outcome =
-      run(track(stored(folder, meshes), {"scene:ball"}, {"--report", page, "--max-report-mb", "1"}));
-  ASSERT_EQ(outcome.exit_code, 0);
-  const nlohmann::json data = page_data(text_of(page));
-  const std::size_t stride = data["stride"];
+  const Report report("track --b scene:ball --max-report-mb 1 --a " + stored(folder, meshes));
+  const std::size_t stride = report.data["stride"];
   EXPECT_GE(stride, 2U);
-  ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
-  EXPECT_NE(outcome.err.find("1 of every " + std::to_string(stride) + " frames"), std::string::npos) << outcome.err;
-  EXPECT_EQ(data["rows"]["upper"].size(), 13U);
-  expect_frames(data["models"][0], meshes, stride);
-  EXPECT_LT(text_of(page).size(), 1'200'000U);
+  const std::string& error = report.outcome.err;
+  ASSERT_EQ(lines_of(error).size(), 1U) << error;
+  EXPECT_NE(error.find("1 of every " + std::to_string(stride) + " frames"), std::string::npos) << error;
+  EXPECT_EQ(report.data["rows"]["upper"].size(), 13U);
+  expect_frames(report.data["models"][0], meshes, stride);
+  EXPECT_LT(report.page.size(), 1'200'000U);
 }
 
 TEST(ProgramReplay, FramesThatArePlayedAgainAreStoredOnce) {
   const Folder folder;
   const std::vector<Mesh> meshes = waves(4, 8);
-  const std::string page = folder.path("replay.html");
-  const Outcome outcome = run(track(stored(folder, meshes), {"scene:ball"}, {"--loop", "3", "--report", page}));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const nlohmann::json data = page_data(text_of(page));
-  EXPECT_EQ(data["frame_count"], 4);
-  EXPECT_EQ(data["rows"]["status"].size(), 12U);
-  expect_frames(data["models"][0], meshes, 1);
+  const Report report("track --b scene:ball --loop 3 --a " + stored(folder, meshes));
+  EXPECT_EQ(report.data["frame_count"], 4);
+  EXPECT_EQ(report.data["rows"]["status"].size(), 12U);
+  expect_frames(report.data["models"][0], meshes, 1);
 }
 
 TEST(ProgramReplay, ModelsBeyondTheLimitHaveNoUpperBound) {
   const Folder folder;
-  const std::string page = folder.path("replay.html");
-  const Outcome outcome =
-      run(track(stored(folder, waves(2, 8)), {"scene:ball"},
-                {"--poses-b", folder.store("far.csv", "0,0,90,1,0,0,0\n"), "--max-distance", "2", "--report", page}));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const nlohmann::json data = page_data(text_of(page));
-  EXPECT_EQ(data["max_distance"], 2);
+  const Report report("track --b scene:ball --max-distance 2 --a " + stored(folder, waves(2, 8)) + " --poses-b " +
+                      folder.store("far.csv", "0,0,90,1,0,0,0\n"));
+  EXPECT_EQ(report.data["max_distance"], 2);
   for (std::size_t r = 0; r < 2; ++r) {
-    EXPECT_EQ(data["rows"]["status"][r], "beyond_limit");
-    EXPECT_TRUE(data["rows"]["upper"][r].is_null());
-    EXPECT_TRUE(data["rows"]["witness"][r].is_null());
+    EXPECT_EQ(report.data["rows"]["status"][r], "beyond_limit");
+    EXPECT_TRUE(report.data["rows"]["upper"][r].is_null());
+    EXPECT_TRUE(report.data["rows"]["witness"][r].is_null());
   }
 }
 
-TEST(ProgramReplay, IsRefusedWhereItHasNoPlace) {
+TEST(ProgramReplay, IsRefusedWhereItHasNoRoom) {
   const Folder folder;
-  const Words files = stored(folder, waves(3, 8));
-  const std::string text = text_of(files[1]), poses = folder.store("poses.csv", "0,0,3,1,0,0,0\n");
-  expect_refused(track(files, {"scene:ball"}, {"--report", "-"}), "--report: must name a file");
-  expect_refused(track(files, {"scene:ball"}, {"--report", files[1]}), "--report: ");
-  expect_refused(track(files, {"scene:ball"}, {"--poses-b", poses, "--report", poses}), "--report: ");
-  expect_refused(track(files, {"scene:ball"}, {"--report", folder.path("no/where.html")}), "--report: cannot write");
-  expect_refused(track(files, {"scene:ball"}, {"--loop", "40000", "--report", folder.path("r.html")}), "100000");
-  expect_refused(track(files, {"scene:ball"}, {"--max-report-mb", "5"}), "--report");
-  EXPECT_EQ(text_of(files[1]), text);
-}
-
-TEST(ProgramReplay, FramesThatAreFarAwayAreRefused) {
-  const Folder folder;
+  const std::string line = "track --b scene:ball --a ", waving = line + stored(folder, waves(3, 8));
+  const std::string report = " --report " + folder.path("r.html");
+  expect_refused(waving + " --loop 40000" + report, "100000");
+  expect_refused(waving + " --max-report-mb 5", "--report");
   const std::string near = folder.store("near.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const std::string far = folder.store("far.obj", "v 0 0 1e40\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const Outcome outcome = run(track({near, far}, {"scene:ball"}, {"--report", folder.path("r.html")}));
+  const Outcome outcome = run(line + near + ' ' + far + report);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("too far"), std::string::npos) << outcome.err;
 }

@@ -2,65 +2,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "program/run_program.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 namespace limber::program_tests {
-namespace {
 
-/// Ends the program's own command line, as posix_spawn wants it.
-std::vector<char*> null_ended(std::vector<std::string>& arguments) {
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
-}  // namespace
-
-Outcome run(const Words& arguments) {
+Outcome run(const std::string& line) {
   const Folder folder;
   const std::string out = folder.store("out", "");
-  Outcome outcome = run_into(out, arguments);
+  Outcome outcome = run_into(out, line);
   outcome.out = text_of(out);
   return outcome;
 }
 
-Outcome run_into(const std::string& file, const Words& arguments) {
+Outcome run_into(const std::string& file, const std::string& line) {
   const Folder folder;
   const std::string err = folder.store("err", "");
-  std::vector<std::string> words = {LIMBER_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, file.c_str(), O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err.c_str(), O_WRONLY, 0);
-  pid_t child = 0;
-  const int failure = posix_spawn(&child, LIMBER_PROGRAM, &files, nullptr, null_ended(words).data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (failure != 0) throw std::runtime_error(std::string("cannot start ") + LIMBER_PROGRAM);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), {}, text_of(err)};
+  const std::string command = std::string(LIMBER_PROGRAM) + ' ' + line + " </dev/null >'" + file + "' 2>'" + err + "'";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, {}, text_of(err)};
 }
 
-nlohmann::json json_of(const Outcome& outcome) {
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "");
-  EXPECT_EQ(lines_of(outcome.out).size(), 1U) << outcome.out;
-  nlohmann::json json = nlohmann::json::parse(outcome.out, nullptr, false);
-  EXPECT_FALSE(json.is_discarded()) << outcome.out;
+std::string answer_to(const std::string& line) {
+  const Outcome outcome = run(line);
+  EXPECT_EQ(outcome.exit_code, 0) << line << '\n' << outcome.err;
+  EXPECT_EQ(outcome.err, "") << line;
+  return outcome.out;
+}
+
+nlohmann::json json_of(const std::string& line) {
+  const std::string answer = answer_to(line + " --json");
+  EXPECT_EQ(lines_of(answer).size(), 1U) << answer;
+  nlohmann::json json = nlohmann::json::parse(answer, nullptr, false);
+  EXPECT_FALSE(json.is_discarded()) << answer;
   return json;
 }
 
@@ -70,17 +52,15 @@ std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
   return rows;
 }
 
-void expect_refused(const Words& arguments, const std::string& part_of_the_line) {
-  std::string typed = "limber";
-  for (const std::string& word : arguments) typed += ' ' + word;
-  SCOPED_TRACE(typed);
-  const Outcome outcome = run(arguments);
+void expect_refused(const std::string& line, const std::string& part_of_the_error) {
+  SCOPED_TRACE("limber " + line);
+  const Outcome outcome = run(line);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.out, "");
   ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
   EXPECT_EQ(outcome.err.find("limber: "), 0U) << outcome.err;
   EXPECT_EQ(outcome.err.back(), '\n');
-  EXPECT_NE(outcome.err.find(part_of_the_line), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(part_of_the_error), std::string::npos) << outcome.err;
 }
 
 std::string text_of(const std::string& file) {
@@ -96,36 +76,62 @@ std::size_t count_of(const std::string& part, const std::string& text) {
   return count;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
+Words lines_of(const std::string& text) {
+  Words lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
 
-std::vector<std::string> cells_of(const std::string& csv_line) {
-  std::vector<std::string> cells(1);
-  for (const char c : csv_line) {
-    if (c == ',') {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
+Words keys_of(const nlohmann::json& json) {
+  Words keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;
+}
+
+std::string joined(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
 }
 
 std::vector<Row> table_of(const std::string& csv) {
-  const std::vector<std::string> lines = lines_of(csv);
+  const auto cells_of = [](const std::string& line) {
+    Words cells;
+    std::istringstream stream(line + ',');
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    return cells;
+  };
+  const Words lines = lines_of(csv);
+  const Words names = lines.empty() ? Words() : cells_of(lines.front());
   std::vector<Row> rows;
-  const std::vector<std::string> names = lines.empty() ? std::vector<std::string>{} : cells_of(lines.front());
   for (std::size_t i = 1; i < lines.size(); ++i) {
-    const std::vector<std::string> cells = cells_of(lines[i]);
+    const Words cells = cells_of(lines[i]);
     EXPECT_EQ(cells.size(), names.size()) << lines[i];
     Row& row = rows.emplace_back();
     for (std::size_t c = 0; c < std::min(cells.size(), names.size()); ++c) row[names[c]] = cells[c];
   }
   return rows;
+}
+
+void expect_same(const Row& row, const nlohmann::json& json, const std::string& prefix) {
+  for (const auto& [key, value] : json.items()) {
+    SCOPED_TRACE(prefix + key);
+    const std::string name = prefix + key;
+    if (value.is_object()) {
+      expect_same(row, value, prefix);
+    } else if (value.is_array()) {
+      const std::array axes = {"_x", "_y", "_z"};
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(number(row.at(name + axes[k])), value.at(k).get<double>());
+    } else if (value.is_null()) {
+      const auto cell = row.find(name);
+      EXPECT_TRUE(cell == row.end() || cell->second.empty());  // an object that is not there has no cell of its own
+    } else if (value.is_number()) {
+      EXPECT_EQ(number(row.at(name)), value.get<double>());
+    } else {
+      EXPECT_EQ(row.at(name), value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
 }
 
 double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }

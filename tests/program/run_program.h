@@ -10,41 +10,53 @@
 
 #include "limber/mesh.h"
 
-/// Runs the built program as users do: arguments in; standard output, standard error and exit code out.
+/// Runs the built program as users do: a command line in; standard output, standard error and exit code out.
+///
+/// Lines are those of a shell, without the name of the program.
 namespace limber::program_tests {
 
 using Words = std::vector<std::string>;
 
 struct Outcome {
-  int exit_code = -1;  ///< 128 + the signal's number when a signal ended it
+  int exit_code = -1;  ///< of the program, or -1
   std::string out, err;
 };
 
 /// Runs the program with neither stream on a terminal.
-Outcome run(const Words& arguments);
+Outcome run(const std::string& line);
 
 /// The same with standard output going to a file or device, so that `out` stays empty.
-Outcome run_into(const std::string& file, const Words& arguments);
+Outcome run_into(const std::string& file, const std::string& line);
 
-/// The one line of JSON that a successful run prints; fails the test on anything else.
-nlohmann::json json_of(const Outcome& outcome);
+/// What a run without warnings prints.
+std::string answer_to(const std::string& line);
+
+/// The one line of JSON that such a run prints; fails the test on anything else. The line is run with --json.
+nlohmann::json json_of(const std::string& line);
 
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
 
 /// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
-void expect_refused(const Words& arguments, const std::string& part_of_the_line);
+void expect_refused(const std::string& line, const std::string& part_of_the_error);
 
 /// The text of a file; empty where there is none.
 std::string text_of(const std::string& file);
 
 std::size_t count_of(const std::string& part, const std::string& text);
-std::vector<std::string> lines_of(const std::string& text);
-std::vector<std::string> cells_of(const std::string& csv_line);
+Words lines_of(const std::string& text);
+Words keys_of(const nlohmann::json& json);  // in alphabetical order
+
+/// The words with blanks between them.
+std::string joined(const Words& words);
 
 /// The rows of CSV by the names in its first line. No cell has a comma.
 using Row = std::map<std::string, std::string>;
 std::vector<Row> table_of(const std::string& csv);
+
+/// A row of CSV has the values of an object: cells of an array x, y, z start with its name, those of an object have the
+/// names of its values, and cells of null are empty.
+void expect_same(const Row& row, const nlohmann::json& json, const std::string& prefix = {});
 
 /// A number as the program writes it.
 double number(const std::string& text);
@@ -68,16 +80,6 @@ class Folder {
  private:
   std::filesystem::path path_;
 };
-
-/// The words that follow one frame after the other of two lists of files.
-inline Words track(const Words& a, const Words& b, const Words& options) {
-  Words words = {"track", "--a"};
-  words.insert(words.end(), a.begin(), a.end());
-  words.emplace_back("--b");
-  words.insert(words.end(), b.begin(), b.end());
-  words.insert(words.end(), options.begin(), options.end());
-  return words;
-}
 
 /// A point that the program has written as three numbers.
 inline Vec3 point_of(const nlohmann::json& json) { return {json.at(0), json.at(1), json.at(2)}; }

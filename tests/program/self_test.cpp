@@ -23,16 +23,13 @@ std::set<std::pair<int, int>> pairs_of(const nlohmann::json& answer) {
 TEST(ProgramSelf, AStripThatIsFoldedThroughItselfMeetsItselfInThreePairs) {
   const Folder folder;
   const std::string strip = folder.store("strip.obj", folded_strip(0.2, -0.2));
-  const Outcome text = run({"self", strip});
-  EXPECT_EQ(text.exit_code, 0);
-  EXPECT_EQ(text.err, "");
-  EXPECT_EQ(text.out.find("meets     yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0."),
-            0U)
-      << text.out;
-  EXPECT_NE(text.out.find("\n\ntriangle a  triangle b\n         0           6\n         0           7\n"),
+  const std::string text = answer_to("self " + strip);
+  EXPECT_EQ(text.find("meets     yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0."), 0U)
+      << text;
+  EXPECT_NE(text.find("\n\ntriangle a  triangle b\n         0           6\n         0           7\n"),
             std::string::npos)
-      << text.out;
-  const nlohmann::json json = json_of(run({"self", strip, "--json"}));
+      << text;
+  const nlohmann::json json = json_of("self " + strip);
   EXPECT_EQ(json["query"], "self");
   EXPECT_EQ(json["meets_itself"], true);
   EXPECT_EQ(json["count"], 3);
@@ -40,10 +37,8 @@ TEST(ProgramSelf, AStripThatIsFoldedThroughItselfMeetsItselfInThreePairs) {
   EXPECT_EQ(pairs_of(json), crossings_of_the_strip);
   EXPECT_EQ(json["distance"]["status"], "collision");
   EXPECT_EQ(json["distance"]["upper"], 0);
-  for (const Words& which : {Words{"--intersections"}, Words{"--margin", "0"}, Words{"--margin", "0.001"}}) {
-    Words words = {"self", strip, "--json"};
-    words.insert(words.end(), which.begin(), which.end());
-    const nlohmann::json found = json_of(run(words));
+  for (const std::string which : {" --intersections", " --margin 0", " --margin 0.001"}) {
+    const nlohmann::json found = json_of("self " + strip + which);
     EXPECT_EQ(pairs_of(found), crossings_of_the_strip);
     EXPECT_EQ(found["meets_itself"], true);
     EXPECT_TRUE(found["distance"].is_null());
@@ -57,14 +52,14 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   const std::vector<Contact> expected = reference::self_contacts(strip, 0.3);
   const auto nearest = std::min_element(expected.begin(), expected.end(),
                                         [](const Contact& a, const Contact& b) { return a.distance < b.distance; });
-  const nlohmann::json overview = json_of(run({"self", path, "--json"}));
+  const nlohmann::json overview = json_of("self " + path);
   EXPECT_EQ(overview["meets_itself"], false);
   EXPECT_EQ(overview["count"], 0);
   EXPECT_EQ(overview["distance"]["status"], "exact");
   EXPECT_EQ(overview["distance"]["upper"], nearest->distance);
   EXPECT_EQ(overview["distance"]["witness"]["triangle_a"], nearest->triangle_a);
 
-  const std::vector<Row> rows = table_of(run({"self", path, "--margin", "0.3", "--csv", "-"}).out);
+  const std::vector<Row> rows = table_of(answer_to("self " + path + " --margin 0.3 --csv -"));
   ASSERT_EQ(rows.size(), expected.size());
   for (const Contact& contact : expected) {
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
@@ -75,8 +70,8 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
     EXPECT_EQ(number(row->at("normal_z")), contact.normal.z);
   }
   // The last square lies flat over the first.
-  const Outcome text = run({"self", path, "--margin", "0.1"});
-  EXPECT_EQ(text.out.find("meets     no\npairs     0, 0 of them at distance 0\ntests"), 0U) << text.out;
+  const std::string text = answer_to("self " + path + " --margin 0.1");
+  EXPECT_EQ(text.find("meets     no\npairs     0, 0 of them at distance 0\ntests"), 0U) << text;
   EXPECT_NE(rows.front().at("distance"), "0.25");
   EXPECT_EQ(rows.back().at("distance"), "0.25");
 }
@@ -93,11 +88,11 @@ TEST(ProgramSelf, EachPairOfASoupComesOnceAsBruteForceFindsIt) {
   for (const TrianglePair& pair : reference::self_intersections(soup)) meeting.emplace(pair.a, pair.b);
   ASSERT_GT(meeting.size(), 3U);
   ASSERT_GT(expected.size(), meeting.size());
-  const nlohmann::json close = json_of(run({"self", path, "--margin", "0.05", "--json"}));
+  const nlohmann::json close = json_of("self " + path + " --margin 0.05");
   EXPECT_EQ(pairs_of(close), expected);
   EXPECT_EQ(close["count"], expected.size());
   EXPECT_EQ(close["intersecting"], meeting.size());
-  const nlohmann::json met = json_of(run({"self", path, "--json", "--limit", "2"}));
+  const nlohmann::json met = json_of("self " + path + " --limit 2");
   EXPECT_EQ(met["count"], meeting.size());
   EXPECT_EQ(pairs_of(met), (std::set(meeting.begin(), std::next(meeting.begin(), 2))));
 }
@@ -110,7 +105,7 @@ TEST(ProgramSelf, TheClosestPairsAreThoseOfBruteForce) {
     const std::string path = folder.store("soup.obj", soup);
     for (const std::size_t k : {1U, 7U, 5000U}) {
       std::vector<Contact> expected = reference::self_closest_pairs(soup, k);
-      const nlohmann::json json = json_of(run({"self", path, "--closest", std::to_string(k), "--json"}));
+      const nlohmann::json json = json_of("self " + path + " --closest " + std::to_string(k));
       EXPECT_EQ(json["closest"], k);
       EXPECT_EQ(json["meets_itself"], expected.front().distance == 0);
       EXPECT_TRUE(json["distance"].is_null());
@@ -127,14 +122,14 @@ TEST(ProgramSelf, NeighborsDoNotCount) {
   const std::string tip_to_tip =
       folder.store("tips.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n");
   for (const std::string& model : {folder.store("square.obj", two_triangles()), tip_to_tip}) {
-    const nlohmann::json json = json_of(run({"self", model, "--json"}));
+    const nlohmann::json json = json_of("self " + model);
     EXPECT_EQ(json["meets_itself"], false);
     EXPECT_EQ(json["distance"]["status"], "beyond_limit");
     for (const char* key : {"lower", "upper", "witness"}) EXPECT_TRUE(json["distance"][key].is_null()) << key;
-    EXPECT_EQ(json_of(run({"self", model, "--margin", "1e9", "--json"}))["count"], 0);
-    EXPECT_EQ(run({"self", model}).out.find("meets     no\npairs     0\nstatus    beyond_limit\n"), 0U);
+    EXPECT_EQ(json_of("self " + model + " --margin 1e9")["count"], 0);
+    EXPECT_EQ(answer_to("self " + model).find("meets     no\npairs     0\nstatus    beyond_limit\n"), 0U);
   }
-  const nlohmann::json ball = json_of(run({"self", "scene:ball", "--json"}));
+  const nlohmann::json ball = json_of("self scene:ball");
   EXPECT_EQ(ball["meets_itself"], false);
   EXPECT_GT(ball["distance"]["lower"].get<double>(), 0.01);
 }
@@ -143,14 +138,14 @@ TEST(ProgramSelf, ExitCodesTellWhetherThereIsAPairOnlyWhereAsked) {
   const Folder folder;
   const std::string through = folder.store("through.obj", folded_strip(0.2, -0.2));
   const std::string above = folder.store("above.obj", folded_strip(0.25, 0.25));
-  EXPECT_EQ(run({"self", through}).exit_code, 0);
-  EXPECT_EQ(run({"self", through, "--exit-code"}).exit_code, 3);
-  EXPECT_EQ(run({"self", through, "--intersections", "--exit-code", "--json"}).exit_code, 3);
-  EXPECT_EQ(run({"self", above, "--exit-code"}).exit_code, 0);
-  EXPECT_EQ(run({"self", above, "--margin", "0.1", "--exit-code"}).exit_code, 0);
-  EXPECT_EQ(run({"self", above, "--margin", "0.3", "--exit-code"}).exit_code, 3);
-  EXPECT_EQ(run({"self", above, "--closest", "1", "--exit-code"}).exit_code, 3);
-  EXPECT_EQ(run({"self", folder.path("missing.obj"), "--exit-code"}).exit_code, 2);
+  EXPECT_EQ(run("self " + through).exit_code, 0);
+  EXPECT_EQ(run("self " + through + " --exit-code").exit_code, 3);
+  EXPECT_EQ(run("self " + through + " --intersections --exit-code --json").exit_code, 3);
+  EXPECT_EQ(run("self " + above + " --exit-code").exit_code, 0);
+  EXPECT_EQ(run("self " + above + " --margin 0.1 --exit-code").exit_code, 0);
+  EXPECT_EQ(run("self " + above + " --margin 0.3 --exit-code").exit_code, 3);
+  EXPECT_EQ(run("self " + above + " --closest 1 --exit-code").exit_code, 3);
+  EXPECT_EQ(run("self missing.obj --exit-code").exit_code, 2);
 }
 
 }  // namespace

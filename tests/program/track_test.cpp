@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 
+#include "program/contact_meshes.h"
 #include "program/run_program.h"
 #include "scenes/scenes.h"
 
@@ -11,18 +13,14 @@ namespace limber::program_tests {
 namespace {
 
 /// The rows of a run that must succeed.
-std::vector<Row> rows_of(const Outcome& outcome) {
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return table_of(outcome.out);
-}
-
-std::vector<nlohmann::json> json_rows_of(const Outcome& outcome) {
+std::vector<nlohmann::json> json_rows_of(const std::string& line) {
+  const Outcome outcome = run(line + " --json");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return json_lines_of(outcome);
 }
 
 /// A waving sheet of 128 triangles in frames 0 to `count` - 1; its edge along x = 0 stands still where `is_partial`.
-Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial) {
+Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial = false) {
   Words files;
   for (std::uint32_t f = 0; f < count; ++f) {
     const Mesh still = scenes::wave_sheet(8, 8, 0);
@@ -35,19 +33,19 @@ Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial) {
   return files;
 }
 
-constexpr const char* ball_above = "2,2,1.5,1,0,0,0\n";
+/// The line that tracks a deforming mesh below a ball.
+std::string below_ball(const Folder& folder, const Words& frames) {
+  return "track --a " + joined(frames) + " --b scene:ball --poses-b " + folder.store("pose.csv", "2,2,1.5,1,0,0,0\n");
+}
 
 TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   const Folder folder;
-  const Words waves = stored_waves(folder, 3, false);
-  const std::string poses = folder.store("pose.csv", ball_above);
-  const Outcome outcome = run(track(waves, {"scene:ball"}, {"--poses-b", poses}));
-  const auto classic_rows = rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--engine", "classic"})));
-  EXPECT_EQ(outcome.err, "");  // no progress bar outside a terminal
-  EXPECT_EQ(lines_of(outcome.out).front(),
+  const std::string line = below_ball(folder, stored_waves(folder, 3));
+  const std::string csv = answer_to(line);  // no progress bar outside a terminal
+  EXPECT_EQ(lines_of(csv).front(),
             "frame,update_us,query_us,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
             "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,triangle_tests");
-  const auto rows = rows_of(outcome);
+  const std::vector<Row> rows = table_of(csv), classic_rows = table_of(answer_to(line + " --engine classic"));
   ASSERT_EQ(rows.size(), 3U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
     EXPECT_EQ(rows[f].at("frame"), std::to_string(f));
@@ -62,13 +60,11 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
 
 TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   const Folder folder;
-  const Words waves = stored_waves(folder, 4, false);
-  const std::string poses = folder.store("pose.csv", ball_above);
-  const auto rows = json_rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
+  const Words waves = stored_waves(folder, 4);
+  const auto rows = json_rows_of(below_ball(folder, waves));
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
-    const nlohmann::json still =
-        json_of(run({"distance", waves[f], "scene:ball", "--pose-b", "2,2,1.5,1,0,0,0", "--json"}));
+    const nlohmann::json still = json_of("distance " + waves[f] + " scene:ball --pose-b 2,2,1.5,1,0,0,0");
     EXPECT_EQ(rows[f]["upper"], still["upper"]) << f;
     EXPECT_EQ(rows[f]["lower"], rows[f]["upper"]);
     EXPECT_EQ(rows[f]["witness"], still["witness"]);
@@ -76,50 +72,32 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   }
 }
 
-TEST(ProgramTrack, MaintenanceModesDoDifferentWorkForTheSameDistances) {
+TEST(ProgramTrack, UpkeepDoesDifferentWorkForTheSameDistances) {
   const Folder folder;
-  const Words waves = stored_waves(folder, 4, true);
-  const std::string poses = folder.store("pose.csv", ball_above);
+  const std::string line = below_ball(folder, stored_waves(folder, 4, true));
+  const auto tight = json_rows_of(line), exact = json_rows_of(line + " --engine classic --mode by-depth");
   std::map<std::string, std::vector<nlohmann::json>> rows;
-  for (const std::string mode : {"immediate", "batched", "by-depth"}) {
-    rows[mode] = json_rows_of(
-        run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--engine", "classic", "--mode", mode})));
-    ASSERT_EQ(rows[mode].size(), 4U);
-  }
-  const auto loose = json_rows_of(
-      run(track(waves, {"scene:ball"},
-                {"--poses-b", poses, "--json", "--engine", "classic", "--extra-radius", "0.3", "--stale-ratio", "3"})));
-  std::uint64_t absorbed = 0;
-  for (std::size_t f = 0; f < 4; ++f) {
-    for (const std::string mode : {"immediate", "batched"}) {
-      EXPECT_EQ(rows[mode][f]["upper"], rows["by-depth"][f]["upper"]);
-      EXPECT_EQ(rows[mode][f]["moved_vertices"], rows["by-depth"][f]["moved_vertices"]);
+  for (const std::string mode : {"immediate", "batched"}) {
+    rows[mode] = json_rows_of(line + " --engine classic --mode " + mode);
+    for (std::size_t f = 0; f < 4; ++f) {
+      EXPECT_EQ(rows[mode][f]["upper"], exact[f]["upper"]);
+      EXPECT_EQ(rows[mode][f]["moved_vertices"], exact[f]["moved_vertices"]);
     }
-    EXPECT_EQ(loose[f]["upper"], rows["by-depth"][f]["upper"]);
-    absorbed += loose[f]["absorbed"].get<std::uint64_t>();
-    if (f == 0) continue;
-    const auto refits = [&](const std::string& mode) { return rows[mode][f]["refits"].get<std::uint64_t>(); };
-    EXPECT_GT(refits("immediate"), refits("batched"));
-    EXPECT_GT(refits("batched"), refits("by-depth"));
-    EXPECT_LT(rows["by-depth"][f]["moved_vertices"], 81);
   }
-  EXPECT_GT(absorbed, 0U);
-}
-
-TEST(ProgramTrack, MotionMarginOfTheFastEngineAbsorbsAndChangesNoDistance) {
-  const Folder folder;
-  const Words waves = stored_waves(folder, 4, true);
-  const std::string poses = folder.store("pose.csv", ball_above);
-  const auto tight = json_rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
-  for (const std::string margin : {"0.5", "0.1"}) {
-    const auto loose =
-        json_rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--motion-margin", margin})));
+  for (std::size_t f = 1; f < 4; ++f) {
+    EXPECT_GT(rows["immediate"][f]["refits"], rows["batched"][f]["refits"]);
+    EXPECT_GT(rows["batched"][f]["refits"], exact[f]["refits"]);
+    EXPECT_LT(exact[f]["moved_vertices"], 81);
+  }
+  for (const std::string loose :
+       {"--motion-margin 0.5", "--motion-margin 0.1", "--engine classic --extra-radius 0.3 --stale-ratio 3"}) {
+    const auto found = json_rows_of(line + ' ' + loose);
     std::uint64_t absorbed = 0;
     for (std::size_t f = 0; f < 4; ++f) {
-      EXPECT_NEAR(loose[f]["upper"].get<double>(), tight[f]["upper"].get<double>(), 1e-14);
-      absorbed += loose[f]["absorbed"].get<std::uint64_t>();
+      EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"].get<double>(), 1e-14);
+      absorbed += found[f]["absorbed"].get<std::uint64_t>();
     }
-    EXPECT_GT(absorbed, 0U) << margin;
+    EXPECT_GT(absorbed, 0U) << loose;
   }
 }
 
@@ -128,7 +106,7 @@ TEST(ProgramTrack, PosesMoveRigidModels) {
   const std::string poses = folder.store("poses.csv",
                                          "tx,ty,tz,qw,qx,qy,qz\r\n# closer and closer\r\n0,0,4,1,0,0,0\r\n\r\n"
                                          "0,0,3,1,0,0,0\r\n 0, 0, 1.5, 1, 0, 0, 0\r\n0,0,0.5,1,0,0,0");
-  const auto rows = rows_of(run({"track", "--a", "scene:ball", "--b", "scene:square", "--poses-a", poses}));
+  const auto rows = table_of(answer_to("track --a scene:ball --b scene:square --poses-a " + poses));
   ASSERT_EQ(rows.size(), 4U);
   const double distances[] = {3, 2, 0.5, 0};
   for (std::size_t f = 0; f < 4; ++f) {
@@ -142,9 +120,8 @@ TEST(ProgramTrack, PosesMoveRigidModels) {
 TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
   const Folder folder;
   const auto distance_with = [&](const std::string& csv) {
-    const auto rows = rows_of(
-        run({"track", "--a", "scene:ball", "--b", "scene:square", "--poses-a", folder.store("poses.csv", csv)}));
-    return rows.size() == 1 ? number(rows[0].at("upper")) : -1;
+    const auto rows = json_rows_of("track --a scene:ball --b scene:square --poses-a " + folder.store("poses.csv", csv));
+    return rows.size() == 1 ? rows[0]["upper"].get<double>() : -1;
   };
   // Half a turn about x and then 3 along z, as some programs order the numbers; and with a column of ours in between.
   EXPECT_NEAR(distance_with("tx,ty,tz,qx,qy,qz,qw\n0,0,3,1,0,0,0\n"), 2, 1e-14);
@@ -154,10 +131,10 @@ TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
 
 TEST(ProgramTrack, MaxDistanceLeavesCellsEmptyAndFieldsNull) {
   const Folder folder;
-  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,1.032987,1,0,0,0\n");
-  const Words words = {"track",     "--a", "scene:ball",     "--b", "scene:square",
-                       "--poses-a", poses, "--max-distance", "1.5"};
-  const auto rows = rows_of(run(words));
+  const std::string line = "track --a scene:ball --b scene:square --max-distance 1.5 --poses-a " +
+                           folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,1.032987,1,0,0,0\n");
+  const auto rows = table_of(answer_to(line));
+  const auto objects = json_rows_of(line);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].at("status"), "beyond_limit");
   EXPECT_EQ(rows[0].at("lower"), "1.5");
@@ -165,27 +142,23 @@ TEST(ProgramTrack, MaxDistanceLeavesCellsEmptyAndFieldsNull) {
     EXPECT_EQ(rows[0].at(column), "") << column;
     EXPECT_NE(rows[1].at(column), "") << column;
   }
-  EXPECT_EQ(rows[1].at("status"), "exact");
-  Words with_json = words;
-  with_json.push_back("--json");
-  const auto json = json_rows_of(run(with_json));
-  EXPECT_TRUE(json[0]["upper"].is_null());
-  EXPECT_TRUE(json[0]["witness"].is_null());
-  EXPECT_EQ(json[1]["upper"].get<double>(), number(rows[1].at("upper")));
+  EXPECT_TRUE(objects[0]["upper"].is_null());
+  EXPECT_TRUE(objects[0]["witness"].is_null());
+  for (nlohmann::json object : objects) {
+    for (const char* key : {"update_us", "query_us"}) object.erase(key);
+    expect_same(rows[object["frame"]], object);
+  }
 }
 
 TEST(ProgramTrack, BothModelsMayDeform) {
-  const auto rows = json_rows_of(
-      run({"track", "--a", "scene:wave:0", "scene:wave:1", "--b", "scene:wave:5", "scene:wave:6", "--json"}));
+  const auto rows = json_rows_of("track --a scene:wave:0 scene:wave:1 --b scene:wave:5 scene:wave:6");
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[1]["moved_vertices"], 2 * 10201);
 }
 
 TEST(ProgramTrack, LoopsRepeatTheSequence) {
   const Folder folder;
-  const Words waves = stored_waves(folder, 3, false);
-  const std::string poses = folder.store("pose.csv", ball_above);
-  const auto rows = json_rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json", "--loop", "3"})));
+  const auto rows = json_rows_of(below_ball(folder, stored_waves(folder, 3)) + " --loop 3");
   ASSERT_EQ(rows.size(), 9U);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     EXPECT_EQ(rows[r]["frame"], r);
@@ -194,36 +167,91 @@ TEST(ProgramTrack, LoopsRepeatTheSequence) {
   EXPECT_EQ(rows[3]["moved_vertices"], 81);
 }
 
-TEST(ProgramTrack, ChangedConnectivityStopsAfterTheRowsBefore) {
+TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
   const Folder folder;
-  Words waves = stored_waves(folder, 3, false);
-  waves[2] = folder.store("other.obj", scenes::wave_sheet(8, 9, 0));
-  const Outcome outcome = run(track(waves, {"scene:ball"}, {}));
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(lines_of(outcome.out).size(), 3U) << outcome.out;  // the header and frames 0 and 1
-  ASSERT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+  Words waves = stored_waves(folder, 3);
+  const auto error_with = [&](const std::string& last_frame) {
+    waves[2] = last_frame;
+    const Outcome outcome = run("track --b scene:ball --a " + joined(waves));
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(lines_of(outcome.out).size(), 3U) << outcome.out;  // the header and frames 0 and 1
+    EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+    return outcome.err;
+  };
+  const std::string error = error_with(folder.store("other.obj", scenes::wave_sheet(8, 9, 0)));
   for (const char* part : {"limber: track: ", "frame 2", "144", "128", "90", "81"}) {
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << part << " in " << outcome.err;
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+  }
+  error_with(folder.path("missing.obj"));
+}
+
+/// A strip that folds over itself: first above, then through, then above again.
+Words stored_strips(const Folder& folder) {
+  return {folder.store("0.obj", folded_strip(0.25, 0.25)), folder.store("1.obj", folded_strip(0.2, -0.2)),
+          folder.store("2.obj", folded_strip(0.25, 0.3))};
+}
+
+TEST(ProgramTrackContacts, EachFrameHasTheContactsOfStillModels) {
+  const Folder folder;
+  const Words strips = stored_strips(folder), poses = {"0.5,0.5,3,1,0,0,0", "0.5,0.5,1,1,0,0,0", "0.5,0.5,1.4,1,0,0,0"};
+  const std::string line = "track --b scene:ball --contacts --margin 0.2 --a " + joined(strips) + " --poses-b " +
+                           folder.store("poses.csv", poses[0] + '\n' + poses[1] + '\n' + poses[2] + '\n');
+  const std::vector<Row> rows = table_of(answer_to(line));
+  const auto objects = json_rows_of(line);
+  ASSERT_EQ(rows.size(), 3U);
+  ASSERT_EQ(objects.size(), 3U);
+  for (std::size_t f = 0; f < 3; ++f) {
+    SCOPED_TRACE(f);
+    const nlohmann::json still = json_of("contacts " + strips[f] + " scene:ball --margin 0.2 --pose-b " + poses[f]);
+    nlohmann::json contact = objects[f]["contact"];
+    EXPECT_EQ(contact["count"], still["count"]);
+    EXPECT_EQ(contact["intersecting"], still["intersecting"]);
+    EXPECT_EQ(contact["count"] > 0, f > 0);
+    EXPECT_EQ(contact["pair"], f == 0 ? nlohmann::json(nullptr) : still["pairs"][0]);
+    EXPECT_GT(number(rows[f].at("contact_us")), 0);
+    EXPECT_GT(contact["query_us"].get<double>(), 0);
+    contact.erase("query_us");
+    expect_same(rows[f], contact, "contact_");
+    EXPECT_EQ(rows[f].at("contact_distance").empty(), f == 0);
+    EXPECT_EQ(rows[f].count("self_a_count"), 0U);
+    EXPECT_FALSE(objects[f].contains("self_a"));
   }
 }
 
-TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
+TEST(ProgramTrackContacts, ModelsThatDeformMeetThemselves) {
   const Folder folder;
-  Words waves = stored_waves(folder, 2, false);
-  waves.push_back(folder.path("missing.obj"));
-  const Outcome outcome = run(track(waves, {"scene:ball"}, {"--json"}));
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(lines_of(outcome.out).size(), 2U);
-  EXPECT_EQ(lines_of(outcome.err).size(), 1U);
+  const Words strips = stored_strips(folder), counts = {"0", "3", "0"};
+  const std::vector<Row> rows = table_of(answer_to("track --b scene:ball --self --a " + joined(strips)));
+  ASSERT_EQ(rows.size(), 3U);
+  for (std::size_t f = 0; f < 3; ++f) {
+    EXPECT_EQ(rows[f].at("self_a_count"), counts[f]);
+    EXPECT_EQ(rows[f].at("self_a_intersecting"), counts[f]);
+    EXPECT_EQ(rows[f].count("self_b_count"), 0U);  // the ball does not deform
+    EXPECT_EQ(rows[f].count("contact_count"), 0U);
+    EXPECT_EQ(rows[f].at("self_a_triangle_b").empty(), f != 1);
+  }
+  const auto both = json_rows_of("track --self --contacts --margin 0.01 --a " + joined(strips) + " --b " +
+                                 joined({strips[0], strips[2], strips[1]}));
+  ASSERT_EQ(both.size(), 3U);
+  for (const auto& [f, count_a, count_b] : {std::array{0, 0, 0}, std::array{1, 3, 0}, std::array{2, 0, 3}}) {
+    const nlohmann::json& frame = both[static_cast<std::size_t>(f)];
+    EXPECT_EQ(frame["self_a"]["count"], count_a);
+    EXPECT_EQ(frame["self_b"]["count"], count_b);
+    EXPECT_EQ(frame["self_a"]["pair"].is_null(), count_a == 0);
+    EXPECT_EQ(frame["self_b"]["pair"].is_null(), count_b == 0);
+  }
+  EXPECT_GE(both[0]["contact"]["intersecting"].get<int>(), 8);  // each triangle with itself at least
 }
 
-TEST(ProgramTrack, OneModelMayDeformWhileTheOtherMoves) {
+TEST(ProgramTrackContacts, OtherColumnsStayAsTheyAre) {
   const Folder folder;
-  const Words waves = stored_waves(folder, 2, false);
-  const std::string poses = folder.store("poses.csv", "2,2,3,1,0,0,0\n2,2,2,1,0,0,0\n");
-  const auto rows = json_rows_of(run(track(waves, {"scene:ball"}, {"--poses-b", poses, "--json"})));
-  ASSERT_EQ(rows.size(), 2U);
-  EXPECT_GT(rows[0]["upper"].get<double>(), rows[1]["upper"].get<double>());
+  const std::string line = "track --b scene:ball --a " + joined(stored_strips(folder));
+  const auto header_with = [&](const std::string& options) { return lines_of(answer_to(line + options)).at(0); };
+  const std::string without = header_with(""), contacts = header_with(" --contacts");
+  EXPECT_EQ(header_with(" --contacts --self"), contacts + header_with(" --self").substr(without.size()));
+  EXPECT_EQ(contacts.find(without + ",contact_us,contact_count,contact_intersecting,"
+                                    "contact_triangle_a,contact_triangle_b,contact_distance,"),
+            0U);
 }
 
 }  // namespace

@@ -5,16 +5,10 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "command/text.h"
 #include "command/verb.h"
 
 namespace limber::program {
-namespace {
-
-constexpr double largest = std::numeric_limits<double>::max();
-
 double read_number(const std::string& text, const std::string& name, const NumberRange& range) {
   const std::optional<double> number = parsed_number(text);
   if (!number || !(*number >= range.low && *number <= range.high)) {
@@ -23,42 +17,13 @@ double read_number(const std::string& text, const std::string& name, const Numbe
   return *number;
 }
 
-std::uint64_t read_count(const std::string& text, const std::string& name, std::uint64_t low, std::uint64_t high) {
+std::uint64_t read_count(const std::string& text, const std::string& name, const CountRange& range) {
   const std::optional<std::uint64_t> count = parsed_count(text);
-  if (!count || *count < low || *count > high) {
-    throw CLI::ValidationError(name, fmt::format("must be a whole number from {} to {}, not '{}'", low, high, text));
+  if (!count || *count < range.low || *count > range.high) {
+    throw CLI::ValidationError(
+        name, fmt::format("must be a whole number from {} to {}, not '{}'", range.low, range.high, text));
   }
   return *count;
-}
-
-}  // namespace
-
-CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
-                        const std::string& description) {
-  const auto read = [&target, range, name](const std::string& text) { target = read_number(text, name, range); };
-  return command.add_option_function<std::string>(name, read, description)
-      ->type_name("NUMBER")
-      ->default_str(fmt::format("{}", target));
-}
-
-CLI::Option* add_optional_number(CLI::App& command, const std::string& name, std::optional<double>& target,
-                                 const NumberRange& range, const std::string& description) {
-  const auto read = [&target, range, name](const std::string& text) { target = read_number(text, name, range); };
-  return command.add_option_function<std::string>(name, read, description)->type_name("NUMBER");
-}
-
-CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
-                       std::uint64_t high, const std::string& description) {
-  const auto read = [&target, low, high, name](const std::string& text) { target = read_count(text, name, low, high); };
-  return command.add_option_function<std::string>(name, read, description)
-      ->type_name("COUNT")
-      ->default_str(fmt::format("{}", target));
-}
-
-CLI::Option* add_optional_count(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
-                                std::uint64_t low, std::uint64_t high, const std::string& description) {
-  const auto read = [&target, low, high, name](const std::string& text) { target = read_count(text, name, low, high); };
-  return command.add_option_function<std::string>(name, read, description)->type_name("COUNT");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description) {
@@ -71,17 +36,16 @@ CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& t
 }
 
 CLI::Option* add_relative_error(CLI::App& command, double& target) {
-  return add_number(command, "--relative-error", target, {0, largest, "a finite number >= 0"},
+  return add_number(command, "--relative-error", target, not_negative,
                     "the answer may exceed the true distance by this fraction of it; 0 is exact");
 }
 
 void add_distance_options(CLI::App& command, DistanceOptions& target) {
   add_relative_error(command, target.relative_error);
-  add_number(command, "--absolute-error", target.absolute_error, {0, largest, "a finite number >= 0"},
+  add_number(command, "--absolute-error", target.absolute_error, not_negative,
              "the answer may exceed the true distance by this length; either error will do")
       ->type_name("LENGTH");
-  add_number(command, "--max-distance", target.max_distance,
-             {0, std::numeric_limits<double>::infinity(), "a number >= 0"},
+  add_number(command, "--max-distance", target.max_distance, not_negative_or_infinite,
              "stop with beyond_limit when the models are farther apart than this length")
       ->type_name("LENGTH");
 }

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -20,20 +23,35 @@ struct NumberRange {
   double low = 0, high = 0;
   std::string text;  ///< after "must be ": "a finite number >= 0"
 };
-CLI::Option* add_number(CLI::App& command, const std::string& name, double& target, const NumberRange& range,
-                        const std::string& description);
+inline const NumberRange not_negative{0, std::numeric_limits<double>::max(), "a finite number >= 0"};
+inline const NumberRange not_negative_or_infinite{0, std::numeric_limits<double>::infinity(), "a number >= 0"};
 
-/// The same, without a default.
-CLI::Option* add_optional_number(CLI::App& command, const std::string& name, std::optional<double>& target,
-                                 const NumberRange& range, const std::string& description);
+/// Errors   CLI::ValidationError naming the option and the range.
+double read_number(const std::string& text, const std::string& name, const NumberRange& range);
 
-/// A whole number from `low` to `high`.
-CLI::Option* add_count(CLI::App& command, const std::string& name, std::uint64_t& target, std::uint64_t low,
-                       std::uint64_t high, const std::string& description);
+/// The target is a number, which is the default, or an optional one without a default.
+template <typename Number>
+CLI::Option* add_number(CLI::App& command, const std::string& name, Number& target, const NumberRange& range,
+                        const std::string& description) {
+  const auto read = [&target, range, name](const std::string& text) { target = read_number(text, name, range); };
+  CLI::Option* const option = command.add_option_function<std::string>(name, read, description)->type_name("NUMBER");
+  if constexpr (std::is_same_v<Number, double>) option->default_str(fmt::format("{}", target));
+  return option;
+}
 
-/// The same, without a default.
-CLI::Option* add_optional_count(CLI::App& command, const std::string& name, std::optional<std::uint64_t>& target,
-                                std::uint64_t low, std::uint64_t high, const std::string& description);
+/// The same for whole numbers.
+struct CountRange {
+  std::uint64_t low = 0, high = std::numeric_limits<std::uint64_t>::max();
+};
+std::uint64_t read_count(const std::string& text, const std::string& name, const CountRange& range);
+template <typename Count>
+CLI::Option* add_count(CLI::App& command, const std::string& name, Count& target, const CountRange& range,
+                       const std::string& description) {
+  const auto read = [&target, range, name](const std::string& text) { target = read_count(text, name, range); };
+  CLI::Option* const option = command.add_option_function<std::string>(name, read, description)->type_name("COUNT");
+  if constexpr (std::is_same_v<Count, std::uint64_t>) option->default_str(fmt::format("{}", target));
+  return option;
+}
 
 /// One of several words.
 template <typename T>

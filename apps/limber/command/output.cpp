@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "command/bad_input.h"
 #include "command/text.h"
 
 namespace limber::program {
@@ -25,7 +24,7 @@ void write_to(std::FILE* stream, std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) fail(errno);
 }
 
-void flush(std::FILE* stream) {
+void flush_to(std::FILE* stream) {
   if (std::fflush(stream) != 0) fail(errno);
 }
 
@@ -54,35 +53,17 @@ std::string quoted(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);  // file names need not be UTF-8
 }
 
-void append(std::string& line, const Json& json);
-
-void append_object(std::string& line, const Json& json) {
-  const char* separator = "";
-  line += '{';
-  for (const auto& [key, value] : json.items()) {
-    line += separator + quoted(key) + ": ";
-    append(line, value);
-    separator = ", ";
-  }
-  line += '}';
-}
-
-void append_array(std::string& line, const Json& json) {
-  const char* separator = "";
-  line += '[';
-  for (const Json& value : json) {
-    line += separator;
-    append(line, value);
-    separator = ", ";
-  }
-  line += ']';
-}
-
 void append(std::string& line, const Json& json) {
-  if (json.is_object()) {
-    append_object(line, json);
-  } else if (json.is_array()) {
-    append_array(line, json);
+  if (json.is_structured()) {
+    line += json.is_object() ? '{' : '[';
+    const char* separator = "";
+    for (const auto& [key, value] : json.items()) {
+      line += separator;
+      if (json.is_object()) line += quoted(key) + ": ";
+      append(line, value);
+      separator = ", ";
+    }
+    line += json.is_object() ? '}' : ']';
   } else if (json.is_string()) {
     line += quoted(json.get<std::string>());
   } else if (json.is_number_float()) {
@@ -94,11 +75,45 @@ void append(std::string& line, const Json& json) {
   }
 }
 
+/// A text as one field of CSV: in quotes where it must be.
+std::string csv_field(std::string_view text) {
+  const bool is_plain = text.find_first_of(",;\"\r\n#") == std::string_view::npos && trimmed(text) == text;
+  if (is_plain) return std::string(text);
+  std::string field = "\"";
+  for (const char c : text) {
+    if (c == '"') field += '"';
+    field += c;
+  }
+  return field + '"';
+}
+
+std::size_t cell_count(std::string_view key) {
+  return key == "witness" ? 10 : key == "pair" ? 18 : key == "closest" ? 9 : 1;
+}
+
+/// Appends cells, each with a comma after it.
+void append_cells(std::string& line, const std::string& key, const Json& json) {
+  if (json.is_structured()) {
+    for (const auto& [inner_key, value] : json.items()) append_cells(line, inner_key, value);
+  } else if (json.is_null()) {
+    line.append(cell_count(key), ',');
+  } else {
+    if (json.is_string()) {
+      line += csv_field(json.get_ref<const std::string&>());
+    } else {
+      append(line, json);
+    }
+    line += ',';
+  }
+}
+
+constexpr double bar_redraw_s = 0.1;
+
 }  // namespace
 
 void write(std::string_view text) { write_to(stdout, text); }
 
-void flush() { flush(stdout); }
+void flush() { flush_to(stdout); }
 
 void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs) {
   if (path.empty() || path == "-") return;
@@ -126,37 +141,57 @@ bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
 
 void OutputFile::write(std::string_view text) {
   write_to(stream_, text);
-  flush(stream_);
+  flush_to(stream_);
+}
+
+void show(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+ProgressBar::ProgressBar(std::size_t count, const char* unit)
+    : count_(count), unit_(unit), is_shown_(isatty(STDERR_FILENO) != 0) {}
+
+void ProgressBar::clear() {
+  if (stands_) show("\r\033[K");
+  stands_ = false;
+}
+
+void ProgressBar::draw(std::size_t done) {
+  if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < bar_redraw_s)) return;
+  constexpr std::size_t width = 40;
+  const std::size_t filled = width * done / count_;
+  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", width - filled, done, count_, unit_));
+  stands_ = true;
+  since_drawn_ = Stopwatch();
 }
 
 void warn(const std::string& verb, const std::string& text) {
-  const std::string line = on_one_line("limber: " + verb + ": warning: " + text) + '\n';
-  std::fwrite(line.data(), 1, line.size(), stderr);
+  show(on_one_line("limber: " + verb + ": warning: " + text) + '\n');
 }
 
 std::string to_line(const Json& json) {
   std::string line;
   append(line, json);
-  line += '\n';
+  return line + '\n';
+}
+
+std::string csv_line(const Json& json) {
+  std::string line;
+  append_cells(line, {}, json);
+  line.back() = '\n';
   return line;
 }
+
+std::string spaced(const std::string& columns) { return fmt::format("{}", fmt::join(fields_of(columns, ','), ", ")); }
 
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
 const char* to_text(Status status) {
-  switch (status) {
-    case Status::exact:
-      return "exact";
-    case Status::within_error:
-      return "within_error";
-    case Status::collision:
-      return "collision";
-    case Status::interrupted:
-      return "interrupted";
-    case Status::beyond_limit:
-      return "beyond_limit";
-  }
-  throw std::logic_error("an answer has no known status");
+  const auto* const found = std::find_if(status_words.begin(), status_words.end(),
+                                         [status](const auto& entry) { return entry.first == status; });
+  if (found == status_words.end()) throw std::logic_error("an answer has no known status");
+  return found->second;
 }
 
 std::string on_one_line(std::string_view text) {

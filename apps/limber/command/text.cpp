@@ -8,28 +8,25 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
-#include <utility>
 
 namespace limber::program {
 namespace {
 
 /// The fewest insertions, deletions, replacements and swaps of neighbours that lead from one word to the other.
 std::size_t edit_distance(std::string_view from, std::string_view to) {
-  // Three rows of the table of distances between the starts of both words.
-  std::vector<std::size_t> row(to.size() + 1), above(to.size() + 1), two_above;
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= from.size(); ++i) {
-    two_above = std::exchange(above, row);
-    row[0] = i;
-    for (std::size_t j = 1; j <= to.size(); ++j) {
-      const std::size_t replaced = above[j - 1] + (from[i - 1] == to[j - 1] ? 0 : 1);
-      row[j] = std::min({replaced, above[j] + 1, row[j - 1] + 1});
+  // Between the first i characters of one word and the first j of the other.
+  std::vector<std::vector<std::size_t>> distance(from.size() + 1, std::vector<std::size_t>(to.size() + 1));
+  for (std::size_t i = 0; i <= from.size(); ++i) {
+    for (std::size_t j = 0; j <= to.size(); ++j) {
+      std::size_t& fewest = distance[i][j] = i + j;
+      if (i == 0 || j == 0) continue;
+      const std::size_t replaced = distance[i - 1][j - 1] + (from[i - 1] == to[j - 1] ? 0 : 1);
+      fewest = std::min({replaced, distance[i - 1][j] + 1, distance[i][j - 1] + 1});
       const bool is_swapped = i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1];
-      if (is_swapped) row[j] = std::min(row[j], two_above[j - 2] + 1);
+      if (is_swapped) fewest = std::min(fewest, distance[i - 2][j - 2] + 1);
     }
   }
-  return row.back();
+  return distance.back().back();
 }
 
 std::string_view without_dashes(std::string_view word) {
@@ -63,12 +60,8 @@ std::string to_text(const Vec3& point, const char* separator) {
 }
 
 std::string grouped(std::uint64_t count) {
-  const std::string digits = fmt::format("{}", count);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ' ';
-    text += digits[i];
-  }
+  std::string text = fmt::format("{}", count);
+  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ' ');
   return text;
 }
 

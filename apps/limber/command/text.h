@@ -4,14 +4,32 @@
 
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "limber/math.h"
 
-/// Numbers as the program reads and writes them, whatever the locale; words and lines.
+/// Numbers as the program reads and writes them, whatever the locale; words and lines; what is said of bad ones.
 namespace limber::program {
+
+/// Bad usage or bad input: the program says the text on one line and exits with 2.
+class BadInput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The value, or its error as BadInput, after `prefix`.
+template <typename T>
+T value_or_bad_input(Result<T> result, const std::string& prefix = {}) {
+  if (!result) throw BadInput(prefix + result.error().text);
+  return std::move(result).value();
+}
+inline void value_or_bad_input(const Result<void>& result, const std::string& prefix = {}) {
+  if (!result) throw BadInput(prefix + result.error().text);
+}
 
 /// A finite or infinite number or NaN. Nothing but spaces may stand around it.
 std::optional<double> parsed_number(std::string_view text);

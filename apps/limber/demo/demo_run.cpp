@@ -7,8 +7,9 @@
 #include <numbers>
 #include <utility>
 
-#include "command/bad_input.h"
-#include "command/stopwatch.h"
+#include "command/output.h"
+#include "command/text.h"
+#include "haptics/percentiles.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 
@@ -57,12 +58,13 @@ bool is_confirmed(const DistanceResult& answer, double relative_error, double ex
          answer.upper <= (1 + relative_error) * exact + tolerance;
 }
 
-template <typename Value>
-Spread spread_over(const std::vector<DemoFrame>& frames, Value value) {
+Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*value) {
   std::vector<double> values;
   values.reserve(frames.size());
-  for (const DemoFrame& frame : frames) values.push_back(value(frame));
-  return spread_of(std::move(values));
+  for (const DemoFrame& frame : frames) values.push_back(frame.*value);
+  const Percentiles found = percentiles_of(std::move(values)).value();
+  const auto& [median, p90, p99, p999, p9999] = found.at;
+  return {median.value_or(found.max), p99, found.max};
 }
 
 }  // namespace
@@ -113,14 +115,6 @@ bool is_confirmed_by_brute_force(const DemoRun& run) {
          is_confirmed(last.rough, rough_error, exact);
 }
 
-Spread spread_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double fraction) {
-    return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1))];
-  };
-  return {at(0.5), values.size() < Spread::least_for_p99 ? std::nullopt : std::optional(at(0.99)), values.back()};
-}
-
 DemoSummary summary_of(const std::vector<DemoFrame>& frames) {
   DemoSummary summary;
   summary.min_distance = frames.front().answer.upper;
@@ -131,9 +125,9 @@ DemoSummary summary_of(const std::vector<DemoFrame>& frames) {
     if (frame.answer.status == Status::collision) ++summary.contact_frames;
     update_us += frame.update_us;
   }
-  summary.update_us = spread_over(frames, [](const DemoFrame& f) { return f.update_us; });
-  summary.answer_us = spread_over(frames, [](const DemoFrame& f) { return f.answer_us; });
-  summary.rough_us = spread_over(frames, [](const DemoFrame& f) { return f.rough_us; });
+  summary.update_us = spread_over(frames, &DemoFrame::update_us);
+  summary.answer_us = spread_over(frames, &DemoFrame::answer_us);
+  summary.rough_us = spread_over(frames, &DemoFrame::rough_us);
   if (summary.updates.moved_vertices > 0) {
     summary.update_us_per_vertex = update_us / static_cast<double>(summary.updates.moved_vertices);
   }

@@ -7,12 +7,14 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "limber/distance.h"
 #include "verbs/deforming_model.h"
 
-/// The demonstration without its output: a sheet is dented again and again while a ball flies over it.
+/// The demonstration: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {
 
 struct DemoOptions {
@@ -63,15 +65,10 @@ bool is_confirmed_by_brute_force(const DemoRun& run);
 
 /// Median and maximum of a list of numbers, and the 99th percentile of a list that is long enough to have one.
 struct Spread {
-  static constexpr std::size_t least_for_p99 = 100;  ///< of fewer numbers the percentile would be one of the largest
-
   double median = 0;
   std::optional<double> p99;
   double max = 0;
 };
-
-/// Pre: there is at least one value.
-Spread spread_of(std::vector<double> values);
 
 /// The summary of a run.
 struct DemoSummary {
@@ -83,5 +80,11 @@ struct DemoSummary {
   double update_us_per_vertex = 0;  ///< all updates by all moved vertices
 };
 DemoSummary summary_of(const std::vector<DemoFrame>& frames);
+
+/// The summary of a run, as pairs of a name and a text with units.
+std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run);
+
+/// A page that plays the run, with charts and its summary. The command line is what the page says about its making.
+std::string demo_page(const DemoRun& run, const std::string& command_line);
 
 }  // namespace limber::program

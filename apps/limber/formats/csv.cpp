@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t max_file_bytes = std::uint64_t{1} << 28U;
+constexpr std::size_t max_line_bytes = std::size_t{1} << 14U;
+
 std::ifstream open_regular_file(const std::string& path) {
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
@@ -26,8 +32,8 @@ std::ifstream open_regular_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadInput(fmt::format("{}: {}", path, std::strerror(errno)));
   const std::uintmax_t size = fs::file_size(path, failed);
-  if (!failed && size > max_csv_file_bytes) {
-    throw BadInput(fmt::format("{}: has {} bytes, more than the limit of {}", path, size, max_csv_file_bytes));
+  if (!failed && size > max_file_bytes) {
+    throw BadInput(fmt::format("{}: has {} bytes, more than the limit of {}", path, size, max_file_bytes));
   }
   return file;
 }
@@ -48,21 +54,20 @@ std::optional<std::string> take_quoted(std::string_view& rest) {
   return std::nullopt;
 }
 
-/// The fields of a line that is not blank, or what is wrong with it.
-Result<std::vector<std::string>> fields_of_line(std::string_view rest) {
-  const auto malformed = [](std::string reason) { return Error{ErrorCode::malformed_file, std::move(reason), {}}; };
+/// The fields of a line that is not blank. Throws BadInput without the place.
+std::vector<std::string> fields_of_line(std::string_view rest) {
   std::vector<std::string> fields;
   while (true) {
     rest = trimmed(rest);
     if (rest.starts_with('"')) {
       const std::optional<std::string> field = take_quoted(rest);
-      if (!field) return malformed("a quote is not closed");
-      if (!rest.empty() && rest.front() != ',') return malformed("no comma follows a field in quotes");
+      if (!field) throw BadInput("a quote is not closed");
+      if (!rest.empty() && rest.front() != ',') throw BadInput("no comma follows a field in quotes");
       fields.push_back(*field);
     } else {
       const std::string_view field = trimmed(rest.substr(0, rest.find(',')));
       if (field.find(';') != std::string_view::npos) {
-        return malformed("fields are separated by commas, not by semicolons, and numbers have a decimal point");
+        throw BadInput("fields are separated by commas, not by semicolons, and numbers have a decimal point");
       }
       fields.emplace_back(field);
       rest.remove_prefix(std::min(rest.find(','), rest.size()));
@@ -72,86 +77,125 @@ Result<std::vector<std::string>> fields_of_line(std::string_view rest) {
   }
 }
 
-}  // namespace
+/// The lines of a file that are not blank.
+class CsvFile {
+ public:
+  explicit CsvFile(std::string path)
+      : path_(std::move(path)), file_(open_regular_file(path_)), buffer_(max_line_bytes + 1) {}
 
-CsvFile::CsvFile(std::string path)
-    : path_(std::move(path)), file_(open_regular_file(path_)), buffer_(max_csv_line_bytes + 1) {}
+  /// Of the line that came last, counted from 1.
+  std::size_t line_number() const { return line_; }
 
-BadInput CsvFile::error(std::size_t line, const std::string& reason) const {
-  return BadInput(fmt::format("{}: line {}: {}", path_, line, reason));
-}
-
-std::optional<CsvRow> CsvFile::next() {
-  while (file_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()))) {
-    ++line_;
-    const auto taken = static_cast<std::size_t>(file_.gcount());  // with the line's end, unless the file ends without
-    byte_count_ += taken;
-    if (byte_count_ > max_csv_file_bytes) throw error(line_, "the file is too long");
-    std::string_view line(buffer_.data(), file_.eof() ? taken : taken - 1);
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    if (line_ == 1 && line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
-    line = trimmed(line);
-    if (line.empty() || line.starts_with('#')) continue;
-    Result<std::vector<std::string>> fields = fields_of_line(line);
-    if (!fields) throw error(line_, fields.error().text);
-    return CsvRow{line_, std::move(fields).value()};
+  /// What is wrong with a line, to be thrown.
+  BadInput error(std::size_t line, const std::string& reason) const {
+    return BadInput(fmt::format("{}: line {}: {}", path_, line, reason));
   }
-  if (file_.bad()) throw BadInput(path_ + ": cannot be read to its end");
-  if (file_.gcount() == static_cast<std::streamsize>(max_csv_line_bytes)) {
-    throw error(line_ + 1, fmt::format("is longer than {} bytes", max_csv_line_bytes));
-  }
-  return std::nullopt;
-}
 
-bool is_header(const CsvRow& row) {
-  return std::none_of(row.fields.begin(), row.fields.end(), [](const std::string& field) {
+  /// Valid until the next call.
+  std::optional<std::string_view> next() {
+    while (file_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()))) {
+      ++line_;
+      const auto taken = static_cast<std::size_t>(file_.gcount());  // with the line's end, unless the file ends without
+      byte_count_ += taken;
+      if (byte_count_ > max_file_bytes) throw error(line_, "the file is too long");
+      std::string_view line(buffer_.data(), file_.eof() ? taken : taken - 1);
+      constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+      if (line_ == 1 && line.starts_with(byte_order_mark)) line.remove_prefix(byte_order_mark.size());
+      line = trimmed(line);
+      if (!line.empty() && !line.starts_with('#')) return line;
+    }
+    if (file_.bad()) throw BadInput(path_ + ": cannot be read to its end");
+    if (file_.gcount() == static_cast<std::streamsize>(max_line_bytes)) {
+      throw error(line_ + 1, fmt::format("is longer than {} bytes", max_line_bytes));
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::string path_;
+  std::ifstream file_;
+  std::vector<char> buffer_;
+  std::size_t line_ = 0;
+  std::uint64_t byte_count_ = 0;
+};
+
+/// Whether every field is a name rather than a number.
+bool is_header(const std::vector<std::string>& fields) {
+  return std::none_of(fields.begin(), fields.end(), [](const std::string& field) {
     return field.empty() || std::string_view("+-.0123456789").find(field[0]) != std::string_view::npos ||
            parsed_number(field);
   });
 }
 
-CsvColumns::CsvColumns(const CsvFile& file, const CsvRow& header, std::span<const std::string_view> known)
-    : names_(header.fields) {
-  for (const std::string& name : names_) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) {
-      if (std::count(names_.begin(), names_.end(), name) == 1) continue;
-      throw file.error(header.line, fmt::format("column {} comes twice", name));
-    }
+/// Where in a row the known columns are.
+class Columns {
+ public:
+  /// Without a header, in their own order.
+  explicit Columns(const CsvFormat& format) : format_(format), count_(format.columns.size()) {
+    for (std::size_t c = 0; c < count_; ++c) places_.emplace_back(c);
+  }
+
+  Columns(const CsvFormat& format, const std::vector<std::string>& names)
+      : format_(format), count_(names.size()), is_named_(true) {
     std::vector<std::string> missing;
-    for (const std::string_view other : known) {
-      if (!has(other)) missing.emplace_back(other);
+    for (const std::string_view column : format.columns) {
+      const auto found = std::find(names.begin(), names.end(), column);
+      places_.emplace_back(static_cast<std::size_t>(found - names.begin()));
+      if (found == names.end()) missing.emplace_back(column);
+      if (std::count(names.begin(), names.end(), column) > 1) {
+        throw BadInput(fmt::format("column {} comes twice", column));
+      }
     }
-    const std::optional<std::string> meant = nearest(name, missing);
-    if (!meant) continue;
-    throw file.error(header.line, fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
+    for (const std::string& name : names) {
+      const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
+      const std::optional<std::string> meant = is_known ? std::nullopt : nearest(name, missing);
+      if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
+    }
+    for (std::size_t c = 0; c < format.required_count; ++c) {
+      if (places_[c] == count_) throw BadInput(fmt::format("there is no column {}{}", format.columns[c], format.hint));
+    }
   }
-}
 
-std::optional<std::size_t> CsvColumns::find(std::string_view name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - names_.begin());
-}
-
-std::string_view CsvColumns::field(const CsvRow& row, std::string_view name) const {
-  const std::optional<std::size_t> column = find(name);
-  return column ? std::string_view(row.fields[*column]) : std::string_view{};
-}
-
-void CsvColumns::check(const CsvFile& file, const CsvRow& row) const {
-  if (row.fields.size() == names_.size()) return;
-  throw file.error(row.line, fmt::format("has {} fields, but the header has {}", row.fields.size(), names_.size()));
-}
-
-std::string csv_field(std::string_view text) {
-  const bool is_plain = text.find_first_of(",;\"\r\n#") == std::string_view::npos && trimmed(text) == text;
-  if (is_plain) return std::string(text);
-  std::string field = "\"";
-  for (const char c : text) {
-    if (c == '"') field += '"';
-    field += c;
+  std::vector<std::string> in_order(const std::vector<std::string>& fields) const {
+    if (fields.size() != count_) {
+      throw BadInput(is_named_ ? fmt::format("has {} fields, but the header has {}", fields.size(), count_)
+                               : fmt::format("a {} is {} numbers {}, not {}", format_.entry, count_,
+                                             fmt::join(format_.columns, ","), fields.size()));
+    }
+    std::vector<std::string> ordered;
+    for (const std::size_t place : places_) ordered.push_back(place < count_ ? fields[place] : std::string());
+    return ordered;
   }
-  return field + '"';
+
+ private:
+  CsvFormat format_;
+  std::size_t count_;  // of fields in a row
+  bool is_named_ = false;
+  std::vector<std::size_t> places_;  // by known column; `count_` where there is no such column
+};
+
+}  // namespace
+
+void read_csv(const std::string& path, const CsvFormat& format, const CsvTaker& take) {
+  CsvFile file(path);
+  std::optional<Columns> columns;
+  std::size_t row_count = 0;
+  while (const std::optional<std::string_view> line = file.next()) {
+    try {
+      const std::vector<std::string> fields = fields_of_line(*line);
+      if (!columns && (format.has_header || is_header(fields))) {
+        columns.emplace(format, fields);
+        continue;
+      }
+      if (!columns) columns.emplace(format);
+      take(columns->in_order(fields), file.line_number());
+      ++row_count;
+    } catch (const BadInput& error) {
+      throw file.error(file.line_number(), error.what());
+    }
+  }
+  if (format.has_header && !columns) throw BadInput(path + ": is empty");
+  if (row_count == 0) throw BadInput(fmt::format("{}: has no {}", path, format.entry));
 }
 
 }  // namespace limber::program

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "command/bad_input.h"
+#include "command/text.h"
 
 namespace limber::program {
 namespace {
@@ -15,13 +15,6 @@ namespace {
 constexpr std::size_t run_length = 32;
 constexpr double steps_of_diagonal = 1 << 15;
 constexpr double most_steps = 0x1p40;  // pages count in float64
-
-/// Keeps the first of every two entries.
-template <typename T>
-void keep_every_second(std::vector<T>& entries) {
-  for (std::size_t i = 0; 2 * i < entries.size(); ++i) entries[i] = std::move(entries[2 * i]);
-  entries.resize((entries.size() + 1) / 2);
-}
 
 void append_differences(Bytes& bytes, const std::vector<std::int64_t>& steps,
                         const std::vector<std::int64_t>& expected) {
@@ -131,14 +124,9 @@ Json PositionFrames::to_json() const {
   return {{"low", limber::program::to_json(low_)}, {"step", step_}, {"run", run_length}, {"data", std::move(frames)}};
 }
 
-void PoseFrames::add(const Transform& pose) { poses_.push_back(pose); }
-
-void PoseFrames::drop_every_second() { keep_every_second(poses_); }
-
-Json PoseFrames::to_json() const {
+Json poses_json(std::span<const Transform> poses) {
   Bytes bytes;
-  bytes.reserve(byte_count());
-  for (const Transform& pose : poses_) {
+  for (const Transform& pose : poses) {
     const auto& [rotation, translation] = pose;
     for (const Vec3& row : {rotation.row0, rotation.row1, rotation.row2, translation}) {
       for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -51,18 +51,7 @@ class PositionFrames {
   Steps last_;  // the frame that was added last
 };
 
-/// Poses of one model in many frames: twelve float64 each, the rows of the rotation and then the translation. The
-/// lowest byte of each comes first.
-class PoseFrames {
- public:
-  void add(const Transform& pose);
-  void drop_every_second();
-  std::size_t byte_count() const { return poses_.size() * bytes_of_pose; }
-  Json to_json() const;
-
- private:
-  static constexpr std::size_t bytes_of_pose = 12 * sizeof(double);
-  std::vector<Transform> poses_;
-};
+/// Poses as twelve float64 each: the rows of the rotation, then the translation. The lowest byte of each comes first.
+Json poses_json(std::span<const Transform> poses);
 
 }  // namespace limber::program

@@ -8,18 +8,13 @@
 #include <cmath>
 #include <iterator>
 
-#include "command/stopwatch.h"
+#include "command/output.h"
 #include "command/text.h"
 
 namespace limber::program {
 namespace {
 
 double us(std::uint32_t ns) { return rounded_us(1e-3 * ns); }
-
-std::uint64_t count_of(const HapticSummary& summary, Status status) {
-  const auto* const found = std::find(all_statuses.begin(), all_statuses.end(), status);
-  return summary.answers[static_cast<std::size_t>(found - all_statuses.begin())];
-}
 
 const std::vector<TickSample>& main_ticks(const HapticRun& run) {
   return run.options.is_empty ? run.empty_ticks : run.ticks;
@@ -40,10 +35,10 @@ std::string part_text(std::uint64_t part, std::size_t all) {
 }
 
 std::string answers_text(const HapticRun& run, const HapticSummary& summary) {
-  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted",
-                     grouped(count_of(summary, Status::exact)), grouped(count_of(summary, Status::within_error)),
-                     100 * run.options.scene.relative_error, grouped(count_of(summary, Status::collision)),
-                     grouped(count_of(summary, Status::beyond_limit)), grouped(count_of(summary, Status::interrupted)));
+  const auto count = [&](Status status) { return grouped(summary.answers.at(status)); };
+  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted", count(Status::exact),
+                     count(Status::within_error), 100 * run.options.scene.relative_error, count(Status::collision),
+                     count(Status::beyond_limit), count(Status::interrupted));
 }
 
 std::string width_text(const Percentiles& width) {
@@ -54,7 +49,7 @@ std::string width_text(const Percentiles& width) {
                      percent(width.max));
 }
 
-Json to_json(const std::optional<Percentiles>& percentiles) {
+Json json_of(const std::optional<Percentiles>& percentiles) {
   if (!percentiles) return nullptr;
   Json json = Json::object();
   for (std::size_t i = 0; i < percentile_levels.size(); ++i) {
@@ -64,7 +59,7 @@ Json to_json(const std::optional<Percentiles>& percentiles) {
   return json;
 }
 
-Json to_json(const LogHistogram& histogram) {
+Json json_of(const LogHistogram& histogram) {
   Json json = Json::array();
   for (std::size_t i = 0; i < histogram.counts().size(); ++i) {
     if (histogram.counts()[i] == 0) continue;
@@ -74,10 +69,7 @@ Json to_json(const LogHistogram& histogram) {
   return json;
 }
 
-Json to_json(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
-
-/// A float in the digits that it has.
-std::string shortest(float number) { return fmt::format("{}", number); }
+Json json_of(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
 
 }  // namespace
 
@@ -100,13 +92,13 @@ std::vector<double> wake_up_times(const std::vector<TickSample>& ticks) {
 HapticSummary summary_of(const HapticRun& run) {
   HapticSummary summary;
   std::vector<double> widths;
+  for (const auto& [status, word] : status_words) summary.answers[status] = 0;
   for (const TickSample& tick : main_ticks(run)) {
     summary.missed += tick.is_missed ? 1 : 0;
     summary.late_starts += tick.has_waited ? 0 : 1;
   }
   for (const TickSample& tick : run.ticks) {
-    const auto* const status = std::find(all_statuses.begin(), all_statuses.end(), tick.status);
-    ++summary.answers[static_cast<std::size_t>(status - all_statuses.begin())];
+    ++summary.answers[tick.status];
     if (tick.status == Status::interrupted) widths.push_back(static_cast<double>(1 - tick.lower / tick.upper));
     summary.largest_force_n = std::max(summary.largest_force_n, static_cast<double>(tick.force_n));
     summary.moved_vertices += tick.moved_vertices;
@@ -180,22 +172,22 @@ Json to_json(const HapticRun& run, const HapticSummary& summary) {
                {"rate_hz", options.scene.rate_hz},
                {"ticks", main_ticks(run).size()},
                {"core", options.core},
-               {"fifo_priority", to_json(run.priority)},
-               {"locked_memory", to_json(run.locked_memory)},
+               {"fifo_priority", json_of(run.priority)},
+               {"locked_memory", json_of(run.locked_memory)},
                {"spin_us", options.spin_us},
                {"missed", summary.missed},
                {"late_starts", summary.late_starts},
-               {"wake_up_us", to_json(summary.wake_up)},
-               {"empty_wake_up_us", to_json(summary.empty_wake_up)}};
+               {"wake_up_us", json_of(summary.wake_up)},
+               {"empty_wake_up_us", json_of(summary.empty_wake_up)}};
   if (options.is_empty) return json;
   json["tissue_triangles"] = run.tissue_triangles;
   json["tool_triangles"] = run.tool_triangles;
   json["relative_error"] = options.scene.relative_error;
   json["tick_budget_us"] = 1e-3 * static_cast<double>(options.scene.tick_budget.count());
-  for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = to_json(summary.parts[i]);
-  json["work_histogram"] = to_json(LogHistogram(times_of(run.ticks, tick_parts[0])));
-  for (std::size_t i = 0; i < all_statuses.size(); ++i) json["answers"][to_text(all_statuses[i])] = summary.answers[i];
-  json["interrupted_width"] = to_json(summary.interrupted_width);
+  for (std::size_t i = 0; i < tick_parts.size(); ++i) json[tick_parts[i].key] = json_of(summary.parts[i]);
+  json["work_histogram"] = json_of(LogHistogram(times_of(run.ticks, tick_parts[0])));
+  for (const auto& [status, word] : status_words) json["answers"][word] = summary.answers.at(status);
+  json["interrupted_width"] = json_of(summary.interrupted_width);
   json["largest_force_n"] = summary.largest_force_n;
   json["moved_vertices"] = summary.moved_vertices;
   json["rebuilt_triangles"] = run.rebuilt_triangles;
@@ -213,8 +205,8 @@ std::string ticks_csv(const HapticRun& run) {
     const TickSample& tick = run.ticks[i];
     fmt::format_to(out, "{},{},{}", i, us(tick.late), tick.has_waited);
     for (const TickPart& part : tick_parts) fmt::format_to(out, ",{}", us(tick.*part.ns));
-    fmt::format_to(out, ",{},{},{},{},{},{}\n", tick.is_missed, tick.moved_vertices, to_text(tick.status),
-                   shortest(tick.lower), std::isfinite(tick.upper) ? shortest(tick.upper) : "", shortest(tick.force_n));
+    fmt::format_to(out, ",{},{},{},{},{},{}\n", tick.is_missed, tick.moved_vertices, to_text(tick.status), tick.lower,
+                   std::isfinite(tick.upper) ? fmt::format("{}", tick.upper) : "", tick.force_n);
   }
   return fmt::to_string(csv);
 }

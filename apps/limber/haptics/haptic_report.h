@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,16 +35,13 @@ std::vector<double> times_of(const std::vector<TickSample>& ticks, const TickPar
 /// before them was.
 std::vector<double> wake_up_times(const std::vector<TickSample>& ticks);
 
-inline constexpr std::array all_statuses = {Status::exact, Status::within_error, Status::collision,
-                                            Status::beyond_limit, Status::interrupted};
-
 struct HapticSummary {
   std::array<std::optional<Percentiles>, tick_parts.size()> parts;  ///< as tick_parts
   std::optional<Percentiles> wake_up, empty_wake_up;
-  std::uint64_t missed = 0;       ///< ticks that ended after their period
-  std::uint64_t late_starts = 0;  ///< ticks whose time had come before the tick before them ended
-  std::array<std::uint64_t, all_statuses.size()> answers{};  ///< as all_statuses
-  std::optional<Percentiles> interrupted_width;              ///< (upper - lower) / upper of interrupted queries
+  std::uint64_t missed = 0;                      ///< ticks that ended after their period
+  std::uint64_t late_starts = 0;                 ///< ticks whose time had come before the tick before them ended
+  std::map<Status, std::uint64_t> answers;       ///< how many of each
+  std::optional<Percentiles> interrupted_width;  ///< (upper - lower) / upper of interrupted queries
   double largest_force_n = 0;
   std::uint64_t moved_vertices = 0;
 };
@@ -64,5 +62,9 @@ Json to_json(const HapticRun& run, const HapticSummary& summary);
 
 /// A header, and a row for each tick.
 std::string ticks_csv(const HapticRun& run);
+
+/// A self-contained page: histograms of the times, the slowest ticks over time, and the summary. Pre: the run is not
+/// empty.
+std::string haptic_page(const HapticRun& run, const HapticSummary& summary);
 
 }  // namespace limber::program

@@ -2,25 +2,69 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptics/haptic_run.h"
 
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <future>
-#include <optional>
 #include <stdexcept>
 #include <vector>
 
-#include "command/live_line.h"
+#include "command/output.h"
+#include "command/text.h"
 
 namespace limber::program {
 namespace {
+
+/// Lets the calling thread, and those that it starts, run on these cores only. Returns whether it may.
+bool run_on(const std::vector<int>& cores) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int core : cores) CPU_SET(core, &set);
+  return sched_setaffinity(0, sizeof(set), &set) == 0;
+}
+
+/// While an object lives, what the process has mapped stays in memory, its code and stacks included, and the calling
+/// thread has the scheduling policy SCHED_FIFO, where both are granted. In any case its sleeps end on time: the kernel
+/// lets ordinary threads sleep up to 50 us longer, to wake several at once.
+class RealTime {
+ public:
+  RealTime() {
+    if (mlockall(MCL_CURRENT) != 0) locked_memory.refusal = std::strerror(errno);
+    constexpr unsigned long least_slack_ns = 1;
+    prctl(PR_SET_TIMERSLACK, least_slack_ns);
+    sched_param parameters{};
+    parameters.sched_priority = fifo_priority;
+    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) priority.refusal = std::strerror(errno);
+  }
+  ~RealTime() {
+    const sched_param parameters{};
+    if (priority) sched_setscheduler(0, SCHED_OTHER, &parameters);
+    prctl(PR_SET_TIMERSLACK, 0UL);  // what the thread started with
+    if (locked_memory) munlockall();
+  }
+  RealTime(const RealTime&) = delete;
+  RealTime& operator=(const RealTime&) = delete;
+
+  Granted priority, locked_memory;
+};
 
 std::chrono::nanoseconds ns(double count) { return std::chrono::nanoseconds(std::llround(count)); }
 
 struct Progress {
   TickProgress empty_loop, loop;
 };
+
+/// At least 1.
+std::size_t tick_count(double rate_hz, double seconds) {
+  return static_cast<std::size_t>(std::max(1LL, std::llround(rate_hz * seconds)));
+}
 
 /// Of the empty loop, which may be left out.
 std::size_t empty_tick_count(const LoopOptions& options) {
@@ -33,10 +77,9 @@ void play(HapticRun& run, HapticScene* scene, std::uint64_t first, Progress& pro
   const TickSchedule schedule{ns(1e9 / run.options.scene.rate_hz), ns(1e3 * run.options.spin_us)};
   const TickWork nothing = [](std::uint64_t, TickSample&) {};
   const TickWork tick = [scene](std::uint64_t number, TickSample& sample) { scene->tick(number, sample); };
-  const MemoryLock lock;
-  const RealTimePriority priority;
-  run.locked_memory = lock.granted();
-  run.priority = priority.granted();
+  const RealTime real_time;
+  run.locked_memory = real_time.locked_memory;
+  run.priority = real_time.priority;
   run_ticks(schedule, 0, nothing, run.empty_ticks, progress.empty_loop);
   if (scene != nullptr) run_ticks(schedule, first, tick, run.ticks, progress.loop);
 }
@@ -53,10 +96,43 @@ void play_scene(HapticRun& run, Progress& progress) {
   run.node_tests_over_new_tree = node_tests_over_new_tree(scene);
 }
 
+/// A line on standard error, redrawn twice a second until the loops have ended; then it is gone.
+void show_until_done(const std::future<void>& playing, const LoopOptions& options, Progress& progress) {
+  constexpr std::chrono::milliseconds redraw{500};
+  std::vector<int> others = allowed_cores();
+  std::erase(others, options.core);
+  if (!others.empty()) run_on(others);
+  const std::size_t empty_count = empty_tick_count(options);
+  const std::size_t count = options.is_empty ? 0 : tick_count(options.scene.rate_hz, options.seconds);
+  do {
+    const bool is_empty_loop = count == 0 || (empty_count > 0 && progress.loop.done == 0);
+    TickProgress& now = is_empty_loop ? progress.empty_loop : progress.loop;
+    const double longest_us = 1e-3 * now.longest_work.exchange(0, std::memory_order_relaxed);
+    show(fmt::format("\r\033[K{}: tick {} of {}, {} missed, longest work of late {}",
+                     is_empty_loop ? "empty loop" : "loop", grouped(now.done),
+                     grouped(is_empty_loop ? empty_count : count), grouped(now.missed), duration_text(longest_us)));
+  } while (playing.wait_for(redraw) != std::future_status::ready);
+  show("\r\033[K");
+}
+
 }  // namespace
 
-std::size_t tick_count(double rate_hz, double seconds) {
-  return static_cast<std::size_t>(std::max(1LL, std::llround(rate_hz * seconds)));
+std::vector<int> allowed_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cores;
+  sched_getaffinity(0, sizeof(set), &set);  // fails on machines of more cores than a set has; then no core is known
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (CPU_ISSET(core, &set)) cores.push_back(core);
+  }
+  return cores;
+}
+
+bool may_run_on(int core) {
+  const std::vector<int> before = allowed_cores();
+  const bool may = run_on({core});
+  if (may) run_on(before);
+  return may;
 }
 
 HapticRun run_haptics(const LoopOptions& options) {
@@ -67,18 +143,12 @@ HapticRun run_haptics(const LoopOptions& options) {
   run.options = options;
   run.empty_ticks.resize(empty_tick_count(options));
   Progress progress;
-  std::optional<LiveLine> line;
-  if (options.shows_progress) {
-    line.emplace(
-        std::vector<LiveLine::Loop>{
-            {"empty loop", run.empty_ticks.size(), &progress.empty_loop},
-            {"loop", options.is_empty ? 0 : tick_count(options.scene.rate_hz, options.seconds), &progress.loop}},
-        options.core);
-  }
-  std::async(std::launch::async, [&] {
+  std::future<void> playing = std::async(std::launch::async, [&] {
     if (!run_on({options.core})) throw std::runtime_error("the core of the loop has been taken away");
     options.is_empty ? play(run, nullptr, 0, progress) : play_scene(run, progress);
-  }).get();
+  });
+  if (options.shows_progress) show_until_done(playing, options, progress);
+  playing.get();
   return run;
 }
 

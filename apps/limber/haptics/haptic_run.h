@@ -2,18 +2,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptics/haptic_scene.h"
 #include "haptics/tick_loop.h"
-#include "verbs/real_time.h"
 
-/// The haptic loop without its output.
+/// The haptic loop without its output, and what it asks of the operating system.
 namespace limber::program {
+
+/// The cores that the calling thread runs on, in ascending order. Cores that the kernel keeps free are not among them.
+std::vector<int> allowed_cores();
+
+/// Whether the calling thread may be told to run on a core, be it kept free.
+bool may_run_on(int core);
+
+/// An empty reason where something was granted; otherwise why it was not.
+struct Granted {
+  std::string refusal;
+  explicit operator bool() const { return refusal.empty(); }
+};
+
+inline constexpr int fifo_priority = 80;  ///< above the interrupt threads of a real-time kernel, which have 50
 
 struct LoopOptions {
   HapticOptions scene;
@@ -24,9 +35,6 @@ struct LoopOptions {
   bool is_empty = false;  ///< whether there is only an empty loop, of `seconds`
   bool shows_progress = false;
 };
-
-/// The number of ticks in so many seconds, at least 1.
-std::size_t tick_count(double rate_hz, double seconds);
 
 struct HapticRun {
   LoopOptions options;
@@ -39,7 +47,9 @@ struct HapticRun {
 };
 
 /// Runs both loops in a thread of their own, on one core, with what the operating system grants. Everything is
-/// allocated and written to before the first tick; the results are looked at after the last.
+/// allocated and written to before the first tick; the results are looked at after the last. The calling thread shows
+/// progress meanwhile, on other cores where there are any: it only looks at counters, so a slow terminal delays no
+/// tick.
 ///
 /// Pre      may_run_on(core).
 HapticRun run_haptics(const LoopOptions& options);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/haptic_tool.h"
+#include "haptics/haptic_models.h"
 
 namespace limber::program {
 namespace {

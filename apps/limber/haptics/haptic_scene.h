@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "haptics/haptic_models.h"
 #include "haptics/haptic_proxy.h"
-#include "haptics/haptic_tissue.h"
 #include "haptics/tick_loop.h"
 #include "limber/distance.h"
 #include "limber/model.h"

@@ -7,6 +7,11 @@
 
 #include "command/output.h"
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 /// The page with a view in 3D, which is built from web/pages into apps/limber/pages and is part of the program.
 namespace limber::program {
 
@@ -17,5 +22,35 @@ extern const std::string_view viewer_template;
 ///
 /// Pre      All numbers are finite.
 std::string filled_page(Json data, const std::string& command_line);
+
+/// `--report`: where to, and what the page says about its making.
+struct ReportArguments {
+  std::string path;  ///< empty: no report is asked for
+  std::string command_line;
+};
+
+CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description);
+
+/// The file of a report. It is opened before the models are asked, so that a path that cannot be written is told at
+/// once.
+class ReportFile {
+ public:
+  /// `inputs` are models and files as the user has named them.
+  ///
+  /// Errors   BadInput where the path is "-" or one of the inputs, or cannot be written.
+  ReportFile(const ReportArguments& arguments, const Names& inputs);
+
+  /// Fills the page and writes it.
+  ///
+  /// Errors   OutputFailed.
+  void write(Json data);
+
+ private:
+  std::string command_line_;
+  OutputFile file_;
+};
+
+/// A name of a model as a page shows it: without its folders.
+std::string shown_name(const std::string& argument);
 
 }  // namespace limber::program

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verbs/answers.h"
-#include "limber/distance.h"
 
 #include <cmath>
 
@@ -31,13 +30,6 @@ void write_lines(const std::optional<FoundWitness>& witness) {
   write_line("on b      triangle {}, face {}", found.triangle_b, face_b);
 }
 
-std::string csv_cells(const std::optional<FoundWitness>& witness) {
-  if (!witness) return ",,,,,,,,,";
-  const auto& [found, face_a, face_b] = *witness;
-  return fmt::format("{},{},{},{},{},{}", to_text(found.point_a, ","), to_text(found.point_b, ","), found.triangle_a,
-                     found.triangle_b, face_a, face_b);
-}
-
 void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness) {
   json["status"] = to_text(result.status);
   json["lower"] = std::isfinite(result.lower) ? Json(result.lower) : Json(nullptr);  // where there is no pair at all
@@ -50,11 +42,6 @@ void write_distance_lines(const DistanceResult& result, const std::optional<Foun
   write_line("lower     {}", to_text(result.lower));
   if (result.status != Status::beyond_limit) write_line("upper     {}", to_text(result.upper));
   write_lines(witness);
-}
-
-std::string csv_cells(const DistanceResult& result, const std::optional<FoundWitness>& witness) {
-  return fmt::format("{},{},{},{}", to_text(result.status), to_text(result.lower),
-                     result.status == Status::beyond_limit ? "" : to_text(result.upper), csv_cells(witness));
 }
 
 Json to_json(Nesting nesting) {
@@ -82,6 +69,35 @@ void append_work(Json& json, const QueryStats& stats, double build_us, double qu
 void write_work_lines(const QueryStats& stats, double build_us, double query_us) {
   write_line("tests     {} of nodes, {} of triangles", stats.node_tests, stats.triangle_tests);
   write_line("time      build {} us, query {} us", to_text(build_us), to_text(query_us));
+}
+
+DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b) {
+  const std::optional<double>& clearance = question.min_clearance;
+  const auto timed = ask(a, b, [&](const auto& placed_a, const auto& placed_b) {
+    const DistanceResult result = distance(placed_a, placed_b, question.options);
+    const bool is_decided = !clearance || result.upper < *clearance || result.lower >= *clearance;
+    if (is_decided) return result;
+    return distance(placed_a, placed_b, {.max_distance = question.options.max_distance});
+  });
+  DistanceAnswer answer;
+  answer.result = timed.answer;
+  answer.witness = with_faces(timed.answer.witness, a.model, b.model);
+  if (clearance) answer.too_close = timed.answer.upper < *clearance;
+  if (timed.answer.status != Status::collision) answer.nesting = nesting_of(a, b);
+  answer.elapsed_us = timed.elapsed_us;
+  return answer;
+}
+
+ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer) {
+  if (!question.exit_code) return ExitCode::answered;
+  const bool is_found = answer.too_close ? *answer.too_close : answer.result.status != Status::beyond_limit;
+  return is_found ? ExitCode::found : ExitCode::answered;
+}
+
+void append_answer(Json& json, const DistanceAnswer& answer) {
+  append_distance(json, answer.result, answer.witness);
+  json["too_close"] = to_json(answer.too_close);
+  json["inside"] = to_json(answer.nesting);
 }
 
 }  // namespace limber::program

@@ -7,10 +7,11 @@
 #include <string>
 
 #include "command/output.h"
+#include "command/verb.h"
 #include "limber/distance.h"
 #include "verbs/models.h"
 
-/// The parts of answers that several verbs write: in JSON, as lines of text, and as cells of CSV.
+/// The parts of answers that several verbs write: in JSON, from which CSV is made, and as lines of text.
 namespace limber::program {
 
 /// A witness, and the faces of the files that its triangles come from.
@@ -30,16 +31,14 @@ std::optional<FoundWitness> with_faces(const std::optional<Witness>& witness, co
 Json to_json(const std::optional<FoundWitness>& witness);
 /// Nothing where there is no witness.
 void write_lines(const std::optional<FoundWitness>& witness);
-/// The cells under `witness_columns`, empty where there is no witness.
-std::string csv_cells(const std::optional<FoundWitness>& witness);
+/// What csv_line() makes of it.
 inline constexpr const char* witness_columns =
     "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,triangle_a,triangle_b,face_a,face_b";
 
-/// Status, lower and upper of a distance, and the witness; upper is null, or an empty cell, where nothing was found.
+/// Status, lower and upper of a distance, and the witness; upper is null where nothing was found.
 void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness);
 void write_distance_lines(const DistanceResult& result, const std::optional<FoundWitness>& witness);
-/// The cells under `distance_columns` and then `witness_columns`.
-std::string csv_cells(const DistanceResult& result, const std::optional<FoundWitness>& witness);
+/// What csv_line() makes of them before the witness.
 inline constexpr const char* distance_columns = "status,lower,upper";
 
 /// "a_in_b" or "b_in_a", or null.
@@ -51,5 +50,30 @@ void warn_about(Nesting nesting, const std::string& verb);
 void append_work(Json& json, const QueryStats& stats, double query_us);
 void append_work(Json& json, const QueryStats& stats, double build_us, double query_us);
 void write_work_lines(const QueryStats& stats, double build_us, double query_us);
+
+struct DistanceQuestion {
+  DistanceOptions options;
+  std::optional<double> min_clearance;  ///< at most `options.max_distance`
+  bool exit_code = false;
+};
+
+struct DistanceAnswer {
+  DistanceResult result;
+  std::optional<FoundWitness> witness;
+  std::optional<bool> too_close;  ///< whether the models are closer than `min_clearance`; empty without one
+  Nesting nesting = Nesting::none;
+  double elapsed_us = 0;
+};
+
+/// Asks. Where `min_clearance` lies in the interval that the errors allow, the query is asked once more without them,
+/// so that `too_close` is as true as an exact distance.
+DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b);
+
+/// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond
+/// `max_distance`, are found.
+ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer);
+
+/// Status, lower, upper, witness, too_close and inside.
+void append_answer(Json& json, const DistanceAnswer& answer);
 
 }  // namespace limber::program

@@ -2,46 +2,92 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
-#include "command/pair_arguments.h"
+#include "command/options.h"
+#include "command/text.h"
 #include "command/verb.h"
+#include "limber/distance.h"
 #include "verbs/answers.h"
 
+/// The verbs collide and within: yes or no, and where.
 namespace limber::program {
 namespace {
 
-ExitCode run(const PairArguments& arguments) {
-  const Pair pair(arguments);
-  const auto [result, elapsed_us] = ask(pair.a(), pair.b(), [](const auto& a, const auto& b) { return collide(a, b); });
+struct CollideArguments {
+  PairArguments pair;
+  std::optional<double> max_distance;  // empty: the models have to meet
+};
+
+CollideResult asked(const CollideArguments& arguments, const auto& a, const auto& b) {
+  return arguments.max_distance ? within(a, b, *arguments.max_distance) : collide(a, b);
+}
+
+/// Models that are close enough may meet, and then none is inside the other.
+Nesting nesting_unless_they_meet(const CollideArguments& arguments, const CollideResult& result, const Pair& pair) {
+  if (result.is_yes() && !arguments.max_distance) return Nesting::none;
+  const auto meet = [](const auto& a, const auto& b) { return collide(a, b).is_yes(); };
+  const Nesting nesting = nesting_of(pair.a(), pair.b());
+  const bool may_meet = result.is_yes() && nesting != Nesting::none;
+  return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
+}
+
+ExitCode run(const CollideArguments& arguments) {
+  const Pair pair(arguments.pair);
+  const auto [result, elapsed_us] =
+      ask(pair.a(), pair.b(), [&](const auto& a, const auto& b) { return asked(arguments, a, b); });
   const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
-  const Nesting nesting = result.is_yes() ? Nesting::none : nesting_of(pair.a(), pair.b());
-  if (arguments.json) {
-    Json json = {{"query", "collide"}, {"collision", result.is_yes()}};
+  const Nesting nesting = nesting_unless_they_meet(arguments, result, pair);
+  const std::string verb = arguments.max_distance ? "within" : "collide";
+  const std::string fact = arguments.max_distance ? "within" : "collision";
+  if (arguments.pair.json) {
+    Json json = {{"query", verb}, {fact, result.is_yes()}};
+    if (arguments.max_distance) json["max_distance"] = *arguments.max_distance;
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
-    write_line("collision {}", result.is_yes() ? "yes" : "no");
+    write_line("{:<10}{}", fact, result.is_yes() ? "yes" : "no");
+    if (arguments.max_distance) write_line("limit     {}", to_text(*arguments.max_distance));
     write_lines(witness);
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
-  warn_about(nesting, "collide");
-  return arguments.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
+  warn_about(nesting, verb);
+  return arguments.pair.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
 }
 
 }  // namespace
 
 Verb add_collide(CLI::App& app) {
-  const auto arguments = std::make_shared<PairArguments>();
+  const auto arguments = std::make_shared<CollideArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
-  add_pair_arguments(command, *arguments, "the models collide");
+  add_pair_arguments(command, arguments->pair, "the models collide");
   command.footer(R"(
 Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it. Where a closed
 model has the other inside, a warning says so, and the field inside in JSON.
 
 The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
 The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.
+)");
+  return {&command, [arguments] { return run(*arguments); }};
+}
+
+Verb add_within(CLI::App& app) {
+  const auto arguments = std::make_shared<CollideArguments>();
+  CLI::App& command = *app.add_subcommand("within", "Whether two models are at most a given distance apart");
+  add_pair_arguments(command, arguments->pair, "the models are within the distance");
+  add_number(command, "--max-distance", arguments->max_distance, not_negative,
+             "the distance, in the meshes' length unit")
+      ->type_name("LENGTH")
+      ->required();
+  command.footer(R"(
+Stops at the first pair of points at most --max-distance apart, so it is faster than the distance itself. The witness
+is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the triangles and the
+faces of the files that they lie on, all counted from 0. Times are in microseconds.
+
+Models are surfaces, not solids. Where a closed model has the other inside without touching it, a warning says so, and
+the field inside in JSON.
 )");
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
-#include "command/contact_arguments.h"
-#include "command/pair_arguments.h"
 #include "command/text.h"
 #include "command/verb.h"
+#include "limber/distance.h"
 #include "verbs/answers.h"
 #include "verbs/contact_answers.h"
 
+/// The verbs contacts and self: pairs of triangles of two models, or of one.
 namespace limber::program {
 namespace {
 
@@ -19,19 +22,28 @@ struct ContactsArguments {
   ContactArguments contacts;
 };
 
-FoundContacts find(const ContactsArguments& arguments, const Pair& pair, std::size_t room) {
-  const Placed a{pair.a().model.fast(), pair.a().pose}, b{pair.b().model.fast(), pair.b().pose};
-  const ContactDetail detail = arguments.contacts.intersections ? ContactDetail::ids : ContactDetail::all;
-  FoundContacts found = collect_contacts(room, detail, [&](ContactCollector& visit) {
-    if (arguments.contacts.closest) {
-      const std::uint64_t pair_count =
-          std::uint64_t{a.model().mesh().triangles().size()} * b.model().mesh().triangles().size();
-      const auto ask = [&](std::span<Contact> closest) { return closest_pairs(a, b, closest); };
-      return visit_closest(*arguments.contacts.closest, pair_count, ask, visit);
-    }
-    if (arguments.contacts.margin) return visit_contacts(a, b, *arguments.contacts.margin, visit);
-    return visit_intersections(a, b, visit);
+/// Asks the one question of the arguments. `near` and `meeting` take a margin and a visitor, or a visitor alone.
+FoundContacts find(const ContactArguments& arguments, std::size_t room, std::uint64_t pair_count, const auto& closest,
+                   const auto& near, const auto& meeting) {
+  const ContactDetail detail = arguments.margin || arguments.closest ? ContactDetail::all : ContactDetail::ids;
+  return collect_contacts(room, detail, [&](ContactCollector& visit) {
+    if (arguments.margin) return near(*arguments.margin, visit);
+    if (!arguments.closest) return meeting(visit);
+    std::vector<Contact> pairs(std::min(*arguments.closest, pair_count));
+    const PairCount found = closest(std::span(pairs));
+    for (std::size_t i = 0; i < found.count; ++i) visit(pairs[i]);
+    return found;
   });
+}
+
+FoundContacts find(const ContactArguments& arguments, const Pair& pair, std::size_t room) {
+  const Placed a{pair.a().model.fast(), pair.a().pose}, b{pair.b().model.fast(), pair.b().pose};
+  const std::uint64_t pair_count =
+      std::uint64_t{a.model().mesh().triangles().size()} * b.model().mesh().triangles().size();
+  FoundContacts found = find(
+      arguments, room, pair_count, [&](std::span<Contact> closest) { return closest_pairs(a, b, closest); },
+      [&](double margin, ContactCollector& visit) { return visit_contacts(a, b, margin, visit); },
+      [&](ContactCollector& visit) { return visit_intersections(a, b, visit); });
   set_faces(found, pair.a().model, pair.b().model);
   return found;
 }
@@ -39,7 +51,7 @@ FoundContacts find(const ContactsArguments& arguments, const Pair& pair, std::si
 ExitCode run(const ContactsArguments& arguments) {
   const Pair pair(arguments.models);
   ContactOutput output(arguments.contacts, {arguments.models.a, arguments.models.b});
-  const FoundContacts found = find(arguments, pair, output.room());
+  const FoundContacts found = find(arguments.contacts, pair, output.room());
   const Nesting nesting = found.intersecting_count > 0 ? Nesting::none : nesting_of(pair.a(), pair.b());
   const auto json = [&] {
     Json answer = {{"query", "contacts"}};
@@ -69,6 +81,80 @@ has the other inside, a warning says so, and the field inside in JSON.
 
 )";
 
+struct SelfArguments {
+  std::string model;
+  ContactArguments contacts;
+};
+
+struct SelfAnswer {
+  FoundContacts found;
+  std::optional<DistanceResult> distance;  ///< the shortest one of triangles that are no neighbors
+  std::optional<FoundWitness> witness;
+  QueryStats stats;
+  double elapsed_us = 0;
+};
+
+SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model, std::size_t room) {
+  const Model& tree = model.fast();
+  const std::uint64_t triangle_count = tree.mesh().triangles().size();
+  SelfAnswer answer;
+  answer.found = find(
+      arguments, room, triangle_count * (triangle_count - 1) / 2,
+      [&](std::span<Contact> closest) { return self_closest_pairs(tree, closest); },
+      [&](double margin, ContactCollector& visit) { return visit_self_contacts(tree, margin, visit); },
+      [&](ContactCollector& visit) { return visit_self_intersections(tree, visit); });
+  set_faces(answer.found, model, model);
+  answer.stats = answer.found.stats;
+  answer.elapsed_us = answer.found.elapsed_us;
+  if (arguments.margin || arguments.intersections || arguments.closest) return answer;
+  const Stopwatch asking;
+  answer.distance = self_distance(tree);
+  answer.elapsed_us = rounded_us(answer.elapsed_us + asking.microseconds());
+  answer.witness = with_faces(answer.distance->witness, model, model);
+  answer.stats.node_tests += answer.distance->stats.node_tests;
+  answer.stats.triangle_tests += answer.distance->stats.triangle_tests;
+  return answer;
+}
+
+ExitCode run(const SelfArguments& arguments) {
+  const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
+  ContactOutput output(arguments.contacts, {arguments.model});
+  const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
+  const FoundContacts& found = answer.found;
+  const bool meets_itself = found.intersecting_count > 0;
+  const auto json = [&] {
+    Json object = {{"query", "self"}, {"meets_itself", meets_itself}};
+    object["margin"] = to_json(arguments.contacts.margin);
+    object["closest"] = to_json(arguments.contacts.closest);
+    object["distance"] = nullptr;
+    if (answer.distance) append_distance(object["distance"], *answer.distance, answer.witness);
+    append_contacts(object, found);
+    append_work(object, answer.stats, model.build_us(), answer.elapsed_us);
+    return object;
+  };
+  output.write(found, json, [&] {
+    write_line("meets     {}", meets_itself ? "yes" : "no");
+    write_count_line(found);
+    if (answer.distance) write_distance_lines(*answer.distance, answer.witness);
+    write_work_lines(answer.stats, model.build_us(), answer.elapsed_us);
+  });
+  return arguments.contacts.exit_code && found.count > 0 ? ExitCode::found : ExitCode::answered;
+}
+
+constexpr const char* self_help = R"(
+Without --margin, --intersections and --closest the answer is whether the model meets itself, in which pairs of
+triangles, and the shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber
+distance tells them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit. With
+--closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K is
+not defined.
+
+Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond what they share: the
+vertex, the edge between two, or all of a triangle of the same three. That is decided exactly; otherwise such a pair
+does not count, however large the margin. In files, vertices at equal positions are one, and so are shared. Each pair
+comes once, with triangle_a < triangle_b. Points and normals are in the model's own frame.
+
+)";
+
 }  // namespace
 
 Verb add_contacts(CLI::App& app) {
@@ -81,6 +167,17 @@ Verb add_contacts(CLI::App& app) {
     throw CLI::RequiredError("--margin, --intersections or --closest");
   });
   command.footer(contacts_help + contact_rows_help());
+  return {&command, [arguments] { return run(*arguments); }};
+}
+
+Verb add_self(CLI::App& app) {
+  const auto arguments = std::make_shared<SelfArguments>();
+  CLI::App& command = *app.add_subcommand("self", "Whether and where a model meets itself, or comes close to itself");
+  command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
+  add_contact_arguments(command, arguments->contacts,
+                        "the model meets itself or, with --margin or --closest, there is such a pair");
+  command.parse_complete_callback([&command] { check_contact_arguments(command); });
+  command.footer(self_help + contact_rows_help());
   return {&command, [arguments] { return run(*arguments); }};
 }
 

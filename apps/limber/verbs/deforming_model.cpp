@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -48,8 +47,7 @@ std::variant<Model, classic::Model> made(Mesh mesh, const DeformingOptions& opti
 
 void add_deforming(CLI::App& command, DeformingOptions& target) {
   add_choice(command, "--engine", target.engine, engine_words, "the engine that answers");
-  CLI::Option* const margin = add_number(command, "--motion-margin", target.fast.motion_margin,
-                                         {0, std::numeric_limits<double>::max(), "a finite number >= 0"},
+  CLI::Option* const margin = add_number(command, "--motion-margin", target.fast.motion_margin, not_negative,
                                          "fast: how far a vertex may move before its bounds are refitted");
   CLI::Option* const extra_radius = add_number(
       command, "--extra-radius", target.classic.looseness.extra_radius, {0, max_extra_radius, "a number from 0 to 100"},

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -12,18 +13,13 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/text.h"
 #include "command/verb.h"
-#include "demo/demo_page.h"
 #include "demo/demo_run.h"
-#include "demo/demo_table.h"
-#include "verbs/deforming_model.h"
 #include "verbs/replay.h"
 
 namespace limber::program {
 namespace {
-
-constexpr std::uint64_t max_frames = Replay::most_rows;
-constexpr std::uint64_t max_dents_per_frame = 1'000;
 
 struct DemoArguments {
   DemoOptions demo;
@@ -40,7 +36,64 @@ std::string absolute_path(const std::string& path) {
   return failure ? path : absolute.string();
 }
 
-Json to_json(const Spread& spread) {
+std::string distance_text(const DistanceResult& answer) {
+  if (answer.status == Status::collision) return "in contact";
+  if (answer.status == Status::exact) return fmt::format("{:.4f}", answer.upper);
+  return fmt::format("{:.4f} to {:.4f}", answer.lower, answer.upper);
+}
+
+/// Shows a running demonstration on standard output: on a terminal a table redrawn in place, otherwise a line now and
+/// then.
+class DemoTable {
+ public:
+  explicit DemoTable(std::size_t frame_count) : frame_count_(frame_count), on_terminal_(isatty(STDOUT_FILENO) != 0) {}
+
+  void show(const std::vector<DemoFrame>& frames) {
+    constexpr double redraw_s = 0.25;
+    constexpr std::size_t lines_in_a_pipe = 10;
+    const std::size_t done = frames.size();
+    const std::size_t step = on_terminal_ ? 1 : std::max<std::size_t>(1, frame_count_ / lines_in_a_pipe);
+    const bool is_due = !on_terminal_ || !stands_ || since_drawn_.seconds() > redraw_s;
+    if (done != frame_count_ && (!is_due || done % step != 0)) return;
+    if (on_terminal_) {
+      redraw(frames);
+    } else {
+      const DemoFrame& now = frames.back();
+      write_line("frame {:>5}/{}  update {:>9}  query {:>9}  distance {}", done, frame_count_,
+                 duration_text(now.update_us), duration_text(now.answer_us), distance_text(now.answer));
+    }
+    flush();
+  }
+
+ private:
+  void redraw(const std::vector<DemoFrame>& frames) {
+    const DemoFrame& now = frames.back();
+    const DemoSummary so_far = summary_of(frames);
+    if (stands_) write("\033[8A");  // up by as many lines as follow
+    write_line("\033[K\033[1mlimber demo\033[0m   frame {} of {}, {} %", frames.size(), frame_count_,
+               100 * frames.size() / frame_count_);
+    write_line("\033[K  {:<22}{:>11}{:>11}{:>11}{:>11}", "time per frame", "now", "median", "p99", "max");
+    const auto write_times = [](const std::string& name, double now_us, const Spread& spread) {
+      write_line("\033[K  {:<22}{:>11}{:>11}{:>11}{:>11}", name, duration_text(now_us), duration_text(spread.median),
+                 spread.p99 ? duration_text(*spread.p99) : "-", duration_text(spread.max));
+    };
+    write_times("update", now.update_us, so_far.update_us);
+    write_times("distance", now.answer_us, so_far.answer_us);
+    write_times(fmt::format("distance within {:g} %", 100 * rough_error), now.rough_us, so_far.rough_us);
+    write_line("\033[K  {:<22}{:>11}", "distance, units", distance_text(now.answer));
+    write_line("\033[K  {:<22}{:>11}", "frames in contact", so_far.contact_frames);
+    write_line("\033[K  {:<22}{:>11}", "vertices moved", grouped(so_far.updates.moved_vertices));
+    stands_ = true;
+    since_drawn_ = Stopwatch();
+  }
+
+  std::size_t frame_count_;
+  bool on_terminal_;
+  bool stands_ = false;
+  Stopwatch since_drawn_;
+};
+
+Json json_of(const Spread& spread) {
   Json json = {{"median", spread.median}, {"max", spread.max}};
   if (spread.p99) json["p99"] = *spread.p99;
   return json;
@@ -65,21 +118,15 @@ Json as_json(const DemoRun& run, const std::string& page) {
       {"moved_vertices", summary.updates.moved_vertices},
       {"refits", summary.updates.refits},
       {"absorbed", summary.updates.absorbed},
-      {"update_us", to_json(summary.update_us)},
-      {"query_us", to_json(summary.answer_us)},
-      {"rough_query_us", to_json(summary.rough_us)},
+      {"update_us", json_of(summary.update_us)},
+      {"query_us", json_of(summary.answer_us)},
+      {"rough_query_us", json_of(summary.rough_us)},
       {"min_distance", summary.min_distance},
       {"contact_frames", summary.contact_frames},
       {"wall_s", run.wall_s},
       {"brute_force", check_word(run)},
       {"page", page},
   };
-}
-
-void write_summary(const DemoRun& run, const std::string& page) {
-  write("\n");
-  for (const auto& [name, text] : summary_rows(run)) write_line("{:<22}{}", name, text);
-  write_line("{:<22}{}", "page", page);
 }
 
 void check(DemoRun& run, bool is_silent) {
@@ -102,7 +149,9 @@ void run(const DemoArguments& arguments) {
   if (arguments.json) {
     write(to_line(as_json(run, page)));
   } else {
-    write_summary(run, page);
+    write("\n");
+    for (const auto& [name, text] : summary_rows(run)) write_line("{:<22}{}", name, text);
+    write_line("{:<22}{}", "page", page);
   }
   if (run.is_right == false) throw std::logic_error("brute force gives another distance for the last frame");
 }
@@ -114,10 +163,10 @@ Verb add_demo(CLI::App& app, const std::string& command_line) {
   arguments->command_line = command_line;
   CLI::App& command = *app.add_subcommand("demo", "A ball flies over a deforming sheet; writes a page about it");
   DemoOptions& demo = arguments->demo;
-  add_count(command, "--frames", demo.frames, 1, max_frames, "how many frames are played");
-  add_count(command, "--dents-per-frame", demo.dents_per_frame, 0, max_dents_per_frame,
+  add_count(command, "--frames", demo.frames, {1, Replay::most_rows}, "how many frames are played");
+  add_count(command, "--dents-per-frame", demo.dents_per_frame, {0, 1'000},
             "dents in each frame; one moves about 116 of the 10 201 vertices");
-  add_count(command, "--seed", demo.seed, 0, std::numeric_limits<std::uint64_t>::max(), "seed of the random dents");
+  add_count(command, "--seed", demo.seed, {}, "seed of the random dents");
   add_relative_error(command, demo.query.relative_error);
   add_deforming(command, demo.model);
   command.add_option("--out", arguments->page, "where the page is written")

@@ -1,18 +1,22 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+#include <system_error>
+#include <vector>
 
 #include "command/options.h"
-#include "command/pair_arguments.h"
 #include "command/text.h"
 #include "command/verb.h"
+#include "formats/csv_inputs.h"
 #include "limber/distance.h"
 #include "reports/distance_report.h"
-#include "verbs/distance_answer.h"
-#include "verbs/distance_pairs.h"
+#include "verbs/answers.h"
+#include "verbs/models.h"
 
 namespace limber::program {
 namespace {
@@ -21,25 +25,12 @@ struct DistanceArguments {
   PairArguments pair;
   std::string pairs, out = "-";
   DistanceOptions options;
-  double min_clearance = 0;  // 0: none is asked for
+  std::optional<double> min_clearance;
   ReportArguments report;
 };
 
 DistanceQuestion question_of(const DistanceArguments& arguments) {
-  DistanceQuestion question{arguments.options, std::nullopt, arguments.pair.exit_code};
-  if (arguments.min_clearance > 0) {
-    question.min_clearance = arguments.min_clearance;
-    question.exit_code = true;
-  }
-  return question;
-}
-
-void write_lines(const DistanceAnswer& answer, const DistanceArguments& arguments, double build_us) {
-  write_distance_lines(answer.result, answer.witness);
-  if (answer.too_close) {
-    write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(arguments.min_clearance));
-  }
-  write_work_lines(answer.result.stats, build_us, answer.elapsed_us);
+  return {arguments.options, arguments.min_clearance, arguments.pair.exit_code || arguments.min_clearance};
 }
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
@@ -55,16 +46,117 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
     append_work(json, answer.result.stats, pair.build_us(), answer.elapsed_us);
     write(to_line(json));
   } else {
-    write_lines(answer, arguments, pair.build_us());
+    write_distance_lines(answer.result, answer.witness);
+    if (answer.too_close) {
+      write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(*arguments.min_clearance));
+    }
+    write_work_lines(answer.result.stats, pair.build_us(), answer.elapsed_us);
   }
   warn_about(answer.nesting, "distance");
   return exit_code_of(question, answer);
 }
 
+/// Models by their names. A file that is named in several ways is still one model.
+class Models {
+ public:
+  explicit Models(Engine engine) : engine_(engine) {}
+
+  const RigidModel* load(const std::string& name) {
+    std::unique_ptr<RigidModel>& model = models_[key_of(name)];
+    if (!model) model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
+    return model.get();
+  }
+
+  /// The files that have been loaded.
+  Names files() const {
+    Names files;
+    for (const auto& [name, model] : models_) files.push_back(name);
+    return files;
+  }
+
+ private:
+  static std::string key_of(const std::string& name) {
+    if (is_scene(name)) return name;
+    std::error_code failed;
+    const std::filesystem::path path = std::filesystem::weakly_canonical(name, failed);
+    return failed ? name : path.string();
+  }
+
+  Engine engine_;
+  std::map<std::string, std::unique_ptr<RigidModel>> models_;
+};
+
+/// The models of one row.
+struct LoadedPair {
+  const RigidModel *a = nullptr, *b = nullptr;
+};
+
+std::vector<LoadedPair> load_all(const std::vector<PairRow>& rows, const std::string& path, Models& models) {
+  std::vector<LoadedPair> pairs;
+  pairs.reserve(rows.size());
+  const auto load = [&](const PairRow& row, const char* column, const std::string& name) {
+    try {
+      return models.load(name);
+    } catch (const BadInput& error) {
+      throw BadInput(fmt::format("{}: line {}: column {}: {}", path, row.line, column, error.what()));
+    }
+  };
+  for (const PairRow& row : rows) {
+    pairs.push_back({load(row, "model_a", row.model_a), load(row, "model_b", row.model_b)});
+  }
+  return pairs;
+}
+
+Json answer_in_row(std::size_t number, const PairRow& row, const DistanceAnswer& answer) {
+  Json json = {{"row", number}, {"model_a", row.model_a}, {"model_b", row.model_b}};
+  append_answer(json, answer);
+  append_work(json, answer.result.stats, answer.elapsed_us);
+  return json;
+}
+
+void warn_about(std::size_t nested_count) {
+  if (nested_count == 0) return;
+  const std::string where =
+      nested_count == 1 ? "in 1 row a model lies" : fmt::format("in {} rows a model lies", nested_count);
+  warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
+}
+
+/// The columns of the answer to a file of pairs, as csv_line() makes them from answer_in_row().
+std::string pairs_answer_columns() {
+  return fmt::format("row,model_a,model_b,{},{},too_close,inside,query_us,node_tests,triangle_tests", distance_columns,
+                     witness_columns);
+}
+
+/// Answers the same question for every pair of a file, and writes a row for each. All rows are read, and each model is
+/// loaded once, before anything is written.
+ExitCode answer_pairs(const DistanceArguments& arguments) {
+  const DistanceQuestion question = question_of(arguments);
+  const std::vector<PairRow> rows = read_pairs(arguments.pairs);
+  Models models(arguments.pair.engine);
+  const std::vector<LoadedPair> pairs = load_all(rows, arguments.pairs, models);
+  Names inputs = models.files();
+  inputs.push_back(arguments.pairs);
+  OutputFile out("--out", arguments.out, inputs, {});
+  ProgressBar bar(rows.size(), "pairs");
+  ExitCode exit_code = ExitCode::answered;
+  std::size_t nested_count = 0;
+  if (!arguments.pair.json) out.write(pairs_answer_columns() + '\n');
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    bar.draw(i);
+    const DistanceAnswer answer = answer_to(question, {*pairs[i].a, rows[i].pose_a}, {*pairs[i].b, rows[i].pose_b});
+    if (answer.nesting != Nesting::none) ++nested_count;
+    if (exit_code_of(question, answer) == ExitCode::found) exit_code = ExitCode::found;
+    if (out.is_terminal()) bar.clear();
+    const Json row = answer_in_row(i, rows[i], answer);
+    out.write(arguments.pair.json ? to_line(row) : csv_line(row));
+  }
+  bar.clear();
+  warn_about(nested_count);
+  return exit_code;
+}
+
 ExitCode run(const DistanceArguments& arguments) {
-  if (arguments.pairs.empty()) return answer_pair(arguments);
-  return answer_pairs({arguments.pairs, arguments.out, arguments.pair.engine, arguments.pair.json},
-                      question_of(arguments));
+  return arguments.pairs.empty() ? answer_pair(arguments) : answer_pairs(arguments);
 }
 
 constexpr const char* help_text = R"(
@@ -135,8 +227,7 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_number(command, "--min-clearance", arguments->min_clearance,
              {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
              "exit with 3 instead of 0 when a pair is closer than this length, at most --max-distance")
-      ->type_name("LENGTH")
-      ->default_str("");
+      ->type_name("LENGTH");
   command
       .add_option("--pairs", arguments->pairs,
                   "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
@@ -148,8 +239,7 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours");
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  const std::string columns = fmt::format("{}", fmt::join(fields_of(pairs_answer_columns(), ','), ", "));
-  command.footer(help_text + columns);
+  command.footer(help_text + spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};
 }
 

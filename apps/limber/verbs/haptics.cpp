@@ -11,22 +11,18 @@
 #include <optional>
 #include <string>
 
-#include "command/bad_input.h"
 #include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
-#include "haptics/haptic_page.h"
 #include "haptics/haptic_report.h"
 #include "haptics/haptic_run.h"
-#include "verbs/real_time.h"
 
 namespace limber::program {
 namespace {
 
 constexpr std::size_t most_ticks = 5'000'000;  // which take 250 MB
-constexpr double most_tick_budget_us = 1e6;
-constexpr std::uint64_t least_triangles = 1000, most_triangles = 4'000'000;
+constexpr CountRange triangle_range{1000, 4'000'000};
 
 // What a tick's work may take if the user does not say: a part of the period, so that a late start does not miss it,
 // and at most what ticks in contact seldom need. docs/guide/haptics.md has the measurements.
@@ -109,22 +105,13 @@ void add_loop_options(CLI::App& command, Arguments& arguments) {
 
 void add_scene_options(CLI::App& command, Arguments& arguments) {
   HapticOptions& scene = arguments.loop.scene;
-  add_count(command, "--tissue", scene.tissue_triangles, least_triangles, most_triangles,
-            "how many triangles the tissue has, at most");
-  add_count(command, "--tool", scene.tool_triangles, least_triangles, most_triangles,
-            "how many triangles the tool has, at most");
+  add_count(command, "--tissue", scene.tissue_triangles, triangle_range, "how many triangles the tissue has, at most");
+  add_count(command, "--tool", scene.tool_triangles, triangle_range, "how many triangles the tool has, at most");
   add_relative_error(command, scene.relative_error);
-  const auto read = [&arguments](const std::string& text) {
-    const std::optional<double> number = parsed_number(text);
-    if (!number || !(*number > 0 && *number <= most_tick_budget_us)) {
-      throw CLI::ValidationError("--tick-budget", fmt::format("must be a number > 0, at most 1e6, not '{}'", text));
-    }
-    arguments.tick_budget_us = number;
-  };
-  command
-      .add_option_function<std::string>("--tick-budget", read,
-                                        "how long the work of a tick may take: the query has what moves and commit "
-                                        "leave; without it 45 % of the period, at most 130")
+  add_number(command, "--tick-budget", arguments.tick_budget_us,
+             {std::numeric_limits<double>::denorm_min(), 1e6, "a number > 0, at most 1e6"},
+             "how long the work of a tick may take: the query has what moves and commit leave; without it 45 % of the "
+             "period, at most 130")
       ->type_name("US");
 }
 
@@ -135,10 +122,9 @@ Verb add_haptics(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("haptics", "A force loop at a fixed rate: a tool presses deforming tissue");
   add_loop_options(command, *arguments);
   add_scene_options(command, *arguments);
-  add_optional_count(command, "--core", arguments->core, 0, 1023,
-                     "the core that the loop runs on; without it the last");
-  add_optional_count(command, "--max-missed", arguments->max_missed, 0, most_ticks,
-                     "exit with 3 instead of 0 when more ticks than that have missed their period");
+  add_count(command, "--core", arguments->core, {0, 1023}, "the core that the loop runs on; without it the last");
+  add_count(command, "--max-missed", arguments->max_missed, {0, most_ticks},
+            "exit with 3 instead of 0 when more ticks than that have missed their period");
   command.add_option("--out", arguments->out, "where a row for each tick is written, as CSV")->type_name("FILE");
   command.add_option("--page", arguments->page, "where a page with charts is written")->type_name("FILE");
   command.add_flag("--quiet", arguments->is_quiet, "show no progress");

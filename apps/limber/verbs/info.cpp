@@ -9,11 +9,9 @@
 
 #include "command/options.h"
 #include "command/output.h"
-#include "command/stopwatch.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/model.h"
-#include "verbs/closed_mesh.h"
 #include "verbs/models.h"
 
 namespace limber::program {

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verbs/models.h"
 
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <numeric>
 #include <string_view>
 
-#include "command/bad_input.h"
+#include "command/options.h"
+#include "command/text.h"
+#include "formats/csv_inputs.h"
 #include "scenes/scenes.h"
-#include "verbs/closed_mesh.h"
 
 namespace limber::program {
 namespace {
@@ -30,12 +34,124 @@ AnyModel timed_made(Mesh mesh, Engine engine, double& elapsed_us) {
   return model;
 }
 
+/// A mesh of more connected parts is not looked at.
+constexpr std::size_t max_parts = 64;
+
+/// One corner of each connected part, of which there may be `max_parts` + 1 or more.
+std::vector<VertexId> corners_of_parts(MeshView mesh) {
+  // Every vertex points to one of its part, and the last of them to itself.
+  std::vector<VertexId> next(mesh.positions.size());
+  std::iota(next.begin(), next.end(), VertexId{0});
+  const auto last_of = [&](VertexId v) {
+    while (next[v] != v) v = next[v] = next[next[v]];
+    return v;
+  };
+  for (const Corners& c : mesh.triangles) {
+    next[last_of(c[1])] = last_of(c[0]);
+    next[last_of(c[2])] = last_of(c[0]);
+  }
+  std::vector<VertexId> corners;
+  for (const Corners& c : mesh.triangles) {
+    if (corners.size() > max_parts) break;
+    const VertexId last = last_of(c[0]);
+    if (std::find(corners.begin(), corners.end(), last) == corners.end()) corners.push_back(last);
+  }
+  return corners;
+}
+
+/// How often a segment crosses a mesh; empty where it meets the border of a triangle, so that crossings say nothing.
+std::optional<std::size_t> count_crossings(const Segment& segment, MeshView mesh) {
+  std::size_t count = 0;
+  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle triangle = mesh.triangle(t);
+    if (!intersects(segment, triangle)) continue;
+    const auto passes_edge = [&](std::size_t i) {
+      return orient3d(segment.p0, segment.p1, triangle[i], triangle[(i + 1) % 3]) == 0;
+    };
+    if (passes_edge(0) || passes_edge(1) || passes_edge(2)) return std::nullopt;
+    ++count;
+  }
+  return count;
+}
+
+/// Pre: the point is not on the mesh, and 9 `size` away from it along any axis no triangle is left.
+bool is_inside(const Vec3& point, MeshView mesh, double size) {
+  constexpr int max_rays = 32;  // a ray at random meets a border once in a long time
+  scenes::Rng rng(1);
+  for (int i = 0; i < max_rays; ++i) {
+    const Vec3 direction = scenes::random_rotation(rng).row0;
+    const auto crossings = count_crossings({point, point + (16 * size) * direction}, mesh);
+    if (crossings) return *crossings % 2 == 1;
+  }
+  return false;
+}
+
+/// Whether all triangles of a mesh lie in a box of another frame, up to rounding. Stops at the first that does not.
+bool is_in_box(MeshView mesh, const Transform& box_from_mesh, const Box& box) {
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Corners& corners) {
+    return std::all_of(corners.begin(), corners.end(), [&](VertexId v) {
+      const Vec3 p = box_from_mesh(mesh.positions[v]);
+      return min(box.low, p) == box.low && max(box.high, p) == box.high;
+    });
+  });
+}
+
+/// Whether a mesh lies wholly inside a closed mesh: a ray from one vertex of each connected part crosses the closed
+/// mesh an odd number of times, decided exactly for the placed vertices rounded to float64. Says no for more than
+/// `max_parts` parts.
+///
+/// Pre      The meshes do not meet, or else the answer means nothing; both poses are world_from_mesh.
+/// Cost     O(triangles of both), for each part.
+bool lies_inside(MeshView inner, const Transform& inner_pose, MeshView outer, const Transform& outer_pose) {
+  const std::vector<VertexId> corners = corners_of_parts(inner);
+  if (corners.size() > max_parts) return false;
+  std::vector<Vec3> positions(outer.positions.size());
+  std::transform(outer.positions.begin(), outer.positions.end(), positions.begin(), outer_pose);
+  const MeshView placed{positions, outer.triangles};
+  const Box box = box_of(placed);
+  const double size = max_abs(box.high - box.low);
+  return std::all_of(corners.begin(), corners.end(),
+                     [&](VertexId v) { return is_inside(inner_pose(inner.positions[v]), placed, size); });
+}
+
 bool is_inside(const PlacedModel& inner, const PlacedModel& outer) {
   return is_in_box(inner.model.mesh(), inverse(outer.pose) * inner.pose, outer.model.box()) &&
          outer.model.is_closed() && lies_inside(inner.model.mesh(), inner.pose, outer.model.mesh(), outer.pose);
 }
 
 }  // namespace
+
+EdgeCounts count_edges(MeshView mesh) {
+  using Edge = std::pair<VertexId, VertexId>;
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const Corners& c : mesh.triangles) {
+    std::array<Edge, 3> own = {std::minmax(c[0], c[1]), std::minmax(c[1], c[2]), std::minmax(c[2], c[0])};
+    std::sort(own.begin(), own.end());
+    const auto end = std::unique(own.begin(), own.end());
+    std::copy_if(own.begin(), end, std::back_inserter(edges), [](const Edge& e) { return e.first != e.second; });
+  }
+  std::sort(edges.begin(), edges.end());
+  EdgeCounts counts;
+  for (auto first = edges.begin(); first != edges.end();) {
+    const auto last = std::find_if(first, edges.end(), [first](const Edge& e) { return e != *first; });
+    ++(last - first == 1 ? counts.open : last - first == 2 ? counts.closed : counts.non_manifold);
+    first = last;
+  }
+  return counts;
+}
+
+Box box_of(MeshView mesh) {
+  const Vec3& first = mesh.positions[mesh.triangles.front()[0]];
+  Box box{first, first};
+  for (const Corners& corners : mesh.triangles) {
+    for (const VertexId v : corners) {
+      box.low = min(box.low, mesh.positions[v]);
+      box.high = max(box.high, mesh.positions[v]);
+    }
+  }
+  return box;
+}
 
 bool is_scene(const std::string& argument) { return argument.starts_with(scene_prefix); }
 
@@ -69,5 +185,42 @@ Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
   if (is_inside(b, a)) return Nesting::b_in_a;
   return is_inside(a, b) ? Nesting::a_in_b : Nesting::none;
 }
+
+void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model) {
+  const auto read = [&target, name](const std::string& text) {
+    const Result<Transform> pose = parsed_pose(text);
+    if (!pose) throw CLI::ValidationError(name, pose.error().text);
+    target = *pose;
+  };
+  command
+      .add_option_function<std::string>(name, read,
+                                        "where " + model + " stands in the world, as " + pose_format +
+                                            ": translation in the mesh's length unit, quaternion of any length")
+      ->type_name("POSE")
+      ->default_str("0,0,0,1,0,0,0");
+}
+
+void add_placed_arguments(CLI::App& command, PlacedArguments& arguments) {
+  command.add_option("A", arguments.a, model_argument_help)->type_name("MODEL")->required();
+  command.add_option("B", arguments.b, "as A, in the same length unit")->type_name("MODEL")->required();
+  add_pose(command, "--pose-a", arguments.pose_a, "A");
+  add_pose(command, "--pose-b", arguments.pose_b, "B");
+}
+
+void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told) {
+  add_placed_arguments(command, arguments);
+  add_choice(command, "--engine", arguments.engine,
+             {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
+             "8-wide trees, binary sphere trees, or every triangle against every other");
+  add_json(command, arguments.json, "answer with one JSON object");
+  add_exit_code(command, arguments.exit_code, told);
+}
+
+Pair::Pair(const PlacedArguments& arguments)
+    : arguments_(arguments),
+      a_(load_mesh_argument(arguments.a), arguments.engine),
+      b_(load_mesh_argument(arguments.b), arguments.engine) {}
+
+double Pair::build_us() const { return rounded_us(a_.build_us() + b_.build_us()); }
 
 }  // namespace limber::program

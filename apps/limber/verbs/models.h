@@ -8,17 +8,35 @@
 #include <variant>
 #include <vector>
 
-#include "command/stopwatch.h"
+#include "command/output.h"
 #include "limber/classic.h"
 #include "limber/io.h"
 #include "limber/model.h"
 #include "reference/reference.h"
+
+namespace CLI {
+class App;
+}
 
 /// Models as the command line names them, and queries between two that do not deform.
 namespace limber::program {
 
 /// The help about an argument that names a model.
 inline constexpr const char* model_argument_help = "mesh file (.obj .ply .stl .off .gltf .glb) or scene:NAME";
+
+/// An edge has two distinct ends. A triangle uses an edge once, even where two of its corners coincide.
+struct EdgeCounts {
+  std::size_t open = 0;          ///< used by one triangle
+  std::size_t closed = 0;        ///< used by two
+  std::size_t non_manifold = 0;  ///< used by more
+
+  /// Whether every edge has two triangles, so that the mesh has an inside.
+  bool are_closed() const { return closed > 0 && open == 0 && non_manifold == 0; }
+};
+EdgeCounts count_edges(MeshView mesh);
+
+/// The box of the triangles; vertices without a triangle do not count. Pre: there is a triangle.
+Box box_of(MeshView mesh);
 
 /// Whether the argument names a scene instead of a file.
 bool is_scene(const std::string& argument);
@@ -70,26 +88,22 @@ struct TimedAnswer {
   double elapsed_us = 0;  ///< of the query alone
 };
 
+inline Placed placed(const Model& model, const Transform& pose) { return {model, pose}; }
+inline classic::Placed placed(const classic::Model& model, const Transform& pose) { return {model, pose}; }
+inline reference::Placed placed(const Mesh& mesh, const Transform& pose) { return {mesh, pose}; }
+
 /// Puts a query to the engine of two models; `query` takes two placed models or meshes of any engine.
 ///
 /// Pre      Both models are of one engine.
 template <typename Query>
 auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
-  return std::visit(
-      [&](const auto& model_a) {
-        using Either = std::decay_t<decltype(model_a)>;
-        const Either& model_b = std::get<Either>(b.model.model_);
-        const Stopwatch asking;
-        if constexpr (std::is_same_v<Either, Mesh>) {
-          auto answer = query(reference::Placed{model_a, a.pose}, reference::Placed{model_b, b.pose});
-          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
-        } else {
-          using Placed = std::conditional_t<std::is_same_v<Either, Model>, limber::Placed, classic::Placed>;
-          auto answer = query(Placed{model_a, a.pose}, Placed{model_b, b.pose});
-          return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
-        }
-      },
-      a.model.model_);
+  const auto ask_engine = [&](const auto& model_a) {
+    const auto& model_b = std::get<std::decay_t<decltype(model_a)>>(b.model.model_);
+    const Stopwatch asking;
+    auto answer = query(placed(model_a, a.pose), placed(model_b, b.pose));
+    return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
+  };
+  return std::visit(ask_engine, a.model.model_);
 }
 
 /// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to
@@ -101,5 +115,41 @@ enum class Nesting { none, a_in_b, b_in_a };
 /// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
 ///          first time.
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
+
+/// Two rigid models, and where they stand.
+struct PlacedArguments {
+  std::string a, b;
+  Transform pose_a, pose_b;  // world_from_model
+  Engine engine = Engine::fast;
+};
+
+/// An option that says where a model stands: "A".
+void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model);
+
+/// `A`, `B`, `--pose-a`, `--pose-b`.
+void add_placed_arguments(CLI::App& command, PlacedArguments& arguments);
+
+/// The arguments that the verbs about the closest or any pair of points of two rigid models share.
+struct PairArguments : PlacedArguments {
+  bool json = false;
+  bool exit_code = false;
+};
+
+/// Those above, `--engine`, `--json`, and `--exit-code` with what it tells: "the models collide".
+void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
+
+/// The two models that the arguments name.
+class Pair {
+ public:
+  explicit Pair(const PlacedArguments& arguments);
+
+  PlacedModel a() const { return {a_, arguments_.pose_a}; }
+  PlacedModel b() const { return {b_, arguments_.pose_b}; }
+  double build_us() const;  ///< of the trees of both
+
+ private:
+  PlacedArguments arguments_;
+  RigidModel a_, b_;
+};
 
 }  // namespace limber::program

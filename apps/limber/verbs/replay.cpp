@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "command/text.h"
+
 namespace limber::program {
 namespace {
 
@@ -30,6 +32,41 @@ Json empty_lists(const List& names) {
 
 }  // namespace
 
+TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
+  elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
+  done += other.done;
+  return *this;
+}
+
+std::string track_csv_header(const std::vector<std::string>& contact_names) {
+  std::string header =
+      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests",
+                  distance_columns, witness_columns);
+  const std::string of_pair = contact_columns(ContactDetail::all);
+  for (const std::string& name : contact_names) {
+    header += fmt::format(",{0}_us,{0}_count,{0}_intersecting", name);
+    for (const std::string_view column : fields_of(of_pair, ',')) header += fmt::format(",{}_{}", name, column);
+  }
+  return header + '\n';
+}
+
+Json to_json(const TrackRow& row) {
+  Json json = {{"frame", row.frame}, {"update_us", row.update.elapsed_us}, {"query_us", row.query_us}};
+  append_distance(json, row.result, row.witness);
+  json["moved_vertices"] = row.update.done.moved_vertices;
+  json["refits"] = row.update.done.refits;
+  json["absorbed"] = row.update.done.absorbed;
+  json["node_tests"] = row.result.stats.node_tests;
+  json["triangle_tests"] = row.result.stats.triangle_tests;
+  for (const auto& [name, found] : row.contacts) {
+    json[name] = {{"query_us", found.elapsed_us},
+                  {"count", found.count},
+                  {"intersecting", found.intersecting_count},
+                  {"pair", found.first.empty() ? Json(nullptr) : to_json(found.first.front(), found.detail)}};
+  }
+  return json;
+}
+
 Replay::Model::Model(const ReplayedModel& model) : model_(model), triangles_(model.first) {
   const std::vector<Vec3> positions = triangles_.in_order(model.first.positions);
   if (model.deforms) {
@@ -41,15 +78,19 @@ Replay::Model::Model(const ReplayedModel& model) : model_(model), triangles_(mod
 
 void Replay::Model::add(const ReplayedState& state) {
   if (frames_) frames_->add(triangles_.in_order(state.positions));
-  if (model_.moves || poses_.byte_count() == 0) poses_.add(state.pose);
+  if (model_.moves || poses_.empty()) poses_.push_back(state.pose);
 }
 
 void Replay::Model::drop_every_second() {
   if (frames_) frames_->drop_every_second();
-  if (model_.moves) poses_.drop_every_second();
+  if (!model_.moves) return;
+  std::size_t i = 0;
+  std::erase_if(poses_, [&i](const Transform&) { return i++ % 2 == 1; });
 }
 
-std::size_t Replay::Model::byte_count() const { return (frames_ ? frames_->byte_count() : 0) + poses_.byte_count(); }
+std::size_t Replay::Model::byte_count() const {
+  return (frames_ ? frames_->byte_count() : 0) + sizeof(Transform) * poses_.size();
+}
 
 Json Replay::Model::to_json() const {
   Json json = {{"name", model_.name},
@@ -61,7 +102,7 @@ Json Replay::Model::to_json() const {
   } else {
     json["positions"] = shape_;
   }
-  json["poses"] = poses_.to_json();
+  json["poses"] = poses_json(poses_);
   return json;
 }
 
@@ -70,6 +111,10 @@ Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
       models_{Model(models[0]), Model(models[1])},
       rows_(empty_lists(row_names)),
       contacts_(Json::array()) {
+  if (sequence_.row_count > most_rows) {
+    throw BadInput(
+        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
+  }
   for (const std::string& name : sequence_.contact_names) {
     Json json = empty_lists(contact_row_names);
     json["name"] = name;

@@ -11,10 +11,42 @@
 
 #include "formats/position_frames.h"
 #include "limber/distance.h"
-#include "verbs/track_row.h"
+#include "verbs/answers.h"
+#include "verbs/contact_answers.h"
+#include "verbs/deforming_model.h"
 
-/// What the viewer plays: two models that move and deform, and what was asked about them in each frame.
+/// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
+/// asked about them.
 namespace limber::program {
+
+/// Work done on trees between two frames.
+struct TreeUpdate {
+  double elapsed_us = 0;
+  DeformingWork done;
+
+  TreeUpdate& operator+=(const TreeUpdate& other);
+};
+
+/// The pairs of triangles of one frame, and the word that their columns start with.
+struct FrameContacts {
+  std::string name;
+  FoundContacts found;
+};
+
+/// One line of the answer.
+struct TrackRow {
+  std::size_t frame = 0;
+  TreeUpdate update;
+  double query_us = 0;
+  DistanceResult result;
+  std::optional<FoundWitness> witness;
+  std::vector<FrameContacts> contacts;
+};
+
+/// The first line of CSV; `contact_names` are the words that columns of contacts start with.
+std::string track_csv_header(const std::vector<std::string>& contact_names);
+/// The line, whose values are the cells under the header.
+Json to_json(const TrackRow& row);
 
 /// A model as it enters a replay.
 struct ReplayedModel {
@@ -44,7 +76,7 @@ class Replay {
     std::uint64_t max_megabytes = 0;  ///< that the page may have
   };
 
-  /// Pre      At most `most_rows` rows.
+  /// Errors   BadInput unless there are at most `most_rows` rows.
   Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models);
 
   /// Adds a row, and the frame if it has not been added yet. Errors as PositionFrames::add().
@@ -71,7 +103,7 @@ class Replay {
     PageTriangles triangles_;
     Json shape_;                            // positions of a mesh that does not deform
     std::optional<PositionFrames> frames_;  // of one that does
-    PoseFrames poses_;
+    std::vector<Transform> poses_;
   };
 
   void add_row(const TrackRow& row);

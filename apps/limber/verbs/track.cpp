@@ -11,20 +11,18 @@
 #include <utility>
 #include <vector>
 
-#include "command/bad_input.h"
 #include "command/options.h"
 #include "command/output.h"
-#include "command/progress_bar.h"
-#include "command/stopwatch.h"
 #include "command/text.h"
 #include "command/verb.h"
-#include "formats/pose_text.h"
+#include "formats/csv_inputs.h"
 #include "limber/distance.h"
-#include "reports/track_report.h"
+#include "limber/io.h"
+#include "reports/page_template.h"
+#include "verbs/contact_answers.h"
 #include "verbs/deforming_model.h"
-#include "verbs/track_contacts.h"
-#include "verbs/track_inputs.h"
-#include "verbs/track_row.h"
+#include "verbs/models.h"
+#include "verbs/replay.h"
 
 namespace limber::program {
 namespace {
@@ -40,11 +38,85 @@ struct TrackArguments {
   ModelArguments a, b;
   DistanceOptions query;
   DeformingOptions model;
-  TrackContactArguments contacts;
+  bool contacts = false;         // pairs of triangles of the two models are counted
+  bool self_contacts = false;    // those of each model that deforms with itself
+  std::optional<double> margin;  // of both
   std::uint64_t loops = 1;
   bool json = false;
-  TrackReportArguments report;
+  ReportArguments report;
+  std::uint64_t max_report_megabytes = 60;
 };
+
+/// Throws BadInput where an option has no meaning without another, or with the engine.
+void check_contact_options(const TrackArguments& arguments) {
+  if (!arguments.contacts && !arguments.self_contacts) {
+    if (arguments.margin) throw BadInput("--margin: belongs to --contacts and --self");
+  } else if (arguments.model.engine != DeformingEngine::fast) {
+    throw BadInput(fmt::format("{}: belongs to --engine fast", arguments.contacts ? "--contacts" : "--self"));
+  }
+}
+
+/// The frames of one model: a single mesh, or several that differ in their positions only.
+///
+/// Errors   BadInput, from every function that reads.
+class MeshFrames {
+ public:
+  /// Reads the first frame. Pre: there is at least one argument.
+  explicit MeshFrames(std::vector<std::string> arguments) : arguments_(std::move(arguments)) {
+    const std::string& first_argument = arguments_.front();
+    if (is_scene(first_argument)) {
+      scene_ = load_mesh_argument(first_argument);
+    } else {
+      sequence_ = value_or_bad_input(MeshSequence::open(first_argument));
+    }
+    for (const std::string& argument : arguments_) {
+      if (is_scene(argument) == scene_.has_value()) continue;
+      throw BadInput(fmt::format("{} and {}: frames are either files or scenes, not both", first_argument, argument));
+    }
+  }
+
+  std::size_t count() const { return arguments_.size(); }
+  const MeshFile& first() const { return sequence_ ? sequence_->first() : *scene_; }
+
+  /// Reads one frame and keeps nothing of it.
+  std::vector<Vec3> positions(std::size_t frame) const {
+    if (frame == 0) return first().mesh.positions();
+    if (!scene_) return value_or_bad_input(sequence_->read_positions(arguments_[frame], frame));
+    const Mesh mesh = load_mesh_argument(arguments_[frame]).mesh, &first_mesh = scene_->mesh;
+    if (mesh.positions().size() == first_mesh.positions().size() && mesh.triangles() == first_mesh.triangles()) {
+      return mesh.positions();
+    }
+    throw BadInput(fmt::format("{}: frame {} has {} vertices and {} triangles, the first frame {} and {}{}",
+                               arguments_[frame], frame, mesh.positions().size(), mesh.triangles().size(),
+                               first_mesh.positions().size(), first_mesh.triangles().size(),
+                               mesh.triangles().size() == first_mesh.triangles().size() ? ", differently joined" : ""));
+  }
+
+ private:
+  std::vector<std::string> arguments_;
+  std::optional<MeshSequence> sequence_;  // either of files
+  std::optional<MeshFile> scene_;         // or of scenes
+};
+
+/// A list with one entry for every frame, or one entry for all frames.
+struct FrameList {
+  const char* name;  ///< as the user knows it
+  std::size_t length;
+};
+
+/// The length of the longest list. Throws BadInput naming two lists that are longer than one and differ.
+std::size_t common_frame_count(const std::vector<FrameList>& lists) {
+  FrameList longest{"", 1};
+  for (const FrameList& list : lists) {
+    if (list.length == 1) continue;
+    if (longest.length > 1 && list.length != longest.length) {
+      throw BadInput(
+          fmt::format("{} has {} frames, but {} has {}", longest.name, longest.length, list.name, list.length));
+    }
+    longest = list;
+  }
+  return longest.length;
+}
 
 /// One of the two models, which is moved from frame to frame.
 class TrackedModel {
@@ -108,11 +180,11 @@ struct AskedContacts {
   const TrackedModel *a, *b;
 };
 
-std::vector<AskedContacts> asked_contacts(const TrackContactArguments& arguments, const TrackedModel& a,
+std::vector<AskedContacts> asked_contacts(const TrackArguments& arguments, const TrackedModel& a,
                                           const TrackedModel& b) {
   std::vector<AskedContacts> asked;
   if (arguments.contacts) asked.push_back({"contact", &a, &b});
-  if (!arguments.self) return asked;
+  if (!arguments.self_contacts) return asked;
   if (a.mesh_count() == 1 && b.mesh_count() == 1) {
     throw BadInput("--self: neither model deforms; limber self tells about one that does not");
   }
@@ -156,21 +228,22 @@ Names inputs_of(const TrackArguments& arguments) {
 }
 
 ExitCode run(const TrackArguments& arguments) {
-  check_track_contacts(arguments.contacts, arguments.model.engine);
+  check_contact_options(arguments);
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
   TrackedModel b(arguments.b, arguments.model, arguments.loops > 1);
   const std::size_t frame_count = common_frame_count(
       {{"--a", a.mesh_count()}, {"--b", b.mesh_count()}, {"--poses-a", a.pose_count()}, {"--poses-b", b.pose_count()}});
   const std::size_t row_count = frame_count * arguments.loops;
-  const std::vector<AskedContacts> asked = asked_contacts(arguments.contacts, a, b);
+  const std::vector<AskedContacts> asked = asked_contacts(arguments, a, b);
   std::vector<std::string> contact_names;
   contact_names.reserve(asked.size());
   for (const AskedContacts& contacts : asked) contact_names.push_back(contacts.name);
-  std::optional<TrackReport> report;
+  std::optional<ReportFile> page;
+  std::optional<Replay> replay;
   if (!arguments.report.path.empty()) {
-    report.emplace(arguments.report, inputs_of(arguments),
-                   Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
-                                    arguments.report.max_megabytes},
+    page.emplace(arguments.report, inputs_of(arguments));
+    replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
+                                    arguments.max_report_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
   ProgressBar bar(row_count, "frames");
@@ -180,44 +253,23 @@ ExitCode run(const TrackArguments& arguments) {
     TrackRow row = track_frame(a, b, r % frame_count, arguments.query);
     row.frame = r;
     for (const AskedContacts& contacts : asked) {
-      row.contacts.push_back(find_contacts(contacts, arguments.contacts.margin.value_or(0)));
+      row.contacts.push_back(find_contacts(contacts, arguments.margin.value_or(0)));
     }
-    if (report) report->add(row, {a.state(), b.state()});
+    if (replay) replay->add(row, {a.state(), b.state()});
     if (isatty(STDOUT_FILENO) != 0) bar.clear();
-    write(arguments.json ? json_line(row) : csv_line(row));
+    write((arguments.json ? to_line : csv_line)(to_json(row)));
     flush();
   }
-  if (report) report->write();
+  if (!replay) return ExitCode::answered;
+  if (replay->stride() > 1) {
+    warn("track", fmt::format("--report: the page has 1 of every {} frames, as more would exceed {} MB",
+                              replay->stride(), arguments.max_report_megabytes));
+  }
+  page->write(replay->to_json());
   return ExitCode::answered;
 }
 
-}  // namespace
-
-Verb add_track(CLI::App& app, const std::string& command_line) {
-  const auto arguments = std::make_shared<TrackArguments>();
-  arguments->report.command_line = command_line;
-  CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
-  command
-      .add_option("--a", arguments->a.frames,
-                  std::string(model_argument_help) + "; or the frames of one deforming mesh")
-      ->type_name("MODEL")
-      ->required();
-  command.add_option("--b", arguments->b.frames, "as --a, in the same length unit")->type_name("MODEL")->required();
-  command
-      .add_option("--poses-a", arguments->a.poses,
-                  "where A stands in each frame: a pose per row; the identity without it")
-      ->type_name("CSV");
-  command
-      .add_option("--poses-b", arguments->b.poses,
-                  "where B stands in each frame: a pose per row; the identity without it")
-      ->type_name("CSV");
-  add_distance_options(command, arguments->query);
-  add_deforming(command, arguments->model);
-  add_track_contacts(command, arguments->contacts);
-  add_count(command, "--loop", arguments->loops, 1, max_loops, "how often the sequence is played");
-  add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
-  add_track_report(command, arguments->report);
-  command.footer(R"(
+constexpr const char* track_help = R"(
 All frames of one model have the same faces. Lists of one entry hold for every frame; others agree in length.
 
 A row of a file of poses is tx,ty,tz,qw,qx,qy,qz: translation in the mesh's length unit, quaternion of any length. A
@@ -237,7 +289,45 @@ the diagonal of its first frame in each coordinate.
 that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;
 and the deepest pair or else the nearest, under the names that limber contacts has. Its cells are empty where there is
 no pair. In JSON they are an object contact, self_a or self_b, with query_us, count, intersecting and pair, or null.
-)");
+)";
+
+}  // namespace
+
+Verb add_track(CLI::App& app, const std::string& command_line) {
+  const auto arguments = std::make_shared<TrackArguments>();
+  arguments->report.command_line = command_line;
+  CLI::App& command = *app.add_subcommand("track", "Distance of two models frame by frame while they move and deform");
+  command
+      .add_option("--a", arguments->a.frames,
+                  std::string(model_argument_help) + "; or the frames of one deforming mesh")
+      ->type_name("MODEL")
+      ->required();
+  command.add_option("--b", arguments->b.frames, "as --a, in the same length unit")->type_name("MODEL")->required();
+  for (auto* const model : {&arguments->a, &arguments->b}) {
+    const bool is_a = model == &arguments->a;
+    command
+        .add_option(
+            is_a ? "--poses-a" : "--poses-b", model->poses,
+            fmt::format("where {} stands in each frame: a pose per row; the identity without it", is_a ? "A" : "B"))
+        ->type_name("CSV");
+  }
+  add_distance_options(command, arguments->query);
+  add_deforming(command, arguments->model);
+  command.add_flag("--contacts", arguments->contacts,
+                   "fast: also count the pairs of triangles of the two models that intersect or are close");
+  command.add_flag("--self", arguments->self_contacts,
+                   "fast: also count the pairs of triangles of each deforming model with itself");
+  add_margin(command, arguments->margin,
+             "with --contacts and --self: how far apart pairs are at most; without it they have to intersect");
+  add_count(command, "--loop", arguments->loops, {1, max_loops}, "how often the sequence is played");
+  add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
+  CLI::Option* const report =
+      add_report(command, arguments->report,
+                 "also write a page that plays the frames, with charts of distances, times and contacts");
+  add_count(command, "--max-report-mb", arguments->max_report_megabytes, {1, 2000},
+            "how many megabytes the page may have; frames of longer sequences are thinned out")
+      ->needs(report);
+  command.footer(track_help);
   return {&command, [arguments] { return run(*arguments); }};
 }
 
