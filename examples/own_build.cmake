@@ -45,5 +45,4 @@ add_page(docs/guide/contacts.md contacts_page "^frame 2: .*gap 0.5\nframe 3: tri
 add_page(docs/guide/deadlines.md deadlines_page "tick 0: .* apart.*tick 3: .* to 0.4 apart")
 add_page(docs/guide/scenes.md scenes_page "frame 3: 0 and 1, 0.4 apart\n$")
 add_page(docs/guide/mesh_files.md mesh_files_page "^1 triangles of 1 faces\n$")
-add_page(docs/guide/changes.md changes_page "apart; meet: no\n$")
 add_page(docs/guide/migration_cpp.md migration_page "^meet: 0\n2 apart, triangles 0 and 0\n0.5 apart\n$")
