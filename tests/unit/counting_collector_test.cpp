@@ -23,12 +23,12 @@ namespace limber::testing {
 namespace {
 
 /// How many pairs of triangles are at most a given distance apart.
-class PairsWithin {
+class CountWithin {
  public:
   static constexpr pair::Hits hits = pair::Hits::all;
   static constexpr bool is_self = false;
 
-  explicit PairsWithin(double max_distance) : max_distance_(max_distance) {}
+  explicit CountWithin(double max_distance) : max_distance_(max_distance) {}
 
   /// Just above the limit: a pair exactly max_distance apart counts.
   double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
@@ -46,7 +46,7 @@ class PairsWithin {
 
 std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance) {
   const pair::PlacedPair placed(a, b);
-  PairsWithin collector(max_distance);
+  CountWithin collector(max_distance);
   QueryStats stats;
   pair::search_all(placed, collector, stats);
   return collector.count;
