@@ -237,6 +237,23 @@ inline Mesh soup(const std::vector<Triangle>& triangles) {
   return Mesh::create(std::move(positions), std::move(corners)).value();
 }
 
+/// The mesh with every position mapped.
+template <typename Map>
+Mesh mapped(const Mesh& mesh, const Map& map) {
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p = map(p);
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+/// Moves every vertex of a model, and commits.
+template <typename Model, typename Map>
+void deform(Model& model, const Map& map) {
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p = map(p);
+  model.move_all(positions).value();
+  model.commit();
+}
+
 inline Transform random_pose(Rng& rng, double range) {
   const Mat3 rotation = scenes::random_rotation(rng);
   return {rotation, uniform_point(rng, -range, range)};
