@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The classic engine: its tree, its maintenance, the work of its queries. What all engines promise is in query_test.cpp,
+// misuse_test.cpp and model_misuse_test.cpp.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "classic/tree.h"
+#include "limber/classic.h"
+#include "reference/reference.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+using classic::Maintenance;
+
+Mesh triangles_in_a_row(std::size_t count) {
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto x = static_cast<double>(i);
+    triangles.push_back({{x, 0, 0}, {x + 0.5, 0, 0}, {x, 0.5, 0}});
+  }
+  return soup(triangles);
+}
+
+TEST(ClassicTree, IsBalancedForEveryCount) {
+  for (std::size_t n = 1; n <= 70; ++n) {
+    const classic::Model model(triangles_in_a_row(n));
+    ASSERT_TRUE(static_cast<bool>(model.validate())) << n;
+    EXPECT_EQ(model.tree_stats().nodes, 2 * n - 1);
+    EXPECT_EQ(model.tree_stats().depth, static_cast<std::uint32_t>(std::bit_width(n - 1)));
+  }
+}
+
+TEST(ClassicTree, SiblingsOfARowAreApart) {
+  // Equal-count halves of a row must not interleave, whichever axis the row runs along.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<Triangle> row;
+    for (std::uint64_t i = 0; i < 64; ++i) {
+      Vec3 at, along, across;
+      at[axis] = static_cast<double>(37 * i % 64);  // not in order
+      along[axis] = 0.5;
+      across[(axis + 1) % 3] = 0.5;
+      row.push_back({at, at + along, at + across});
+    }
+    const classic::Model model(soup(row));
+    const auto& nodes = model.tree().nodes;
+    for (const classic::Node& node : nodes) {
+      if (node.is_leaf()) continue;
+      const Sphere &first = nodes[node.first_child].sphere, &second = nodes[node.first_child + 1].sphere;
+      EXPECT_LT(first.center[axis] + first.radius * 0.5, second.center[axis]) << "axis " << axis;
+    }
+  }
+}
+
+TEST(ClassicTree, DoesNotSplitCoincidentTrianglesUnevenly) {
+  const std::vector<Triangle> same(33, Triangle{{1, 2, 3}, {2, 2, 3}, {1, 3, 3}});
+  const classic::Model model(soup(same));
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  EXPECT_EQ(model.tree_stats().depth, 6U);
+}
+
+TEST(ClassicTree, ValidateNamesTheBrokenInvariant) {
+  const struct {
+    std::function<void(classic::Tree&)> damage;
+    const char* text;
+  } cases[] = {
+      {[](classic::Tree& t) { t.nodes[0].parent = 3; }, "invariant I1 broken at node 0"},
+      {[](classic::Tree& t) { t.nodes[4].parent = 2; }, "invariant I2 broken at node 1"},
+      {[](classic::Tree& t) { std::swap(t.leaf_of[0], t.leaf_of[1]); }, "invariant I3"},
+      {[](classic::Tree& t) { t.nodes[1].sphere.radius *= 0.9; }, "invariant I6 broken at node 1"},
+      {[](classic::Tree& t) { t.nodes[10].sphere.radius *= 0.9; }, "invariant I5 broken at node 10"},
+      {[](classic::Tree& t) { t.is_queued[2] = 1; }, "invariant I7 broken at node 0"},
+  };
+  for (const auto& [damage, text] : cases) {
+    const classic::Model model(triangles_in_a_row(8));
+    ASSERT_TRUE(static_cast<bool>(model.validate()));
+    damage(const_cast<classic::Tree&>(model.tree()));
+    EXPECT_EQ(model.validate().error().text.substr(0, std::strlen(text)), text);
+  }
+}
+
+/// Moves the first vertex of the given triangles up a little and commits.
+classic::MaintenanceStats stats_after_moving(Maintenance mode, const std::vector<TriangleId>& which) {
+  classic::Model model(triangles_in_a_row(16), {.maintenance = mode});
+  std::vector<VertexId> ids;
+  std::vector<Vec3> positions;
+  for (const TriangleId t : which) {
+    ids.push_back(3 * t);
+    positions.push_back(model.mesh().positions()[3 * t] + Vec3{0, 0, 0.1});
+  }
+  model.move_vertices(ids, positions).value();
+  model.commit();
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  return model.maintenance_stats();
+}
+
+TEST(ClassicMaintenance, CountsWhatEachModeMustRefit) {
+  // 16 triangles: depth 4, five nodes from leaf to root. Triangles 0 and 1 are siblings; 0 is moved twice.
+  EXPECT_EQ(stats_after_moving(Maintenance::immediate, {0, 0, 1}).refits, 15U);
+  EXPECT_EQ(stats_after_moving(Maintenance::batched, {0, 0, 1}).refits, 10U);
+  EXPECT_EQ(stats_after_moving(Maintenance::by_depth, {0, 0, 1}).refits, 6U);
+  // Triangles of different halves share the root only.
+  EXPECT_EQ(stats_after_moving(Maintenance::batched, {0, 15}).refits, 10U);
+  EXPECT_EQ(stats_after_moving(Maintenance::by_depth, {0, 15}).refits, 9U);
+}
+
+TEST(ClassicMaintenance, ByDepthRefitsEveryNodeOnceWhenAllVerticesMove) {
+  classic::Model model(scenes::thesis_ball());
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p *= 1.5;
+  model.move_all(positions).value();
+  EXPECT_FALSE(model.is_committed());
+  model.commit();
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.maintenance_stats().refits, model.tree_stats().nodes);
+  EXPECT_EQ(model.maintenance_stats().absorbed, 0U);
+  EXPECT_EQ(model.maintenance_stats().moved_vertices, positions.size());
+  classic::Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
+  immediate.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
+  EXPECT_TRUE(immediate.is_committed());
+}
+
+TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
+  Rng rng(50);
+  classic::Model models[] = {classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::immediate}),
+                             classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::batched}),
+                             classic::Model(scenes::thesis_ball(), {.maintenance = Maintenance::by_depth})};
+  for (int round = 0; round < 20; ++round) {
+    const scenes::Dent dent{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 1), 0.1};
+    for (classic::Model& model : models) {
+      const auto moves = scenes::dent_moves(dent, model.mesh().positions());
+      model.move_vertices(moves.ids, moves.positions).value();
+      model.commit();
+    }
+  }
+  for (std::size_t n = 0; n < models[0].tree().nodes.size(); ++n) {
+    for (const classic::Model& model : models) {
+      ASSERT_EQ(model.tree().nodes[n].sphere.center, models[0].tree().nodes[n].sphere.center);
+      ASSERT_EQ(model.tree().nodes[n].sphere.radius, models[0].tree().nodes[n].sphere.radius);
+    }
+  }
+}
+
+TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
+  classic::Model model(triangles_in_a_row(4));
+  const std::vector<Vec3> before = model.mesh().positions();
+  const std::vector<VertexId> ids{0, 99};
+  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}};
+  const auto expect_refused = [&](const Result<void>& result, ErrorCode code, const char* text) {
+    ASSERT_FALSE(static_cast<bool>(result));
+    EXPECT_EQ(result.error().code, code);
+    EXPECT_EQ(result.error().text, text);
+    EXPECT_EQ(model.mesh().positions(), before);
+    EXPECT_TRUE(model.is_committed());
+    EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
+  };
+  expect_refused(model.move_vertices(ids, two), ErrorCode::index_out_of_range,
+                 "entry 1 of the update names vertex 99, but there are only 12");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0}, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0, 1}, std::vector<Vec3>{{0, 0, 1}, {0, NAN, 0}}),
+                 ErrorCode::non_finite, "entry 1 of the update is not finite");
+  expect_refused(model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{1e70, 0, 1}}), ErrorCode::too_large,
+                 "entry 0 of the update has a coordinate above the limit of 2^200");
+  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for 12 vertices");
+}
+
+TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
+  classic::Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}}, {{0, 1, 2}}).value());
+  model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 1, 1}}).value();
+  model.commit();
+  EXPECT_EQ(model.maintenance_stats().refits, 0U);
+  EXPECT_EQ(model.mesh().positions()[3], (Vec3{1, 1, 1}));
+}
+
+TEST(ClassicLooseness, AbsorbsSmallMotionsAndNotLargeOnes) {
+  for (const Maintenance mode : {Maintenance::immediate, Maintenance::batched, Maintenance::by_depth}) {
+    classic::Model model(triangles_in_a_row(16), {.maintenance = mode, .looseness = {.extra_radius = 0.2}});
+    const auto raise = [&](double height) {
+      model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, height}}).value();
+      model.commit();
+      EXPECT_TRUE(static_cast<bool>(model.validate()));
+      return model.maintenance_stats();
+    };
+    EXPECT_EQ(raise(0.01).refits, 0U);
+    EXPECT_EQ(raise(0.02).absorbed, 2U);
+    EXPECT_GT(raise(5).refits, 0U);
+  }
+}
+
+TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
+  classic::Model model(triangles_in_a_row(16), {.looseness = {.extra_radius = 0.1, .stale_ratio = 1.5}});
+  const double radius = model.tree_stats().root_radius;
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p *= 0.01;
+  model.move_all(positions).value();
+  model.commit();
+  EXPECT_LT(model.tree_stats().root_radius, 0.02 * radius);
+}
+
+TEST(ClassicDistance, AContactIsFoundEvenWhenThePruneDistanceUnderflows) {
+  // The first pair that the query compares is 1e-20 apart. Its distance divided by 1 + the error underflows to 0. The
+  // contact must not be pruned all the same.
+  const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
+  const classic::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
+  const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
+  EXPECT_EQ(r.status, Status::collision);
+  EXPECT_EQ(r.stats.triangle_tests, 2U);
+}
+
+TEST(ClassicCollide, StopsAtTheFirstPair) {
+  const classic::Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
+  const CollideResult r = classic::collide({a}, {b});
+  ASSERT_TRUE(r.is_yes());
+  EXPECT_LT(r.stats.triangle_tests, 20U);
+  EXPECT_TRUE(intersects(a.mesh().triangle(r.witness->triangle_a), b.mesh().triangle(r.witness->triangle_b)));
+}
+
+TEST(ClassicCollide, FarModelsCostOneTest) {
+  const classic::Model a(scenes::thesis_square()), b(scenes::thesis_ball());
+  const CollideResult r = classic::collide({a}, {b, {{}, {0, 0, 50}}});
+  EXPECT_FALSE(r.is_yes());
+  EXPECT_FALSE(r.witness.has_value());
+  EXPECT_EQ(r.stats.node_tests, 1U);
+  EXPECT_EQ(r.stats.triangle_tests, 0U);
+}
+
+TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
+  // The counts are the same on every machine. Other counts mean another traversal, and then the experiments have to be
+  // run again.
+  const classic::Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
+  const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
+  EXPECT_EQ(collide.node_tests, 6919U);
+  EXPECT_EQ(collide.triangle_tests, 560U);
+  const QueryStats distance = classic::distance({square}, {ball, pose}).stats;
+  EXPECT_EQ(distance.node_tests, 29055U);
+  EXPECT_EQ(distance.triangle_tests, 5914U);
+}
+
+TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
+  const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Mesh a = soup({unit, unit}), b = soup({{{0, 0, 9}, {1, 0, 9}, {0, 1, 9}}, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}});
+  const DistanceResult r = reference::distance({a}, {b});
+  EXPECT_EQ(r.upper, 2);
+  EXPECT_EQ(r.witness->triangle_a, 0U);
+  EXPECT_EQ(r.witness->triangle_b, 1U);
+  EXPECT_EQ(r.stats.triangle_tests, 4U);
+}
+
+}  // namespace
+}  // namespace limber::testing
