@@ -20,7 +20,6 @@
 #include "reference/reference.h"
 #include "simd/kernels.h"
 #include "support/crumpled_mesh.h"
-#include "support/fans.h"
 #include "support/random_scene.h"
 #include "support/real_meshes.h"
 
@@ -327,13 +326,8 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceWhileModelsDeform) {
     const MeshEdges edges(model.mesh());
     const double size = extent_of(model.mesh());
     for (int step = 0; step < 6 && !HasFailure(); ++step) {
-      std::vector<Vec3> positions = model.mesh().positions();
       const double length = size * std::pow(10.0, rng.uniform(-4, -0.5));
-      for (Vec3& p : positions) {
-        if (rng.below(1 + step % 3) == 0) p += length * uniform_point(rng);
-      }
-      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
-      model.commit();
+      deform(model, [&](const Vec3& p) { return rng.below(1 + step % 3) == 0 ? p + length * uniform_point(rng) : p; });
       if (step == 4) model.rebuild();
       check_self(model, edges, rng, totals);
     }

@@ -22,7 +22,6 @@
 #include "simd/kernels.h"
 #include "support/brute_force.h"
 #include "support/counts.h"
-#include "support/options.h"
 #include "support/random_scene.h"
 #include "support/right_answers.h"
 

@@ -333,41 +333,19 @@ TEST(UpdateSequences, LeaveEveryModelSoundAndEveryAnswerRight) {
   EXPECT_GT(10 * rebuilt_triangles, all);
 }
 
-rc::Gen<Shape> shapes(std::uint32_t most) {
-  return rc::gen::build<Shape>(
-      rc::gen::set(&Shape::kind, rc::gen::map(rc::gen::inRange(0, static_cast<int>(Shape::Kind::count)),
-                                              [](int kind) { return static_cast<Shape::Kind>(kind); })),
-      rc::gen::set(&Shape::size, rc::gen::inRange(1U, most)), rc::gen::set(&Shape::seed, rc::gen::inRange(0U, 100U)));
-}
-
-rc::Gen<Start> starts() {
-  return rc::gen::build<Start>(
-      rc::gen::set(&Start::shape, shapes(80)), rc::gen::set(&Start::still, shapes(5)),
-      rc::gen::set(&Start::motion_margin, rc::gen::element(0.0, 1e-3, 0.1, 3.0)),
-      rc::gen::set(&Start::rebuild_policy,
-                   rc::gen::element(RebuildPolicy::off, RebuildPolicy::in_commit, RebuildPolicy::on_worker)),
-      rc::gen::set(&Start::rebuild_budget_us,
-                   rc::gen::element<std::optional<double>>(ModelOptions::automatic, 0.3, 20.0)));
-}
-
-rc::Gen<Update> updates() {
-  return rc::gen::build<Update>(
-      rc::gen::set(&Update::kind, rc::gen::map(rc::gen::inRange(0, static_cast<int>(Update::Kind::count)),
-                                               [](int kind) { return static_cast<Update::Kind>(kind); })),
-      rc::gen::set(&Update::count, rc::gen::inRange(1U, 6U)), rc::gen::set(&Update::exponent, rc::gen::inRange(-4, 2)),
-      rc::gen::set(&Update::draw, rc::gen::inRange(0U, 1U << 20)));
-}
-
-RC_GTEST_PROP(UpdateSequences, StayRightAndShrinkToFewUpdatesWhenTheyFail, ()) {
-  const Start start = *starts();
-  const std::vector<Update> sequence = *rc::gen::container<std::vector<Update>>(updates());
+RC_GTEST_PROP(UpdateSequences, StayRightAndShrinkToFewUpdatesWhenTheyFail,
+              (std::uint32_t seed_of_start, std::vector<std::uint32_t> seeds)) {
+  Rng rng(seed_of_start);
+  const Start start = drawn_start(rng);
   Subject subject(start);
-  for (const Update& update : sequence) {
-    const std::string wrong = subject.apply(update);
-    if (!wrong.empty()) RC_FAIL(wrong);
+  std::vector<Update> done;
+  seeds.push_back(0);
+  for (const std::uint32_t seed : seeds) {
+    Rng of_update(seed);
+    done.push_back(seed == 0 ? Update{} : drawn_update(of_update));
+    const std::string wrong = subject.apply(done.back());
+    if (!wrong.empty()) RC_FAIL(text_of(wrong, ": ", start, ::testing::PrintToString(done)));
   }
-  const std::string wrong = subject.check(0);
-  if (!wrong.empty()) RC_FAIL(wrong);
 }
 
 }  // namespace

@@ -14,6 +14,12 @@
 /// Random queries of two models, and what is wrong with their answers: a text, empty if nothing is.
 namespace limber::testing {
 
+/// The same options, with a cache and a budget.
+inline DistanceOptions with(DistanceOptions options, QueryCache* cache, const QueryBudget& budget = {}) {
+  options.cache = cache, options.budget = budget;
+  return options;
+}
+
 /// The distance of two models, and how far rounding may be off.
 struct Truth {
   double distance, tolerance;

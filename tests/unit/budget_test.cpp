@@ -18,7 +18,6 @@
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
-#include "support/options.h"
 #include "support/random_scene.h"
 #include "support/right_answers.h"
 

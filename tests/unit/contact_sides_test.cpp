@@ -342,12 +342,7 @@ TEST(ContactSides, OfABodyInsideACopyOfItselfAreUnknown) {
 TEST(ContactSides, OfOneModelAreThoseOfTwoBodies) {
   // Two balls as one mesh.
   const Mesh ball = scenes::ball(24, 16);
-  std::vector<Vec3> positions = ball.positions();
-  std::vector<Corners> triangles = ball.triangles();
-  const auto first = static_cast<VertexId>(positions.size());
-  for (const Vec3& p : ball.positions()) positions.push_back(p + Vec3{1.9, 0.01, 0.02});
-  for (const Corners& c : ball.triangles()) triangles.push_back({first + c[0], first + c[1], first + c[2]});
-  const Model both(Mesh::create(positions, triangles).value());
+  const Model both(joined(ball, mapped(ball, [](const Vec3& p) { return p + Vec3{1.9, 0.01, 0.02}; })));
   Vec3 sum;
   visit_self_contacts(both, 0, [&](const Contact& c) {
     EXPECT_EQ(c.normal_side, NormalSide::outward);

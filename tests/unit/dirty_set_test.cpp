@@ -8,7 +8,6 @@
 #include <set>
 #include <vector>
 
-#include "bvh/refit.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
@@ -36,6 +35,12 @@ struct Sheet {
   bvh::Tree tree = bvh::build(mesh);
   std::size_t vertex_count = mesh.positions().size();
   std::size_t lowest = tree.level_begin.size() - 2;  // level
+
+  DirtySet dirty_set() const {
+    DirtySet dirty(tree);
+    EXPECT_TRUE(dirty.try_index_vertices(tree, vertex_count));
+    return dirty;
+  }
 };
 
 TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
@@ -60,9 +65,7 @@ TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
 
 TEST(DirtySet, LetsAnotherSetFollow) {
   const Sheet sheet;
-  DirtySet dirty(sheet.tree), follower(sheet.tree);
-  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
-  ASSERT_TRUE(follower.try_index_vertices(sheet.tree, sheet.vertex_count));
+  DirtySet dirty = sheet.dirty_set(), follower = sheet.dirty_set();
   dirty.set_follower(&follower);
   dirty.add(7);
   EXPECT_EQ(follower.nodes(sheet.lowest), dirty.nodes(sheet.lowest));
@@ -89,8 +92,7 @@ TEST(DirtySet, LetsAnotherSetFollow) {
 
 TEST(DirtySet, GivesNodesAwayAsCleanOnes) {
   const Sheet sheet;
-  DirtySet dirty(sheet.tree);
-  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
+  DirtySet dirty = sheet.dirty_set();
   const Nodes expected = nodes_at(sheet.tree, 41);
   Nodes taken;
   taken.reserve(sheet.tree.nodes.size());
@@ -122,24 +124,6 @@ TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
   EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
   EXPECT_FALSE(dirty.empty());
   dirty.clear();
-  EXPECT_TRUE(dirty.empty());
-}
-
-TEST(DirtySet, RefitsWhatItHoldsAndNoMore) {
-  Sheet sheet;
-  DirtySet dirty(sheet.tree);
-  dirty.try_index_vertices(sheet.tree, sheet.vertex_count);
-  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), 0U);
-  sheet.mesh.set_position(0, {0, 0, 5}).value();
-  EXPECT_FALSE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));  // the bounds do not hold the vertex
-  dirty.add(0);
-  const std::uint64_t refits = refit(sheet.tree, sheet.mesh, dirty);
-  EXPECT_GE(refits, nodes_at(sheet.tree, 0).size());
-  EXPECT_LE(refits, nodes_at(sheet.tree, 0).size() * (sheet.lowest + 1));
-  EXPECT_TRUE(dirty.empty());
-  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));
-  dirty.add_all();
-  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), sheet.tree.nodes.size());
   EXPECT_TRUE(dirty.empty());
 }
 

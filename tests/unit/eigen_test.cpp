@@ -14,11 +14,6 @@ namespace {
 template <typename Scalar>
 using ByRows = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-TEST(EigenConversion, VectorsKeepTheirCoordinates) {
-  EXPECT_EQ(vec3_from_eigen({1, 2, 3}), (Vec3{1, 2, 3}));
-  EXPECT_EQ(eigen_vector({1, 2, 3}), Eigen::Vector3d(1, 2, 3));
-}
-
 TEST(EigenConversion, TransformsMovePointsAlike) {
   Rng rng(710);
   for (int i = 0; i < 100; ++i) {
@@ -37,12 +32,8 @@ TEST(EigenConversion, TakesAQuarterTurnFromEigen) {
   Eigen::Isometry3d quarter(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
   quarter.pretranslate(Eigen::Vector3d(0, 0, 7));
   EXPECT_LE(max_abs(transform_from_eigen(quarter).value()({1, 0, 0}) - Vec3{0, 1, 7}), 1e-15);
-}
-
-TEST(EigenConversion, RefusesIsometriesThatAreNone) {
-  Eigen::Isometry3d stretched = Eigen::Isometry3d::Identity();
-  stretched.linear() *= 2;
-  EXPECT_EQ(transform_from_eigen(stretched).error().code, ErrorCode::not_rigid);
+  quarter.linear() *= 2;
+  EXPECT_EQ(transform_from_eigen(quarter).error().code, ErrorCode::not_rigid);
 }
 
 TEST(EigenConversion, PositionsAreReadWhereTheyAre) {

@@ -14,8 +14,8 @@
 #include "pair/frames.h"
 #include "pair/query_cache_impl.h"
 #include "scenes/motions.h"
-#include "support/options.h"
 #include "support/random_geometry.h"
+#include "support/right_answers.h"
 
 namespace limber::testing {
 namespace {
