@@ -50,6 +50,16 @@ std::vector<Pair> in_order(std::vector<Pair> pairs) {
   return pairs;
 }
 
+template <typename Pair>
+bool same(const std::vector<Pair>& list, const std::vector<Pair>& other) {
+  return std::equal(list.begin(), list.end(), other.begin(), other.end(), [](const Pair& p, const Pair& q) {
+    return ids_of(p) == ids_of(q) && values_of(p) == values_of(q);
+  });
+}
+bool same(const ElementPairs& p, const ElementPairs& q) {
+  return same(p.vertex_face, q.vertex_face) && same(p.edge_edge, q.edge_edge);
+}
+
 /// The same list on every instruction set, order and numbers included.
 template <typename List>
 auto on_all_sets(const List& list) {
@@ -57,10 +67,7 @@ auto on_all_sets(const List& list) {
   const auto first = list();
   for (const simd::Kernels& set : simd::all_kernels()) {
     simd::use_kernels(&set);
-    const auto again = list();
-    EXPECT_TRUE(std::equal(again.begin(), again.end(), first.begin(), first.end(), [](const auto& p, const auto& q) {
-      return ids_of(p) == ids_of(q) && values_of(p) == values_of(q);
-    })) << set.name;
+    EXPECT_TRUE(same(list(), first)) << set.name;
   }
   simd::use_kernels(nullptr);
   return first;
@@ -81,21 +88,15 @@ std::vector<Pair> visited(const Visit& visit) {
 /// What a query of elements visits.
 template <typename Visit>
 ElementPairs visited_elements(const Visit& visit) {
-  ElementPairs found;
-  const auto list = [&](auto& wanted) {
-    return on_all_sets([&] {
-      found = {};
-      const ElementPairCount count =
-          visit([&](const VertexFacePair& p) { return found.vertex_face.push_back(p), true; },
-                [&](const EdgeEdgePair& p) { return found.edge_edge.push_back(p), true; });
-      EXPECT_EQ(count.vertex_face, found.vertex_face.size());
-      EXPECT_EQ(count.edge_edge, found.edge_edge.size());
-      EXPECT_TRUE(count.is_complete);
-      return wanted;
-    });
-  };
-  list(found.vertex_face), list(found.edge_edge);
-  return found;
+  return on_all_sets([&] {
+    ElementPairs found;
+    const ElementPairCount count = visit([&](const VertexFacePair& p) { return found.vertex_face.push_back(p), true; },
+                                         [&](const EdgeEdgePair& p) { return found.edge_edge.push_back(p), true; });
+    EXPECT_EQ(count.vertex_face, found.vertex_face.size());
+    EXPECT_EQ(count.edge_edge, found.edge_edge.size());
+    EXPECT_TRUE(count.is_complete);
+    return found;
+  });
 }
 
 /// Whether the contacts within a margin are those of brute force. Pairs whose distance equals the margin up to rounding
