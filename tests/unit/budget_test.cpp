@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Queries that end early: what their budget says, and what they say then. A query with a budget that is asked again and
-// again at rest ends, after hardly more work than one without a budget, and its interval never becomes wider: also where
-// all pairs of triangles are about as far apart.
+// Queries that end early: what their budget says, and what they say then. A query with a budget that is asked again at
+// rest ends, after hardly more work than one without a budget, and its interval never becomes wider: also where all
+// pairs of triangles are about as far apart.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Contacts reduced to manifolds: known answers, the promise by brute force, the twin, any order of the input, and mistakes
-// of callers.
+// Contacts reduced to manifolds: known answers, the promise by brute force, the twin, any order of the input, and
+// mistakes of callers.
 #include "limber/contacts.h"
 
 #include <gtest/gtest.h>
