@@ -69,9 +69,8 @@ void update(Rng& rng, classic::Model& model) {
 bool holds(const Sphere& sphere, const Vec3& p) {
   const Vec3 off = p - sphere.center;
   const bool may_underflow = sphere.radius < 0x1p-400;
-  if (!may_underflow && dot(off, off) <= (1 - 0x1p-45) * sphere.radius * sphere.radius) return true;
-  const RationalVec d = minus(rational(p), rational(sphere.center));
-  return dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius);
+  const bool is_certain = !may_underflow && dot(off, off) <= (1 - 0x1p-45) * sphere.radius * sphere.radius;
+  return is_certain || exactly_inside(sphere, p);
 }
 
 /// Every sphere above a triangle holds its corners.

@@ -8,11 +8,6 @@
 namespace limber::testing {
 namespace {
 
-bool exactly_inside(const Sphere& sphere, const Vec3& p) {
-  const RationalVec d = minus(rational(p), rational(sphere.center));
-  return dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius);
-}
-
 TEST(EnclosingSphere, OfTrianglesHasKnownValues) {
   const Vec3 p{3, -4, 5};
   const struct {
