@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "limber/classic.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/elements.h"
@@ -150,17 +149,6 @@ TEST_F(LatticeProperty, OfElements) {
     const reference::ElementPairs expected_of_one = reference::self_element_pairs(s.mesh_a, margin);
     ASSERT_EQ(one.vertex_face, expected_of_one.vertex_face.size()) << "scene " << i;
     ASSERT_EQ(one.edge_edge, expected_of_one.edge_edge.size()) << "scene " << i;
-  }
-}
-
-TEST_F(LatticeProperty, OfClassicModels) {
-  Rng rng(1605);
-  for (std::size_t i = 0; i < 1500; ++i) {
-    const Scene s = lattice_scene(rng);
-    const classic::Model a(s.mesh_a), b(s.mesh_b);
-    const bool expected = reference::collide({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).is_yes();
-    ASSERT_EQ(classic::collide({a, s.pose_a}, {b, s.pose_b}).is_yes(), expected) << "scene " << i;
-    ASSERT_EQ(classic::within({a, s.pose_a}, {b, s.pose_b}, 0).is_yes(), expected) << "scene " << i;
   }
 }
 
