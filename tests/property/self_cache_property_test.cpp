@@ -5,9 +5,9 @@
 // force finds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "limber/contacts.h"
