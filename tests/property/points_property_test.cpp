@@ -65,13 +65,10 @@ TEST(PointsProperty, AreThoseOfBruteForceAtEveryScale) {
     const double scale = std::pow(10.0, rng.uniform(-300, 58));
     Mesh mesh = arbitrary_mesh(rng, 60, {}, scale);
     if (rng.below(3) == 0) {  // and something tiny beside it
-      std::vector<Vec3> positions = mesh.positions();
-      std::vector<Corners> triangles = mesh.triangles();
-      const auto first = static_cast<VertexId>(positions.size());
       const double tiny = scale * std::pow(10.0, rng.uniform(-40, 0));
-      for (int k = 0; k < 60; ++k) positions.push_back(tiny * uniform_point(rng));
-      for (VertexId k = 0; k < 60; k += 3) triangles.push_back({first + k, first + k + 1, first + k + 2});
-      mesh = Mesh::create(std::move(positions), std::move(triangles)).value();
+      std::vector<Triangle> specks;
+      while (specks.size() < 20) specks.push_back(uniform_triangle(rng));
+      mesh = joined(mesh, moved(soup(specks), {}, tiny));
     }
     const Model model(mesh);
     Transform pose;
@@ -90,14 +87,12 @@ TEST(PointsProperty, AreThoseOfBruteForceWhileModelsDeform) {
       const std::uint64_t kind = rng.below(8);
       if (kind == 0) model.rebuild();
       if (kind <= 2) model.set_motion_margin(kind == 1 ? 0 : size * std::pow(10.0, rng.uniform(-9, 0)));
-      std::vector<Vec3> positions = model.mesh().positions();
       const double most = size * std::pow(10.0, rng.uniform(-12, rng.below(4) == 0 ? 1 : -1));
-      for (Vec3& p : positions) {
-        if (kind != 7) p += rng.below(3) == 0 ? most * uniform_point(rng) : Vec3{};
-        if (kind == 7) p = positions[0];  // all at one place
-      }
-      model.move_all(positions).value();
-      model.commit();
+      const Vec3 place = model.mesh().positions()[0];
+      deform(model, [&](const Vec3& p) {
+        if (kind == 7) return place;  // all at one place
+        return rng.below(3) == 0 ? p + most * uniform_point(rng) : p;
+      });
       check_points(rng, {model, s.pose_a}, size, 6, "model " + std::to_string(i) + ", step " + std::to_string(step));
     }
   }
@@ -109,14 +104,11 @@ TEST(PointsProperty, WindingNumbersDependOnDirectionsAlone) {
     // The point is the origin: inside of a ball, or outside of one beside it.
     const bool is_inside = rng.below(2) == 0;
     const Mesh ball = scenes::ball(3 + static_cast<std::uint32_t>(rng.below(9)), 8);
-    std::vector<Vec3> positions = ball.positions();
     const auto lowest = static_cast<int>(rng.below(1200)), range = static_cast<int>(1 + rng.below(1220 - lowest));
-    for (Vec3& p : positions) {
+    const Mesh mesh = mapped(ball, [&](const Vec3& p) {
       const int exponent = lowest + static_cast<int>(rng.below(static_cast<std::uint64_t>(range))) - 1022;
-      if (!is_inside) p.x += 3;
-      p *= std::ldexp(1.0, exponent);
-    }
-    const Mesh mesh = Mesh::create(positions, ball.triangles()).value();
+      return std::ldexp(1.0, exponent) * (is_inside ? p : p + Vec3{3, 0, 0});
+    });
     const Model model(mesh);
     const double truth = is_inside ? 1 : 0;
     ASSERT_NEAR(winding_number({model}, {}), truth, 1e-13) << "surface " << i;

@@ -51,11 +51,8 @@ struct SceneCase {
   }
   void deform() {
     Model& model = *models[rng.below(models.size())];
-    std::vector<Vec3> positions = model.mesh().positions();
     const double step = std::pow(10.0, rng.uniform(-6, 0)) * model.bounding_sphere().radius;
-    for (Vec3& p : positions) p += step * uniform_point(rng);
-    RC_ASSERT(static_cast<bool>(model.move_all(positions)));
-    model.commit();
+    testing::deform(model, [&](const Vec3& p) { return p + step * uniform_point(rng); });
   }
   void change() {
     const ObjectId id = objects.empty() ? 0 : static_cast<ObjectId>(rng.below(objects.size()));

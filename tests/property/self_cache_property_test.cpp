@@ -5,9 +5,9 @@
 // force finds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "limber/contacts.h"
@@ -22,13 +22,10 @@ namespace {
 Mesh regular(Rng& rng) {
   const Mesh flat = scenes::grid(some(rng, 2, 8), some(rng, 2, 8), 0, 0, 0.125, 0.125);
   const Transform pose = random_pose(rng, 5);
-  std::vector<Vec3> positions = flat.positions();
   const double bend = rng.below(2) == 0 ? 0 : rng.uniform(0.5, 6);
-  for (Vec3& p : positions) {
-    if (bend > 0) p = {std::cos(bend * p.x), p.y, std::sin(bend * p.x)};
-    p = pose(p);
-  }
-  return Mesh::create(std::move(positions), flat.triangles()).value();
+  return mapped(flat, [&](const Vec3& p) {
+    return pose(bend > 0 ? Vec3{std::cos(bend * p.x), p.y, std::sin(bend * p.x)} : p);
+  });
 }
 
 Mesh any_mesh(Rng& rng) { return rng.below(3) == 0 ? regular(rng) : crumpled(rng); }
@@ -114,15 +111,10 @@ void check_two_models(const Model& a, const Model& b, Rng& rng, QueryCache& cach
   ASSERT_EQ(collide(first, second, {.cache = &cache}).is_yes(), fresh.upper == 0);
 }
 
-void deform(Model& model, Rng& rng) {
-  std::vector<Vec3> positions = model.mesh().positions();
+void deform_some(Model& model, Rng& rng) {
   const double length = extent_of(model.mesh()) * std::pow(10.0, rng.uniform(-6, -0.5));
   const std::uint64_t every = 1 + rng.below(3);
-  for (Vec3& p : positions) {
-    if (rng.below(every) == 0) p += length * uniform_point(rng);
-  }
-  model.move_all(positions).value();
-  model.commit();
+  deform(model, [&](const Vec3& p) { return rng.below(every) == 0 ? p + length * uniform_point(rng) : p; });
 }
 
 TEST(SelfCacheProperty, ChangesNoAnswerWhileModelsDeformAndAreReplaced) {
@@ -137,7 +129,7 @@ TEST(SelfCacheProperty, ChangesNoAnswerWhileModelsDeformAndAreReplaced) {
     const Model other(any_mesh(rng));
     simd::use_kernels(rng.below(3) == 0 ? &simd::scalar_kernels : nullptr);
     for (int step = 0; step < 8; ++step) {
-      if (step > 0) deform(model, rng);
+      if (step > 0) deform_some(model, rng);
       if (step == 3) model.rebuild();
       if (step == 6) model.reset(any_mesh(rng));
       check_cached(model, rng, cache, counts);

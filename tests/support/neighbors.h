@@ -36,55 +36,29 @@ struct Neighbors {
 
 constexpr int neighbor_kinds = 12;
 
-/// Five positions; see the switch.
+/// Five positions of a kind.
 inline std::vector<Vec3> positions_of_kind(Rng& rng, int kind) {
-  std::vector<Vec3> p(5);
   const Triangle plane = uniform_triangle(rng);
   const Vec3 step = lattice_point(rng) - Vec3{1, 1, 1};
   const auto flat = [](Vec3 q) { return Vec3{q.x, q.y, 0}; };
-  for (std::size_t i = 0; i < p.size(); ++i) {
+  const auto position = [&](std::size_t i) -> Vec3 {
     const double s = rng.uniform(-1, 2), t = rng.uniform(-1, 2);
-    switch (kind) {
-      case 0:
-        p[i] = uniform_point(rng);
-        break;
-      case 1:
-        p[i] = lattice_point(rng);
-        break;
-      case 2:
-        p[i] = nudged(rng, lattice_point(rng));
-        break;
-      case 3:
-        p[i] = flat(lattice_point(rng));
-        break;
-      case 4:
-        p[i] = nudged(rng, flat(lattice_point(rng)));
-        break;
-      case 5:
-        p[i] = flat(uniform_point(rng));
-        break;
-      case 6:
-        p[i] = point_on(plane, s, t);
-        break;  // coplanar up to rounding
-      case 7:
-        p[i] = flat(plane.v0 + s * (plane.v1 - plane.v0));
-        break;  // collinear up to rounding, but coplanar
-      case 8:
-        p[i] = static_cast<double>(rng.below(5)) * step;
-        break;   // collinear
-      case 9: {  // a fan, flat or nearly so
-        const double angle = static_cast<double>(i) * 1.05 + 0.3 * rng.uniform();
-        p[i] = i == 0 ? Vec3{} : Vec3{std::cos(angle), std::sin(angle), rng.below(2) == 0 ? 0 : 0.1 * rng.uniform()};
-        break;
-      }
-      case 10:
-        p[i] = std::ldexp(1.0, -static_cast<int>(rng.below(400))) * lattice_point(rng);
-        break;
-      default:
-        p[i] = nudged(rng, plane.v0 + s * (plane.v1 - plane.v0));
-        break;  // slivers
-    }
-  }
+    if (kind == 0) return uniform_point(rng);
+    if (kind == 1) return lattice_point(rng);
+    if (kind == 2) return nudged(rng, lattice_point(rng));
+    if (kind == 3) return flat(lattice_point(rng));
+    if (kind == 4) return nudged(rng, flat(lattice_point(rng)));
+    if (kind == 5) return flat(uniform_point(rng));
+    if (kind == 6) return point_on(plane, s, t);                       // coplanar up to rounding
+    if (kind == 7) return flat(plane.v0 + s * (plane.v1 - plane.v0));  // collinear up to rounding, but coplanar
+    if (kind == 8) return static_cast<double>(rng.below(5)) * step;    // collinear
+    if (kind == 9) return std::ldexp(1.0, -static_cast<int>(rng.below(400))) * lattice_point(rng);
+    if (kind == 10) return nudged(rng, plane.v0 + s * (plane.v1 - plane.v0));  // slivers
+    const double angle = static_cast<double>(i) * 1.05 + 0.3 * rng.uniform();  // a fan, flat or nearly so
+    return i == 0 ? Vec3{} : Vec3{std::cos(angle), std::sin(angle), rng.below(2) == 0 ? 0 : 0.1 * rng.uniform()};
+  };
+  std::vector<Vec3> p(5);
+  for (std::size_t i = 0; i < p.size(); ++i) p[i] = position(i);
   if (rng.below(6) == 0) p[4] = nudged(rng, point_on({p[0], p[1], p[2]}, rng.uniform(), rng.uniform()), 1);
   return p;
 }

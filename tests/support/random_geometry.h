@@ -237,6 +237,33 @@ inline Mesh soup(const std::vector<Triangle>& triangles) {
   return Mesh::create(std::move(positions), std::move(corners)).value();
 }
 
+/// The mesh with every position mapped.
+template <typename Map>
+Mesh mapped(const Mesh& mesh, const Map& map) {
+  std::vector<Vec3> positions = mesh.positions();
+  for (Vec3& p : positions) p = map(p);
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+/// Two meshes as one.
+inline Mesh joined(const Mesh& a, const Mesh& b) {
+  std::vector<Vec3> positions = a.positions();
+  std::vector<Corners> triangles = a.triangles();
+  const auto first = static_cast<VertexId>(positions.size());
+  positions.insert(positions.end(), b.positions().begin(), b.positions().end());
+  for (const Corners& c : b.triangles()) triangles.push_back({first + c[0], first + c[1], first + c[2]});
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+/// Moves every vertex of a model, and commits.
+template <typename Model, typename Map>
+void deform(Model& model, const Map& map) {
+  std::vector<Vec3> positions = model.mesh().positions();
+  for (Vec3& p : positions) p = map(p);
+  model.move_all(positions).value();
+  model.commit();
+}
+
 inline Transform random_pose(Rng& rng, double range) {
   const Mat3 rotation = scenes::random_rotation(rng);
   return {rotation, uniform_point(rng, -range, range)};

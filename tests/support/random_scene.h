@@ -31,9 +31,7 @@ inline Triangle arbitrary_triangle(Rng& rng, std::uint64_t kind) {
 }
 
 inline Mesh moved(const Mesh& mesh, const Vec3& offset, double scale) {
-  std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p = (p + offset) * scale;
-  return Mesh::create(std::move(positions), mesh.triangles()).value();
+  return mapped(mesh, [&](const Vec3& p) { return (p + offset) * scale; });
 }
 
 inline std::uint32_t some(Rng& rng, std::uint32_t least, std::uint32_t more) {
@@ -43,10 +41,9 @@ inline std::uint32_t some(Rng& rng, std::uint32_t least, std::uint32_t more) {
 /// A small sheet with bumps.
 inline Mesh dented_sheet(Rng& rng) {
   const std::uint32_t ny = some(rng, 1, 8), nx = some(rng, 1, 8);  // one after the other: the same on all compilers
-  const Mesh flat = scenes::grid(nx, ny, -2, -2, 0.5, 0.5);
-  std::vector<Vec3> positions = flat.positions();
-  for (Vec3& p : positions) p.z = 0.3 * rng.uniform(-1, 1);
-  return Mesh::create(std::move(positions), flat.triangles()).value();
+  return mapped(scenes::grid(nx, ny, -2, -2, 0.5, 0.5), [&](const Vec3& p) {
+    return Vec3{p.x, p.y, 0.3 * rng.uniform(-1, 1)};
+  });
 }
 
 /// A mesh of one kind, moved far from its origin or scaled by a power of two now and then.

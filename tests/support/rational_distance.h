@@ -93,6 +93,12 @@ inline Rational squared_distance(const Triangle& a, const Triangle& b) {
   return dot(between, between);
 }
 
+/// Whether a sphere holds a point, without rounding.
+inline bool exactly_inside(const Sphere& sphere, const Vec3& p) {
+  const RationalVec d = minus(rational(p), rational(sphere.center));
+  return dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius);
+}
+
 /// The extent of geometry.h without rounding.
 inline Rational rational_extent(const Triangle& a, const Triangle& b) {
   Rational extent = 0;

@@ -1,19 +1,25 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Queries that end early: what their budget says, and what they say then.
+// Queries that end early: what their budget says, and what they say then. A query with a budget that is asked again at
+// rest ends, after hardly more work than one without a budget, and its interval never becomes wider: also where all
+// pairs of triangles are about as far apart.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
-#include "support/options.h"
+#include "support/random_scene.h"
+#include "support/right_answers.h"
 
 namespace limber::testing {
 namespace {
@@ -40,66 +46,16 @@ TEST(Budget, OfStepsGivesIntervalsThatHoldTheDistance) {
   const SheetAndBall s;
   int interrupted = 0;
   for (std::uint64_t steps = 0; steps < 2000; steps = steps * 5 / 4 + 1) {
-    const DistanceResult found = distance(s.a, s.b, {.budget = {.max_steps = steps}});
-    ASSERT_TRUE(found.witness);
-    EXPECT_NEAR(found.upper, length(found.witness->point_b - found.witness->point_a), 1e-15);
-    EXPECT_LE(found.lower, s.truth) << steps;
-    EXPECT_GE(found.upper, s.truth) << steps;
-    if (found.status == Status::interrupted) {
-      ++interrupted;
-      EXPECT_LT(found.lower, found.upper) << steps;
-      EXPECT_EQ(found.stopped_by, StoppedBy::max_steps);
-    } else {
-      EXPECT_EQ(found.status, Status::exact) << steps;
-      EXPECT_EQ(found.upper, s.truth) << steps;
-      EXPECT_EQ(found.stopped_by, StoppedBy::nothing);
-    }
+    const DistanceOptions options{.budget = {.max_steps = steps}};
+    const DistanceResult found = distance(s.a, s.b, options);
+    ASSERT_EQ(wrong_answer(found, options, s.a, s.b, {s.truth, 1e-15}), "") << steps;
+    const bool is_interrupted = found.status == Status::interrupted;
+    EXPECT_EQ(found.stopped_by, is_interrupted ? StoppedBy::max_steps : StoppedBy::nothing) << steps;
+    EXPECT_EQ(found.lower < found.upper, is_interrupted) << steps;
+    interrupted += is_interrupted ? 1 : 0;
   }
   EXPECT_GT(interrupted, 10);
   EXPECT_LT(interrupted, 35);
-}
-
-TEST(Budget, OfOneStepAtATimeEndsWithTheAnswerAndNeverLosesGround) {
-  const SheetAndBall s;
-  QueryCache cache;
-  double lower = 0, upper = std::numeric_limits<double>::infinity();
-  int calls = 0;
-  DistanceResult found;
-  for (found.status = Status::interrupted; found.status == Status::interrupted; ++calls) {
-    ASSERT_LT(calls, 5000);
-    found = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 1}});
-    ASSERT_GE(found.lower, lower) << calls;
-    ASSERT_LE(found.upper, upper) << calls;
-    ASSERT_LE(found.lower, s.truth) << calls;
-    ASSERT_GE(found.upper, s.truth) << calls;
-    lower = found.lower, upper = found.upper;
-  }
-  EXPECT_EQ(upper, s.truth);
-  EXPECT_GT(calls, 20);
-  const std::uint64_t before = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 1}}).stats.node_tests;
-  EXPECT_LT(before, 10U);  // nothing is left to be done
-}
-
-TEST(Budget, IsWorthAsMuchInPartsAsInOnePiece) {
-  const SheetAndBall s;
-  const std::uint64_t at_once = distance(s.a, s.b).stats.node_tests;
-  QueryCache cache;
-  std::uint64_t in_parts = 0;
-  DistanceResult found;
-  do {
-    found = distance(s.a, s.b, {.cache = &cache, .budget = {.max_steps = 20}});
-    in_parts += found.stats.node_tests;
-  } while (found.status == Status::interrupted);
-  EXPECT_LT(in_parts, 2 * at_once);
-}
-
-TEST(Budget, OfNoStepsStillGivesAnInterval) {
-  const SheetAndBall s;
-  const DistanceResult found = distance(s.a, s.b, {.budget = {.max_steps = 0}});
-  EXPECT_EQ(found.status, Status::interrupted);
-  EXPECT_LE(found.lower, s.truth);
-  EXPECT_GE(found.upper, s.truth);
-  EXPECT_TRUE(found.witness);
 }
 
 TEST(Budget, EndsWithCancellation) {
@@ -113,77 +69,6 @@ TEST(Budget, EndsWithCancellation) {
   EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::unknown);
   cancel = false;
   EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, Status::exact);
-}
-
-TEST(Budget, WhoseDeadlineHasPassedStillMakesAStep) {
-  const SheetAndBall s;
-  QueryCache cache;
-  const QueryBudget budget{.deadline = Clock::now() - std::chrono::seconds(1)};
-  DistanceResult found = distance(s.a, s.b, {.cache = &cache, .budget = budget});
-  EXPECT_EQ(found.status, Status::interrupted);
-  EXPECT_EQ(found.stopped_by, StoppedBy::deadline);
-  for (int calls = 0; found.status == Status::interrupted; ++calls) {
-    ASSERT_LT(calls, 5000);
-    found = distance(s.a, s.b, {.cache = &cache, .budget = budget});
-  }
-  EXPECT_EQ(found.upper, s.truth);
-  EXPECT_EQ(distance(s.a, s.b, {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}}).status, Status::exact);
-}
-
-TEST(Budget, LeavesYesAndNoOpenUntilOneIsProven) {
-  const SheetAndBall s;
-  const Placed touching{s.ball, {{}, {2, 2, 0.2}}};
-  ASSERT_TRUE(collide(s.a, touching).is_yes());
-  struct Question {
-    Placed b;
-    double limit;
-    Answer wanted;
-  };
-  for (const Question& q : {Question{touching, 0, Answer::yes}, Question{s.b, s.truth * 1.01, Answer::yes},
-                            Question{s.b, s.truth * 0.99, Answer::no}}) {
-    QueryCache cache;
-    int unknown = 0;
-    const auto ask = [&] {
-      return q.limit == 0 ? collide(s.a, q.b, {.cache = &cache, .budget = {.max_steps = 1}})
-                          : within(s.a, q.b, q.limit, {.cache = &cache, .budget = {.max_steps = 1}});
-    };
-    CollideResult found = ask();
-    for (; found.answer == Answer::unknown; found = ask(), ++unknown) {
-      ASSERT_LT(unknown, 5000);
-      EXPECT_EQ(found.stopped_by, StoppedBy::max_steps);
-      EXPECT_FALSE(found.witness);
-    }
-    EXPECT_EQ(found.answer, q.wanted);
-    EXPECT_EQ(found.stopped_by, StoppedBy::nothing);
-    EXPECT_EQ(found.witness.has_value(), q.wanted == Answer::yes);
-    EXPECT_GT(unknown, 3);
-  }
-}
-
-TEST(Budget, CountsNothingThatTheErrorsAllow) {
-  // An interval as narrow as the errors allow is an answer, however it came about.
-  const SheetAndBall s;
-  for (std::uint64_t steps = 0; steps < 1000; steps = steps * 2 + 1) {
-    const DistanceResult found = distance(s.a, s.b, {.relative_error = 0.1, .budget = {.max_steps = steps}});
-    const bool is_close_enough = found.upper <= 1.1 * (1 + 1e-15) * found.lower;
-    EXPECT_EQ(found.status == Status::interrupted, !is_close_enough) << steps;
-  }
-}
-
-TEST(Budget, BeyondTheLimitIsFoundWhenItIsProven) {
-  const SheetAndBall s;
-  const DistanceOptions options{.max_distance = s.truth / 2};
-  QueryCache cache;
-  DistanceResult found = distance(s.a, s.b, with(options, &cache, {.max_steps = 1}));
-  for (int calls = 0; found.status == Status::interrupted; ++calls) {
-    ASSERT_LT(calls, 5000);
-    ASSERT_LE(found.lower, s.truth);
-    ASSERT_GE(found.upper, s.truth);
-    ASSERT_TRUE(found.witness);
-    found = distance(s.a, s.b, with(options, &cache, {.max_steps = 1}));
-  }
-  EXPECT_EQ(found.status, Status::beyond_limit);
-  EXPECT_FALSE(found.witness);
 }
 
 TEST(Budget, ThatIsSpentWhenTheErrorsAreMetInterruptsNothing) {
@@ -201,6 +86,163 @@ TEST(Budget, ThatIsSpentWhenTheErrorsAreMetInterruptsNothing) {
     met += is_met && found.stats.node_tests > 1 ? 1 : 0;
   }
   EXPECT_GT(met, 50);
+}
+
+// --- queries that are asked to their end ---
+
+struct Ending {
+  std::string name;
+  Model a, b;
+  Transform pose_b;
+};
+
+/// One triangle many times, its corners in turn.
+Mesh stacked_triangle(std::uint32_t count) {
+  std::vector<Corners> triangles;
+  for (std::uint32_t i = 0; i < count; ++i) triangles.push_back({i % 3, (i + 1) % 3, (i + 2) % 3});
+  return Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::move(triangles)).value();
+}
+
+/// Triangles of different sizes in one plane around one center.
+Mesh concentric_triangles(std::uint32_t count) {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double r = 1 + 1e-4 * i;
+    triangles.push_back({{r, 0, 0}, {-0.5 * r, 0.8 * r, 0}, {-0.5 * r, -0.8 * r, 0}});
+  }
+  return soup(triangles);
+}
+
+/// Thin needles along the axes: two such lattices stand in each other without touching.
+Mesh needles(std::uint32_t per_side) {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    for (std::uint32_t i = 0; i < per_side * per_side; ++i) {
+      const double u = static_cast<double>(i % per_side) / per_side, v = static_cast<double>(i / per_side) / per_side;
+      const auto turned = [&](double x, double y, double z) {
+        return axis == 0 ? Vec3{x, y, z} : axis == 1 ? Vec3{z, x, y} : Vec3{y, z, x};
+      };
+      triangles.push_back({turned(u, v, 0), turned(u + 1e-3, v, 0), turned(u, v + 1e-3, 1)});
+    }
+  }
+  return soup(triangles);
+}
+
+std::vector<Ending> endings() {
+  const Transform turned = transform_from_quaternion({}, 1, 0.1, 0.2, 0.3).value();
+  const Mesh ball = scenes::ball(40, 21), sheet = scenes::wave_sheet(40, 40, 0);
+  std::vector<Ending> all;
+  all.push_back({"a ball in a shell", Model(moved(ball, {}, 1.01)), Model(ball), turned});
+  all.push_back({"needles", Model(needles(10)), Model(needles(10)), {{}, {0.05, 0.04, 0.03}}});
+  all.push_back({"one triangle", Model(stacked_triangle(300)), Model(stacked_triangle(300)), {{}, {0, 0, 1}}});
+  all.push_back({"concentric", Model(concentric_triangles(300)), Model(concentric_triangles(300)), {{}, {0, 0, 1}}});
+  all.push_back({"sheets", Model(sheet), Model(sheet), {{}, {0, 0, 1e-3}}});
+  all.push_back({"a ball over a sheet", Model(sheet), Model(ball), {{}, {2, 2, 1.5}}});
+  all.push_back({"a ball in a sheet", Model(sheet), Model(ball), {{}, {2, 2, 0.2}}});
+  return all;
+}
+
+struct Effort {
+  std::uint64_t calls = 0, node_tests = 0;
+};
+
+/// Asks until there is an answer. `ask` returns the work, and whether it was the last call.
+template <typename Ask>
+Effort ask_to_the_end(std::uint64_t most_calls, const Ask& ask) {
+  Effort effort;
+  for (bool is_done = false; !is_done;) {
+    const auto [stats, done] = ask();
+    effort.node_tests += stats.node_tests;
+    is_done = done;
+    if (++effort.calls > most_calls) {
+      ADD_FAILURE() << "no end after " << most_calls << " calls";
+      break;
+    }
+  }
+  return effort;
+}
+
+// A step compares two pairs of nodes at most, of eight children each; every call compares the roots.
+constexpr std::uint64_t tests_a_step = 16, tests_a_call = 1;
+
+TEST(Endings, ComeAfterHardlyMoreWorkThanWithoutABudget) {
+  for (const Ending& s : endings()) {
+    const Placed a{s.a}, b{s.b, s.pose_b};
+    const Truth truth{distance(a, b).upper, 1e-12};
+    for (const DistanceOptions& options : {DistanceOptions{}, DistanceOptions{.relative_error = 0.1},
+                                           DistanceOptions{.max_distance = truth.distance / 2}}) {
+      const std::uint64_t whole = distance(a, b, options).stats.node_tests;
+      for (const std::uint64_t steps : {1, 7, 100, 1000}) {
+        SCOPED_TRACE(s.name + ", error " + std::to_string(options.relative_error) + ", steps " + std::to_string(steps));
+        QueryCache cache;
+        DistanceResult last;
+        last.upper = std::numeric_limits<double>::infinity();
+        const Effort effort = ask_to_the_end(2 * whole + 10, [&] {
+          const DistanceResult found = distance(a, b, with(options, &cache, {.max_steps = steps}));
+          EXPECT_EQ(wrong_answer(found, options, a, b, truth), "");
+          EXPECT_GE(found.lower, std::min(last.lower, found.upper));
+          EXPECT_TRUE(found.upper <= last.upper || found.status == Status::beyond_limit);
+          last = found;
+          return std::pair(found.stats, found.status != Status::interrupted);
+        });
+        EXPECT_LE(effort.node_tests, 2 * whole + tests_a_call * effort.calls + tests_a_step);
+      }
+    }
+  }
+}
+
+TEST(Endings, OfYesAndNoComeTheSameWay) {
+  for (const Ending& s : endings()) {
+    const Placed a{s.a}, b{s.b, s.pose_b};
+    const Truth truth{distance(a, b).upper, 1e-12};
+    for (const double limit : {0.0, 0.9 * truth.distance, 1.1 * truth.distance}) {
+      const auto ask = [&](const QueryOptions& options) {
+        return limit == 0 ? collide(a, b, options) : within(a, b, limit, options);
+      };
+      const std::uint64_t whole = ask({}).stats.node_tests;
+      for (const std::uint64_t steps : {1, 50}) {
+        SCOPED_TRACE(s.name + ", limit " + std::to_string(limit) + ", steps " + std::to_string(steps));
+        QueryCache cache;
+        const Effort effort = ask_to_the_end(2 * whole + 10, [&] {
+          const CollideResult found = ask({&cache, {.max_steps = steps}});
+          EXPECT_EQ(wrong_answer(found, limit, a, b, truth), "");
+          return std::pair(found.stats, found.answer != Answer::unknown);
+        });
+        EXPECT_LE(effort.node_tests, 2 * whole + tests_a_call * effort.calls + tests_a_step);
+      }
+    }
+  }
+}
+
+TEST(Endings, ComeWhenEveryDeadlineHasPassed) {
+  const QueryBudget passed{.deadline = Clock::now() - std::chrono::seconds(1)};
+  for (const Ending& s : endings()) {
+    SCOPED_TRACE(s.name);
+    const Placed a{s.a}, b{s.b, s.pose_b};
+    const DistanceResult whole = distance(a, b, {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}});
+    EXPECT_NE(whole.status, Status::interrupted);
+    QueryCache cache;
+    const Effort effort = ask_to_the_end(2 * whole.stats.node_tests + 10, [&] {
+      const DistanceResult found = distance(a, b, {.cache = &cache, .budget = passed});
+      const bool is_done = found.status != Status::interrupted;
+      EXPECT_EQ(found.stopped_by, is_done ? StoppedBy::nothing : StoppedBy::deadline);
+      return std::pair(found.stats, is_done);
+    });
+    EXPECT_TRUE(effort.calls > 1 || whole.stats.node_tests < 20);
+  }
+}
+
+TEST(Endings, ComeForQueriesThatFollowEachOther) {
+  // What one query has left is of use to another that asks less, and never misleads one that asks more.
+  Rng rng(1603);
+  for (const Ending& s : endings()) {
+    const Placed a{s.a}, b{s.b, s.pose_b};
+    const Truth truth{distance(a, b).upper, 1e-14};
+    QueryCache cache;
+    for (int i = 0; i < 60; ++i) {
+      ASSERT_EQ(wrong_answer_to_any(rng, a, b, truth, &cache, {.max_steps = rng.below(200)}), "") << s.name;
+    }
+  }
 }
 
 }  // namespace

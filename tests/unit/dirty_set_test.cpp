@@ -1,20 +1,24 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+// The nodes that a commit refits, and the motion that needs no refit.
 #include "bvh/dirty_set.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
 #include "bvh/refit.h"
+#include "model/motion_margin.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
 namespace {
 
 using bvh::DirtySet;
+using model::MotionMargin;
 using Nodes = std::vector<std::uint32_t>;
 
 /// The lowest nodes that have a triangle at a vertex, found by going through all of them.
@@ -36,6 +40,17 @@ struct Sheet {
   bvh::Tree tree = bvh::build(mesh);
   std::size_t vertex_count = mesh.positions().size();
   std::size_t lowest = tree.level_begin.size() - 2;  // level
+
+  DirtySet dirty_set() const {
+    DirtySet dirty(tree);
+    EXPECT_TRUE(dirty.try_index_vertices(tree, vertex_count));
+    return dirty;
+  }
+  Vec3 position(VertexId v) const { return mesh.positions()[v]; }
+  void move(VertexId v, const Vec3& by) { mesh.set_position(v, position(v) + by).value(); }
+  void move_all(const Vec3& by) {
+    for (VertexId v = 0; v < vertex_count; ++v) move(v, by);
+  }
 };
 
 TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
@@ -60,9 +75,7 @@ TEST(DirtySet, MarksTheLowestNodesAtAVertexOnce) {
 
 TEST(DirtySet, LetsAnotherSetFollow) {
   const Sheet sheet;
-  DirtySet dirty(sheet.tree), follower(sheet.tree);
-  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
-  ASSERT_TRUE(follower.try_index_vertices(sheet.tree, sheet.vertex_count));
+  DirtySet dirty = sheet.dirty_set(), follower = sheet.dirty_set();
   dirty.set_follower(&follower);
   dirty.add(7);
   EXPECT_EQ(follower.nodes(sheet.lowest), dirty.nodes(sheet.lowest));
@@ -89,8 +102,7 @@ TEST(DirtySet, LetsAnotherSetFollow) {
 
 TEST(DirtySet, GivesNodesAwayAsCleanOnes) {
   const Sheet sheet;
-  DirtySet dirty(sheet.tree);
-  ASSERT_TRUE(dirty.try_index_vertices(sheet.tree, sheet.vertex_count));
+  DirtySet dirty = sheet.dirty_set();
   const Nodes expected = nodes_at(sheet.tree, 41);
   Nodes taken;
   taken.reserve(sheet.tree.nodes.size());
@@ -125,22 +137,83 @@ TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
   EXPECT_TRUE(dirty.empty());
 }
 
-TEST(DirtySet, RefitsWhatItHoldsAndNoMore) {
+// --- what a motion margin absorbs ---
+
+TEST(MotionMargin, IsOffUntilItIsStarted) {
   Sheet sheet;
-  DirtySet dirty(sheet.tree);
-  dirty.try_index_vertices(sheet.tree, sheet.vertex_count);
-  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), 0U);
-  sheet.mesh.set_position(0, {0, 0, 5}).value();
-  EXPECT_FALSE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));  // the bounds do not hold the vertex
-  dirty.add(0);
-  const std::uint64_t refits = refit(sheet.tree, sheet.mesh, dirty);
-  EXPECT_GE(refits, nodes_at(sheet.tree, 0).size());
-  EXPECT_LE(refits, nodes_at(sheet.tree, 0).size() * (sheet.lowest + 1));
+  MotionMargin margin;
+  EXPECT_FALSE(margin.is_on());
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions.data(), sheet.mesh.positions().data());
+  EXPECT_EQ(margin.largest_displacement(), 0);
+  margin.start(sheet.mesh.positions());
+  EXPECT_TRUE(margin.is_on());
+  sheet.move(7, {0, 0, 1});
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 0);
+  margin.stop();
+  EXPECT_FALSE(margin.is_on());
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 1);
+}
+
+TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
+  Sheet sheet;
+  DirtySet dirty = sheet.dirty_set();
+  MotionMargin margin;
+  margin.start(sheet.mesh.positions());
+  const VertexId near = 3, far = 900;
+  sheet.move(near, {0, 0, 0.25});
+  sheet.move(far, {0, 0, std::nextafter(0.25, 1)});
+  const std::vector<VertexId> ids{near, far};
+  margin.mark_beyond(sheet.mesh, ids, 0.25, dirty);
+  EXPECT_EQ(margin.absorbed_count(), 1U);
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[near].z, 0);
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[far], sheet.position(far));
+  EXPECT_GE(margin.largest_displacement(), 0.25);
+  EXPECT_LT(margin.largest_displacement(), 0.25 * (1 + 1e-9));
+
+  EXPECT_EQ(dirty.nodes(sheet.lowest), nodes_at(sheet.tree, far));
+  // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
+  refit(sheet.tree, margin.fitted(sheet.mesh), dirty);
+  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted(sheet.mesh))));
+  margin.clear_counts();
+  EXPECT_EQ(margin.absorbed_count(), 0U);
+}
+
+TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
+  Sheet sheet;
+  DirtySet dirty = sheet.dirty_set();
+  MotionMargin margin;
+  margin.start(sheet.mesh.positions());
+  sheet.move(5, {0, 0, 0.5});
+  const std::vector<VertexId> ids(sheet.mesh.positions().size() + 1, 5);
+  margin.mark_beyond(sheet.mesh, ids, 1, dirty);
+  EXPECT_TRUE(margin.is_stale());
+  sheet.move(5, {0, 0, -0.5});
+  EXPECT_GE(margin.largest_displacement(), 0.5);
+  sheet.move_all({0, 0, 0.125});
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 1, sheet.tree, dirty), 0U);
+  EXPECT_FALSE(margin.is_stale());
+  EXPECT_GE(margin.largest_displacement(), 0.125);
+  EXPECT_LT(margin.largest_displacement(), 0.126);
   EXPECT_TRUE(dirty.empty());
-  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, sheet.mesh)));
-  dirty.add_all();
-  EXPECT_EQ(refit(sheet.tree, sheet.mesh, dirty), sheet.tree.nodes.size());
-  EXPECT_TRUE(dirty.empty());
+}
+
+TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
+  Sheet sheet;
+  DirtySet dirty = sheet.dirty_set();
+  MotionMargin margin;
+  margin.start(sheet.mesh.positions());
+  sheet.move_all({0, 0, 0.125});
+  sheet.move(8, {0, 0, 3});
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), 1U);
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[8], sheet.position(8));
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9].z, 0);
+  EXPECT_FALSE(dirty.covers_most_of(sheet.tree));
+
+  sheet.move_all({0, 0, 2});
+  EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), sheet.mesh.positions().size());
+  EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
+  EXPECT_EQ(margin.largest_displacement(), 0);
+  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9], sheet.position(9));
 }
 
 }  // namespace

@@ -8,35 +8,24 @@
 namespace limber::testing {
 namespace {
 
-bool exactly_inside(const Sphere& sphere, const Vec3& p) {
-  const RationalVec d = minus(rational(p), rational(sphere.center));
-  return dot(d, d) <= Rational(sphere.radius) * Rational(sphere.radius);
-}
-
-TEST(EnclosingSphere, OfARightTriangleIsCenteredOnTheLongestEdge) {
-  const Sphere s = enclosing_sphere(Triangle{{0, 0, 0}, {6, 0, 0}, {0, 8, 0}});
-  EXPECT_EQ(s.center, (Vec3{3, 4, 0}));
-  EXPECT_NEAR(s.radius, 5, 1e-14);
-}
-
-TEST(EnclosingSphere, OfAnEquilateralTriangleIsItsCircumsphere) {
-  const Sphere s = enclosing_sphere(Triangle{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-  EXPECT_NEAR(length(s.center - Vec3{1, 1, 1} * (1.0 / 3)), 0, 1e-15);
-  EXPECT_NEAR(s.radius, std::sqrt(2.0 / 3), 1e-14);
-}
-
-TEST(EnclosingSphere, OfAPointHasRadiusZero) {
+TEST(EnclosingSphere, OfTrianglesHasKnownValues) {
   const Vec3 p{3, -4, 5};
-  const Sphere s = enclosing_sphere(Triangle{p, p, p});
-  EXPECT_EQ(s.center, p);
-  EXPECT_EQ(s.radius, 0);
-}
-
-TEST(EnclosingSphere, OfANeedleWithAVanishingSideIsFinite) {
-  const Triangle needle{{0, 0, 0}, {1, 0, 0}, {-1e-170, 1e-170, 0}};
-  const Sphere s = enclosing_sphere(needle);
-  EXPECT_NEAR(s.radius, 0.5, 1e-14);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_TRUE(exactly_inside(s, needle[k]));
+  const struct {
+    Triangle triangle;
+    Vec3 center;
+    double radius;
+  } cases[] = {
+      {{{0, 0, 0}, {6, 0, 0}, {0, 8, 0}}, {3, 4, 0}, 5},  // a right angle: at the middle of the longest edge
+      {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, Vec3{1, 1, 1} * (1.0 / 3), std::sqrt(2.0 / 3)},  // equilateral
+      {{p, p, p}, p, 0},
+      {{{0, 0, 0}, {1, 0, 0}, {-1e-170, 1e-170, 0}}, {0.5, 0, 0}, 0.5},  // a needle with a vanishing side
+  };
+  for (const auto& [triangle, center, radius] : cases) {
+    const Sphere s = enclosing_sphere(triangle);
+    EXPECT_LE(length(s.center - center), radius * 1e-15) << radius;
+    EXPECT_NEAR(s.radius, radius, radius * 1e-14);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_TRUE(exactly_inside(s, triangle[k])) << radius;
+  }
 }
 
 TEST(EnclosingSphere, ContainsTheCornersExactlyAndIsAlmostSmallest) {

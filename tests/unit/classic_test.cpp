@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+// The classic engine: its tree, its maintenance, the work of its queries. What all engines promise is in
+// query_test.cpp, misuse_test.cpp and model_misuse_test.cpp.
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstring>
+#include <functional>
+#include <vector>
 
 #include "classic/tree.h"
 #include "limber/classic.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 
@@ -32,12 +37,6 @@ TEST(ClassicTree, IsBalancedForEveryCount) {
     EXPECT_EQ(model.tree_stats().nodes, 2 * n - 1);
     EXPECT_EQ(model.tree_stats().depth, static_cast<std::uint32_t>(std::bit_width(n - 1)));
   }
-}
-
-TEST(ClassicTree, OfOneTriangleIsALeaf) {
-  const classic::Model model(triangles_in_a_row(1));
-  EXPECT_TRUE(model.tree().nodes[0].is_leaf());
-  EXPECT_EQ(model.tree_stats().depth, 0U);
 }
 
 TEST(ClassicTree, SiblingsOfARowAreApart) {
@@ -69,31 +68,23 @@ TEST(ClassicTree, DoesNotSplitCoincidentTrianglesUnevenly) {
 }
 
 TEST(ClassicTree, ValidateNamesTheBrokenInvariant) {
-  classic::Model model(triangles_in_a_row(8));
-  auto& tree = const_cast<classic::Tree&>(model.tree());
-  const auto broken_by = [&](auto&& damage, auto&& repair) {
-    damage();
-    const Result<void> result = model.validate();
-    repair();
-    EXPECT_TRUE(static_cast<bool>(model.validate()));
-    return result ? std::string("none") : result.error().text;
+  const struct {
+    std::function<void(classic::Tree&)> damage;
+    const char* text;
+  } cases[] = {
+      {[](classic::Tree& t) { t.nodes[0].parent = 3; }, "invariant I1 broken at node 0"},
+      {[](classic::Tree& t) { t.nodes[4].parent = 2; }, "invariant I2 broken at node 1"},
+      {[](classic::Tree& t) { std::swap(t.leaf_of[0], t.leaf_of[1]); }, "invariant I3"},
+      {[](classic::Tree& t) { t.nodes[1].sphere.radius *= 0.9; }, "invariant I6 broken at node 1"},
+      {[](classic::Tree& t) { t.nodes[10].sphere.radius *= 0.9; }, "invariant I5 broken at node 10"},
+      {[](classic::Tree& t) { t.is_queued[2] = 1; }, "invariant I7 broken at node 0"},
   };
-  classic::Node& inner = tree.nodes[1];
-  classic::Node& leaf = tree.nodes[10];
-  EXPECT_EQ(broken_by([&] { tree.nodes[0].parent = 3; }, [&] { tree.nodes[0].parent = no_id; }),
-            "invariant I1 broken at node 0");
-  EXPECT_EQ(broken_by([&] { tree.nodes[4].parent = 2; }, [&] { tree.nodes[4].parent = 1; }),
-            "invariant I2 broken at node 1");
-  EXPECT_EQ(broken_by([&] { std::swap(tree.leaf_of[0], tree.leaf_of[1]); },
-                      [&] { std::swap(tree.leaf_of[0], tree.leaf_of[1]); })
-                .substr(0, 12),
-            "invariant I3");
-  const double inner_radius = inner.sphere.radius, leaf_radius = leaf.sphere.radius;
-  EXPECT_EQ(broken_by([&] { inner.sphere.radius *= 0.9; }, [&] { inner.sphere.radius = inner_radius; }),
-            "invariant I6 broken at node 1");
-  EXPECT_EQ(broken_by([&] { leaf.sphere.radius *= 0.9; }, [&] { leaf.sphere.radius = leaf_radius; }),
-            "invariant I5 broken at node 10");
-  EXPECT_EQ(broken_by([&] { tree.is_queued[2] = 1; }, [&] { tree.is_queued[2] = 0; }), "invariant I7 broken at node 0");
+  for (const auto& [damage, text] : cases) {
+    const classic::Model model(triangles_in_a_row(8));
+    ASSERT_TRUE(static_cast<bool>(model.validate()));
+    damage(const_cast<classic::Tree&>(model.tree()));
+    EXPECT_EQ(model.validate().error().text.substr(0, std::strlen(text)), text);
+  }
 }
 
 /// Moves the first vertex of the given triangles up a little and commits.
@@ -126,9 +117,15 @@ TEST(ClassicMaintenance, ByDepthRefitsEveryNodeOnceWhenAllVerticesMove) {
   std::vector<Vec3> positions = model.mesh().positions();
   for (Vec3& p : positions) p *= 1.5;
   model.move_all(positions).value();
+  EXPECT_FALSE(model.is_committed());
   model.commit();
+  EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.maintenance_stats().refits, model.tree_stats().nodes);
+  EXPECT_EQ(model.maintenance_stats().absorbed, 0U);
   EXPECT_EQ(model.maintenance_stats().moved_vertices, positions.size());
+  classic::Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
+  immediate.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
+  EXPECT_TRUE(immediate.is_committed());
 }
 
 TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
@@ -150,18 +147,6 @@ TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
       ASSERT_EQ(model.tree().nodes[n].sphere.radius, models[0].tree().nodes[n].sphere.radius);
     }
   }
-}
-
-TEST(ClassicMaintenance, QueriesNeedACommit) {
-  classic::Model model(triangles_in_a_row(4));
-  EXPECT_TRUE(model.is_committed());
-  model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
-  EXPECT_FALSE(model.is_committed());
-  model.commit();
-  EXPECT_TRUE(model.is_committed());
-  classic::Model immediate(triangles_in_a_row(4), {.maintenance = Maintenance::immediate});
-  immediate.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
-  EXPECT_TRUE(immediate.is_committed());
 }
 
 TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
@@ -220,28 +205,55 @@ TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
   EXPECT_LT(model.tree_stats().root_radius, 0.02 * radius);
 }
 
-TEST(ClassicLooseness, NoExtraRadiusNeverAbsorbs) {
-  classic::Model model(triangles_in_a_row(16));
-  model.move_all(model.mesh().positions()).value();
-  model.commit();
-  EXPECT_EQ(model.maintenance_stats().absorbed, 0U);
-  EXPECT_EQ(model.maintenance_stats().refits, model.tree_stats().nodes);
+TEST(ClassicDistance, AContactIsFoundEvenWhenThePruneDistanceUnderflows) {
+  // The first pair that the query compares is 1e-20 apart. Its distance divided by 1 + the error underflows to 0. The
+  // contact must not be pruned all the same.
+  const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
+  const classic::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
+  const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
+  EXPECT_EQ(r.status, Status::collision);
+  EXPECT_EQ(r.stats.triangle_tests, 2U);
 }
 
-#if defined(LIMBER_CHECKS)
-TEST(ClassicModel, PreconditionsAreChecked) {
-  EXPECT_THROW(classic::Model(triangles_in_a_row(2), {.looseness = {.extra_radius = -1}}), std::logic_error);
-  EXPECT_THROW(classic::Model(triangles_in_a_row(2), {.looseness = {.extra_radius = 0.1, .stale_ratio = 0.5}}),
-               std::logic_error);
-  classic::Model stale(triangles_in_a_row(2));
-  const classic::Model other(triangles_in_a_row(2));
-  EXPECT_THROW(static_cast<void>(classic::distance({other}, {other}, {.relative_error = -0.1})), std::logic_error);
-  EXPECT_THROW(static_cast<void>(classic::distance({other, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}}, {other})),
-               std::logic_error);
-  stale.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 1}}).value();
-  EXPECT_THROW(static_cast<void>(classic::collide({stale}, {other})), std::logic_error);
+TEST(ClassicCollide, StopsAtTheFirstPair) {
+  const classic::Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
+  const CollideResult r = classic::collide({a}, {b});
+  ASSERT_TRUE(r.is_yes());
+  EXPECT_LT(r.stats.triangle_tests, 20U);
+  EXPECT_TRUE(intersects(a.mesh().triangle(r.witness->triangle_a), b.mesh().triangle(r.witness->triangle_b)));
 }
-#endif
+
+TEST(ClassicCollide, FarModelsCostOneTest) {
+  const classic::Model a(scenes::thesis_square()), b(scenes::thesis_ball());
+  const CollideResult r = classic::collide({a}, {b, {{}, {0, 0, 50}}});
+  EXPECT_FALSE(r.is_yes());
+  EXPECT_FALSE(r.witness.has_value());
+  EXPECT_EQ(r.stats.node_tests, 1U);
+  EXPECT_EQ(r.stats.triangle_tests, 0U);
+}
+
+TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
+  // The counts are the same on every machine. Other counts mean another traversal, and then the experiments have to be
+  // run again.
+  const classic::Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
+  const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
+  EXPECT_EQ(collide.node_tests, 6919U);
+  EXPECT_EQ(collide.triangle_tests, 560U);
+  const QueryStats distance = classic::distance({square}, {ball, pose}).stats;
+  EXPECT_EQ(distance.node_tests, 29055U);
+  EXPECT_EQ(distance.triangle_tests, 5914U);
+}
+
+TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
+  const Triangle unit{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Mesh a = soup({unit, unit}), b = soup({{{0, 0, 9}, {1, 0, 9}, {0, 1, 9}}, {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}});
+  const DistanceResult r = reference::distance({a}, {b});
+  EXPECT_EQ(r.upper, 2);
+  EXPECT_EQ(r.witness->triangle_a, 0U);
+  EXPECT_EQ(r.witness->triangle_b, 1U);
+  EXPECT_EQ(r.stats.triangle_tests, 4U);
+}
 
 }  // namespace
 }  // namespace limber::testing
