@@ -3,7 +3,7 @@
 
 /** A hare, modelled as ellipsoids and rods that are blended, and meshed by surface nets. */
 
-import type { Vec3 } from '../shared/vectors.ts';
+type Vec3 = readonly [number, number, number];
 
 export interface TriangleMesh {
   vertices: Float64Array;
