@@ -56,7 +56,7 @@ THIRD_PARTY = {
     "sys": ("src/io/file_bytes.cpp", "apps/", "tests/"),
     "tbb": ("src/base/",),
     "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
-    "nlohmann": ("src/io/", "apps/", "tests/", "bench/"),
+    "nlohmann": ("src/io/", "apps/", "tests/", "bench/", "web/tests/"),
     "nanobind": ("python/",),
     "oneapi": ("src/base/", "apps/", "python/", "tests/", "bench/", "web/bench/"),
     "wasm_simd128.h": ("src/simd/", "src/kernels/"),
