@@ -50,6 +50,7 @@ THIRD_PARTY = {
     "boost": ("src/geometry/exact_sign.cpp", "tests/", "fuzz/", "bench/"),
     "CGAL": ("tests/", "bench/"),
     "Eigen": ("include/limber/eigen.h",),
+    "fast_float": ("web/src/missing_from_libcxx.cpp",),
     "fcntl.h": ("src/io/file_bytes.cpp", "apps/", "tests/"),
     "gmpxx.h": ("tests/",),
     "hwy": ("src/simd/", "src/kernels/"),
