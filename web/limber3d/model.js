@@ -4,12 +4,7 @@
 import { checkNames, coordinatesOf, idsOf, numberOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
 import { Owner, check, copyOf, engine, number, point, word, writeInput } from "./wasm.js";
-
-/**
- * @typedef {import("./arrays.js").Coordinates} Coordinates
- * @typedef {import("./arrays.js").Ids} Ids
- * @typedef {import("./arrays.js").Point} Point
- */
+/** @import { Coordinates, Ids, Point } from "./arrays.js" */
 
 /**
  * @typedef {object} ModelOptions
