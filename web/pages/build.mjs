@@ -59,16 +59,20 @@ function packedEngine() {
   return gzipSync(engine, { level: 9 }).toString('base64');
 }
 
-/** Leaves out the shaders of three.js's own materials, a fourth of a page: none is drawn with them. */
+/**
+ * Leaves out the shaders of three.js that draw nothing here, a fourth of a page: those of its own materials, and those of
+ * environments, of effects on whole pictures and of virtual reality, with the classes that have them.
+ */
 const withoutShaders = {
   name: 'without-shaders',
   setup({ onLoad, onResolve }) {
+    const classes = /(PMREMGenerator|WebGLCubeRenderTarget|WebGLOutput|WebXRDepthSensing)\.js$/;
     onResolve({ filter: /^three$/ }, () => ({ path: join(here, 'node_modules/three/src/Three.js') }));
-    onLoad({ filter: /shaders.Shader(Chunk|Lib).\w+\.glsl\.js$/ }, ({ path }) =>
-      path.includes('colorspace_pars')
-        ? undefined
-        : { contents: `export default ''; export const vertex = '', fragment = '';` },
-    );
+    onLoad({ filter: classes }, ({ path }) => ({ contents: `export class ${classes.exec(path)[1]} {}` }));
+    onLoad({ filter: /shaders.Shader(Chunk|Lib).\w+\.glsl\.js$/ }, ({ path }) => {
+      const isUsed = path.includes('colorspace_pars');
+      return isUsed ? undefined : { contents: `export default ''; export const vertex = '', fragment = '';` };
+    });
   },
 };
 
