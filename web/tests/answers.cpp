@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Writes what is asked of the native library and what it answers, for answers.test.js to ask WebAssembly the same: a line
-// of JSON for each call, with the names of the JavaScript package. Decimals give back the bits of the numbers.
+// Writes what is asked of the native library and what it answers, for answers.test.js to ask WebAssembly the same: a
+// line of JSON for each call, with the names of the JavaScript package. Decimals give back the bits of the numbers.
 #include <cmath>
 #include <fstream>
 #include <iostream>
