@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Makes the pictures of docs/guide/reports.md, a gear in a housing and a ball over a waving sheet, those of `limber demo`
-// for the README and docs/guide/demo.md, and those of docs/guide/live_page.md. Run it by ./dev pages pictures.
+// Makes the pictures of docs/guide/reports.md, a gear in a housing and a ball over a waving sheet, those of `limber
+// demo` for the README and docs/guide/demo.md, and those of docs/guide/live_page.md. Run it by ./dev pages pictures.
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 import { Folder, launch, limber, livePage, open, pages, settled, sheetObj } from './tests/support.mjs';
