@@ -60,8 +60,8 @@ function packedEngine() {
 }
 
 /**
- * Leaves out the shaders of three.js that draw nothing here, a fourth of a page: those of its own materials, and those of
- * environments, of effects on whole pictures and of virtual reality, with the classes that have them.
+ * Leaves out the shaders of three.js that draw nothing here, more than a fourth of a page: those of its own materials,
+ * of environments, of effects on whole pictures and of virtual reality, with the classes that have them.
  */
 const withoutShaders = {
   name: 'without-shaders',
