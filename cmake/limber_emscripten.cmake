@@ -5,12 +5,13 @@
 add_compile_options(-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -fwasm-exceptions "SHELL:-include ${PROJECT_SOURCE_DIR}/web/src/missing_from_libcxx.h")
 
 # Emscripten looks for headers in its own folders only, and the system's must not come in the way of its C library. So
-# the two libraries of headers that are needed get a folder of their own.
+# the libraries of headers that are needed get a folder of their own.
 set(headers ${PROJECT_BINARY_DIR}/headers)
 file(MAKE_DIRECTORY ${headers})
-foreach(library boost nlohmann)
+foreach(library boost fast_float nlohmann)
   file(CREATE_LINK /usr/include/${library} ${headers}/${library} SYMBOLIC)
 endforeach()
+include_directories(SYSTEM ${headers})
 set(Boost_INCLUDE_DIR ${headers})
 add_library(nlohmann_json::nlohmann_json INTERFACE IMPORTED)
 target_include_directories(nlohmann_json::nlohmann_json INTERFACE ${headers})

@@ -143,15 +143,15 @@ TEST(MotionMargin, IsOffUntilItIsStarted) {
   Sheet sheet;
   MotionMargin margin;
   EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions.data(), sheet.mesh.positions().data());
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions.data(), sheet.mesh.positions().data());
   EXPECT_EQ(margin.largest_displacement(), 0);
   margin.start(sheet.mesh.positions());
   EXPECT_TRUE(margin.is_on());
   sheet.move(7, {0, 0, 1});
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 0);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 0);
   margin.stop();
   EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[7].z, 1);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 1);
 }
 
 TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
@@ -165,15 +165,15 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   const std::vector<VertexId> ids{near, far};
   margin.mark_beyond(sheet.mesh, ids, 0.25, dirty);
   EXPECT_EQ(margin.absorbed_count(), 1U);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[near].z, 0);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[far], sheet.position(far));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[near].z, 0);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[far], sheet.position(far));
   EXPECT_GE(margin.largest_displacement(), 0.25);
   EXPECT_LT(margin.largest_displacement(), 0.25 * (1 + 1e-9));
 
   EXPECT_EQ(dirty.nodes(sheet.lowest), nodes_at(sheet.tree, far));
   // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
-  refit(sheet.tree, margin.fitted(sheet.mesh), dirty);
-  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted(sheet.mesh))));
+  refit(sheet.tree, margin.fitted_mesh(sheet.mesh), dirty);
+  EXPECT_TRUE(static_cast<bool>(validate(sheet.tree, margin.fitted_mesh(sheet.mesh))));
   margin.clear_counts();
   EXPECT_EQ(margin.absorbed_count(), 0U);
 }
@@ -205,15 +205,15 @@ TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
   sheet.move_all({0, 0, 0.125});
   sheet.move(8, {0, 0, 3});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), 1U);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[8], sheet.position(8));
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9].z, 0);
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[8], sheet.position(8));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9].z, 0);
   EXPECT_FALSE(dirty.covers_most_of(sheet.tree));
 
   sheet.move_all({0, 0, 2});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), sheet.mesh.positions().size());
   EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
   EXPECT_EQ(margin.largest_displacement(), 0);
-  EXPECT_EQ(margin.fitted(sheet.mesh).positions[9], sheet.position(9));
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9], sheet.position(9));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 build_web limber_web_answers
-"$root/build/release/web/limber_web_answers" answers.bin
+"$root/build/release/web/limber_web_answers" answers.json
 rm -f -- limber3d/*.d.ts
 node_modules/.bin/tsc -p tsconfig.json
 node_modules/.bin/tsc -p tests/tsconfig.json
@@ -15,4 +15,4 @@ for example in examples/*.js; do
   say "running $example"
   node "$example"
 done
-LIMBER_ANSWERS=answers.bin node --test "$@" tests/*.test.js </dev/null
+LIMBER_ANSWERS=answers.json node --test "$@" tests/*.test.js </dev/null

@@ -5,18 +5,10 @@ import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { cacheAddress, collideResult, distanceResult, errorsOf, placedModels, stats } from "./queries.js";
-import { Owner, checkWithFilter, copyOf, engine, word } from "./wasm.js";
-
-/**
- * @typedef {import("./arrays.js").Point} Point
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./queries.js").CollideResult} CollideResult
- * @typedef {import("./queries.js").DistanceResult} DistanceResult
- * @typedef {import("./queries.js").ErrorOptions} ErrorOptions
- * @typedef {import("./queries.js").PoseOptions} PoseOptions
- * @typedef {import("./queries.js").QueryCache} QueryCache
- * @typedef {import("./queries.js").QueryStats} QueryStats
- */
+import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
+/** @import { Point } from "./arrays.js" */
+/** @import { Model } from "./model.js" */
+/** @import { CollideResult, DistanceResult, ErrorOptions, PoseOptions, QueryCache, QueryStats } from "./queries.js" */
 
 /**
  * Which pairs count: called with the ids of two triangles whose bounds are close, before they are compared. May not
@@ -213,8 +205,7 @@ export function intersections(a, b, options = {}) {
   checkNames(options, ["poseA", "poseB", "filter", "maxCount"]);
   const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const placed = placedModels(a, b, options);
-  const { intersections } = engine();
-  checkWithFilter(filter, () => intersections(...placed, maxCount, filter ? 1 : 0));
+  callWithFilter(filter, "intersections", ...placed, maxCount, filter ? 1 : 0);
   return trianglePairs();
 }
 
@@ -234,8 +225,7 @@ export function contacts(a, b, margin, options = {}) {
   const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const faces = facesOf(options);
   const placed = placedModels(a, b, options);
-  const { contacts } = engine();
-  checkWithFilter(filter, () => contacts(...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, faces));
+  callWithFilter(filter, "contacts", ...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, faces);
   return new Contacts();
 }
 
@@ -255,8 +245,7 @@ export function closestPairs(a, b, count, options = {}) {
   const filter = filterOf(options);
   const faces = facesOf(options);
   const placed = placedModels(a, b, options);
-  const { closestPairs } = engine();
-  checkWithFilter(filter, () => closestPairs(...placed, countOf(count), filter ? 1 : 0, faces));
+  callWithFilter(filter, "closestPairs", ...placed, countOf(count), filter ? 1 : 0, faces);
   return new Contacts();
 }
 
@@ -279,8 +268,7 @@ export function selfCollide(model, options = {}) {
   checkNames(options, ["filter", "cache"]);
   const { cache } = options, [filter, rings] = filterAndRings(options);
   const address = addressOf(model), kept = cacheAddress(cache);
-  const { selfCollide } = engine();
-  checkWithFilter(filter, () => selfCollide(address, filter ? 1 : 0, rings, kept));
+  callWithFilter(filter, "selfCollide", address, filter ? 1 : 0, rings, kept);
   return collideResult();
 }
 
@@ -296,8 +284,7 @@ export function selfDistance(model, options = {}) {
   const errors = errorsOf(options);
   const { cache } = options, [filter, rings] = filterAndRings(options);
   const address = addressOf(model), kept = cacheAddress(cache);
-  const { selfDistance } = engine();
-  checkWithFilter(filter, () => selfDistance(address, ...errors, filter ? 1 : 0, rings, kept));
+  callWithFilter(filter, "selfDistance", address, ...errors, filter ? 1 : 0, rings, kept);
   return distanceResult();
 }
 
@@ -313,8 +300,7 @@ export function selfIntersections(model, options = {}) {
   const maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const [filter, rings] = filterAndRings(options);
   const address = addressOf(model);
-  const { selfIntersections } = engine();
-  checkWithFilter(filter, () => selfIntersections(address, maxCount, filter ? 1 : 0, rings));
+  callWithFilter(filter, "selfIntersections", address, maxCount, filter ? 1 : 0, rings);
   return trianglePairs();
 }
 
@@ -334,10 +320,7 @@ export function selfContacts(model, margin, options = {}) {
   const [filter, rings] = filterAndRings(options);
   const faces = facesOf(options);
   const address = addressOf(model);
-  const { selfContacts } = engine();
-  checkWithFilter(filter, () =>
-    selfContacts(address, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, rings, faces),
-  );
+  callWithFilter(filter, "selfContacts", address, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, rings, faces);
   return new Contacts();
 }
 
@@ -354,7 +337,6 @@ export function selfClosestPairs(model, count, options = {}) {
   const [filter, rings] = filterAndRings(options);
   const faces = facesOf(options);
   const address = addressOf(model);
-  const { selfClosestPairs } = engine();
-  checkWithFilter(filter, () => selfClosestPairs(address, countOf(count), filter ? 1 : 0, rings, faces));
+  callWithFilter(filter, "selfClosestPairs", address, countOf(count), filter ? 1 : 0, rings, faces);
   return new Contacts();
 }

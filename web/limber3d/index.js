@@ -17,8 +17,7 @@
 export { closestPairs, Contacts, contacts, intersections, NeighborRings } from "./contacts.js";
 export { selfClosestPairs, selfCollide, selfContacts, selfDistance, selfIntersections } from "./contacts.js";
 export { LimberError } from "./errors.js";
-export { readMeshBytes } from "./mesh_files.js";
-export { Model } from "./model.js";
+export { Model, readMeshBytes } from "./model.js";
 export { closestPoint, closestPoints, ClosedSurface, SurfacePoints } from "./points.js";
 export { orthonormalized } from "./poses.js";
 export { collide, distance, QueryCache, within } from "./queries.js";
@@ -37,7 +36,7 @@ export { init } from "./wasm.js";
  * @typedef {import("./contacts.js").TrianglePairFilter} TrianglePairFilter
  * @typedef {import("./contacts.js").TrianglePairs} TrianglePairs
  * @typedef {import("./errors.js").ErrorCode} ErrorCode
- * @typedef {import("./mesh_files.js").MeshFile} MeshFile
+ * @typedef {import("./model.js").MeshFile} MeshFile
  * @typedef {import("./model.js").MaintenanceStats} MaintenanceStats
  * @typedef {import("./model.js").ModelOptions} ModelOptions
  * @typedef {import("./model.js").TreeStats} TreeStats

@@ -7,15 +7,10 @@ import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
 import { Owner, check, copyOf, engine, word, writeInput } from "./wasm.js";
-
-/**
- * @typedef {import("./arrays.js").Coordinates} Coordinates
- * @typedef {import("./arrays.js").Point} Point
- * @typedef {import("./arrays.js").Vector} Vector
- * @typedef {import("./contacts.js").Feature} Feature
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./poses.js").Pose} Pose
- */
+/** @import { Coordinates, Point, Vector } from "./arrays.js" */
+/** @import { Feature } from "./contacts.js" */
+/** @import { Model } from "./model.js" */
+/** @import { Pose } from "./poses.js" */
 
 /**
  * @typedef {object} PointOptions

@@ -6,6 +6,7 @@
 import { checkNames, filledFrom, pointOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { check, engine, number, writePoseNumbers } from "./wasm.js";
+/** @import { Vector } from "./arrays.js" */
 
 /**
  * Numbers of a matrix, column by column: an array of them, or an object with such an array, as three.js's Matrix3 and
@@ -31,7 +32,6 @@ import { check, engine, number, writePoseNumbers } from "./wasm.js";
  *   | { readonly quaternion: Quaternion, readonly translation?: Vector }
  *   | { readonly rotation: Matrix, readonly translation?: Vector }
  *   | { readonly translation: Vector }} Pose
- * @typedef {import("./arrays.js").Vector} Vector
  */
 
 /** limber::web::PoseForm. */

@@ -6,12 +6,9 @@ import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
 import { Owner, check, engine, number, point, word } from "./wasm.js";
-
-/**
- * @typedef {import("./arrays.js").Point} Point
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./poses.js").Pose} Pose
- */
+/** @import { Point } from "./arrays.js" */
+/** @import { Model } from "./model.js" */
+/** @import { Pose } from "./poses.js" */
 
 /**
  * When a query has to end, whether or not it has its answer: the first limit that is reached ends it. Every query makes

@@ -151,16 +151,18 @@ export function check(succeeded) {
 }
 
 /**
- * Calls `body` while `wanted` answers for the pairs of triangles.
+ * Calls a function of the module while `wanted` answers for the pairs of triangles.
  *
  * @param {TrianglePairFilter | undefined} wanted
- * @param {() => number} body
+ * @param {string} name
+ * @param {...number} values
  */
-export function checkWithFilter(wanted, body) {
+export function callWithFilter(wanted, name, ...values) {
+  const { [name]: called } = engine();
   filter = wanted;
   let succeeded;
   try {
-    succeeded = body();
+    succeeded = called(...values);
   } finally {
     filter = undefined;
   }

@@ -10,7 +10,7 @@ import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { build, transform } from 'esbuild';
+import { build, transform } from 'esbuild-wasm';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const read = (path) => readFileSync(join(here, path), 'utf8');
@@ -59,6 +59,23 @@ function packedEngine() {
   return gzipSync(engine, { level: 9 }).toString('base64');
 }
 
+/**
+ * Leaves out the shaders of three.js that draw nothing here, more than a fourth of a page: those of its own materials,
+ * of environments, of effects on whole pictures and of virtual reality, with the classes that have them.
+ */
+const withoutShaders = {
+  name: 'without-shaders',
+  setup({ onLoad, onResolve }) {
+    const classes = /(PMREMGenerator|WebGLCubeRenderTarget|WebGLOutput|WebXRDepthSensing)\.js$/;
+    onResolve({ filter: /^three$/ }, () => ({ path: join(here, 'node_modules/three/src/Three.js') }));
+    onLoad({ filter: classes }, ({ path }) => ({ contents: `export class ${classes.exec(path)[1]} {}` }));
+    onLoad({ filter: /shaders.Shader(Chunk|Lib).\w+\.glsl\.js$/ }, ({ path }) => {
+      const isUsed = path.includes('colorspace_pars');
+      return isUsed ? undefined : { contents: `export default ''; export const vertex = '', fragment = '';` };
+    });
+  },
+};
+
 /** The licenses of limber and of all that a page has inside, in the words of their owners. */
 function noticesOf(inputs, more) {
   const packages = new Set(inputs.map((path) => /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(path)?.[1]));
@@ -73,6 +90,7 @@ async function built({ title, folder, sheets, head, content, notices }) {
   const bundle = await build({
     entryPoints: [join(here, folder, 'main.ts')],
     bundle: true,
+    plugins: [withoutShaders],
     minify: true,
     format: 'iife',
     target: 'es2022',

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.h"
-#include "limber/distance.h"
+
+#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -82,8 +83,13 @@ Transform pose_from(PoseForm form, std::size_t which) {
 
 std::byte* input() { return reinterpret_cast<std::byte*>(input_memory.data()); }
 
+PositionsView positions_from(std::size_t count, bool is_float32) {
+  if (is_float32) return PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count));
+  return PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
+}
+
 void give_bytes(const void* first, std::size_t bytes) {
-  exchange.words[0] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(first));
+  exchange.words[0] = address_of(first);
   exchange.words[1] = static_cast<std::uint32_t>(bytes);
 }
 
@@ -104,8 +110,8 @@ namespace {
 
 void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by) {
   const Witness w = witness.value_or(Witness{});
-  const double points[6] = {w.point_a.x, w.point_a.y, w.point_a.z, w.point_b.x, w.point_b.y, w.point_b.z};
-  std::copy(std::begin(points), std::end(points), exchange.numbers + 2);
+  double* to = exchange.numbers + 2;
+  put(to, w.point_a), put(to, w.point_b);
   give_stats(stats, 8);
   const std::uint32_t words[4] = {w.triangle_a, w.triangle_b, status, static_cast<std::uint32_t>(stopped_by)};
   std::copy(std::begin(words), std::end(words), exchange.words);
@@ -141,3 +147,17 @@ LIMBER_EXPORT(errorText) const char* error_text() { return last_error.text.data(
 LIMBER_EXPORT(errorTextSize) std::size_t error_text_size() { return last_error.text.size(); }
 
 }  // namespace limber::web
+
+// The clock behind std::chrono, in place of the C library's: one call of JavaScript that gives a double.
+extern "C" {
+
+/// performance.now().
+__attribute__((import_module("limber"), import_name("now"))) double limber_now_ms();
+
+int clock_gettime(clockid_t, timespec* time) {
+  const double ms = limber_now_ms(), s = std::floor(ms / 1000);
+  time->tv_sec = static_cast<time_t>(s);
+  time->tv_nsec = static_cast<long>((ms - s * 1000) * 1e6);
+  return 0;
+}
+}

@@ -45,6 +45,15 @@ Transform pose_from(PoseForm form, std::size_t which);
 /// Memory for arrays on their way from JavaScript, until the next call of reserve_input().
 std::byte* input();
 
+/// Coordinates at the beginning of input().
+PositionsView positions_from(std::size_t count, bool is_float32);
+
+inline std::uint32_t address_of(const void* p) {
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
+}
+
+inline void put(double*& to, const Vec3& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; }
+
 /// Writes where a result begins, and how many bytes it has, to Exchange::words[0] and [1].
 void give_bytes(const void* first, std::size_t bytes);
 

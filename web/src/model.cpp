@@ -4,19 +4,16 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "bindings.h"
+#include "limber/io.h"
 
 namespace limber::web {
 namespace {
-
-/// Coordinates from JavaScript at the beginning of input().
-PositionsView positions_from(std::size_t count, bool is_float32) {
-  if (is_float32) return PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count));
-  return PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
-}
 
 /// What follows those coordinates.
 template <typename T>
@@ -27,11 +24,18 @@ const T* after_positions(std::size_t count, bool is_float32) {
 // Stands for ModelOptions::automatic.
 constexpr double automatic = -1;
 
-void give_sphere(const Sphere& sphere, double* to) {
-  to[0] = sphere.center.x, to[1] = sphere.center.y, to[2] = sphere.center.z, to[3] = sphere.radius;
-}
+void put_sphere(double*& to, const Sphere& sphere) { put(to, sphere.center), *to++ = sphere.radius; }
 
 std::vector<double> spheres;  // of the last call of node_spheres()
+std::optional<MeshFile> last_file;
+
+/// Counts of vertices and triangles, and where they are.
+void give_mesh(const Mesh& mesh) {
+  exchange.words[0] = address_of(mesh.positions().data());
+  exchange.words[1] = static_cast<std::uint32_t>(mesh.positions().size());
+  exchange.words[2] = address_of(mesh.triangles().data());
+  exchange.words[3] = static_cast<std::uint32_t>(mesh.triangles().size());
+}
 
 }  // namespace
 
@@ -89,25 +93,21 @@ LIMBER_EXPORT(validate) bool validate(const Model* model) {
   return guarded([&] { model->validate().value(); });
 }
 
-/// Counts of vertices and triangles, and where they are.
-LIMBER_EXPORT(meshOf) void mesh_of(const Model* model) {
-  const Mesh& mesh = model->mesh();
-  exchange.words[0] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(mesh.positions().data()));
-  exchange.words[1] = static_cast<std::uint32_t>(mesh.positions().size());
-  exchange.words[2] = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(mesh.triangles().data()));
-  exchange.words[3] = static_cast<std::uint32_t>(mesh.triangles().size());
-}
+LIMBER_EXPORT(meshOf) void mesh_of(const Model* model) { give_mesh(model->mesh()); }
 
 LIMBER_EXPORT(boundingBox) bool bounding_box(const Model* model) {
   return guarded([&] {
     const Box box = model->bounding_box();
-    const double numbers[6] = {box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z};
-    std::memcpy(exchange.numbers, numbers, sizeof(numbers));
+    double* to = exchange.numbers;
+    put(to, box.low), put(to, box.high);
   });
 }
 
 LIMBER_EXPORT(boundingSphere) bool bounding_sphere(const Model* model) {
-  return guarded([&] { give_sphere(model->bounding_sphere(), exchange.numbers); });
+  return guarded([&] {
+    double* to = exchange.numbers;
+    put_sphere(to, model->bounding_sphere());
+  });
 }
 
 LIMBER_EXPORT(nodeSpheres) bool node_spheres(const Model* model, double level) {
@@ -115,7 +115,8 @@ LIMBER_EXPORT(nodeSpheres) bool node_spheres(const Model* model, double level) {
     const bool is_level = level >= 0 && level < model->tree_stats().levels;
     const std::vector<Sphere> of_level = model->node_spheres(is_level ? static_cast<std::uint32_t>(level) : no_id);
     spheres.resize(4 * of_level.size());
-    for (std::size_t i = 0; i < of_level.size(); ++i) give_sphere(of_level[i], spheres.data() + 4 * i);
+    double* to = spheres.data();
+    for (const Sphere& sphere : of_level) put_sphere(to, sphere);
     give_bytes(spheres.data(), spheres.size() * sizeof(double));
   });
 }
@@ -137,5 +138,19 @@ LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const Model* model) {
                              stats.rebuild_us};
   std::memcpy(exchange.numbers, numbers, sizeof(numbers));
 }
+
+/// Reads the mesh file in input(), whose name follows its bytes. Gives places and counts of vertices, triangles and
+/// faces; they stay until forgetMeshFile().
+LIMBER_EXPORT(readMeshBytes) bool exported_read_mesh_bytes(std::size_t bytes, std::size_t name_size) {
+  return guarded([&] {
+    const std::string name(reinterpret_cast<const char*>(input()) + bytes, name_size);
+    last_file = read_mesh_bytes({input(), bytes}, name).value();
+    give_mesh(last_file->mesh);
+    exchange.words[4] = address_of(last_file->face_of_triangle.data());
+    exchange.words[5] = static_cast<std::uint32_t>(last_file->face_count);
+  });
+}
+
+LIMBER_EXPORT(forgetMeshFile) void forget_mesh_file() { last_file.reset(); }
 
 }  // namespace limber::web

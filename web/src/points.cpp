@@ -15,15 +15,10 @@ namespace {
 std::vector<double> columns;  // of the last result
 
 std::vector<Vec3> points_from(std::size_t count, bool is_float32) {
-  const PositionsView view =
-      is_float32 ? PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count))
-                 : PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
   std::vector<Vec3> points(count);
-  view.copy_to(points);
+  positions_from(count, is_float32).copy_to(points);
   return points;
 }
-
-void put(double*& to, const Vec3& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; }
 
 /// One column after the other: distances, positions, barycentric coordinates; then, in 32 bits, triangles; then, in 8
 /// bits, kind and index of the feature and whether the point is inside, point by point. Where nothing was found, the

@@ -1,11 +1,106 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/distance.h"
+#include "limber/contacts.h"
+
+#include <cstring>
+#include <limits>
+#include <vector>
 
 #include "bindings.h"
+#include "limber/distance.h"
 #include "limber/model.h"
 
 namespace limber::web {
+namespace {
+
+extern "C" {
+/// The filter of the query under way: 1 if a pair counts, 0 if not, and something else if the filter has thrown.
+__attribute__((import_module("limber"), import_name("filter"))) std::int32_t limber_filter(TriangleId a, TriangleId b);
+}
+
+bool ask_filter(TriangleId a, TriangleId b) {
+  const std::int32_t answer = limber_filter(a, b);
+  if (answer != 0 && answer != 1) throw FilterHasThrown{};
+  return answer == 1;
+}
+
+PairOptions options_from(bool has_filter, const NeighborRings* rings) {
+  if (rings != nullptr) return {.filter = *rings};
+  if (has_filter) return {.filter = ask_filter};
+  return {};
+}
+
+/// With OrientedFaces by its number; -1 leaves the choice to the library.
+PairOptions options_from(bool has_filter, const NeighborRings* rings, int oriented_faces) {
+  PairOptions options = options_from(has_filter, rings);
+  if (oriented_faces >= 0) options.oriented_faces = static_cast<OrientedFaces>(oriented_faces);
+  return options;
+}
+
+std::vector<TrianglePair> pairs;
+std::vector<Contact> contacts_found;
+std::vector<double> columns;
+
+void give_count(std::size_t count, bool is_complete, const QueryStats& stats) {
+  exchange.words[2] = static_cast<std::uint32_t>(count);
+  exchange.words[3] = is_complete ? 1 : 0;
+  give_stats(stats, 0);
+}
+
+/// Collects pairs or contacts until there are `most`; one more tells that they are not all.
+template <typename T>
+auto collector(std::vector<T>& found, double most) {
+  found.clear();
+  return [&found, most](const T& one) {
+    if (static_cast<double>(found.size()) >= most) return false;
+    found.push_back(one);
+    return true;
+  };
+}
+
+void give_pairs(const PairCount& count) {
+  give_bytes(pairs.data(), pairs.size() * sizeof(TrianglePair));
+  give_count(pairs.size(), count.is_complete, count.stats);
+}
+
+/// One column after the other: distances, depths, points of a, points of b, normals; then, in 32 bits, triangles of a
+/// and of b; then, in 8 bits, kind and index of the features of a and of b, contact by contact, and the normals' sides.
+void give_contacts(const PairCount& count) {
+  const std::size_t n = contacts_found.size();
+  const std::size_t bytes = n * (11 * sizeof(double) + 2 * sizeof(TriangleId) + 5);
+  columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
+  double* to = columns.data();
+  for (const Contact& c : contacts_found) *to++ = c.distance;
+  for (const Contact& c : contacts_found) *to++ = c.depth;
+  for (const Contact& c : contacts_found) put(to, c.point_a);
+  for (const Contact& c : contacts_found) put(to, c.point_b);
+  for (const Contact& c : contacts_found) put(to, c.normal);
+  auto* id = reinterpret_cast<TriangleId*>(to);
+  for (const Contact& c : contacts_found) *id++ = c.triangle_a;
+  for (const Contact& c : contacts_found) *id++ = c.triangle_b;
+  auto* byte = reinterpret_cast<std::uint8_t*>(id);
+  for (const Contact& c : contacts_found) {
+    for (const Feature& feature : {c.feature_a, c.feature_b}) {
+      *byte++ = static_cast<std::uint8_t>(feature.kind), *byte++ = feature.index;
+    }
+  }
+  for (const Contact& c : contacts_found) *byte++ = static_cast<std::uint8_t>(c.normal_side);
+  give_bytes(columns.data(), bytes);
+  give_count(n, count.is_complete, count.stats);
+}
+
+/// Makes room for `count` contacts, and leaves the closest there.
+template <typename Find>
+void give_closest(double count, double most_pairs, const Find& find) {
+  contacts_found.resize(static_cast<std::size_t>(std::min(count, most_pairs)));
+  const PairCount found = find(std::span(contacts_found));
+  contacts_found.resize(found.count);
+  give_contacts(found);
+}
+
+double triangles_of(const Model& model) { return static_cast<double>(model.mesh().triangles().size()); }
+
+}  // namespace
 
 LIMBER_EXPORT(newCache) QueryCache* new_cache() {
   QueryCache* cache = nullptr;
@@ -41,6 +136,89 @@ bool exported_within(const Model* a, PoseForm pose_a, const Model* b, PoseForm p
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
     give(within(placed_a, placed_b, max_distance, {cache, budget_from(deadline_ms, max_steps)}));
+  });
+}
+
+LIMBER_EXPORT(newRings) NeighborRings* new_rings(const Model* model, double edges) {
+  NeighborRings* rings = nullptr;
+  guarded([&] {
+    if (!(edges >= 0 && edges < 0x1p32)) throw std::invalid_argument("limber: edges is not a number of edges");
+    rings = new NeighborRings(model->mesh(), static_cast<std::uint32_t>(edges));
+  });
+  return rings;
+}
+LIMBER_EXPORT(deleteRings) void delete_rings(NeighborRings* rings) { delete rings; }
+
+LIMBER_EXPORT(intersections)
+bool exported_intersections(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double most,
+                            bool has_filter) {
+  return guarded([&] {
+    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const auto collect = collector(pairs, most);
+    give_pairs(visit_intersections(placed_a, placed_b, collect, options_from(has_filter, nullptr)));
+  });
+}
+
+LIMBER_EXPORT(contacts)
+bool exported_contacts(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double margin, double most,
+                       bool has_filter, int oriented_faces) {
+  return guarded([&] {
+    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const auto collect = collector(contacts_found, most);
+    give_contacts(
+        visit_contacts(placed_a, placed_b, margin, collect, options_from(has_filter, nullptr, oriented_faces)));
+  });
+}
+
+LIMBER_EXPORT(closestPairs)
+bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double count,
+                            bool has_filter, int oriented_faces) {
+  return guarded([&] {
+    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    give_closest(count, triangles_of(*a) * triangles_of(*b), [&](std::span<Contact> closest) {
+      return closest_pairs(placed_a, placed_b, closest, options_from(has_filter, nullptr, oriented_faces));
+    });
+  });
+}
+
+LIMBER_EXPORT(selfCollide)
+bool exported_self_collide(const Model* model, bool has_filter, const NeighborRings* rings, QueryCache* cache) {
+  return guarded([&] { give(self_collide(*model, {options_from(has_filter, rings).filter, cache})); });
+}
+
+LIMBER_EXPORT(selfDistance)
+bool exported_self_distance(const Model* model, double relative_error, double absolute_error, double max_distance,
+                            bool has_filter, const NeighborRings* rings, QueryCache* cache) {
+  return guarded([&] {
+    give(self_distance(*model,
+                       {relative_error, absolute_error, max_distance, options_from(has_filter, rings).filter, cache}));
+  });
+}
+
+LIMBER_EXPORT(selfIntersections)
+bool exported_self_intersections(const Model* model, double most, bool has_filter, const NeighborRings* rings) {
+  return guarded([&] {
+    const auto collect = collector(pairs, most);
+    give_pairs(visit_self_intersections(*model, collect, options_from(has_filter, rings)));
+  });
+}
+
+LIMBER_EXPORT(selfContacts)
+bool exported_self_contacts(const Model* model, double margin, double most, bool has_filter, const NeighborRings* rings,
+                            int oriented_faces) {
+  return guarded([&] {
+    const auto collect = collector(contacts_found, most);
+    give_contacts(visit_self_contacts(*model, margin, collect, options_from(has_filter, rings, oriented_faces)));
+  });
+}
+
+LIMBER_EXPORT(selfClosestPairs)
+bool exported_self_closest_pairs(const Model* model, double count, bool has_filter, const NeighborRings* rings,
+                                 int oriented_faces) {
+  return guarded([&] {
+    give_closest(count, triangles_of(*model) * triangles_of(*model), [&](std::span<Contact> closest) {
+      return self_closest_pairs(*model, closest, options_from(has_filter, rings, oriented_faces));
+    });
   });
 }
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Writes what is asked of the native library and what it answers, to the bit, for answers.test.js to ask WebAssembly
-// the same. The format is private to the two: blocks of 8 bytes, see Writer; each question begins with its number.
-#include <cstdint>
-#include <cstring>
+// Writes what is asked of the native library and what it answers, for answers.test.js to ask WebAssembly the same: a
+// line of JSON for each call, with the names of the JavaScript package. Decimals give back the bits of the numbers.
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,269 +23,301 @@
 namespace {
 
 using namespace limber;
+using nlohmann::json;
 using scenes::Rng;
 
-class Writer {
- public:
-  void number(double x) { append(&x, sizeof(x)); }
-  void vec(const Vec3& v) { number(v.x), number(v.y), number(v.z); }
-  /// The number of bytes, then the bytes, filled up with zeros.
-  template <typename T>
-  void array(std::span<const T> values) {
-    number(static_cast<double>(values.size_bytes()));
-    append(values.data(), values.size_bytes());
-    bytes_.resize((bytes_.size() + 7) / 8 * 8);
-  }
-  template <typename T>
-  void array(const std::vector<T>& values) {
-    array(std::span<const T>(values));
-  }
-  void text(const std::string& text) { array(std::span<const char>(text)); }
-  const std::vector<char>& bytes() const { return bytes_; }
-
- private:
-  void append(const void* from, std::size_t size) {
-    const auto* const first = static_cast<const char*>(from);
-    bytes_.insert(bytes_.end(), first, first + size);
-  }
-  std::vector<char> bytes_;
-};
-
-/// Questions, by the numbers that answers.test.js knows them by.
-enum class Question {
-  model,
-  move_all,
-  move_vertices,
-  commit,
-  distance,
-  collide,
-  within,
-  contacts,
-  intersections,
-  closest_pairs,
-  self_collide,
-  self_distance,
-  self_contacts,
-  self_intersections,
-  self_closest_pairs,
-  closest_points,
-  signed_distances,
-  tree,
-  file,
-  error
-};
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
+
+/// JSON has no number for infinity, so a text stands for it.
+json of(double x) { return std::isfinite(x) ? json(x) : json("Infinity"); }
+json of(const Vec3& v) { return {v.x, v.y, v.z}; }
+json of(const Transform& pose) { return matrix_of(pose, MatrixOrder::column_major); }
+json of(const QueryStats& stats) { return {{"nodeTests", stats.node_tests}, {"triangleTests", stats.triangle_tests}}; }
+
+template <typename Enum, std::size_t count>
+const char* name_in(const char* const (&names)[count], Enum value) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+json of(StoppedBy stopped_by) { return name_in({"nothing", "deadline", "maxSteps"}, stopped_by); }
+
+json of(const std::optional<Witness>& w) {
+  if (!w) return nullptr;
+  return {{"pointA", of(w->point_a)},
+          {"pointB", of(w->point_b)},
+          {"triangleA", w->triangle_a},
+          {"triangleB", w->triangle_b}};
+}
+
+json of(const DistanceResult& r) {
+  return {{"lower", of(r.lower)},
+          {"upper", of(r.upper)},
+          {"status", name_in({"exact", "withinError", "collision", "beyondLimit", "interrupted"}, r.status)},
+          {"stoppedBy", of(r.stopped_by)},
+          {"witness", of(r.witness)},
+          {"stats", of(r.stats)}};
+}
+
+json of(const CollideResult& r) {
+  return {{"answer", name_in({"no", "yes", "unknown"}, r.answer)},
+          {"stoppedBy", of(r.stopped_by)},
+          {"witness", of(r.witness)},
+          {"stats", of(r.stats)}};
+}
+
+json of(const Feature& feature) {
+  return {{"kind", name_in({"vertex", "edge", "face"}, feature.kind)}, {"index", feature.index}};
+}
+
+json of(const Contact& c) {
+  return {{"distance", of(c.distance)},  {"depth", of(c.depth)},
+          {"pointA", of(c.point_a)},     {"pointB", of(c.point_b)},
+          {"normal", of(c.normal)},      {"triangleA", c.triangle_a},
+          {"triangleB", c.triangle_b},   {"featureA", of(c.feature_a)},
+          {"featureB", of(c.feature_b)}, {"normalSide", name_in({"unknown", "outward", "inward"}, c.normal_side)}};
+}
+
+json of(const std::optional<SurfacePoint>& closest, bool is_inside) {
+  if (!closest) return {{"closest", nullptr}, {"isInside", is_inside}, {"distance", of(infinity)}};
+  const json point{{"distance", of(closest->distance)},
+                   {"position", of(closest->position)},
+                   {"triangle", closest->triangle},
+                   {"barycentric", closest->barycentric},
+                   {"feature", of(closest->feature)}};
+  const double distance = is_inside ? -closest->distance : closest->distance;
+  return {{"closest", point}, {"isInside", is_inside}, {"distance", of(distance)}};
+}
+
+json of(const Error& error) {
+  const char* const code =
+      name_in({"emptyMesh", "nonFinite", "tooLarge", "indexOutOfRange", "sizeMismatch", "notRigid", "unreadableFile",
+               "malformedFile", "unsupportedFormat", "changedConnectivity", "brokenInvariant", "notClosed"},
+              error.code);
+  json described{{"code", code}, {"message", error.text}};
+  if (error.where) described["where"] = *error.where;
+  return {{"error", described}};
+}
+
+/// What is there for each of several things.
+template <typename T>
+json each(const std::vector<T>& values) {
+  json list = json::array();
+  for (const T& value : values) list.push_back(of(value));
+  return list;
+}
+
+/// Positions as float32 has them, if it is to hold them.
+std::vector<Vec3> rounded(std::vector<Vec3> positions, bool is_float32) {
+  if (!is_float32) return positions;
+  std::vector<float> numbers;
+  for (const Vec3& p : positions) {
+    for (std::size_t axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(p[axis]));
+  }
+  PositionsView::packed(numbers).copy_to(positions);
+  return positions;
+}
+
+/// The numbers of points, one after the other, as an array of JavaScript of that type. A NaN is null.
+json numbers_of(std::span<const Vec3> points, bool is_float32 = false) {
+  json numbers = json::array();
+  for (const Vec3& p : points) {
+    for (std::size_t axis = 0; axis < 3; ++axis) numbers.push_back(p[axis]);
+  }
+  return {{is_float32 ? "Float32Array" : "Float64Array", numbers}};
+}
+
+/// The ids of triangles, pairs, ... one after the other.
+template <typename T>
+json ids_of(const std::vector<T>& values) {
+  json ids = json::array();
+  for (const auto& several : values) {
+    for (const std::uint32_t id : several) ids.push_back(id);
+  }
+  return ids;
+}
+
+/// How a query is asked beyond its models.
+struct Asked {
+  std::uint64_t max_steps = unlimited;
+  bool uses_cache = false;
+};
 
 /// Asks and writes.
 class Recorder {
  public:
+  explicit Recorder(const std::string& path) : out_(path) {}
+
   std::size_t add(const Mesh& mesh, bool is_float32 = false) {
-    begin(Question::model);
-    const PositionsView written = positions(mesh.positions(), is_float32);
-    out_.array(mesh.triangles());
-    models_.push_back(Model(Mesh::create(written, mesh.triangles()).value()));
+    const std::vector<Vec3> positions = rounded(mesh.positions(), is_float32);
+    write("Model", {}, {numbers_of(positions, is_float32), uint32s(ids_of(mesh.triangles()))});
+    models_.push_back(Model(Mesh::create(positions, mesh.triangles()).value()));
     caches_.emplace_back();
     return models_.size() - 1;
   }
 
   void move_all(std::size_t m, const std::vector<Vec3>& to, bool is_float32) {
-    begin(Question::move_all), id(m);
-    models_[m].move_all(positions(to, is_float32)).value();
+    const std::vector<Vec3> positions = rounded(to, is_float32);
+    write("moveAll", {m}, {numbers_of(positions, is_float32)});
+    models_[m].move_all(positions).value();
     commit(m);
   }
   void move_vertices(std::size_t m, const scenes::VertexMoves& moves, bool is_float32) {
-    begin(Question::move_vertices), id(m);
-    const PositionsView written = positions(moves.positions, is_float32);
-    out_.array(moves.ids);
-    models_[m].move_vertices(moves.ids, written).value();
+    const std::vector<Vec3> positions = rounded(moves.positions, is_float32);
+    write("moveVertices", {m}, {uint32s(moves.ids), numbers_of(positions, is_float32)});
+    models_[m].move_vertices(moves.ids, positions).value();
     commit(m);
   }
 
-  void distance(std::size_t a, std::size_t b, const Transform& pose, DistanceOptions options, std::uint64_t max_steps,
-                bool uses_cache) {
-    begin(Question::distance), pair(a, b, pose);
-    out_.number(options.relative_error), out_.number(options.absolute_error), out_.number(options.max_distance);
-    budget(max_steps, uses_cache);
-    options.cache = uses_cache ? &caches_[a] : nullptr, options.budget = {.max_steps = max_steps};
-    write(limber::distance(Placed(models_[a]), Placed(models_[b], pose), options));
+  void distance(std::size_t a, std::size_t b, const Transform& pose, DistanceOptions options, Asked asked = {}) {
+    options.cache = cache(a, asked), options.budget = {.max_steps = asked.max_steps};
+    json given = options_of(pose, asked);
+    given["relativeError"] = options.relative_error, given["absoluteError"] = options.absolute_error;
+    given["maxDistance"] = of(options.max_distance);
+    write("distance", {a, b}, {}, given, of(limber::distance(models_[a], {models_[b], pose}, options)));
   }
-  void collide(std::size_t a, std::size_t b, const Transform& pose, std::uint64_t max_steps, bool uses_cache) {
-    begin(Question::collide), pair(a, b, pose), budget(max_steps, uses_cache);
-    const QueryBudget budget{.max_steps = max_steps};
-    const Placed of_a(models_[a]), of_b(models_[b], pose);
-    write(limber::collide(of_a, of_b, {.cache = uses_cache ? &caches_[a] : nullptr, .budget = budget}));
+  void collide(std::size_t a, std::size_t b, const Transform& pose, Asked asked = {}) {
+    const CollideResult result = limber::collide(models_[a], {models_[b], pose},
+                                                 {.cache = cache(a, asked), .budget = {.max_steps = asked.max_steps}});
+    write("collide", {a, b}, {}, options_of(pose, asked), of(result));
   }
   void within(std::size_t a, std::size_t b, const Transform& pose, double max_distance) {
-    begin(Question::within), pair(a, b, pose), out_.number(max_distance);
-    write(limber::within(Placed(models_[a]), Placed(models_[b], pose), max_distance));
+    const CollideResult result = limber::within(models_[a], {models_[b], pose}, max_distance);
+    write("within", {a, b}, {max_distance}, options_of(pose), of(result));
   }
 
   void contacts(std::size_t a, std::size_t b, const Transform& pose, double margin) {
-    begin(Question::contacts), pair(a, b, pose), out_.number(margin);
     std::vector<Contact> found;
     const auto keep = [&](const Contact& contact) { return found.push_back(contact), true; };
-    write(found, visit_contacts(Placed(models_[a]), Placed(models_[b], pose), margin, keep).stats);
+    const PairCount count = visit_contacts(models_[a], {models_[b], pose}, margin, keep);
+    write("contacts", {a, b}, {margin}, options_of(pose), contacts_of(found, count));
   }
   void intersections(std::size_t a, std::size_t b, const Transform& pose) {
-    begin(Question::intersections), pair(a, b, pose);
     std::vector<TrianglePair> found;
     const auto keep = [&](const TrianglePair& one) { return found.push_back(one), true; };
-    const PairCount count = visit_intersections(Placed(models_[a]), Placed(models_[b], pose), keep);
-    out_.array(found), write(count.stats);
+    const PairCount count = visit_intersections(models_[a], {models_[b], pose}, keep);
+    write("intersections", {a, b}, {}, options_of(pose), pairs_of(found, count));
   }
   void closest_pairs(std::size_t a, std::size_t b, const Transform& pose, std::size_t most) {
-    begin(Question::closest_pairs), pair(a, b, pose), id(most);
     std::vector<Contact> found(most);
-    const PairCount count = limber::closest_pairs(Placed(models_[a]), Placed(models_[b], pose), found);
+    const PairCount count = limber::closest_pairs(models_[a], {models_[b], pose}, found);
     found.resize(count.count);
-    write(found, count.stats);
+    write("closestPairs", {a, b}, {most}, options_of(pose), contacts_of(found, count));
   }
 
   /// All questions about a model and itself.
   void of_itself(std::size_t m, double margin, std::uint32_t ring_edges) {
-    begin(Question::self_collide), id(m);
-    write(self_collide(models_[m]));
-    const NeighborRings rings(models_[m].mesh(), ring_edges);
-    begin(Question::self_distance), id(m), id(ring_edges);
-    write(self_distance(models_[m], {.filter = rings}));
-    begin(Question::self_contacts), id(m), out_.number(margin), id(ring_edges);
+    const Model& model = models_[m];
+    const NeighborRings rings(model.mesh(), ring_edges);
+    const json ringed{{"rings", ring_edges}};
+    write("selfCollide", {m}, {}, {}, of(self_collide(model)));
+    write("selfDistance", {m}, {}, ringed, of(self_distance(model, {.filter = rings})));
     std::vector<Contact> found;
     const auto keep = [&](const Contact& contact) { return found.push_back(contact), true; };
-    write(found, visit_self_contacts(models_[m], margin, keep, {.filter = rings}).stats);
-    begin(Question::self_intersections), id(m);
+    const PairCount close = visit_self_contacts(model, margin, keep, {.filter = rings});
+    write("selfContacts", {m}, {margin}, ringed, contacts_of(found, close));
     std::vector<TrianglePair> pairs;
     const auto keep_pair = [&](const TrianglePair& one) { return pairs.push_back(one), true; };
-    const PairCount count = visit_self_intersections(models_[m], keep_pair);
-    out_.array(pairs), write(count.stats);
-    begin(Question::self_closest_pairs), id(m), id(10);
+    const PairCount meeting = visit_self_intersections(model, keep_pair);
+    write("selfIntersections", {m}, {}, {}, pairs_of(pairs, meeting));
     found.resize(10);
-    const PairCount closest = self_closest_pairs(models_[m], found);
+    const PairCount closest = self_closest_pairs(model, found);
     found.resize(closest.count);
-    write(found, closest.stats);
+    write("selfClosestPairs", {m}, {10}, {}, contacts_of(found, closest));
   }
 
   void closest_points(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
-    begin(Question::closest_points), id(m), matrix(pose), out_.array(points), out_.number(max_distance);
     std::vector<PointResult> results(points.size());
-    limber::closest_points(Placed(models_[m], pose), points, results, {max_distance});
-    for (const PointResult& result : results) write(result.closest, false);
+    limber::closest_points({models_[m], pose}, points, results, {max_distance});
+    json answer = json::array();
+    for (const PointResult& result : results) answer.push_back(of(result.closest, false));
+    const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
+    write("closestPoints", {m}, {numbers_of(points)}, options, answer);
   }
   void signed_distances(std::size_t m, const Transform& pose, const std::vector<Vec3>& points) {
-    begin(Question::signed_distances), id(m), matrix(pose), out_.array(points);
     std::vector<SignedDistance> results(points.size());
     ClosedSurface::create(models_[m]).value().signed_distances(points, results, pose);
-    for (const SignedDistance& result : results) write(result.closest, result.is_inside);
+    json answer = json::array();
+    for (const SignedDistance& result : results) answer.push_back(of(result.closest, result.is_inside));
+    write("signedDistances", {m}, {numbers_of(points)}, {{"pose", of(pose)}}, answer);
   }
 
   /// Bounds and statistics.
   void tree(std::size_t m) {
-    begin(Question::tree), id(m);
-    const Box box = models_[m].bounding_box();
-    out_.vec(box.low), out_.vec(box.high);
-    const MaintenanceStats stats = models_[m].maintenance_stats();
-    for (const double x :
-         {static_cast<double>(stats.moved_vertices), static_cast<double>(stats.refits),
-          static_cast<double>(stats.whole_passes), static_cast<double>(stats.rebuilt_triangles), stats.rebuild_us}) {
-      out_.number(x);
+    const Model& model = models_[m];
+    const Box box = model.bounding_box();
+    const MaintenanceStats stats = model.maintenance_stats();
+    json spheres = json::array();
+    for (std::uint32_t level = 0; level < model.tree_stats().levels; ++level) {
+      json& numbers = spheres.emplace_back(json::array());
+      for (const Sphere& sphere : model.node_spheres(level)) {
+        for (const double x : {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius}) numbers.push_back(x);
+      }
     }
-    const std::uint32_t levels = models_[m].tree_stats().levels;
-    out_.number(levels);
-    for (std::uint32_t level = 0; level < levels; ++level) out_.array(models_[m].node_spheres(level));
+    write("tree", {m}, {}, {},
+          {{"box", {{"low", of(box.low)}, {"high", of(box.high)}}},
+           {"maintenance",
+            {{"movedVertices", stats.moved_vertices},
+             {"refits", stats.refits},
+             {"wholePasses", stats.whole_passes},
+             {"rebuiltTriangles", stats.rebuilt_triangles},
+             {"rebuildUs", stats.rebuild_us}}},
+           {"spheres", spheres}});
   }
 
   void file(const std::string& name, const std::string& bytes) {
-    begin(Question::file), out_.text(name), out_.text(bytes);
+    json given = json::array();
+    for (const char c : bytes) given.push_back(static_cast<unsigned char>(c));
     const Result<MeshFile> read = read_mesh_bytes(std::as_bytes(std::span(bytes)), name);
-    out_.number(read ? 1 : 0);
-    if (!read) return error(read.error());
-    out_.array(read->mesh.positions()), out_.array(read->mesh.triangles()), out_.array(read->face_of_triangle);
-    out_.number(static_cast<double>(read->face_count));
+    json answer;
+    if (read) {
+      answer = {{"vertices", numbers_of(read->mesh.positions())["Float64Array"]},
+                {"faces", ids_of(read->mesh.triangles())},
+                {"faceOfTriangle", read->face_of_triangle},
+                {"faceCount", read->face_count}};
+    } else {
+      answer = of(read.error());
+    }
+    write("readMeshBytes", {}, {{{"Uint8Array", given}}, name}, {}, answer);
   }
 
   /// Positions that a move refuses.
   void refused(std::size_t m, const std::vector<Vec3>& to) {
-    begin(Question::error), id(m), positions(to, false);
-    error(models_[m].move_all(to).error());
+    write("moveAll", {m}, {numbers_of(to)}, {}, of(models_[m].move_all(to).error()));
   }
 
-  const Writer& out() const { return out_; }
+  bool close() { return static_cast<bool>(out_.flush()); }
 
  private:
-  void begin(Question question) { out_.number(static_cast<double>(question)); }
-  void id(std::size_t i) { out_.number(static_cast<double>(i)); }
-  void matrix(const Transform& pose) {
-    for (const double x : matrix_of(pose, MatrixOrder::column_major)) out_.number(x);
-  }
-  void pair(std::size_t a, std::size_t b, const Transform& pose) { id(a), id(b), matrix(pose); }
-  void budget(std::uint64_t max_steps, bool uses_cache) {
-    const bool is_limited = max_steps < std::numeric_limits<std::uint64_t>::max();
-    out_.number(is_limited ? static_cast<double>(max_steps) : infinity), out_.number(uses_cache ? 1 : 0);
+  void write(const char* call, const std::vector<std::size_t>& of_models, const std::vector<json>& args,
+             const json& options = {}, const json& answer = {}) {
+    out_ << json{{"call", call}, {"of", of_models}, {"args", args}, {"options", options}, {"answer", answer}} << '\n';
   }
   void commit(std::size_t m) {
-    begin(Question::commit), id(m);
+    write("commit", {m}, {});
     models_[m].commit();
   }
+  QueryCache* cache(std::size_t a, Asked asked) { return asked.uses_cache ? &caches_[a] : nullptr; }
 
-  /// Writes positions, and gives them as they are written.
-  PositionsView positions(const std::vector<Vec3>& positions, bool is_float32) {
-    out_.number(is_float32 ? 1 : 0);
-    float64_.clear(), float32_.clear();
-    for (const Vec3& p : positions) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        float64_.push_back(p[axis]), float32_.push_back(static_cast<float>(p[axis]));
-      }
-    }
-    if (is_float32) return out_.array(float32_), PositionsView::packed(float32_);
-    return out_.array(float64_), PositionsView::packed(float64_);
+  static json options_of(const Transform& pose, Asked asked = {}) {
+    json options{{"poseA", nullptr}, {"poseB", of(pose)}, {"cache", asked.uses_cache}};
+    if (asked.max_steps < unlimited) options["budget"] = {{"maxSteps", asked.max_steps}};
+    return options;
   }
-
-  void write(const QueryStats& stats) {
-    out_.number(static_cast<double>(stats.node_tests)), out_.number(static_cast<double>(stats.triangle_tests));
+  static json uint32s(const json& ids) { return {{"Uint32Array", ids}}; }
+  static json contacts_of(const std::vector<Contact>& found, const PairCount& count) {
+    return {{"count", found.size()}, {"contacts", each(found)}, {"stats", of(count.stats)}};
   }
-  void write(const std::optional<Witness>& witness) {
-    out_.number(witness ? 1 : 0);
-    if (!witness) return;
-    out_.vec(witness->point_a), out_.vec(witness->point_b), id(witness->triangle_a), id(witness->triangle_b);
-  }
-  void write(const DistanceResult& r) {
-    out_.number(r.lower), out_.number(r.upper), id(static_cast<std::size_t>(r.status));
-    id(static_cast<std::size_t>(r.stopped_by)), write(r.witness), write(r.stats);
-  }
-  void write(const CollideResult& r) {
-    id(static_cast<std::size_t>(r.answer)), id(static_cast<std::size_t>(r.stopped_by)), write(r.witness);
-    write(r.stats);
-  }
-  void write(const Feature& feature) { id(static_cast<std::size_t>(feature.kind)), id(feature.index); }
-  void write(const std::vector<Contact>& contacts, const QueryStats& stats) {
-    id(contacts.size());
-    for (const Contact& c : contacts) {
-      out_.number(c.distance), out_.number(c.depth), out_.vec(c.point_a), out_.vec(c.point_b), out_.vec(c.normal);
-      id(c.triangle_a), id(c.triangle_b), write(c.feature_a), write(c.feature_b);
-      id(static_cast<std::size_t>(c.normal_side));
-    }
-    write(stats);
-  }
-  void write(const std::optional<SurfacePoint>& closest, bool is_inside) {
-    out_.number(closest ? 1 : 0), out_.number(is_inside ? 1 : 0);
-    if (!closest) return;
-    out_.number(closest->distance), out_.vec(closest->position), id(closest->triangle);
-    for (const double weight : closest->barycentric) out_.number(weight);
-    write(closest->feature);
-  }
-  void error(const Error& error) {
-    id(static_cast<std::size_t>(error.code)), out_.text(error.text);
-    out_.number(error.where ? static_cast<double>(*error.where) : -1);
+  static json pairs_of(const std::vector<TrianglePair>& found, const PairCount& count) {
+    json ids = json::array();
+    for (const TrianglePair& pair : found) ids.push_back(pair.a), ids.push_back(pair.b);
+    return {{"count", found.size()}, {"isComplete", true}, {"triangles", ids}, {"stats", of(count.stats)}};
   }
 
+  std::ofstream out_;
   std::vector<Model> models_;
   std::vector<QueryCache> caches_;
-  std::vector<double> float64_;
-  std::vector<float> float32_;
-  Writer out_;
 };
-
-constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
 std::vector<Vec3> points_around(Rng& rng, std::size_t count, double size) {
   std::vector<Vec3> points(count);
@@ -302,12 +334,12 @@ Transform random_pose(Rng& rng, double distance) {
 void ask_of_poses(Recorder& record, std::size_t a, std::size_t b, std::size_t poses, double distance, Rng& rng) {
   for (std::size_t i = 0; i < poses; ++i) {
     const Transform pose = random_pose(rng, distance);
-    record.distance(a, b, pose, {}, unlimited, false);
-    record.distance(a, b, pose, {.relative_error = 0.1}, unlimited, true);
-    record.distance(a, b, pose, {.absolute_error = 0.05 * distance, .max_distance = distance}, unlimited, false);
-    record.distance(a, b, pose, {}, 1 + rng.below(40), false);
-    record.collide(a, b, pose, unlimited, false);
-    record.collide(a, b, pose, 1 + rng.below(10), true);
+    record.distance(a, b, pose, {});
+    record.distance(a, b, pose, {.relative_error = 0.1}, {.uses_cache = true});
+    record.distance(a, b, pose, {.absolute_error = 0.05 * distance, .max_distance = distance});
+    record.distance(a, b, pose, {}, {.max_steps = 1 + rng.below(40)});
+    record.collide(a, b, pose);
+    record.collide(a, b, pose, {.max_steps = 1 + rng.below(10), .uses_cache = true});
     record.within(a, b, pose, 0.2 * distance);
     if (i % 4 != 0) continue;
     record.intersections(a, b, pose);
@@ -323,7 +355,7 @@ void ask_of_motion(Recorder& record, const scenes::Motion& motion, std::size_t o
   for (int frame = 1; frame <= frames; ++frame) {
     record.move_all(m, motion.positions(step * frame), frame % 2 == 0);
     const Transform pose = random_pose(rng, 1);
-    record.distance(m, other, pose, {}, unlimited, true);
+    record.distance(m, other, pose, {}, {.uses_cache = true});
     record.contacts(m, other, pose, 0.01);
     if (frame % 5 != 0) continue;
     record.tree(m);
@@ -393,7 +425,7 @@ void ask(Recorder& record) {
   ask_of_poses(record, lattice, soup, 40, 6, rng);
   for (int i = 0; i < 30; ++i) {  // exact contacts and near misses
     const Transform shift{Mat3{}, {static_cast<double>(i % 4), static_cast<double>(i / 4 % 4), 1}};
-    record.distance(lattice, lattice, shift, {}, unlimited, false);
+    record.distance(lattice, lattice, shift, {});
     record.intersections(lattice, lattice, shift);
     record.contacts(lattice, lattice, shift, 0.5);
   }
@@ -408,7 +440,7 @@ void ask(Recorder& record) {
     const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), positions);
     for (std::size_t k = 0; k < moves.ids.size(); ++k) positions[moves.ids[k]] = moves.positions[k];
     record.move_vertices(dented, moves, i % 3 == 0);
-    record.distance(dented, ball, random_pose(rng, 30), {}, unlimited, true);
+    record.distance(dented, ball, random_pose(rng, 30), {}, {.uses_cache = true});
   }
   record.tree(dented);
 
@@ -434,10 +466,7 @@ int main(int argc, char** argv) {
     std::cerr << "usage: limber_web_answers FILE\n";
     return 2;
   }
-  Recorder record;
+  Recorder record(argv[1]);
   ask(record);
-  const std::vector<char>& bytes = record.out().bytes();
-  std::ofstream file(argv[1], std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return file.flush() ? 0 : 1;
+  return record.close() ? 0 : 1;
 }

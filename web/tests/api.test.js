@@ -5,75 +5,52 @@
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
 import * as limber from "limber3d";
-
-/** Throws a LimberError of this code; `about` is part of its message. */
-function refuses(body, code, about = "") {
-  assert.throws(body, (error) => {
-    assert.ok(error instanceof limber.LimberError && error instanceof Error, String(error.stack));
-    assert.equal(error.code, code, error.message);
-    assert.ok(error.message.includes(about), error.message);
-    return true;
-  });
-}
-
-const cornersOfTetrahedron = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1];
-const facesOfTetrahedron = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
-const tetrahedron = () => new limber.Model(cornersOfTetrahedron, facesOfTetrahedron);
+import { corners, faces, grid, refuses, tetrahedron } from "./support.js";
 
 /** A sheet of n x n squares in the plane z = 0, over [0, 1] x [0, 1]. */
-function sheet(n, options) {
-  const vertices = [], faces = [];
-  for (let j = 0; j <= n; ++j) for (let i = 0; i <= n; ++i) vertices.push(i / n, j / n, 0);
-  for (let j = 0; j < n; ++j) {
-    for (let i = 0; i < n; ++i) {
-      const a = j * (n + 1) + i;
-      faces.push(a, a + 1, a + n + 2, a, a + n + 2, a + n + 1);
-    }
-  }
-  return new limber.Model(Float32Array.from(vertices), Uint16Array.from(faces), options);
-}
+const sheet = (n, options) => new limber.Model(...grid(n), options);
 
 before(() => limber.init());
 
 test("arrays of every kind make the same model", () => {
   const kinds = [
-    [cornersOfTetrahedron, facesOfTetrahedron],
-    [Float32Array.from(cornersOfTetrahedron), Uint32Array.from(facesOfTetrahedron)],
-    [Float64Array.from(cornersOfTetrahedron), Int32Array.from(facesOfTetrahedron)],
-    [Float32Array.from(cornersOfTetrahedron), Uint16Array.from(facesOfTetrahedron)],
+    [corners, faces],
+    [Float32Array.from(corners), Uint32Array.from(faces)],
+    [Float64Array.from(corners), Int32Array.from(faces)],
+    [Float32Array.from(corners), Uint16Array.from(faces)],
   ];
-  for (const [vertices, faces] of kinds) {
-    const model = new limber.Model(vertices, faces);
-    assert.deepEqual([...model.vertices()], cornersOfTetrahedron);
-    assert.deepEqual([...model.faces()], facesOfTetrahedron);
+  for (const arrays of kinds) {
+    const model = new limber.Model(...arrays);
+    assert.deepEqual([...model.vertices()], corners);
+    assert.deepEqual([...model.faces()], faces);
     assert.equal(model.vertexCount, 4);
     assert.equal(model.triangleCount, 4);
   }
 });
 
 test("arrays are copied, whatever part of a buffer they are", () => {
-  const buffer = new Float32Array([9, 9, ...cornersOfTetrahedron, 9]);
-  const model = new limber.Model(buffer.subarray(2, 14), facesOfTetrahedron);
+  const buffer = new Float32Array([9, 9, ...corners, 9]);
+  const model = new limber.Model(buffer.subarray(2, 14), faces);
   buffer.fill(7);
-  assert.deepEqual([...model.vertices()], cornersOfTetrahedron);
+  assert.deepEqual([...model.vertices()], corners);
   model.vertices().fill(5);
-  assert.deepEqual([...model.vertices()], cornersOfTetrahedron);
+  assert.deepEqual([...model.vertices()], corners);
 });
 
 test("meshes that are none are refused with code and place", () => {
   refuses(() => new limber.Model([], []), "emptyMesh");
   refuses(() => new limber.Model([0, 0], [0, 1, 2]), "sizeMismatch", "vertices has 2 numbers");
-  refuses(() => new limber.Model(cornersOfTetrahedron, [0, 1]), "sizeMismatch", "faces has 2 ids");
-  refuses(() => new limber.Model(cornersOfTetrahedron, [0, 1, 4]), "indexOutOfRange", "vertex 4");
-  refuses(() => new limber.Model(cornersOfTetrahedron, [0, 1, -1]), "indexOutOfRange", "faces[2] is -1");
-  refuses(() => new limber.Model(cornersOfTetrahedron, Int32Array.of(0, -1, 1)), "indexOutOfRange", "faces[1] is -1");
-  refuses(() => new limber.Model(cornersOfTetrahedron, [0, 1, 1.5]), "indexOutOfRange", "faces[2] is 1.5");
+  refuses(() => new limber.Model(corners, [0, 1]), "sizeMismatch", "faces has 2 ids");
+  refuses(() => new limber.Model(corners, [0, 1, 4]), "indexOutOfRange", "vertex 4");
+  refuses(() => new limber.Model(corners, [0, 1, -1]), "indexOutOfRange", "faces[2] is -1");
+  refuses(() => new limber.Model(corners, Int32Array.of(0, -1, 1)), "indexOutOfRange", "faces[1] is -1");
+  refuses(() => new limber.Model(corners, [0, 1, 1.5]), "indexOutOfRange", "faces[2] is 1.5");
   refuses(() => new limber.Model([0, 0, 0, 1, 0, NaN, 0, 1, 0], [0, 1, 2]), "nonFinite");
   refuses(() => new limber.Model([0, 0, 0, 1, 0, 1e300, 0, 1, 0], [0, 1, 2]), "tooLarge");
   refuses(() => new limber.Model(new Uint8Array(9), [0, 1, 2]), "invalidArgument", "vertices");
   refuses(() => new limber.Model("abc", [0, 1, 2]), "invalidArgument", "vertices");
-  refuses(() => new limber.Model(cornersOfTetrahedron, new Float32Array(3)), "invalidArgument", "faces");
-  refuses(() => new limber.Model(cornersOfTetrahedron), "invalidArgument", "faces");
+  refuses(() => new limber.Model(corners, new Float32Array(3)), "invalidArgument", "faces");
+  refuses(() => new limber.Model(corners), "invalidArgument", "faces");
   try {
     new limber.Model([0, 0, 0, 1, 0, Infinity, 0, 1, 0], [0, 1, 2]);
   } catch (error) {
@@ -416,7 +393,7 @@ test("what has been disposed of is refused, and disposing again does nothing", (
     () => limber.distance(b, b, { cache }),
     () => limber.selfContacts(b, 1, { filter: rings }),
     () => a.commit(),
-    () => a.moveAll(cornersOfTetrahedron),
+    () => a.moveAll(corners),
     () => a.vertices(),
     () => a.isCommitted,
     () => cache.clear(),

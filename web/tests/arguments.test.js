@@ -5,19 +5,8 @@
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
 import * as limber from "limber3d";
+import { corners, faces, refuses, tetrahedron } from "./support.js";
 
-/** Throws a LimberError of this code; each of `parts` is in its message. */
-function refuses(body, code, ...parts) {
-  assert.throws(body, (error) => {
-    assert.ok(error instanceof limber.LimberError, String(error.stack));
-    assert.equal(error.code, code, error.message);
-    for (const part of parts) assert.ok(error.message.includes(part), `${error.message} lacks ${part}`);
-    return true;
-  });
-}
-
-const corners = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
-const tetrahedron = () => new limber.Model(corners, faces);
 const notNumbers = [null, "7", true, [1], 7n, {}, Symbol("7"), Object.create(null), undefined];
 
 before(() => limber.init());

@@ -8,6 +8,7 @@ import { setFlagsFromString } from "node:v8";
 import { runInNewContext } from "node:vm";
 import { engine } from "../limber3d/wasm.js";
 import * as limber from "limber3d";
+import { grid } from "./support.js";
 
 before(() => limber.init());
 
@@ -24,20 +25,11 @@ function staysFlat(times, body) {
   assert.equal(bytesOfModule(), before);
 }
 
-function grid(n) {
-  const vertices = new Float32Array(3 * (n + 1) ** 2), faces = [];
-  for (let v = 0; v < (n + 1) ** 2; ++v) vertices.set([v % (n + 1), Math.floor(v / (n + 1)), Math.sin(v)], 3 * v);
-  for (let j = 0; j < n; ++j) {
-    for (let i = 0; i < n; ++i) {
-      const a = j * (n + 1) + i;
-      faces.push(a, a + 1, a + n + 2, a, a + n + 2, a + n + 1);
-    }
-  }
-  return [vertices, new Uint32Array(faces)];
-}
+/** A sheet that is not flat. */
+const roughSheet = (n) => grid(n, Math.sin);
 
 test("100 000 calls of each kind take no memory", () => {
-  const [vertices, faces] = grid(6);
+  const [vertices, faces] = roughSheet(6);
   const model = new limber.Model(vertices, faces), other = new limber.Model(vertices, faces);
   const cache = new limber.QueryCache(), options = { poseB: { translation: [0, 0, 3] }, cache };
   staysFlat(100_000, () => limber.distance(model, other, options));
@@ -54,7 +46,7 @@ test("100 000 calls of each kind take no memory", () => {
 });
 
 test("errors take no memory", () => {
-  const [vertices, faces] = grid(20);
+  const [vertices, faces] = roughSheet(20);
   const model = new limber.Model(vertices, faces), bad = vertices.slice();
   bad[500] = NaN;
   const throws = (body) => assert.throws(body, limber.LimberError);
@@ -72,7 +64,7 @@ test("errors take no memory", () => {
 });
 
 test("disposed objects leave nothing behind", () => {
-  const [vertices, faces] = grid(30);
+  const [vertices, faces] = roughSheet(30);
   staysFlat(3000, () => {
     const model = new limber.Model(vertices, faces, { preallocate: true });
     const cache = new limber.QueryCache(), rings = new limber.NeighborRings(model, 1);
@@ -86,7 +78,7 @@ test("disposed objects leave nothing behind", () => {
 test("what is no longer reachable is freed", async () => {
   setFlagsFromString("--expose-gc");
   const collectGarbage = runInNewContext("gc");
-  const [vertices, faces] = grid(40);
+  const [vertices, faces] = roughSheet(40);
   const bytes = [];
   for (let round = 0; round < 8; ++round) {
     for (let i = 0; i < 20; ++i) new limber.Model(vertices, faces);
@@ -98,7 +90,7 @@ test("what is no longer reachable is freed", async () => {
 });
 
 test("too much memory is an error, and the engine goes on", () => {
-  const [vertices, faces] = grid(10);
+  const [vertices, faces] = roughSheet(10);
   const model = new limber.Model(vertices, faces);
   for (const length of [3e9, 2 ** 32 - 8, 2 ** 32, 2 ** 33 + 5]) {
     const file = new Uint8Array(0);

@@ -3,17 +3,18 @@
 
 /** Buttons, sliders, keys and dropped files. */
 
-import { byId, element } from '../shared/dom.ts';
+import { byId, connectCopy, element } from '../shared/dom.ts';
 import { grouped, shown } from '../shared/numbers.ts';
 import type { Body } from './body.ts';
 import type { Questions } from './engine.ts';
+import { sides } from './view.ts';
 
 export interface Actions {
   pause(): void;
   step(): void;
   reset(): void;
   pluck(): void;
-  look(side: 'slanted' | 'front' | 'top'): void;
+  look(side: keyof typeof sides): void;
   load(file: File): void;
   hare(): void;
   /** The questions have changed. */
@@ -32,8 +33,9 @@ export class Controls {
     for (const id of ['pause', 'step', 'reset', 'pluck', 'hare', 'keep'] as const) {
       byId(id).addEventListener('click', () => actions[id]());
     }
-    for (const side of ['slanted', 'front', 'top'] as const)
+    for (const side of Object.keys(sides) as (keyof typeof sides)[]) {
       byId(side).addEventListener('click', () => actions.look(side));
+    }
     for (const id of ['error', 'margin', 'contacts', 'self', 'tree', 'level']) {
       byId(id).addEventListener('input', () => {
         this.writeSettings();
@@ -44,7 +46,7 @@ export class Controls {
     input('file').addEventListener('change', () => this.take(input('file').files));
     document.addEventListener('keydown', (event) => this.press(event));
     this.takeDrops();
-    byId('copy').addEventListener('click', () => this.copy());
+    connectCopy();
     this.writeSettings();
   }
 
@@ -158,20 +160,5 @@ export class Controls {
     const file = files?.[0];
     if (file !== undefined) this.actions.load(file);
     input('file').value = '';
-  }
-
-  private copy(): void {
-    const range = document.createRange();
-    range.selectNodeContents(byId('command'));
-    getSelection()?.removeAllRanges();
-    getSelection()?.addRange(range);
-    const say = (text: string): void => {
-      byId('copy').textContent = text;
-    };
-    if (navigator.clipboard === undefined) return say('Selected');
-    navigator.clipboard.writeText(byId('command').textContent ?? '').then(
-      () => say('Copied'),
-      () => say('Selected'),
-    );
   }
 }

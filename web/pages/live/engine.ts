@@ -5,8 +5,8 @@
 
 import { Model, NeighborRings, QueryCache, contacts, distance, selfContacts } from '../../limber3d/index.js';
 import type { Contacts, DistanceResult } from '../../limber3d/index.js';
+import type { BodyPose } from './body.ts';
 import type { TriangleMesh } from './hare.ts';
-import type { BodyPose } from './pose.ts';
 import { Sheet } from './sheet.ts';
 
 export interface Questions {

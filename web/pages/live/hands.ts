@@ -3,15 +3,23 @@
 
 /** Mouse, fingers and keys on the view: they pull the sheet, and move and turn the body. */
 
-import { add, dot, scale } from '../shared/vectors.ts';
-import type { Vec3 } from '../shared/vectors.ts';
-import { directionInBody, firstHit, inBody, turned } from './pose.ts';
+import { Vector3 } from 'three';
 import type { Scenery } from './scenery.ts';
 import type { View } from './view.ts';
 
 const radiansPerPixel = 0.009;
 const keyStep = 0.03;
 const keyAngle = Math.PI / 36;
+
+/** To the right, up, and away. */
+const steps: Record<string, readonly [number, number, number]> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, 1, 0],
+  ArrowDown: [0, -1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
 
 interface Drag {
   pointer: number;
@@ -32,7 +40,7 @@ export class Hands {
     this.scenery = scenery;
     this.isTurning = isTurning;
     // In the capturing phase: what the hands hold does not reach the view, which would turn.
-    const { host } = view;
+    const { host } = view.viewer;
     host.addEventListener('pointerdown', (event) => this.grasp(event), true);
     host.addEventListener('pointermove', (event) => this.move(event), true);
     for (const type of ['pointerup', 'pointercancel'] as const) {
@@ -47,28 +55,22 @@ export class Hands {
     if (drag === undefined) return;
     event.stopPropagation();
     this.drag = drag;
-    this.view.host.setPointerCapture(event.pointerId);
+    this.view.viewer.host.setPointerCapture(event.pointerId);
   }
 
   private dragAt(event: PointerEvent): Drag | undefined {
-    const { from, along } = this.view.ray(event.clientX, event.clientY);
-    const { sheet, body, pose } = this.scenery;
-    const onSheet = firstHit(sheet.positions, sheet.faces, from, along);
-    const inside = [inBody(pose, from), directionInBody(pose, along)] as const;
-    const onBody = firstHit(body.mesh.vertices, body.mesh.faces, ...inside);
+    const { sheet } = this.scenery;
+    const hit = this.view.hit(event);
     const start = { pointer: event.pointerId, last: [event.clientX, event.clientY] as [number, number], end() {} };
-    if (onBody !== undefined && (onSheet === undefined || onBody.far < onSheet.far)) {
+    if (hit === 'body') {
       const isTurning = this.isTurning() !== (event.shiftKey || event.button === 2);
-      return { ...start, by: (dx, dy) => (isTurning ? this.turn(dx, dy, radiansPerPixel) : this.shift(dx, dy)) };
+      return { ...start, by: (dx, dy) => (isTurning ? this.turn(dx, dy) : this.shift(this.view.across(dx, dy))) };
     }
-    if (onSheet === undefined || event.button !== 0) return undefined;
-    sheet.hold(nearestCorner(sheet, onSheet.triangle, add(from, scale(along, onSheet.far))));
-    let pulled: Vec3 = [0, 0, 0];
-    const by = (dx: number, dy: number): void => {
-      pulled = add(pulled, this.across(dx, dy));
-      this.scenery.pull(pulled);
-    };
+    if (hit === undefined || event.button !== 0) return undefined;
+    sheet.hold(hit);
+    const pulled = new Vector3();
     this.scenery.pull(pulled);
+    const by = (dx: number, dy: number): void => this.scenery.pull(pulled.add(this.view.across(dx, dy)));
     return { ...start, by, end: () => sheet.release() };
   }
 
@@ -91,59 +93,27 @@ export class Hands {
 
   private press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const steps: Record<string, Vec3> = {
-      ArrowLeft: [-1, 0, 0],
-      ArrowRight: [1, 0, 0],
-      ArrowUp: [0, 1, 0],
-      ArrowDown: [0, -1, 0],
-      PageUp: [0, 0, 1],
-      PageDown: [0, 0, -1],
-    };
     const step = steps[event.key];
     if (step === undefined) return;
     event.preventDefault();
     event.stopPropagation();
-    const { right, up, away } = this.view.axes;
+    const { right, up, away } = this.view.viewer.axes;
+    const [x, y, z] = step;
     if (this.isTurning() !== event.shiftKey) {
-      const axis = step[2] !== 0 ? away : step[1] !== 0 ? right : up;
-      this.scenery.place(turned(this.scenery.pose, axis, keyAngle * (step[0] - step[1] + step[2])));
+      this.scenery.turn(z !== 0 ? away : y !== 0 ? right : up, keyAngle * (x - y + z));
     } else {
-      const by = add(add(scale(right, step[0]), scale(up, step[1])), scale(away, step[2]));
-      this.moveBody(scale(by, keyStep));
+      this.shift(right.multiplyScalar(x).addScaledVector(up, y).addScaledVector(away, z).multiplyScalar(keyStep));
     }
   }
 
-  /** A shift of the picture by pixels, in the world. */
-  private across(dx: number, dy: number): Vec3 {
-    const { right, up, pixel } = this.view.axes;
-    return add(scale(right, dx * pixel), scale(up, -dy * pixel));
+  private shift(by: Vector3): void {
+    const { translation, quaternion } = this.scenery.pose;
+    this.scenery.place({ translation: translation.clone().add(by), quaternion });
   }
 
-  private shift(dx: number, dy: number): void {
-    this.moveBody(this.across(dx, dy));
+  private turn(dx: number, dy: number): void {
+    const { right, up } = this.view.viewer.axes;
+    this.scenery.turn(up, dx * radiansPerPixel);
+    this.scenery.turn(right, dy * radiansPerPixel);
   }
-
-  private moveBody(by: Vec3): void {
-    const { pose } = this.scenery;
-    this.scenery.place({ ...pose, translation: add(pose.translation, by) });
-  }
-
-  private turn(dx: number, dy: number, angle: number): void {
-    const { right, up } = this.view.axes;
-    this.scenery.place(turned(turned(this.scenery.pose, up, dx * angle), right, dy * angle));
-  }
-}
-
-function nearestCorner(
-  { positions, faces }: { positions: Float64Array; faces: Uint32Array },
-  triangle: number,
-  p: Vec3,
-): number {
-  let best = 0;
-  let least = Infinity;
-  for (const vertex of faces.subarray(3 * triangle, 3 * triangle + 3)) {
-    const off = [0, 1, 2].map((i) => positions[3 * vertex + i] - p[i]) as unknown as Vec3;
-    if (dot(off, off) < least) [best, least] = [vertex, dot(off, off)];
-  }
-  return best;
 }

@@ -3,7 +3,7 @@
 
 /** A hare, modelled as ellipsoids and rods that are blended, and meshed by surface nets. */
 
-import type { Vec3 } from '../shared/vectors.ts';
+type Vec3 = readonly [number, number, number];
 
 export interface TriangleMesh {
   vertices: Float64Array;
@@ -74,15 +74,11 @@ function hare(x: number, y: number, z: number): number {
 
 const spacing = 0.0185;
 const low: Vec3 = [-0.42, -0.04, -0.6];
-const block = 4; // cells along each side of what is looked at as one
-const [nx, ny, nz] = [49, 77, 65]; // grid points: whole blocks, and one
+const [nx, ny, nz] = [49, 77, 65]; // grid points
 const steps: Vec3 = [1, nx, nx * ny]; // from a grid point to the next along x, y, z
 const corners = Array.from({ length: 8 }, (_, corner) =>
   steps.reduce((sum, step, axis) => sum + ((corner >> axis) & 1) * step, 0),
 );
-
-const hareAt = (h: number, j: number, k: number): number =>
-  hare(low[0] + h * spacing, low[1] + j * spacing, low[2] + k * spacing);
 
 export function hareMesh(): TriangleMesh {
   const values = gridValues();
@@ -105,23 +101,12 @@ export function hareMesh(): TriangleMesh {
   return { vertices: Float64Array.from(vertices), faces: Uint32Array.from(facesAround(values, vertexOf)) };
 }
 
-/** The field at the points of the grid; about it where a whole block is far from the surface. */
+/** The field at the points of the grid. */
 function gridValues(): Float32Array {
   const values = new Float32Array(nx * ny * nz);
-  const far = spacing * block * 1.1; // half a block's diagonal is 0.87 blocks
-  for (let k = 0; k < nz; k += block) {
-    for (let j = 0; j < ny; j += block) {
-      for (let h = 0; h < nx; h += block) {
-        const middle = hareAt(h + block / 2, j + block / 2, k + block / 2);
-        for (let c = k; c < Math.min(k + block, nz); ++c) {
-          for (let b = j; b < Math.min(j + block, ny); ++b) {
-            for (let a = h; a < Math.min(h + block, nx); ++a) {
-              values[a + b * nx + c * nx * ny] = Math.abs(middle) > far ? middle : hareAt(a, b, c);
-            }
-          }
-        }
-      }
-    }
+  for (let i = 0; i < values.length; ++i) {
+    const [h, j, k] = [i % nx, Math.floor(i / nx) % ny, Math.floor(i / (nx * ny))];
+    values[i] = hare(low[0] + h * spacing, low[1] + j * spacing, low[2] + k * spacing);
   }
   return values;
 }

@@ -5,10 +5,8 @@
 
 import type { Contacts, DistanceResult } from '../../limber3d/index.js';
 import { byId, element, fillTable } from '../shared/dom.ts';
-import { grouped, shown, shownPoint } from '../shared/numbers.ts';
+import { grouped, percentile, shown, shownPoint } from '../shared/numbers.ts';
 import type { Answers } from './engine.ts';
-import { Times } from './statistics.ts';
-import type { Spread } from './statistics.ts';
 
 const names = {
   update: 'Move and commit',
@@ -22,19 +20,33 @@ const names = {
 };
 type Name = keyof typeof names;
 
+const seconds = 5;
+
+/** Times of the last seconds. */
+class Times {
+  private times: { at: number; value: number }[] = [];
+
+  /** Takes in a time, at a time of performance.now(); forgets all where it is not measured any more. */
+  add(value: number | undefined, at: number): void {
+    if (value === undefined) this.times = [];
+    else this.times.push({ at, value });
+    while (this.times.length > 0 && this.times[0].at < at - 1000 * seconds) this.times.shift();
+  }
+
+  /** Their median, and what 99 of 100 stay below; nothing without any time. */
+  get spread(): { median: number; p99: number } | undefined {
+    const sorted = Float64Array.from(this.times, ({ value }) => value).sort();
+    const [median, p99] = [percentile(sorted, 0.5), percentile(sorted, 0.99)];
+    return median === undefined || p99 === undefined ? undefined : { median, p99 };
+  }
+}
+
 export class Panel {
-  private readonly times = Object.fromEntries(Object.keys(names).map((name) => [name, new Times()])) as Record<
-    Name,
-    Times
-  >;
+  private readonly times = new Map((Object.keys(names) as Name[]).map((name) => [name, new Times()]));
 
   /** Takes in the times of a frame. */
   addTimes(values: Partial<Record<Name, number | undefined>>, now: number): void {
-    for (const name of Object.keys(values) as Name[]) {
-      const value = values[name];
-      if (value === undefined) this.times[name].clear();
-      else this.times[name].add(value, now);
-    }
+    for (const [name, value] of Object.entries(values)) this.times.get(name as Name)!.add(value, now);
   }
 
   showAnswers({ distance, contacts, selfContacts }: Answers): void {
@@ -43,25 +55,16 @@ export class Panel {
   }
 
   showTimes(isMoving: boolean): void {
-    const spreads = Object.fromEntries(
-      Object.entries(this.times).map(([name, times]) => [name, times.spread]),
-    ) as Record<Name, Spread | undefined>;
-    const rows = (Object.keys(names) as Name[]).flatMap((name) => {
-      const spread = spreads[name];
+    const spreads = new Map([...this.times].map(([name, times]) => [name, times.spread]));
+    const rows = [...spreads].flatMap(([name, spread]) => {
       if (spread === undefined) return [];
-      const row = element('tr', name === 'engine' ? 'sum' : '', element('th', '', names[name]));
-      (row.firstChild as HTMLTableCellElement).scope = 'row';
-      row.dataset.time = name;
-      row.append(element('td', '', spread.median.toFixed(2)), element('td', '', spread.p99.toFixed(2)));
+      const row = tableRow('row', names[name], spread.median.toFixed(2), spread.p99.toFixed(2));
+      if (name === 'engine') row.className = 'sum';
       return [row];
     });
-    const heads = ['ms', 'median', '99 %'].map((text) => {
-      const head = element('th', '', text);
-      head.scope = 'col';
-      return head;
-    });
-    byId('times').replaceChildren(element('thead', '', element('tr', '', ...heads)), element('tbody', '', ...rows));
-    const { engine, frame } = spreads;
+    const head = tableRow('col', 'ms', 'median', '99 %');
+    byId('times').replaceChildren(element('thead', '', head), element('tbody', '', ...rows));
+    const [engine, frame] = [spreads.get('engine'), spreads.get('frame')];
     byId('engine').textContent = engine === undefined ? '\u2013' : `${engine.median.toFixed(1)} ms`;
     byId('engine-note').textContent = engine === undefined ? '' : `99 % within ${engine.p99.toFixed(1)} ms`;
     byId('rate').textContent = isMoving && frame !== undefined ? String(Math.round(1000 / frame.median)) : '\u2013';
@@ -71,6 +74,17 @@ export class Panel {
         ? ''
         : `99 % within ${frame.p99.toFixed(0)} ms`;
   }
+}
+
+/** Names of a row are in its first cell, names of columns in all. */
+function tableRow(scope: 'row' | 'col', ...texts: string[]): HTMLTableRowElement {
+  const cells = texts.map((text, i) => {
+    if (scope === 'row' && i > 0) return element('td', '', text);
+    const head = element('th', '', text);
+    head.scope = scope;
+    return head;
+  });
+  return element('tr', '', ...cells);
 }
 
 function showDistance({ lower, upper, status, witness, stats }: DistanceResult): void {

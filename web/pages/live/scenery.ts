@@ -3,13 +3,12 @@
 
 /** Sheet and body as they are now. */
 
-import type { Vec3 } from '../shared/vectors.ts';
-import type { Body } from './body.ts';
-import type { BodyPose } from './pose.ts';
+import { Quaternion, Vector3 } from 'three';
+import type { Body, BodyPose } from './body.ts';
 import { Sheet } from './sheet.ts';
 
-const lowest: Vec3 = [-1.4, -1, -1.4];
-const highest: Vec3 = [1.4, 1.6, 1.4];
+const lowest = new Vector3(-1.4, -1, -1.4);
+const highest = new Vector3(1.4, 1.6, 1.4);
 const pluckSeconds = 0.55;
 const pluckHeight = 0.34;
 const plucked = [50 * 101 + 50, 36 * 101 + 60, 62 * 101 + 38, 58 * 101 + 64]; // vertices, one after the other
@@ -29,11 +28,6 @@ export class Scenery {
     this.body = body;
     this.pose = body.start;
     this.wake = wake;
-  }
-
-  /** Whether nothing moves by itself. */
-  get isResting(): boolean {
-    return this.sheet.isResting;
   }
 
   advance(seconds: number): void {
@@ -57,13 +51,18 @@ export class Scenery {
 
   /** Places the body, no farther away than the picture shows. */
   place({ translation, quaternion }: BodyPose): void {
-    const inside = translation.map((c, i) => Math.min(Math.max(c, lowest[i]), highest[i])) as unknown as Vec3;
-    this.pose = { translation: inside, quaternion };
+    this.pose = { translation: translation.clone().clamp(lowest, highest), quaternion };
     this.wake();
   }
 
+  /** Turns the body about an axis of the world, of length 1, through its origin. */
+  turn(axis: Vector3, angle: number): void {
+    const quaternion = new Quaternion().setFromAxisAngle(axis, angle).multiply(this.pose.quaternion).normalize();
+    this.place({ ...this.pose, quaternion });
+  }
+
   /** Pulls what the sheet is held by. */
-  pull(shift: Vec3): void {
+  pull(shift: Vector3): void {
     this.pluckTime = undefined;
     this.sheet.pull(shift);
     this.wake();
@@ -82,7 +81,7 @@ export class Scenery {
       this.pluckTime = undefined;
       this.sheet.release();
     } else {
-      this.sheet.pull([0, pluckHeight * Math.sin((Math.PI / 2) * (time / pluckSeconds)) ** 2, 0]);
+      this.sheet.pull(new Vector3(0, pluckHeight * Math.sin((Math.PI / 2) * (time / pluckSeconds)) ** 2, 0));
     }
   }
 }

@@ -3,7 +3,7 @@
 
 /** A square sheet with fixed edges that can be pulled, and swings back: the wave equation for each coordinate. */
 
-import type { Vec3 } from '../shared/vectors.ts';
+import type { Vector3 } from 'three';
 
 const squares = 100; // along each side, of two triangles each
 const side = squares + 1; // vertices
@@ -15,14 +15,14 @@ const damping = 0.004; // of velocities, each step
 const calmDamping = 0.06; // so that the sheet hardly swings
 const restSpeed = 1e-6; // a step; slower than that it rests
 const grabRadius = 11; // squares around the vertex that is held
-const lowest: Vec3 = [-1.25, -0.75, -1.25];
-const highest: Vec3 = [1.25, 1.3, 1.25];
+const lowest = [-1.25, -0.75, -1.25];
+const highest = [1.25, 1.3, 1.25];
 
 interface Grab {
   vertices: number[];
   weights: number[];
   from: Float64Array;
-  shift: Vec3;
+  shift: readonly number[];
 }
 
 export class Sheet {
@@ -90,8 +90,8 @@ export class Sheet {
   }
 
   /** Pulls what is held to where it was, and that much further. */
-  pull(shift: Vec3): void {
-    if (this.grab !== undefined) this.grab.shift = shift;
+  pull(shift: Vector3): void {
+    if (this.grab !== undefined) this.grab.shift = shift.toArray();
   }
 
   release(): void {

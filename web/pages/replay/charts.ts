@@ -3,12 +3,11 @@
 
 /** The charts of a sequence. */
 
-import { Chart } from '../shared/charts.ts';
-import type { Area, ChartOptions, Curve, Dots } from '../shared/charts.ts';
 import { byId } from '../shared/dom.ts';
-import { shownTime } from '../shared/numbers.ts';
-import { percentile, windowLength, windowsOf } from '../shared/windows.ts';
-import type { ReplayData } from './data.ts';
+import { median, percentile, shownTime } from '../shared/numbers.ts';
+import { Chart } from './chart.ts';
+import type { Area, ChartOptions, Curve, Dots } from './chart.ts';
+import type { ReplayData } from './model.ts';
 import { contactName, percent, queryName } from './texts.ts';
 
 export function showCharts(data: ReplayData, jump: (row: number) => void): Chart[] {
@@ -73,10 +72,10 @@ interface Times {
 /** Of few frames each time; of more, what windows of frames have in common, and the largest of each. */
 function timeChart(title: string, times: readonly Times[]): ChartOptions {
   const named = times.map(({ name, color, values }) => {
-    const sorted = values.filter((us) => us > 0).sort((a, b) => a - b);
-    if (sorted.length === 0) return { name, numbers: 'none', color, values };
-    const [median, most] = [percentile(sorted, 0.5)!, sorted[sorted.length - 1]];
-    return { name, numbers: `median ${shownTime(median)}, max ${shownTime(most)}`, color, values };
+    const some = values.filter((us) => us > 0);
+    if (some.length === 0) return { name, numbers: 'none', color, values };
+    const most = some.reduce((a, b) => Math.max(a, b));
+    return { name, numbers: `median ${shownTime(median(some))}, max ${shownTime(most)}`, color, values };
   });
   const chart = { title, unit: '\u00b5s, logarithmic', isLogarithmic: true };
   const length = windowLength(times[0].values.length);
@@ -100,4 +99,47 @@ function timeChart(title: string, times: readonly Times[]): ChartOptions {
       { color, values: largest.map((us) => (us === most ? us : null)), size: 9 },
     ]),
   };
+}
+
+/** Many times in few numbers: percentiles of windows of frames. */
+interface Windows {
+  /** For each frame, of the window that it is in. */
+  median: (number | null)[];
+  low: (number | null)[];
+  high: (number | null)[];
+  /** The largest of each window, at the frame where it is. */
+  largest: (number | null)[];
+}
+
+const mostAlone = 200; // frames that a chart shows one by one
+const mostWindows = 40;
+const lengths = [20, 50, 100, 200, 500, 1000, 2000, 5000]; // of 20 and more, the 95th percentile is not the largest
+
+/** How many frames a window has; 1 where there are so few frames that each is shown. */
+export function windowLength(count: number): number {
+  if (count <= mostAlone) return 1;
+  return lengths.find((length) => count / length <= mostWindows) ?? lengths[lengths.length - 1];
+}
+
+/** The median, and the 5th and 95th percentiles. The last window has the frames that are left over, too. */
+export function windowsOf(values: readonly (number | null)[], length: number): Windows {
+  const windows: Windows = { median: [], low: [], high: [], largest: values.map(() => null) };
+  const count = Math.max(1, Math.floor(values.length / length));
+  for (let w = 0; w < count; ++w) {
+    const begin = w * length;
+    const inside = values.slice(begin, w + 1 === count ? values.length : begin + length);
+    const sorted = inside.filter((value) => value !== null).sort((a, b) => a - b);
+    for (const [list, part] of [
+      [windows.low, 0.05],
+      [windows.median, 0.5],
+      [windows.high, 0.95],
+    ] as const) {
+      list.push(...inside.map(() => percentile(sorted, part) ?? null));
+    }
+    if (sorted.length > 0) {
+      const most = sorted[sorted.length - 1];
+      windows.largest[begin + inside.indexOf(most)] = most;
+    }
+  }
+  return windows;
 }

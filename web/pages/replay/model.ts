@@ -1,114 +1,132 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** A model of a replay: its mesh as it deforms, and where it stands. */
+/**
+ * What apps/limber/verbs/replay.cpp writes, and demo_page.cpp for `limber demo`; and a model of it: its mesh as it
+ * deforms, and where it stands.
+ */
 
-import { cornersOf, numbersOf } from '../shared/decode.ts';
-import { PoseFrames, PositionFrames, placed } from '../shared/frames.ts';
-import type { Mesh } from '../shared/section.ts';
-import { highest, length, lowest, middle, subtract } from '../shared/vectors.ts';
-import type { Vec3 } from '../shared/vectors.ts';
+import { Box3, Matrix4, Vector3 } from 'three';
+import { PositionFrames, cornersOf, pointsOf, posesOf } from '../shared/decode.ts';
+import type { FramesData, QuantizedPoints } from '../shared/decode.ts';
+import type { Mesh } from '../shared/surface.ts';
 import type { Frame } from '../shared/viewer.ts';
-import type { ModelData } from './data.ts';
 
-export type Box = [Vec3, Vec3];
+export interface ModelData {
+  name: string;
+  triangles: number;
+  vertices: number;
+  corners: string;
+  /** Of a mesh that does not deform. */
+  positions?: QuantizedPoints;
+  /** Of one that does. */
+  frames?: FramesData;
+  poses: string;
+}
 
-const nothing: Box = [
-  [Infinity, Infinity, Infinity],
-  [-Infinity, -Infinity, -Infinity],
-];
+interface Rows {
+  lower: (number | null)[];
+  upper: (number | null)[];
+  status: string[];
+  update_us: number[];
+  query_us: number[];
+  moved_vertices: number[];
+  /** Both points and the triangles that they lie on; null also where the frame has been left out. */
+  witness: (number[] | null)[];
+}
 
-export const joined = (a: Box, b: Box): Box => [lowest(a[0], b[0]), highest(a[1], b[1])];
+interface ContactRows {
+  name: 'contact' | 'self_a' | 'self_b';
+  query_us: number[];
+  count: number[];
+  intersecting: number[];
+}
+
+/** What only `limber demo` has. */
+interface DemoData {
+  introduction: string;
+  /** Names and texts, as on the terminal. */
+  summary: [string, string][];
+  /** The second query of each frame. */
+  rough: { relative_error: number; lower: number[]; upper: number[]; query_us: number[] };
+}
+
+export interface ReplayData {
+  engine: string;
+  relative_error: number;
+  absolute_error: number;
+  max_distance: number | null;
+  frame_count: number;
+  stride: number;
+  max_megabytes: number;
+  rows: Rows;
+  contacts: ContactRows[];
+  models: [ModelData, ModelData];
+  demo?: DemoData;
+  version: string;
+  command: string;
+}
 
 export class ReplayModel {
   readonly data: ModelData;
+  /** Points are in steps of the file, from the least coordinates on: float32 holds them exactly. */
   readonly mesh: Mesh;
   readonly deforms: boolean;
   readonly moves: boolean;
   /** Of the box in the first frame. */
   readonly diagonal: number;
-  private readonly poses: PoseFrames;
+  private readonly poses: Matrix4[];
   private readonly frames: PositionFrames | undefined;
-  private readonly fixed: Float64Array[];
-  private readonly origin: Vec3; // of the mesh's own coordinates in the picture
-  private readonly center: Vec3; // of the mesh's own box in the first frame
+  private readonly own: Matrix4; // from the mesh to the model's own frame
+  private readonly center: Vector3; // of the mesh's box in the first frame
 
   constructor(data: ModelData) {
     this.data = data;
+    const { frames, positions } = data;
     const corners = cornersOf(data.corners);
     const vertexCount = corners.reduce((most, v) => Math.max(most, v), 0) + 1;
-    this.mesh = { points: new Float32Array(3 * vertexCount), corners };
-    this.poses = new PoseFrames(data.poses);
-    this.deforms = data.frames !== undefined;
-    this.moves = this.poses.count > 1;
-    this.frames = data.frames && new PositionFrames(data.frames, vertexCount);
-    const { positions } = data;
-    this.fixed = positions
-      ? [0, 1, 2].map((axis) =>
-          numbersOf({ low: positions.low[axis], step: positions.step[axis], data: positions.data[axis] }),
-        )
-      : [];
-    this.origin = data.frames?.low ?? positions?.low ?? [0, 0, 0];
-    const [low, high] = this.ownBoxAt(0);
-    this.center = middle(low, high);
-    this.diagonal = length(subtract(high, low));
+    const origin = new Vector3(...(frames ?? positions)!.low);
+    const step = frames?.step ?? Math.max(...positions!.step);
+    const unit = step > 0 ? step : 1;
+    const points = positions === undefined ? new Float32Array(3 * vertexCount) : pointsOf(positions, origin, unit);
+    this.mesh = { points, corners };
+    this.own = new Matrix4().makeScale(unit, unit, unit).setPosition(origin);
+    this.poses = posesOf(data.poses);
+    this.deforms = frames !== undefined;
+    this.moves = this.poses.length > 1;
+    this.frames = frames && new PositionFrames(frames, vertexCount);
+    this.moveTo(0);
+    const box = new Box3().setFromArray(points);
+    this.center = box.getCenter(new Vector3());
+    this.diagonal = Math.hypot(...box.getSize(new Vector3())) * unit;
   }
 
   /** Where the middle of the model, as it is in the first frame, stands in another, in the world. */
-  centerAt(frame: number): Vec3 {
-    return placed(this.poses.at(frame), this.center);
+  centerAt(frame: number): Vector3 {
+    return this.center.clone().applyMatrix4(this.placeAt(frame));
   }
 
   /** A box around the model in a frame, in the world. */
-  boxAt(frame: number): Box {
-    const [low, high] = this.ownBoxAt(frame);
-    let box = nothing;
-    for (let corner = 0; corner < 8; ++corner) {
-      const p = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high : low)[axis]) as unknown as Vec3;
-      const inWorld = placed(this.poses.at(frame), p);
-      box = joined(box, [inWorld, inWorld]);
-    }
-    return box;
+  boxAt(frame: number): Box3 {
+    this.moveTo(frame);
+    return new Box3().setFromArray(this.mesh.points).applyMatrix4(this.placeAt(frame));
   }
 
-  /** Writes the mesh's points as they are in a frame: relative to `origin`, and divided by the frame's size. */
-  moveTo(frame: number, { size }: Frame): void {
-    const { points } = this.mesh;
-    if (this.frames !== undefined) {
-      const scale = this.data.frames!.step / size;
-      const steps = this.frames.at(frame);
-      for (let i = 0; i < points.length; ++i) points[i] = steps[i] * scale;
-    } else {
-      for (let i = 0; i < points.length; ++i) {
-        points[i] = (this.fixed[i % 3][Math.floor(i / 3)] - this.origin[i % 3]) / size;
-      }
-    }
+  /** Writes the mesh's points as they are in a frame. */
+  moveTo(frame: number): void {
+    if (this.frames !== undefined) this.mesh.points.set(this.frames.at(frame));
   }
 
-  /** The rows of the matrix that places the points in the picture. */
-  matrixAt(frame: number, { center, size }: Frame): number[] {
-    const pose = this.poses.at(frame);
-    const origin = placed(pose, this.origin);
-    return [0, 1, 2]
-      .flatMap((row) => [...pose.subarray(3 * row, 3 * row + 3), (origin[row] - center[row]) / size])
-      .concat(0, 0, 0, 1);
+  /** Places the mesh in the picture. */
+  matrixAt(frame: number, { center, size }: Frame): Matrix4 {
+    const factor = 1 / size;
+    const inPicture = new Matrix4().makeScale(factor, factor, factor);
+    inPicture.setPosition(center.clone().multiplyScalar(-factor));
+    return inPicture.multiply(this.placeAt(frame));
   }
 
-  private ownBoxAt(frame: number): Box {
-    if (this.frames === undefined) {
-      const ends = (pick: (a: number, b: number) => number): Vec3 =>
-        this.fixed.map((numbers) => numbers.reduce((a, b) => pick(a, b))) as unknown as Vec3;
-      return [ends(Math.min), ends(Math.max)];
-    }
-    const steps = this.frames.at(frame);
-    const { low, step } = this.data.frames!;
-    const least = [Infinity, Infinity, Infinity];
-    const most = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < steps.length; ++i) {
-      least[i % 3] = Math.min(least[i % 3], steps[i]);
-      most[i % 3] = Math.max(most[i % 3], steps[i]);
-    }
-    const inUnits = (ends: number[]): Vec3 => ends.map((k, axis) => low[axis] + step * k) as unknown as Vec3;
-    return [inUnits(least), inUnits(most)];
+  /** Places the mesh in the world. */
+  private placeAt(frame: number): Matrix4 {
+    return this.poses[this.moves ? frame : 0].clone().multiply(this.own);
   }
 }

@@ -4,11 +4,9 @@
 /** The answers in words, tiles and tables. */
 
 import { byId, fillTable } from '../shared/dom.ts';
-import { grouped, inPage, shown, shownTime } from '../shared/numbers.ts';
-import { percentile } from '../shared/windows.ts';
+import { grouped, inPage, median, shown, shownTime } from '../shared/numbers.ts';
 import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
-import type { ReplayData } from './data.ts';
-import type { ReplayModel } from './model.ts';
+import type { ReplayData, ReplayModel } from './model.ts';
 
 export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
 
@@ -35,12 +33,6 @@ export function showKind({ rows, demo }: ReplayData): void {
   byId('introduction').hidden = demo === undefined;
   byId('introduction').textContent = demo === undefined ? '' : inPage(demo.introduction);
 }
-
-const median = (values: readonly number[]): number =>
-  percentile(
-    [...values].sort((a, b) => a - b),
-    0.5,
-  )!;
 
 export function showTiles(data: ReplayData): void {
   const { rows, demo } = data;

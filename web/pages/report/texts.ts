@@ -5,11 +5,8 @@
 
 import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownPoint, shownTime } from '../shared/numbers.ts';
-import { subtract } from '../shared/vectors.ts';
-import type { Vec3 } from '../shared/vectors.ts';
 import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
-import type { ReportData } from './data.ts';
-import type { ReportModel } from './model.ts';
+import type { ModelData, ReportData, ReportModel } from './model.ts';
 
 /** The distance as it stands next to the closest points. */
 export const shownDistance = ({ lower, upper }: ReportData): string => shownBounds(lower, upper);
@@ -27,8 +24,7 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
     else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
   }
   for (const [i, { data: model }] of models.entries()) {
-    const size = shownSize(subtract(model.high, model.low), 4);
-    tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${size}`));
+    tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${shownSize(model, 4)}`));
   }
   byId('tiles').append(...tiles);
 }
@@ -82,7 +78,7 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
     ['Surface', ({ data }) => (data.closed ? 'closed' : 'not closed')],
     ['Box, low', ({ data }) => shownPoint(data.low)],
     ['Box, high', ({ data }) => shownPoint(data.high)],
-    ['Box, size', ({ data: { low, high } }) => shownSize(subtract(high, low), 8)],
+    ['Box, size', ({ data }) => shownSize(data, 8)],
     ['Diagonal', ({ diagonal }) => shown(diagonal, 8)],
     [
       'Distance of its surface from the other',
@@ -95,4 +91,5 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
     'numbers in tables are the program\u2019s own.';
 }
 
-const shownSize = (size: Vec3, digits: number): string => size.map((c) => shown(c, digits)).join(' \u00d7 ');
+const shownSize = ({ low, high }: ModelData, digits: number): string =>
+  high.map((c, axis) => shown(c - low[axis], digits)).join(' \u00d7 ');

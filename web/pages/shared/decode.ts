@@ -1,9 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Reads back what apps/limber/reports/page_data.cpp and position_frames.cpp have written. */
+/**
+ * Reads back what apps/limber/reports/page_data.cpp has written, and apps/limber/formats/position_frames.cpp: frames of
+ * a sequence.
+ */
 
-import type { Vec3 } from './vectors.ts';
+import { Matrix4 } from 'three';
+import type { Vector3 } from 'three';
+
+type Triple<T> = [T, T, T];
 
 /** Numbers as low + step * k, where k has 24 bits. */
 export interface Quantized {
@@ -14,45 +20,29 @@ export interface Quantized {
 
 /** The same for three coordinates. */
 export interface QuantizedPoints {
-  low: [number, number, number];
-  step: [number, number, number];
-  data: [string, string, string];
+  low: Triple<number>;
+  step: Triple<number>;
+  data: Triple<string>;
 }
 
-export function bytesOf(base64: string): Uint8Array {
+export function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   return bytes;
 }
 
-/** Reads counts in groups of 7 bits, the lowest first. */
-export class CountReader {
-  private at = 0;
-  private readonly bytes: Uint8Array;
-
-  constructor(bytes: Uint8Array) {
-    this.bytes = bytes;
-  }
-
-  get isAtEnd(): boolean {
-    return this.at >= this.bytes.length;
-  }
-
-  next(): number {
-    let count = 0;
-    for (let factor = 1; ; factor *= 128) {
-      const byte = this.bytes[this.at++];
-      count += (byte & 127) * factor;
-      if (byte < 128) return count;
-    }
-  }
-}
-
+/** Counts in groups of 7 bits, the lowest first. */
 export function countsOf(base64: string): number[] {
-  const reader = new CountReader(bytesOf(base64));
-  const counts = [];
-  while (!reader.isAtEnd) counts.push(reader.next());
+  const counts: number[] = [];
+  let [count, factor] = [0, 1];
+  for (const byte of bytesOf(base64)) {
+    count += (byte & 127) * factor;
+    factor *= 128;
+    if (byte >= 128) continue;
+    counts.push(count);
+    [count, factor] = [0, 1];
+  }
   return counts;
 }
 
@@ -73,15 +63,13 @@ export function numbersOf(quantized: Quantized): Float64Array {
 }
 
 /** Three coordinates for each point, moved by -center and divided by `size`, so that float32 resolves them well. */
-export function pointsOf(quantized: QuantizedPoints, center: Vec3, size: number): Float32Array {
-  const coordinates = [0, 1, 2].map((axis) =>
-    numbersOf({ low: quantized.low[axis], step: quantized.step[axis], data: quantized.data[axis] }),
+export function pointsOf({ low, step, data }: QuantizedPoints, center: Vector3, size: number): Float32Array {
+  const axes = [0, 1, 2].map((axis) => numbersOf({ low: low[axis], step: step[axis], data: data[axis] }));
+  const middle = center.toArray();
+  return Float32Array.from(
+    { length: 3 * axes[0].length },
+    (_, i) => (axes[i % 3][Math.floor(i / 3)] - middle[i % 3]) / size,
   );
-  const points = new Float32Array(3 * coordinates[0].length);
-  for (let i = 0; i < coordinates[0].length; ++i) {
-    for (let axis = 0; axis < 3; ++axis) points[3 * i + axis] = (coordinates[axis][i] - center[axis]) / size;
-  }
-  return points;
 }
 
 /** Three vertices for each triangle. */
@@ -93,4 +81,61 @@ export function cornersOf(base64: string): Uint32Array {
     corners[i] = back === 0 ? named++ : named - back;
   });
   return corners;
+}
+
+export interface FramesData {
+  low: Triple<number>;
+  step: number;
+  /** From one frame that stands for itself to the next. */
+  run: number;
+  data: string[];
+}
+
+/**
+ * The positions of a deforming mesh, frame by frame. Going forward is cheap; other ways it starts at a frame that
+ * stands for itself.
+ */
+export class PositionFrames {
+  private readonly data: FramesData;
+  private readonly steps: Float64Array;
+  private current = -1;
+
+  constructor(data: FramesData, vertexCount: number) {
+    this.data = data;
+    this.steps = new Float64Array(3 * vertexCount);
+  }
+
+  /** Coordinates as whole steps above `low`, valid until the next call. */
+  at(frame: number): Float64Array {
+    const start = frame - (frame % this.data.run);
+    if (this.current < start || this.current > frame) this.current = start - 1;
+    while (this.current < frame) this.read(++this.current);
+    return this.steps;
+  }
+
+  private read(frame: number): void {
+    const { steps } = this;
+    const isWhole = frame % this.data.run === 0;
+    let i = 0;
+    const advance = (difference: number): void => {
+      const before = !isWhole ? steps[i] : i < 3 ? 0 : steps[i - 3];
+      steps[i++] = before + difference;
+    };
+    const codes = countsOf(this.data.data[frame]).values();
+    for (const code of codes) {
+      if (code > 0) advance(code % 2 === 0 ? code / 2 : -(code + 1) / 2);
+      else for (let zeros = codes.next().value ?? 0; zeros > 0; --zeros) advance(0);
+    }
+  }
+}
+
+const numbersOfPose = 12;
+
+/** Poses of a model, each written as the rows of a rotation, and a translation. One alone holds for all frames. */
+export function posesOf(base64: string): Matrix4[] {
+  const numbers = new Float64Array(bytesOf(base64).buffer);
+  return Array.from({ length: numbers.length / numbersOfPose }, (_, pose) => {
+    const [a, b, c, d, e, f, g, h, i, x, y, z] = numbers.subarray(numbersOfPose * pose);
+    return new Matrix4(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+  });
 }

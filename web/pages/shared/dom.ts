@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Elements of the page. */
+/** Elements of the page, and its colours for what CSS does not draw: canvases and surfaces in 3D. */
 
 /** The element with an id. Throws where the page has none. */
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
@@ -22,12 +22,10 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-export function svgElement<K extends keyof SVGElementTagNameMap>(
-  tag: K,
-  attributes: Record<string, string | number>,
-): SVGElementTagNameMap[K] {
-  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+export function svgElement(tag: string, attributes: Record<string, string | number>, text = ''): SVGElement {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', tag) as SVGElement;
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  made.textContent = text;
   return made;
 }
 
@@ -42,28 +40,30 @@ export function fillTable(table: HTMLElement, rows: readonly (readonly (string |
   );
 }
 
-/** The data that the program has put into the page. */
-export function pageData<T>(): T {
-  return JSON.parse(byId('data').textContent ?? 'null') as T;
-}
-
-/** Shows the command line, and a button that copies it. */
-export function showMaking(version: string, command: string): void {
-  byId('version').textContent = `limber ${version}`;
-  byId('command').textContent = command;
-  const button = byId<HTMLButtonElement>('copy');
+/** Lets a button copy the command line; where the browser does not allow that, it is selected. */
+export function connectCopy(): void {
+  const [button, command] = [byId('copy'), byId('command')];
   button.addEventListener('click', () => {
-    const range = document.createRange();
-    range.selectNodeContents(byId('command'));
-    getSelection()?.removeAllRanges();
-    getSelection()?.addRange(range);
-    const said = (copied: boolean): void => {
-      button.textContent = copied ? 'Copied' : 'Selected';
-    };
-    if (navigator.clipboard === undefined) return said(false);
-    navigator.clipboard.writeText(command).then(
-      () => said(true),
-      () => said(false),
+    getSelection()?.selectAllChildren(command);
+    const copying = navigator.clipboard?.writeText(command.textContent ?? '') ?? Promise.reject();
+    copying.then(
+      () => (button.textContent = 'Copied'),
+      () => (button.textContent = 'Selected'),
     );
   });
+}
+
+/** A colour of page.css. */
+export const token = (name: string): string =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/** A colour #rrggbb as three numbers from 0 to 1. */
+export const rgbOf = (color: string): [number, number, number] =>
+  [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16) / 255) as [number, number, number];
+
+export const tokenRgb = (name: string): [number, number, number] => rgbOf(token(name));
+
+/** Calls back whenever the reader's screen changes between light and dark. */
+export function onThemeChange(callback: () => void): void {
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', callback);
 }

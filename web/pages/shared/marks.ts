@@ -1,96 +1,89 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Points, segments and names above a view in 3D: never hidden, and of the same width at every zoom. */
+/** Points, segments and names above a view: never hidden, and of the same width at every zoom. */
 
+import type { Vector3 } from 'three';
 import { svgElement } from './dom.ts';
-import { labelPlace } from './labels.ts';
-import type { Vec3 } from './vectors.ts';
 import type { Viewer } from './viewer.ts';
+
+/** The closest points and their label; dashed where it is not in the plane that is drawn. */
+export interface Segment {
+  a: Vector3;
+  b: Vector3;
+  label: string;
+  isDashed?: boolean;
+}
+
+/** The name of a model at a point of it. */
+export interface Name {
+  name: 'A' | 'B';
+  at: Vector3;
+  isShown(): boolean;
+}
+
+type Pixel = readonly [number, number];
+
+export interface Shown {
+  /** Lines of a class of page.css; what they enclose is filled by the rule of even and odd. */
+  outlines?: readonly { kind: string; lines: readonly (readonly Vector3[])[] }[];
+  /** A line, and dots on it. */
+  path?: { points: readonly Vector3[]; dots: readonly Vector3[] };
+  names?: readonly Name[];
+  /** Triangles. */
+  triangles?: readonly (readonly Vector3[])[];
+  segment?: Segment;
+}
 
 const digitWidth = 10; // of labels, in pixels
 
 export class Marks {
   private readonly svg = svgElement('svg', { class: 'marks', 'aria-hidden': 'true' });
   private readonly viewer: Viewer;
-  private segment: { a: Vec3; b: Vec3; label: string } | undefined;
-  private path: { points: readonly Vec3[]; dots: readonly Vec3[] } | undefined;
-  private readonly outlines: Vec3[][] = [];
-  private readonly names: { at: Vec3; name: string; kind: string; isShown: () => boolean }[] = [];
+  private readonly shown: Shown = {};
 
-  constructor(host: HTMLElement, viewer: Viewer) {
+  /** `more` are placed on top. */
+  constructor(viewer: Viewer, more: () => SVGElement[] = () => []) {
     this.viewer = viewer;
-    host.append(this.svg);
-    viewer.onDrawn(() => this.place());
-  }
-
-  /** The closest points and their label; nothing without them. */
-  setSegment(segment: { a: Vec3; b: Vec3; label: string } | undefined): void {
-    this.segment = segment;
-    this.viewer.request();
-  }
-
-  /** A line, and dots on it; nothing without them. */
-  setPath(path: { points: readonly Vec3[]; dots: readonly Vec3[] } | undefined): void {
-    this.path = path;
-    this.viewer.request();
-  }
-
-  /** Triangles that are outlined. */
-  setOutlines(outlines: Vec3[][]): void {
-    this.outlines.splice(0, Infinity, ...outlines);
-    this.viewer.request();
-  }
-
-  /** The name of a model at a point of it. */
-  addName(name: string, kind: string, at: Vec3, isShown: () => boolean): void {
-    this.names.push({ at, name, kind, isShown });
-  }
-
-  /** Moves a name that addName() has added. */
-  moveName(index: number, at: Vec3): void {
-    this.names[index].at = at;
-  }
-
-  private place(): void {
-    const [width, height] = this.viewer.size;
-    this.svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
-    const placed: SVGElement[] = this.path === undefined ? [] : this.pathMarks(this.path);
-    const taken: [number, number][] = [];
-    for (const { at, name, kind, isShown } of this.names) {
-      if (isShown()) placed.push(...this.nameAt(name, kind, at, taken));
-    }
-    for (const outline of this.outlines) {
-      const points = this.projected(outline).join(' ');
-      placed.push(svgElement('polygon', { class: 'halo', points }), svgElement('polygon', { class: 'mark', points }));
-    }
-    if (this.segment !== undefined) placed.push(...this.segmentMarks(this.segment));
-    this.svg.replaceChildren(...placed);
-  }
-
-  /** Points on the view, as SVG takes them. */
-  private projected(points: readonly Vec3[]): string[] {
-    return points.map((p) => {
-      const [x, y] = this.viewer.project(p);
-      return `${x.toFixed(1)},${y.toFixed(1)}`;
+    viewer.host.append(this.svg);
+    viewer.onDrawn(() => {
+      this.svg.setAttribute('viewBox', `0 0 ${viewer.size.join(' ')}`);
+      this.svg.replaceChildren(...this.placed(), ...more());
     });
   }
 
-  private pathMarks({ points, dots }: { points: readonly Vec3[]; dots: readonly Vec3[] }): SVGElement[] {
-    const line = this.projected(points).join(' ');
-    const d = this.projected(dots)
-      .map((dot) => `M${dot}h0`)
-      .join('');
+  /** Replaces what is named; what is undefined is not shown. */
+  show(changes: Shown): void {
+    Object.assign(this.shown, changes);
+    this.viewer.request();
+  }
+
+  private placed(): SVGElement[] {
+    const { outlines = [], path, names = [], triangles = [], segment } = this.shown;
+    const taken: Pixel[] = [];
     return [
-      svgElement('polyline', { class: 'path halo', points: line }),
-      svgElement('polyline', { class: 'path', points: line }),
-      svgElement('path', { class: 'dots halo', d }),
-      svgElement('path', { class: 'dots', d }),
+      ...outlines.map(({ kind, lines }) =>
+        svgElement('path', { class: kind, d: lines.map((line) => `M${this.projected(line)}`).join('') }),
+      ),
+      ...(path === undefined ? [] : this.pathMarks(path)),
+      ...names.flatMap((name) => (name.isShown() ? this.nameMarks(name, taken) : [])),
+      ...triangles.flatMap((corners) => twice('polygon', 'mark', { points: this.projected(corners) })),
+      ...(segment === undefined ? [] : this.segmentMarks(segment)),
     ];
   }
 
+  /** Points on the view, as SVG takes them. */
+  private projected(points: readonly Vector3[]): string {
+    return points.map((p) => this.viewer.project(p).map((c) => c.toFixed(1))).join(' ');
+  }
+
+  private pathMarks({ points, dots }: NonNullable<Shown['path']>): SVGElement[] {
+    const d = dots.map((dot) => `M${this.projected([dot])}h0`).join('');
+    return [...twice('polyline', 'path', { points: this.projected(points) }), ...twice('path', 'dots', { d })];
+  }
+
   /** A badge above a point, moved aside where one of those `taken` is in the way. */
-  private nameAt(name: string, kind: string, at: Vec3, taken: [number, number][]): SVGElement[] {
+  private nameMarks({ name, at }: Name, taken: Pixel[]): SVGElement[] {
     const [pointX, pointY] = this.viewer.project(at);
     let x = pointX;
     const y = pointY - 16;
@@ -98,27 +91,45 @@ export class Marks {
       if (Math.hypot(x - otherX, y - otherY) < 26) x = otherX + 27;
     }
     taken.push([x, y]);
-    const text = svgElement('text', { class: 'name', x, y: y + 5 });
-    text.textContent = name;
-    return [svgElement('circle', { class: `badge ${kind}`, cx: x, cy: y, r: 11 }), text];
+    return [
+      svgElement('circle', { class: `badge ${name.toLowerCase()}`, cx: x, cy: y, r: 11 }),
+      svgElement('text', { class: 'name', x, y: y + 5 }, name),
+    ];
   }
 
-  private segmentMarks({ a, b, label }: { a: Vec3; b: Vec3; label: string }): SVGElement[] {
-    const [ax, ay] = this.viewer.project(a);
-    const [bx, by] = this.viewer.project(b);
-    const line = { x1: ax, y1: ay, x2: bx, y2: by };
-    const ends = [
-      [ax, ay],
-      [bx, by],
-    ];
-    const [x, y] = labelPlace([ax, ay], [bx, by], digitWidth * label.length, this.viewer.size);
-    const text = svgElement('text', { class: 'length', x, y });
-    text.textContent = label;
+  private segmentMarks({ a, b, label, isDashed = false }: Segment): SVGElement[] {
+    const ends = [this.viewer.project(a), this.viewer.project(b)] as const;
+    const [[x1, y1], [x2, y2]] = ends;
+    const [x, y] = labelPlace(...ends, digitWidth * label.length, this.viewer.size);
+    const [halo, line] = twice('line', isDashed ? 'mark dashed' : 'mark', { x1, y1, x2, y2 });
     return [
-      svgElement('line', { class: 'halo', ...line }),
-      ...ends.map(([cx, cy]) => svgElement('circle', { class: 'end', cx, cy, r: 4 })),
-      svgElement('line', { class: 'mark', ...line }),
-      text,
+      halo,
+      ...ends.map(([cx, cy]) => svgElement('circle', { class: isDashed ? 'end dashed' : 'end', cx, cy, r: 4 })),
+      line,
+      svgElement('text', { class: 'length', x, y }, label),
     ];
   }
+}
+
+/** A halo, and what it surrounds. */
+function twice(tag: string, kind: string, attributes: Record<string, string | number>): [SVGElement, SVGElement] {
+  return [svgElement(tag, { class: `${kind} halo`, ...attributes }), svgElement(tag, { class: kind, ...attributes })];
+}
+
+const gap = 10;
+const halfLine = 8; // of text, as high as a digit is above the middle
+
+/**
+ * Where the label of a segment stands, so that the segment does not run through it: the left end of the text's base
+ * line, for a text that wide, beside a steep segment, above a flat one.
+ */
+export function labelPlace(a: Pixel, b: Pixel, textWidth: number, size: Pixel): Pixel {
+  const [dx, dy] = [Math.abs(b[0] - a[0]), Math.abs(b[1] - a[1])];
+  const [x, y] = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+  const isFlat = dx > dy;
+  const off = isFlat ? gap + Math.min(dy / 2, (textWidth / 2) * (dy / dx)) : gap + (dy > 0 ? halfLine * (dx / dy) : 0);
+  let [left, base] = isFlat ? [x - textWidth / 2, y - off] : [x + off, y + halfLine - 2];
+  if (!isFlat && left + textWidth > size[0] - 4) left = x - off - textWidth;
+  if (isFlat && base < 18) base = y + off + 2 * halfLine - 2;
+  return [Math.min(Math.max(left, 4), size[0] - textWidth - 4), base];
 }

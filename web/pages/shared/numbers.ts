@@ -60,3 +60,10 @@ export const inPage = (text: string): string =>
     .replace(/\b(\d{1,3}) (?=\d{3}\b)/g, '$1\u202f')
     .replace(/(\d) us\b/g, '$1\u00a0\u00b5s')
     .replace(/(\d) %/g, '$1\u00a0%');
+
+/** By the nearest rank: the smallest of the sorted values that at least this part of them is not above. */
+export const percentile = (sorted: ArrayLike<number>, part: number): number | undefined =>
+  sorted[Math.max(0, Math.ceil(part * sorted.length) - 1)];
+
+/** Of at least one value. */
+export const median = (values: readonly number[]): number => percentile(Float64Array.from(values).sort(), 0.5)!;

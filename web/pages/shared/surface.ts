@@ -18,11 +18,24 @@ import {
   Vector3,
   Vector4,
 } from 'three';
-import { mapTable } from './palette.ts';
 import type { Matrix4 } from 'three';
-import type { Mesh, Plane } from './section.ts';
-import { scale } from './vectors.ts';
-import type { Vec3 } from './vectors.ts';
+import { rgbOf } from './dom.ts';
+
+export interface Mesh {
+  points: Float32Array;
+  corners: Uint32Array;
+}
+
+/**
+ * The colours of the map from near to far, in equal steps: from bright yellow to dark blue, through grey. Lightness
+ * decreases in equal steps, and yellow turns into blue, so that readers who do not tell red from green, or see no
+ * colours at all, read the same order. The idea is that of cividis [Nunez2018]; these were computed in Oklab
+ * [Ottosson2020].
+ */
+export const mapColors = (
+  '#ffd640 #f3ce4e #dfc559 #cbbc60 #b9b367 #a6a96b #959f6f #849572 #758b74 ' +
+  '#668075 #587676 #4c6a76 #415f76 #365375 #2e4773 #263b72 #202d6f'
+).split(' ');
 
 const vertexShader = `
 in float mapped;
@@ -70,7 +83,9 @@ void main() {
   }
   vec3 shown = own * (0.55 + 0.5 * light);
   if (isMapped) {
-    shown = texture(table, vec2(clamp((value - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0), 0.5)).rgb;
+    float part = clamp((value - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0);
+    float count = float(textureSize(table, 0).x);
+    shown = texture(table, vec2((0.5 + part * (count - 1.0)) / count, 0.5)).rgb;
     shown = (value > range.y ? mix(color, vec3(0.8), 0.62) : shown) * (0.74 + 0.26 * light);
     bool hasLines = lineStep > 0.0 && value < range.y && fwidth(value) < 0.5 * lineStep;
     if (hasLines) shown *= 1.0 - 0.35 * line(value / lineStep, 0.6);
@@ -95,16 +110,17 @@ export class SurfaceLook {
   readonly table: { value: DataTexture };
 
   constructor() {
-    const count = 256;
-    const texture = new DataTexture(mapTable(count), count, 1);
+    const bytes = mapColors.flatMap((color) => [...rgbOf(color), 1].map((c) => Math.round(255 * c)));
+    const texture = new DataTexture(Uint8Array.from(bytes), mapColors.length, 1);
     texture.minFilter = LinearFilter;
     texture.magFilter = LinearFilter;
     texture.needsUpdate = true;
     this.table = { value: texture };
   }
 
-  cutAt(plane: Plane): void {
-    this.plane.value.set(...plane.normal, plane.offset);
+  /** Hides what is beyond the plane of the points p with normal . p = offset. */
+  cutAt(normal: Vector3, offset: number): void {
+    this.plane.value.set(...normal.toArray(), offset);
   }
 }
 
@@ -134,9 +150,9 @@ export class Surface {
   }
 
   /** Makes what is high lighter than what is low, along a direction of the frame. */
-  shadeByHeight(up: Vec3, low: number, high: number): void {
+  shadeByHeight(up: Vector3, low: number, high: number): void {
     const range = high > low ? high - low : 1;
-    this.relief.value.set(...scale(up, 1 / range), low / range);
+    this.relief.value.set(...up.toArray(), low).divideScalar(range);
   }
 
   /** Frees what the graphics card holds. */
@@ -154,24 +170,23 @@ export class Surface {
     this.geometry.getAttribute('position').needsUpdate = true;
   }
 
-  /** Places the mesh by the rows of a matrix. */
-  place(rows: readonly number[]): void {
-    this.object.matrix.set(...(rows as Parameters<Matrix4['set']>));
+  /** Places the mesh. */
+  place(matrix: Matrix4): void {
+    this.object.matrixAutoUpdate = false;
+    this.object.matrix.copy(matrix);
   }
 
   /** The vertex that lies farthest in a direction, as placed. */
-  farthestAlong(along: Vec3): Vec3 {
+  farthestAlong(along: Vector3): Vector3 {
     const { points } = this.mesh;
-    const e = this.object.matrix.elements;
-    const turned = [0, 4, 8].map((i) => along[0] * e[i] + along[1] * e[i + 1] + along[2] * e[i + 2]);
+    const turned = along.clone().transformDirection(this.object.matrix.clone().transpose());
     let best = 0;
     let most = -Infinity;
     for (let i = 0; i < points.length; i += 3) {
-      const reached = turned[0] * points[i] + turned[1] * points[i + 1] + turned[2] * points[i + 2];
+      const reached = turned.x * points[i] + turned.y * points[i + 1] + turned.z * points[i + 2];
       if (reached > most) [best, most] = [i, reached];
     }
-    const p = new Vector3(points[best], points[best + 1], points[best + 2]).applyMatrix4(this.object.matrix);
-    return [p.x, p.y, p.z];
+    return new Vector3().fromArray(points, best).applyMatrix4(this.object.matrix);
   }
 
   /** Draws some of the triangles once more, in a colour of their own. */

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // What tests share: modules of the pages, pages that the program writes, and a browser.
+import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { build } from 'esbuild';
+import { build } from 'esbuild-wasm';
 import { chromium } from 'playwright-core';
 
 export const pages = join(dirname(fileURLToPath(import.meta.url)), '..');
@@ -103,6 +104,16 @@ export async function open(browser, path, { width = 1280, height = 900, scheme =
   return page;
 }
 
+/** Both ends of what readers have: a wide screen and a narrow one, light and dark. */
+export const screens = [
+  { width: 1280, scheme: 'light' },
+  { width: 400, scheme: 'dark' },
+];
+
+/** Rows of a table, each a list of texts. */
+export const rowsOf = (page, selector) =>
+  page.$$eval(`${selector} tr`, (all) => all.map((tr) => [...tr.children].map((cell) => cell.textContent)));
+
 /** Waits for two frames of the screen: what was asked for has been drawn. */
 export const settled = (page) =>
   page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -112,24 +123,53 @@ export async function screenFrames(page, count) {
   for (let i = 0; i < count; ++i) await settled(page);
 }
 
-/** The pixels of a canvas: how many are drawn, as a part of all, and a text that differs where pixels do. */
-export const picture = (page, selector) =>
+/** The pixels of a canvas: how many are drawn and how many yellow, as parts of all, and a text that differs where
+ * pixels do. */
+export const picture = (page, selector = '#view') =>
   page.$eval(`${selector} canvas`, (canvas) => {
     const copy = document.createElement('canvas');
     [copy.width, copy.height] = [canvas.width, canvas.height];
     const context = copy.getContext('2d');
     context.drawImage(canvas, 0, 0);
     const { data } = context.getImageData(0, 0, copy.width, copy.height);
-    let drawn = 0;
-    for (let i = 3; i < data.length; i += 4) drawn += data[i] > 0 ? 1 : 0;
-    return { drawn: drawn / (data.length / 4), text: copy.toDataURL() };
+    let [drawn, yellow] = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      drawn += data[i + 3] > 0 ? 1 : 0;
+      yellow += data[i] > 140 && data[i + 1] > 110 && data[i + 2] < 90 ? 1 : 0;
+    }
+    return { drawn: (4 * drawn) / data.length, yellow: (4 * yellow) / data.length, text: copy.toDataURL() };
   });
 
+/** Whether all that is seen of a page fits, and a view is drawn on it, in silence. */
+export async function expectGoodLooks(page) {
+  assert.deepEqual(page.complaints, []);
+  const { drawn } = await picture(page);
+  assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
+  const { scrollWidth, clientWidth } = await page.evaluate(() => {
+    const { scrollWidth, clientWidth } = document.scrollingElement;
+    return { scrollWidth, clientWidth };
+  });
+  assert.ok(scrollWidth <= clientWidth, 'the page is too wide');
+}
+
+/** Goes through all that has the focus after that many tabs; each has a name, and shows the focus. Returns the ids. */
+export async function tabThrough(page, count) {
+  const seen = new Set();
+  for (let i = 0; i < count; ++i) {
+    await page.keyboard.press('Tab');
+    const { id, label, outline } = await focused(page);
+    assert.notEqual(label, '', `${id} has no name`);
+    assert.ok(outline >= 2, `${id} does not show the focus`);
+    seen.add(id);
+  }
+  return seen;
+}
+
 /** What has the focus: its id, its name for those who cannot see it, and the width of its outline. */
-export const focused = (page) =>
+const focused = (page) =>
   page.evaluate(() => {
     const e = document.activeElement;
     const named = e.getAttribute('aria-label') ?? [...(e.labels ?? [])].map((l) => l.textContent).join(' ');
     const outline = parseFloat(getComputedStyle(e).outlineWidth);
-    return { id: e.id, text: e.textContent, label: (named || e.textContent).trim(), outline };
+    return { id: e.id || e.textContent, label: (named || e.textContent).trim(), outline };
   });

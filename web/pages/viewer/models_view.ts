@@ -1,34 +1,45 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Both models in 3D, with their names and the boxes that hide them. */
+/** Both models in 3D, with their names, the boxes that hide them, and the buttons that say where to look from. */
 
-import { byId } from '../shared/dom.ts';
+import { Vector3 } from 'three';
+import type { Box3 } from 'three';
+import { byId, onThemeChange, tokenRgb } from '../shared/dom.ts';
 import { Marks } from '../shared/marks.ts';
-import type { Mesh } from '../shared/section.ts';
+import type { Name } from '../shared/marks.ts';
 import { Surface, SurfaceLook } from '../shared/surface.ts';
-import { onThemeChange, tokenRgb } from '../shared/theme.ts';
-import { Viewer, usualUp } from '../shared/viewer.ts';
+import type { Mesh } from '../shared/surface.ts';
+import { Viewer, upY, upZ, usualUp } from '../shared/viewer.ts';
 
 /** A mesh, and of each vertex the distance to the other model where it is known. */
 type ShownModel = { data: { name: string }; mesh: Mesh; distances?: Float32Array };
+
+/** Where the buttons look from where y is up; "whole" shows three sides. */
+const sides = { whole: [0.55, 0.62, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] } as const;
+export const sideNames = Object.keys(sides) as (keyof typeof sides)[];
 
 export class ModelsView {
   readonly viewer: Viewer;
   readonly marks: Marks;
   readonly look = new SurfaceLook();
   readonly surfaces: readonly Surface[];
+  readonly names: readonly Name[];
 
   constructor(models: readonly ShownModel[]) {
     this.viewer = new Viewer(byId('view'), usualUp(models.map(({ data }) => data.name)));
-    this.marks = new Marks(byId('view'), this.viewer);
+    this.marks = new Marks(this.viewer);
     this.surfaces = models.map(({ mesh, distances }) => new Surface(mesh, this.look, distances));
     this.viewer.add(...this.surfaces.map((surface) => surface.object));
     this.color(() => this.surfaces.forEach((surface, i) => surface.setColor(tokenRgb(`model-${'ab'[i]}`))));
-    this.surfaces.forEach((surface, i) => {
-      const top = surface.farthestAlong(this.viewer.up);
-      this.marks.addName('AB'[i], 'ab'[i], top, () => surface.object.visible);
-      this.connectBox(`show-${'ab'[i]}`, true, (isOn) => (surface.object.visible = isOn));
+    this.names = this.surfaces.map((surface, i) => ({
+      name: i === 0 ? 'A' : 'B',
+      at: surface.farthestAlong(this.viewer.up),
+      isShown: () => surface.object.visible,
+    }));
+    this.marks.show({ names: this.names });
+    this.surfaces.forEach(({ object }, i) => {
+      this.connectBox(`show-${'ab'[i]}`, true, (isOn) => (object.visible = isOn));
     });
   }
 
@@ -52,5 +63,28 @@ export class ModelsView {
     };
     apply();
     box.addEventListener('change', apply);
+  }
+
+  /**
+   * Connects the buttons that say where to look from, and the choice of what is up. Starts by showing all boxes, which
+   * what is returned does again. `onUp` is called when the reader has chosen what is up.
+   */
+  connectDirections(boxes: readonly Box3[], onUp: () => void): () => void {
+    const { viewer } = this;
+    const isZUp = (): boolean => viewer.up.z === 1;
+    const look = (side: keyof typeof sides): void => {
+      const [x, y, z] = sides[side];
+      viewer.lookAtBoxes(boxes, isZUp() ? new Vector3(x, -z, y) : new Vector3(x, y, z));
+    };
+    for (const side of sideNames) byId(side).addEventListener('click', () => look(side));
+    const choice = byId<HTMLSelectElement>('up');
+    choice.value = isZUp() ? 'z' : 'y';
+    choice.addEventListener('change', () => {
+      viewer.setUp(choice.value === 'z' ? upZ : upY);
+      look('whole');
+      onUp();
+    });
+    look('whole');
+    return () => look('whole');
   }
 }

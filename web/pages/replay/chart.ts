@@ -4,9 +4,8 @@
 /** Charts over the rows of a sequence: linked, with a line at the row that is shown. */
 
 import uPlot from 'uplot';
-import { element } from './dom.ts';
-import { roundAbove, roundBelow, shown } from './numbers.ts';
-import { onThemeChange, token } from './theme.ts';
+import { element, onThemeChange, token } from '../shared/dom.ts';
+import { roundAbove, roundBelow, shown } from '../shared/numbers.ts';
 
 type Values = readonly (number | null)[];
 

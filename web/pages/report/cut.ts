@@ -1,33 +1,21 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Where a plane cuts a mesh: lines in the plane's own two coordinates. */
+/** Where a plane cuts a mesh. */
 
-import { axes, cross, direction, dot, length, scale, subtract } from './vectors.ts';
-import type { Vec3 } from './vectors.ts';
+import { Vector3 } from 'three';
+import type { Mesh } from '../shared/surface.ts';
 
-/** The points p with normal . p = offset; `right` and `up` are the directions of a drawing of it. */
+/** The points p with normal . p = offset; `up` is the direction that is up in a drawing of it. */
 export interface Plane {
-  normal: Vec3;
+  normal: Vector3;
   offset: number;
-  right: Vec3;
-  up: Vec3;
-}
-
-export interface Mesh {
-  points: Float32Array;
-  corners: Uint32Array;
-}
-
-/** Coordinates u, v of one point after the other. */
-export interface Outline {
-  line: Float64Array;
-  isClosed: boolean;
+  up: Vector3;
 }
 
 /** The axis that is most nearly perpendicular to a direction; of equal ones, the first of y, x, z. */
-export function mostPerpendicularAxis(along: Vec3): number {
-  const [x, y, z] = along.map((c) => Math.abs(c));
+export function mostPerpendicularAxis(along: Vector3): number {
+  const [x, y, z] = along.toArray().map(Math.abs);
   const least = Math.min(x, y, z) + 1e-9;
   return y <= least ? 1 : x <= least ? 0 : 2;
 }
@@ -38,61 +26,45 @@ export function mostPerpendicularAxis(along: Vec3): number {
  * where views look at first, so the drawing is not mirrored next to them. World's up is up in the drawing where it can
  * be; seen from the top, the back is.
  */
-export function planeThrough(point: Vec3, along: Vec3, turn: number, worldUp: Vec3): Plane {
-  const isZUp = worldUp[2] === 1;
+export function planeThrough(point: Vector3, along: Vector3, turn: number, worldUp: Vector3): Plane {
+  const isZUp = worldUp.z === 1;
   const chosen = mostPerpendicularAxis(along);
-  const axis = scale(axes[chosen], isZUp && chosen === 1 ? -1 : 1);
-  const first = direction(subtract(axis, scale(along, dot(axis, along))), axis);
-  const second = cross(along, first);
-  const normal = [0, 1, 2].map((i) => first[i] * Math.cos(turn) + second[i] * Math.sin(turn)) as unknown as Vec3;
-  const flat = (axis: Vec3): Vec3 => subtract(axis, scale(normal, dot(axis, normal)));
-  const upright = [worldUp, isZUp ? axes[1] : scale(axes[2], -1)].map(flat).find((axis) => length(axis) > 0.4);
-  const up = direction(upright ?? along, along);
-  return { normal, offset: dot(normal, point), right: cross(up, normal), up };
+  const axis = new Vector3().setComponent(chosen, isZUp && chosen === 1 ? -1 : 1);
+  const normal = axis.projectOnPlane(along).normalize().applyAxisAngle(along, turn);
+  const back = isZUp ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1);
+  const upright = [worldUp, back].map((up) => up.clone().projectOnPlane(normal)).find((up) => up.length() > 0.4);
+  return { normal, offset: normal.dot(point), up: (upright ?? along.clone()).normalize() };
 }
 
 /**
  * The outlines of a cut. A vertex in the plane counts as above it, so every triangle that is cut has two edges that
- * are, and outlines of closed meshes are closed.
+ * are, and outlines of closed meshes are closed: they end with the point that they start with.
  */
-export function outlinesOf(mesh: Mesh, plane: Plane): Outline[] {
-  const { points, corners } = mesh;
+export function outlinesOf({ points, corners }: Mesh, { normal, offset }: Plane): Vector3[][] {
   const count = points.length / 3;
   const heights = new Float64Array(count);
-  const [nx, ny, nz] = plane.normal;
   for (let v = 0; v < count; ++v) {
-    heights[v] = nx * points[3 * v] + ny * points[3 * v + 1] + nz * points[3 * v + 2] - plane.offset;
+    heights[v] = normal.x * points[3 * v] + normal.y * points[3 * v + 1] + normal.z * points[3 * v + 2] - offset;
   }
   const pieces = new Pieces();
   for (let t = 0; t < corners.length; t += 3) {
-    const a = corners[t];
-    const b = corners[t + 1];
-    const c = corners[t + 2];
-    const aboveA = heights[a] >= 0;
-    const aboveB = heights[b] >= 0;
-    const aboveC = heights[c] >= 0;
+    const [a, b, c] = [corners[t], corners[t + 1], corners[t + 2]];
+    const [aboveA, aboveB, aboveC] = [heights[a] >= 0, heights[b] >= 0, heights[c] >= 0];
     if (aboveA === aboveB && aboveB === aboveC) continue;
     const alone = aboveA === aboveB ? c : aboveB === aboveC ? a : b;
     const [one, other] = alone === a ? [b, c] : alone === b ? [c, a] : [a, b];
     const key = (v: number): number => Math.min(alone, v) * count + Math.max(alone, v);
     pieces.add(key(one), key(other));
   }
-  return pieces.chains().map((chain) => {
-    const isClosed = chain.length > 2 && chain[0] === chain[chain.length - 1];
-    const line = new Float64Array(2 * chain.length);
-    chain.forEach((edge, i) => {
-      const v = Math.floor(edge / count);
-      const w = edge % count;
-      const t = heights[v] / (heights[v] - heights[w]);
-      for (let axis = 0; axis < 3; ++axis) {
-        const p = points[3 * v + axis] + t * (points[3 * w + axis] - points[3 * v + axis]);
-        line[2 * i] += p * plane.right[axis];
-        line[2 * i + 1] += p * plane.up[axis];
-      }
-    });
-    return { line, isClosed };
-  });
+  const pointOn = (edge: number): Vector3 => {
+    const [v, w] = [Math.floor(edge / count), edge % count];
+    const [from, to] = [v, w].map((vertex) => new Vector3().fromArray(points, 3 * vertex));
+    return from.lerp(to, heights[v] / (heights[v] - heights[w]));
+  };
+  return pieces.chains().map((chain) => chain.map(pointOn));
 }
+
+export const isClosed = (line: readonly Vector3[]): boolean => line.length > 2 && line[0].equals(line[line.length - 1]);
 
 /** Pieces of lines, each between two edges of the mesh, joined to chains of edges. */
 class Pieces {
