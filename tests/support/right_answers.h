@@ -56,11 +56,7 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
   if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, tolerance); !wrong.empty()) return wrong;
   if (r.status == Status::interrupted) return "";
   const bool meets = distance == 0;
-  // A budget that is spent when an absolute error is met leaves open whether the models meet.
-  const bool is_open = asked.absolute_error > 0 && asked.budget.max_steps != QueryBudget{}.max_steps && r.upper > 0;
-  if (!is_open && ((r.upper == 0) != meets || (r.status == Status::collision) != meets)) {
-    return "whether the models meet is wrong";
-  }
+  if ((r.upper == 0) != meets || (r.status == Status::collision) != meets) return "whether the models meet is wrong";
   if (distance > asked.max_distance + tolerance) return "it is beyond the limit";
   const double most = std::max(distance * (1 + asked.relative_error), distance + asked.absolute_error);
   if (r.upper > most + tolerance) return "the error is too large";

@@ -17,6 +17,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "pair/budget_meter.h"
 #include "scenes/scenes.h"
 #include "support/random_scene.h"
 #include "support/right_answers.h"
@@ -69,6 +70,19 @@ TEST(Budget, EndsWithCancellation) {
   EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::unknown);
   cancel = false;
   EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, Status::exact);
+}
+
+TEST(Budget, WhoseDeadlineHasPassedLeavesTimeForOneStep) {
+  const QueryBudget passed{.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1)};
+  pair::BudgetMeter meter(passed);
+  // Records of a front are compared without a step; the meter is asked before each.
+  for (int i = 0; i < 10; ++i) ASSERT_FALSE(meter.is_spent(0));
+  EXPECT_TRUE(meter.is_spent(1) || meter.is_spent(1));  // it looks at the clock every other time
+  EXPECT_EQ(meter.stopped_by(), StoppedBy::deadline);
+  // But not for ever.
+  pair::BudgetMeter idle(passed);
+  int calls = 0;
+  while (!idle.is_spent(0)) ASSERT_LT(++calls, 1000);
 }
 
 TEST(Budget, ThatIsSpentWhenTheErrorsAreMetInterruptsNothing) {
