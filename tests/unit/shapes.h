@@ -6,17 +6,10 @@
 #include <vector>
 
 #include "limber/mesh.h"
+#include "support/random_geometry.h"
 
 /// Meshes that several tests use.
 namespace limber::testing {
-
-/// A mesh with each position replaced by what a function makes of it.
-template <typename Map>
-Mesh mapped(const Mesh& mesh, const Map& map) {
-  std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p = map(p);
-  return Mesh::create(std::move(positions), mesh.triangles()).value();
-}
 
 inline Mesh scaled(const Mesh& mesh, double factor) {
   return mapped(mesh, [factor](const Vec3& p) { return factor * p; });
