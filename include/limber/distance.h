@@ -14,33 +14,35 @@
 #include "limber/model.h"
 
 /// Queries of two models: whether they meet, how far apart they are, whether they are within a distance.
-/// limber::classic (classic.h) takes the same options and gives the same results.
+/// limber::classic (classic.h) answers the same questions, without cache and budget.
 ///
 /// Triangles are surfaces, not solids: a model wholly inside another does not collide with it. When models meet, the
 /// distance is 0, the two points of the witness are the same and lie on both models up to rounding, and its triangles
 /// truly intersect. `collide` says yes if and only if `distance` gives 0.
 ///
 /// Models are compared as placed: every vertex is moved to the world frame in float64 first, and answers are about
-/// these rounded vertices. Whether they meet is decided exactly. A distance d differs from the true one by at most
-///     2^-46 E + 2^-44 d, and 2^-45 M more if a pose is not the identity,
-/// where E is the size of the closest triangles, ties included (the largest coordinate of a corner relative to the
-/// first one), and M the sum of both models' largest coordinates and translations. See docs/algorithms/numerics.md.
+/// these rounded vertices. Whether they meet is decided exactly. A distance d differs from theirs by at most
+///     2^-46 E + 2^-44 d, and 2^-45 M more if a pose is not the identity.
+/// E is the largest coordinate of a corner of the closest triangles, relative to the first corner of a's triangle; the
+/// largest such number if several pairs are equally close. M is the sum of both models' largest coordinates and
+/// translations: nodes and triangles are pruned before their vertices are placed. See docs/algorithms/numerics.md.
 namespace limber {
 
 /// Why a query stopped where it did.
 enum class Status {
-  exact,         ///< lower == upper: there is no error but rounding
+  exact,         ///< lower == upper > 0: there is no error but rounding
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
   beyond_limit,  ///< the distance is above max_distance: lower >= max_distance, upper is infinite, no witness
-  interrupted,   ///< the budget was spent: lower <= distance <= upper, and upper - lower exceeds the asked errors
+  interrupted,   ///< the budget was spent: lower <= distance <= upper, farther apart than the asked errors allow
 };
 
 /// When a query has to end, whether or not it has its answer: at the first of these limits that it reaches.
 ///
 /// A step compares the children of one node with another node, or two leaves. It takes 0.1 to 1 us, rarely several. The
-/// clock is read every few steps, so a deadline is overrun by a few steps. A query makes at least one step, even if
-/// its deadline has passed, unless it is cancelled or `max_steps` is 0.
+/// clock is read every few steps, so a deadline is overrun by a few steps. A query makes at least one step, even if its
+/// deadline has passed, unless it is cancelled or `max_steps` is 0. Without a step, the witness of a distance is some
+/// pair of triangles.
 struct QueryBudget {
   std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
   /// A number of steps gives the same answer on every machine, however fast it is.
@@ -62,15 +64,15 @@ struct Witness {
 
 /// Work done by one query.
 struct QueryStats {
-  std::uint64_t node_tests = 0;      ///< pairs of bounding volumes compared
+  std::uint64_t node_tests = 0;      ///< pairs of bounding volumes compared: up to 8 in a step
   std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
 };
 
 /// What a query of two models has found, for the next query of the same two to start from: the two triangles of its
 /// answer; the pairs of nodes that it pruned, which stay pruned while the models have moved little; and those that were
-/// still open when its budget was spent. A cache changes distances only within the asked errors and rounding, and no
-/// answer of yes or no. One that was filled by other models costs a little time. Self-queries (contacts.h) use only the
-/// two triangles.
+/// still open when its budget was spent. A cache changes distances only within the asked errors and rounding; it never
+/// changes a yes or a no. One that was filled by other models costs a little time. Self-queries (contacts.h) use only
+/// the two triangles.
 ///
 /// Cost     90 kB, allocated by the first query. It throws std::bad_alloc if that fails, and then changes nothing.
 /// Threads  One call at a time.

@@ -30,7 +30,7 @@ namespace limber {
 namespace {
 
 constexpr std::uint32_t no_patch = std::numeric_limits<std::uint32_t>::max();
-// In radii. A contact that is this near to one that is kept adds next to nothing to what the patch spans.
+// A contact within this many radii of one that is kept adds next to nothing to what the patch spans.
 constexpr double spacing = 0.25;
 
 bool is_all_finite(const Contact& c) {
@@ -76,7 +76,7 @@ Vec3 offset(const Contact& from, const Contact& to, double radius) {
 }
 
 /// The cells of a grid along one axis. A cell is a little wider than twice `near`, so all coordinates near a given one
-/// are in at most two cells.
+/// are in two cells at most, but for rounding.
 ///
 /// A cell is named by its number, as long as that is below 2^53 and exact. Coordinates beyond are more than `near`
 /// apart unless they are equal: floating-point numbers of that size have larger steps. So there each coordinate is a
@@ -147,7 +147,7 @@ class PatchGrid {
     last = static_cast<std::uint32_t>(patches_.size() - 1);
   }
 
-  /// Calls visit(patch) for every patch that is near, for some of them more than once, and for a few others.
+  /// Calls visit(patch) for every patch that is near, for some more than once, and for others in the same buckets.
   template <typename Visit>
   void visit_near(const Place& place, const Visit& visit) const {
     visit_near(place, 0, 0, visit);
@@ -162,7 +162,7 @@ class PatchGrid {
     return hash ^ hash >> 32U;
   }
 
-  /// Goes through the near cells of one axis after the other: at most two for each, 2^6 buckets in all.
+  /// Goes through the near cells of one axis after the other: as a rule two for each, so 2^6 buckets at most.
   template <typename Visit>
   void visit_near(const Place& place, std::size_t axis, std::uint64_t hash, const Visit& visit) const {
     if (axis == axis_count_) {
@@ -187,7 +187,7 @@ class PatchGrid {
   std::vector<Patch> patches_;
 };
 
-/// What is decided of a contact.
+/// What has been decided about a contact.
 struct Membership {
   std::uint32_t patch;
   bool is_kept = false;
@@ -221,7 +221,7 @@ std::vector<Patch> patches_of(std::span<const Contact> contacts, const Reduction
 /// A contact of a patch, projected along the normal of the patch's first contact.
 struct Member {
   std::size_t contact;
-  Vec3 flat;                                                  // that projection, from the first contact on, in radii
+  Vec3 flat;                                                  // its projection, relative to the first contact, in radii
   double apart_sq = std::numeric_limits<double>::infinity();  // from the nearest that is kept
 };
 

@@ -34,8 +34,8 @@ namespace limber::pair {
 /// Based on  [Quinlan1994]: pairs of nodes are compared; those that cannot improve the answer are pruned, the others
 ///           expanded.
 /// Differs   One node of a pair is expanded at a time, the one whose volume leaves more open
-///           (TreePair::split_priority()). Its eight children are compared with the other node at once. Bounds also use
-///           the search direction, in which the closest pair so far is apart.
+///           (TreePair::split_priority(): the thicker slab). Its eight children are compared with the other node at
+///           once. Bounds also use the search direction, in which the closest pair so far is apart.
 ///
 /// Begin a traversal with one of:
 ///   start()               from the roots, or for one model from its nodes, the last one first;
@@ -44,8 +44,9 @@ namespace limber::pair {
 ///   start_with()          without a front, from the state of a traversal whose front is full.
 /// Then call step() until it returns false, and finish(). search.h decides between them.
 ///
-/// Bounds are compared with Pruning::distance(); what is promised of everything left out is Pruning::cutoff(), which is
-/// the same but for tiny models.
+/// Two limits of Pruning, which differ for tiny models only: bounds of float32 are compared with distance(), which
+/// float32 resolves; bounds in float64, those of the front, with cutoff(), which everything left out is promised to be
+/// apart.
 ///
 /// With `has_front`, a front records what the traversal prunes and compares; the front also owns the traversal's state,
 /// so that the next query can go on with it. While a traversal runs, nobody else changes Pruning: collectors return
@@ -80,7 +81,7 @@ class BestFirst {
     state_.least_sq = limits_.bound_of(root_bound);
     const NodePair roots{state_.least_sq, {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0};
     if constexpr (!has_front && !needs_several) {
-      // The first descent is one long step: with a budget the traversal takes single steps.
+      // The first descent is one long step, so it is not made where a budget may end the query after any step.
       if (!search_.meter.is_limited()) return descend_first(roots);
     }
     state_.queue.push_first(roots);
@@ -122,7 +123,7 @@ class BestFirst {
       // A pair that overlaps is followed down to its leaves anyway.
       if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) begin_or_postpone_descent();
     }
-    if (has_children_to_compare(e)) {
+    if (process(e)) {
       compare_children(e);
       keep(e, state_.descents.is_descending());
     }
@@ -169,8 +170,8 @@ class BestFirst {
 
   // --- order ---
 
-  /// Begins a descent where it may find a closer pair. Where a close pair is known, from a front or a seed, it only
-  /// sets when to ask again. Not inlined: it is rare.
+  /// Begins a descent where it may find a closer pair. Where a close pair is known already, from a front or a seed,
+  /// puts the question off. Not inlined: it is rare.
   [[gnu::noinline]] void begin_or_postpone_descent() {
     state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
   }
@@ -233,7 +234,7 @@ class BestFirst {
       LIMBER_ASSERT(length < longest_descent);
       Expansion& e = way[length];
       e.pair = pair;
-      if (!start_expansion(e)) break;
+      if (!process_pair(e)) break;
       compare_children(e);
       if (e.kept.all == 0) break;
       const std::uint32_t child = e.first_child();
@@ -246,12 +247,13 @@ class BestFirst {
 
   // --- pairs of nodes ---
 
-  /// Prepares the expansion of a pair from the queue. True if there are children to compare. False if the pair was
-  /// pruned, or was two leaves, which are compared here.
-  bool has_children_to_compare(Expansion& e) {
-    return has_front && e.pair.child == NodePair::whole_record ? start_expansion_of_record(e) : start_expansion(e);
+  /// Processes a pair from the queue: prunes it, compares it if it is two leaves, or starts its expansion. True if it
+  /// has started one: the children are to be compared.
+  bool process(Expansion& e) {
+    return has_front && e.pair.child == NodePair::whole_record ? process_record(e) : process_pair(e);
   }
-  bool start_expansion(Expansion& e) {
+  /// As process(), for a pair of slots.
+  bool process_pair(Expansion& e) {
     const NodePair& pair = e.pair;
     const float limit_sq = limits_.of(Side::a);
     if (pair.bound_sq >= limit_sq) {
@@ -277,7 +279,7 @@ class BestFirst {
     e.start(trees_.tree(side), pair, side);
     e.record = front_.add(pair, side);
     e.has_record = e.record != NodePair::no_record;
-    if (!e.has_record) e.record = pair.record;  // where `pair` then stands for all below it
+    if (!e.has_record) e.record = pair.record;  // the parent's record: there `pair` stands for all below it
     return true;
   }
 
@@ -299,7 +301,7 @@ class BestFirst {
   }
 
   /// For one model: compares the child slots of the next node with each other, and each of its leaves with itself. Two
-  /// triangles of one leaf are compared with that leaf; any two others have one lowest node above both. So every pair
+  /// triangles of one leaf are compared with that leaf; any two others have one lowest common ancestor. So every pair
   /// is visited once.
   void compare_siblings() {
     LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
@@ -328,7 +330,7 @@ class BestFirst {
     }
   }
 
-  /// Compares two triangles that are likely to be the closest, where one model is flat.
+  /// Compares two triangles that are likely to be the closest, where one model has a flat part.
   [[gnu::noinline]] void compare_seed() {
     const std::optional<TrianglePair> likely = state_.seed.find(search_.placed, search_.stats);
     if (!likely) return;
@@ -368,9 +370,9 @@ class BestFirst {
     return !records.empty() && compared_again < worth_resuming * static_cast<double>(records.size());
   }
 
-  /// Prepares the children that a record holds, pruned or compared before, to be compared again. False if they are
-  /// beyond the cutoff by now.
-  bool start_expansion_of_record(Expansion& e) {
+  /// As process(), for a pair that stands for a record: starts an expansion of the children that the record holds, pruned
+  /// or compared before, unless they are beyond the cutoff by now.
+  bool process_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_.get().records()[record];
     if (front_.get().bound_of(r) >= search_.pruning.cutoff()) return false;
@@ -382,7 +384,7 @@ class BestFirst {
     return true;
   }
 
-  Search search_;  // references
+  Search search_;  // a bundle of references
   Collector& collector_;
   std::conditional_t<has_front, TraversalState&, TraversalState> state_;  // the front's, or our own
   FrontRecorder<has_front> front_;

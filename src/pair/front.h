@@ -44,12 +44,12 @@ class Front {
   /// once; those of `near` apart from the others, so that little motion does not bring all back.
   enum Kind {
     settled,  ///< pruned, or leaves that were compared
-    near,     ///< the same, at a distance hardly beyond the cutoff
+    near,     ///< as settled, but at a distance hardly beyond the cutoff
     open      ///< neither, because the traversal was interrupted
   };
   static constexpr std::size_t kinds = 3;
   struct Record {
-    double distance[kinds];  ///< lower bounds for the children of each kind, as of `motion_bound`
+    double distance[kinds];  ///< lower bounds for the children of each kind, as of `recorded_at`
     double recorded_at;      ///< the value of motion_bound() when these bounds were found
     bvh::SlotId slot[2];
     bool expands_a;
@@ -106,17 +106,17 @@ class Front {
   /// bounds of this front say.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
   /// Whether a pair within `limit` may have been skipped as a tie, so that the records and the bound must not be used
-  /// to answer whether there is one. After any motion there is no such doubt: motion lowers all bounds by more than
-  /// ties differ by.
+  /// to answer whether there is one. After any motion, however small, there is no such doubt: it lowers all bounds
+  /// by the errors of placing before and after, and ties differ by less.
   bool may_lack_ties(const PlacedPair& placed, double limit) const {
     if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
     const double rounding = placed.error() + base::tie_error * tied_distance_;
     return std::abs(limit - tied_distance_) <= 2 * rounding;  // of the best and of the tie
   }
 
-  /// Forgets all records, but not the bound of the distance.
+  /// Forgets all records, but not bound().
   void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
-  /// Whether more expansions had no room than there are records: these are hardly of use then.
+  /// Whether more expansions had no room than had records: then the records are hardly of use.
   bool overflows() const { return without_room_ > capacity; }
   /// How many pairs were open where the last traversal was interrupted.
   std::size_t open_count() const { return open_pairs_; }
@@ -155,7 +155,7 @@ class Front {
     return static_cast<std::uint16_t>(count_++);
   }
 
-  /// Gives children to a record, being at least `distance` from what they were compared with.
+  /// Gives children to a record. They are at least `distance` from what they were compared with.
   void put(std::uint16_t record, unsigned children, Kind kind, double distance) {
     LIMBER_ASSERT(record < count_ && distance >= 0);
     Record& r = updated(record);
@@ -163,7 +163,7 @@ class Front {
     r.distance[kind] = std::min(r.distance[kind], distance);
   }
 
-  /// Takes from a record the children of a kind that may be closer than `distance`, to be compared again.
+  /// Takes from a record the children of every kind whose bound is below `distance`, to be compared again.
   unsigned take(std::uint16_t record, double distance) {
     LIMBER_ASSERT(record < count_);
     Record& r = updated(record);
@@ -253,7 +253,7 @@ class Front {
   double error_ = 0, deformation_ = 0, displacement_[2] = {0, 0};
   double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
   double motion_bound_ = 0;
-  double distance_ = 0, found_at_ = 0;  // the bound of the models' distance, and when it was found
+  double distance_ = 0, found_at_ = 0;  // the bound of the models' distance, and motion_bound() when it was found
   double tied_distance_ = infinity;     // at which ties were skipped since the last motion
   bool is_complete_ = false;
   bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left

@@ -27,7 +27,8 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
 }
 
 /// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, since it may prune the others. Leaves out those
-/// that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not go on.
+/// that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not. Pre: there are
+/// candidates.
 template <typename Visit>
 bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
   std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
@@ -57,21 +58,21 @@ class LeafComparison {
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
 
-  /// Whether the query goes on: false if the collector is done, or the budget is spent. `apart` is to be 0 before. It
-  /// is a lower bound of the distance of the leaves afterwards, but stays 0 where triangles were compared, or where
-  /// none was needed: a front needs one to record leaves that were pruned.
+  /// Whether the query goes on: false if the collector is done, or the budget is spent. If it goes on, the leaves are
+  /// at least max(apart, cutoff) from each other but for the best pair. `apart` is to be 0 before, and stays 0 where
+  /// triangles were compared; with `needs_bound` it is set wherever none were, for a front to record.
   ///
   /// `steps` is the number of steps since this call of the query began, this one included; the budget may limit it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
     const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
-    const bool is_first = !state_.descents.has_reached_leaves();  // before the next line changes that
+    const bool are_first_leaves = !state_.descents.has_reached_leaves();  // before the next line changes that
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
     simd::Candidates found;
     if constexpr (looks_for_closest) {
       if (state_.whole_leaves.are_tested() && prunes_whole_leaves(apart)) return true;
-      if (is_first && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
+      if (are_first_leaves && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
       if (has_descended && search_.pruning.has_error()) {
         look_nearer(leaf_a, leaf_b, found);
         if (collector_.is_done()) return false;

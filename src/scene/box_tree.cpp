@@ -18,7 +18,7 @@ using bvh::width;
 // 2^32 models have 11 levels.
 constexpr std::size_t max_levels = 12;
 
-// Lowers a squared length by more than rounding can have raised it, and the length it is compared with lowered.
+// A factor that lowers a squared length by more than rounding can have raised it above the square it is compared with.
 constexpr double squared_length_down = 1 - 0x1p-48;
 
 BoxNode empty_boxes() {
@@ -148,7 +148,7 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
     for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
       found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
-      // The kernel has compared the boxes as axis by axis; at margin 0 that is all that boxes can tell.
+      // The kernel has compared the boxes axis by axis. At margin 0 that is all that boxes can tell.
       const bool is_near = margin == 0 ? spheres_may_be_within(found_a[count], found_b[count], 0)
                                        : may_be_within(found_a[count], found_b[count], margin);
       count += is_near ? 1 : 0;

@@ -30,14 +30,14 @@ class BoxTree {
   /// The id of a model. Pre: rank < size().
   std::uint32_t id_of(std::uint32_t rank) const { return ids_[rank]; }
 
-  /// Whether two models may be at most so far apart. Pre: the margin is one with room for errors.
+  /// Whether two models may be at most so far apart. Pre: the margin comes from margin_with_error().
   bool may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
-  /// At most the distance of two models.
+  /// A lower bound of the distance of two models.
   double lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const;
 
   /// Calls visit(rank_a, rank_b) once for every two models that may be within the margin, of which the one with the
-  /// lower rank, rank_a, is in the given leaf, until that returns false. Returns whether it never did. Pre: the margin
-  /// is one with room for errors; leaf < leaf_count().
+  /// lower rank, rank_a, is in the given leaf, until that returns false. Returns whether it never did. Pre: as for
+  /// may_be_within(); leaf < leaf_count().
   bool visit_pairs(std::uint32_t leaf, double margin, FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const;
 
  private:

@@ -1,6 +1,8 @@
-// SPDX-FileCopyrightText: The limber authors SPDX-License-Identifier: BSD-3-Clause Queries of all pairs of triangles,
-// compared one by one. They check what the traversals leave out, not how two triangles are compared: they call the same
-// functions of geometry/ for that, which have exact oracles of their own.
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Queries of all pairs of triangles, compared one by one. They check that the traversals leave nothing out, not how two
+// triangles are compared: they call the same functions of geometry/ for that, which have exact oracles of their own.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -28,7 +30,7 @@ bool are_neighbors(const Corners& a, const Corners& b) {
   return false;
 }
 
-/// Calls visit(i, j) for any two triangles, i < j.
+/// Calls visit(i, j) for every two triangles, i < j.
 template <typename Visit>
 void for_all_pairs(MeshView mesh, const Visit& visit) {
   for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
@@ -37,7 +39,7 @@ void for_all_pairs(MeshView mesh, const Visit& visit) {
 }
 
 /// Whether a mesh is closed, and its triangles are turned alike: each edge has as many triangles on one side as on the
-/// other. A side between equal ids is no edge.
+/// other. A side between equal ids counts on neither.
 bool is_closed_and_oriented(MeshView mesh) {
   std::map<std::pair<VertexId, VertexId>, int> balance;
   for (const Corners& c : mesh.triangles) {
@@ -60,7 +62,7 @@ bool meet_elsewhere(MeshView mesh, TriangleId i, TriangleId j) {
   return geometry::meets_elsewhere(mesh.triangle(i), mesh.triangles[i], mesh.triangle(j), mesh.triangles[j]);
 }
 
-/// The nearest, of equally close ones the first in the order of ids.
+/// Sorts contacts by distance, equal ones by their ids, and keeps the first `count`.
 std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
   std::sort(contacts.begin(), contacts.end(), [](const Contact& c, const Contact& d) {
     return std::tie(c.distance, c.triangle_a, c.triangle_b) < std::tie(d.distance, d.triangle_a, d.triangle_b);

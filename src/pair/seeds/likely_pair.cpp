@@ -38,8 +38,8 @@ Vec3 normal_of(const bvh::Tree& tree, bvh::SlotId slot) {
   return {n.normal_x[k], n.normal_y[k], n.normal_z[k]};
 }
 
-/// An upper bound of how far a model reaches from the center of its root along a direction of its frame, by sphere and
-/// box: its slab is rarely turned that way.
+/// An upper bound of how far a model reaches from the center of its root slot along a direction of its frame, by sphere
+/// and box: its slab is rarely turned that way.
 double most_reach(const bvh::Tree& tree, const Vec3& direction) {
   const bvh::ChildBounds& n = tree.nodes[0].bounds;
   const Vec3 half{n.half_x[0], n.half_y[0], n.half_z[0]};
@@ -75,7 +75,7 @@ class FarthestVertex {
     tolerance_ = negligible_height * tree.nodes[0].bounds.radius[0];
   }
 
-  /// Children whose bound is not below it are pruned. Here bounds are heights, in units, with the sign turned round, so
+  /// Children whose bound is above this are pruned. Bounds are heights here, in units, with the sign turned round, so
   /// that the highest child comes first.
   float limit() const { return limit_; }
   TriangleId triangle() const { return triangle_; }
@@ -113,7 +113,7 @@ class NearTriangle {
     point_.unit = tree.unit, point_.per_unit = 1 / tree.unit;
   }
 
-  /// Children whose bound is not below it are pruned. Here bounds are squared distances, in squared units.
+  /// Children whose bound is above this are pruned. Bounds are squared distances here, in squared units.
   float limit() const { return limit_; }
   TriangleId triangle() const { return triangle_; }
 

@@ -24,8 +24,8 @@ struct FlatPart {
   double room;  ///< from the part to the bounding volume of the other model, along the normal; negative if they overlap
 };
 
-/// The largest flat part of the larger model, among a slot of its tree and the slots above: `near_a` of a's tree or
-/// `near_b` of b's. None if that slot is not flat, or if all flat ones are smaller than the other model.
+/// The largest flat part of the larger model: its slot, `near_a` or `near_b`, or one above that slot. None if the slot
+/// itself is not flat, or if all flat ones are smaller than the other model.
 std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, bvh::SlotId near_b);
 
 /// A pair of triangles that is likely to be the closest: a triangle of the other model at the vertex that comes nearest
