@@ -293,7 +293,7 @@ class BestFirst {
     const simd::KeptSlots kept = kernels_.bound_children(node, trees_.as_other(other(e.side), e.pair),
                                                          search_.frames.of(e.side), search_.pruning.of(e.side),
                                                          limits_.of(e.side), e.order, has_front ? bound_sq : nullptr);
-    // In local variables: GCC would combine masks in memory, and the processor would wait for the memory.
+    // Local variables, because GCC would combine the masks in memory.
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
     e.kept = {all, overlapping};
     const unsigned pruned = e.children & ~e.kept.all;
@@ -370,8 +370,8 @@ class BestFirst {
     return !records.empty() && compared_again < worth_resuming * static_cast<double>(records.size());
   }
 
-  /// As process(), for a pair that stands for a record: starts an expansion of the children that the record holds, pruned
-  /// or compared before, unless they are beyond the cutoff by now.
+  /// As process(), for a pair that stands for a record: the children that the record holds are to be compared again,
+  /// unless they are beyond the cutoff by now.
   bool process_record(Expansion& e) {
     const std::uint16_t record = e.pair.record;
     const Front::Record& r = front_.get().records()[record];

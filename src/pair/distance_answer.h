@@ -17,8 +17,8 @@ inline Status status_of(const DistanceResult& result) {
   return result.lower == result.upper ? Status::exact : Status::within_error;
 }
 
-/// Whether an interval is as narrow as the errors allow. One that begins at 0 is not, whatever the errors: it leaves open
-/// whether the models meet.
+/// Whether an interval is as narrow as the errors allow. One that begins at 0 is not, whatever the errors: it leaves
+/// open whether the models meet.
 inline bool is_narrow_enough(const DistanceResult& result, const DistanceOptions& options) {
   if (result.lower == 0 && result.upper > 0) return false;
   return result.upper / (1 + options.relative_error) <= result.lower ||

@@ -93,7 +93,8 @@ class Front {
     cutoff_ = cutoff;
     direction_ = direction;
   }
-  /// Ends a traversal: all pairs that it has left in the queue, in units of a's tree, are put back to the records.
+  /// Ends a traversal that needs no continuation. Pairs that it has left in the queue, in units of a's tree, because
+  /// its collector was done, are put back to the records.
   void finish(double unit_a) {
     put_back_queue(unit_a);
     open_pairs_ = 0;

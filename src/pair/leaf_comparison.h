@@ -26,9 +26,9 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
   return nearest;
 }
 
-/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, since it may prune the others. Leaves out those
-/// that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not. Pre: there are
-/// candidates.
+/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, which may prune the others; moves it to the front.
+/// Leaves out those that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not.
+/// Pre: there are candidates.
 template <typename Visit>
 bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
   std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
