@@ -50,8 +50,8 @@ class DirtySet {
     for (const std::uint32_t node : index_.nodes_at(vertex)) add_node(dirty_.size() - 1, node);
     if (follower_ != nullptr) follower_->follow(vertex);
   }
-  /// Of a follower: how many of its lowest nodes have been marked through the other set since start_interval(),
-  /// counting nodes that were dirty already.
+  /// Of a follower: how many of its lowest nodes have been marked through the other set since start_interval(), which
+  /// every commit calls. Counts each node once, even if it was dirty already.
   std::size_t marked_count() const { return marked_; }
   void start_interval() { ++interval_, marked_ = 0; }
   /// Marks a node of a level.

@@ -1,17 +1,18 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Split finds the median by sampling, as [FloydRivest1975], with steps that can be interrupted:
+// Split finds the median by sampling, as [FloydRivest1975]. Its phases, which can be interrupted between chunks:
 //   measuring       finds the longest side of the bounding box of all centers.
 //   sampling        draws a sample of the window, and from it two limits that probably enclose the median.
 //   moving_below    moves the primitives of the window below the lower limit to its front.
-//   moving_between  moves those between the limits next to them; left out if the median is already in front.
-//                   The part that holds the median becomes the window. Back to sampling while the window is large.
+//   moving_between  moves the primitives between the two limits behind them; is left out if the median is already among
+//                   the primitives below the lower limit.
+//                   After either, the part that holds the median becomes the window: back to sampling if it is large.
 //   finishing       selects the median of a small window directly, and moves what is less to the front.
 // Primitives are ordered by a key, the coordinate followed by the triangle's id, so all keys are distinct, and which
 // primitives go to which half does not depend on the samples. Limits are compared with coordinates only, which is
-// faster. If that leaves more than three quarters of a window, many coordinates may be equal, and from then on limits
-// are compared with keys. After an unlucky sample another is drawn, with new random numbers.
+// faster. If the next window has more than three quarters of the last one, many coordinates may be equal, and from then
+// on limits are compared with keys. After an unlucky sample another is drawn, with new random numbers.
 #include "bvh/partition.h"
 
 #include <algorithm>
@@ -34,24 +35,25 @@ constexpr std::size_t worth_a_task = 8192;
 // Windows up to this size are finished directly: by a kernel up to simd::few_points primitives, else by quickselect.
 constexpr std::size_t finished_directly = 512;
 
-// Primitives in a sample. The limits are this many ranks below and above the rank that the median is expected to have
-// in the sample: two standard deviations, of at most sqrt(128) / 2 = 5.7 each.
+// Primitives in a sample. In the sample, the limits have the rank that is expected of the median, less and plus
+// `sample_margin`: two standard deviations, of at most sqrt(128) / 2 = 5.7 each.
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
-// Primitives that one step of a pass over the window takes.
+// Primitives in one chunk of a pass over the window.
 constexpr std::size_t primitives_at_once = 1024;
 
 // Upper bounds of what one primitive costs, in ns (docs/design/real_time.md).
 constexpr double ns_to_measure = 2, ns_to_move = 5, ns_to_select = 10;
 
-/// Swaps those of the primitives `begin` to `end` for whose index is_below() holds to the places from `below_end` on.
-/// Pre: it does not hold for any from `below_end` to `begin`. Returns the new `below_end`, where the swapped ones end.
-/// No branch depends on the primitives, because nobody could predict it.
+/// Moves primitives to the front: each from `begin` to `end` for whose index is_below() is true changes places with the
+/// one at `below_end`, which goes up by 1. Returns the final `below_end`. No branch depends on the primitives, because
+/// it could not be predicted: all are swapped, but `below_end` only goes up after one that is below.
+/// Pre: is_below() is false for all from `below_end` to `begin`.
 template <typename IsBelow>
 std::size_t move_below_to_front(std::span<PrimitiveRef> primitives, std::size_t below_end, std::size_t begin,
                                 std::size_t end, const IsBelow& is_below) {
   for (std::size_t i = begin; i < end; ++i) {
-    // GCC would write the copy below to memory in order to read one of its coordinates. So this comes first.
+    // Before the copy: GCC would write that to memory in order to read one of its coordinates.
     const bool moves = is_below(i);
     const PrimitiveRef primitive = primitives[i];
     primitives[i] = primitives[below_end];
@@ -62,13 +64,13 @@ std::size_t move_below_to_front(std::span<PrimitiveRef> primitives, std::size_t 
 }
 
 /// The number of rank `n` among some numbers, of which the least has rank 0; reorders them. Quickselect, without
-/// branches on single numbers. Quadratic at worst, so it is meant for a few hundred numbers.
+/// branches on single numbers. Numbers may be equal. Quadratic at worst, so it is meant for a few hundred numbers.
 std::uint64_t nth_least(std::span<std::uint64_t> numbers, std::size_t n) {
   LIMBER_ASSERT(n < numbers.size());
   while (true) {
     const std::size_t last = numbers.size() - 1;
     std::uint64_t &at_front = numbers[0], &at_middle = numbers[last / 2], &at_back = numbers[last];
-    // Puts the largest of the three at the middle, then the median at the back: that is the pivot.
+    // After two lines the largest of the three is at the middle, after the third the median at the back: the pivot.
     if (at_front > at_middle) std::swap(at_front, at_middle);
     if (at_middle < at_back) std::swap(at_middle, at_back);
     if (at_front > at_back) std::swap(at_front, at_back);
@@ -113,7 +115,7 @@ const float* as_points(std::span<const PrimitiveRef> primitives) {
 std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
   if (n == 0) return 0;
   simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives), axis, primitives.size(), n);
-  // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids of these.
+  // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids there.
   for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
     auto last = std::countr_zero(found.greatest);
     for (std::uint64_t others = found.greatest; others != 0; others &= others - 1) {
@@ -130,7 +132,7 @@ std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t
 std::uint32_t leaf_count(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + width - 1) / width); }
 
 std::uint32_t child_count(std::uint32_t leaves) {
-  std::uint64_t full = 1;  // leaves of a full subtree, which each child can be
+  std::uint64_t full = 1;  // leaves below one child, if it is full
   while (full * width < leaves) full *= width;
   return static_cast<std::uint32_t>((leaves + full - 1) / full);
 }
@@ -166,7 +168,7 @@ void Split::choose_axis() {
   axis_ = x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
 }
 
-/// Makes the window smaller, and goes on with it.
+/// Makes the window smaller and goes on with it; with keys from now on if it is still large.
 void Split::narrow_to(std::size_t begin, std::size_t end) {
   compares_keys_ |= 4 * (end - begin) > 3 * (end_ - begin_);
   continue_within(begin, end);
@@ -174,7 +176,7 @@ void Split::narrow_to(std::size_t begin, std::size_t end) {
 
 void Split::continue_within(std::size_t begin, std::size_t end) {
   begin_ = begin, end_ = end;
-  step_ = end_ - begin_ <= finished_directly ? Step::finishing : Step::sampling;
+  phase_ = end_ - begin_ <= finished_directly ? Phase::finishing : Phase::sampling;
 }
 
 void Split::draw_limits(std::span<const PrimitiveRef> primitives) {
@@ -188,6 +190,7 @@ void Split::draw_limits(std::span<const PrimitiveRef> primitives) {
     k = key(primitives[begin_ + static_cast<std::size_t>(((random_ >> 32) * count) >> 32)]);
   }
   const std::size_t expected_rank = (middle_ - begin_) * sample_size / count;
+  // Without a lower limit, moving_below finds nothing to move.
   lower_ = {0, -infinity}, upper_ = {std::numeric_limits<std::uint64_t>::max(), infinity};
   if (expected_rank >= sample_margin) {
     lower_.key = nth_least(keys, expected_rank - sample_margin);
@@ -197,7 +200,7 @@ void Split::draw_limits(std::span<const PrimitiveRef> primitives) {
     const std::uint64_t last = nth_least(keys, expected_rank + sample_margin);
     upper_ = {last + 1, std::nextafter(coordinate_of(last), infinity)};  // the next above: limits are exclusive
   }
-  step_ = Step::moving_below, next_ = below_ = begin_;
+  phase_ = Phase::moving_below, next_ = below_ = begin_;
 }
 
 /// Of the primitives next_ to `end`, swaps those below a limit to the places from `below_end` on. Returns the new
@@ -217,7 +220,7 @@ std::size_t Split::move_below(std::span<PrimitiveRef> primitives, std::size_t be
 void Split::finish(std::span<PrimitiveRef> primitives) {
   const std::span<PrimitiveRef> window = primitives.subspan(begin_, end_ - begin_);
   const std::size_t rank = middle_ - begin_;
-  step_ = Step::done;
+  phase_ = Phase::done;
   if (window.size() <= simd::few_points) {
     const std::uint64_t least = least_of_few(window, axis_, rank);
     const auto is_least = [least](std::size_t i) { return (least >> i & 1) != 0; };
@@ -242,16 +245,16 @@ void Split::finish(std::span<PrimitiveRef> primitives) {
 }
 
 bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
-  // The end of one step of a pass over the window, which starts at next_.
-  const auto spend_on_step = [&](double ns) {
+  // Pays for the next chunk of a pass over the window, which begins at next_. Returns its end.
+  const auto spend_on_chunk = [&](double ns) {
     const std::size_t end = std::min(next_ + primitives_at_once, end_);
     budget.spend(ns * static_cast<double>(end - next_));
     return end;
   };
-  while (step_ != Step::done && !budget.is_spent()) {
-    switch (step_) {
-      case Step::measuring: {
-        const std::size_t end = spend_on_step(ns_to_measure);
+  while (phase_ != Phase::done && !budget.is_spent()) {
+    switch (phase_) {
+      case Phase::measuring: {
+        const std::size_t end = spend_on_chunk(ns_to_measure);
         simd::kernels().extend_box(as_points(primitives.subspan(next_)), end - next_, box_);
         next_ = end;
         if (next_ < end_) break;
@@ -259,24 +262,24 @@ bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
         continue_within(begin_, end_);
         break;
       }
-      case Step::sampling:
+      case Phase::sampling:
         budget.spend(ns_to_select * sample_size);
         draw_limits(primitives);
         break;
-      case Step::moving_below: {
-        const std::size_t end = spend_on_step(ns_to_move);
+      case Phase::moving_below: {
+        const std::size_t end = spend_on_chunk(ns_to_move);
         below_ = move_below(primitives, below_, end, lower_);
         next_ = end;
         if (next_ < end_) break;
         if (below_ > middle_) {
           narrow_to(begin_, below_);
         } else {
-          step_ = Step::moving_between, next_ = between_ = below_;
+          phase_ = Phase::moving_between, next_ = between_ = below_;
         }
         break;
       }
-      case Step::moving_between: {
-        const std::size_t end = spend_on_step(ns_to_move);
+      case Phase::moving_between: {
+        const std::size_t end = spend_on_chunk(ns_to_move);
         between_ = move_below(primitives, between_, end, upper_);
         next_ = end;
         if (next_ < end_) break;
@@ -287,20 +290,20 @@ bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
         }
         break;
       }
-      case Step::finishing:
+      case Phase::finishing:
         budget.spend(ns_to_select * static_cast<double>(end_ - begin_));
         finish(primitives);
         break;
-      case Step::done:
+      case Phase::done:
         break;
     }
   }
-  return step_ == Step::done;
+  return phase_ == Phase::done;
 }
 
 std::array<BuildRange, 2> Split::halves() const {
-  LIMBER_ASSERT(step_ == Step::done);
-  // A half with several children is split again; one with a single child goes down a level, to the children of that.
+  LIMBER_ASSERT(phase_ == Phase::done);
+  // A half with several children is split again. A half with a single child becomes the range of that child's children.
   const auto half = [](std::size_t begin, std::size_t end, std::uint32_t children) {
     return children > 1 ? BuildRange{begin, end, children} : build_range(begin, end);
   };
@@ -325,8 +328,8 @@ void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange&
 
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {
   LIMBER_ASSERT(!primitives.empty() && primitives.size() <= width);
-  // Splits leave the primitives of a leaf in an order that depends on the samples; queries visit triangles in the order
-  // of the leaf, so it is made a fixed one. The sort counts, for each triangle, the smaller ones: no branches.
+  // Splits leave the primitives of a leaf in an order that depends on the samples. Queries visit triangles in the order
+  // of the leaf. So they are sorted by id: the place of each is the number of smaller ids, which takes no branches.
   const std::size_t count = primitives.size();
   TriangleId triangles[width];
   for (std::size_t k = 0; k < width; ++k) triangles[k] = k < count ? primitives[k].triangle : no_id;

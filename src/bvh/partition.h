@@ -34,18 +34,19 @@ std::uint32_t leaf_count(std::size_t triangles);
 std::uint32_t child_count(std::uint32_t leaves);
 
 /// How many of `leaves` leaves the first half of the children gets: its share, rounded down. If all children
-/// together can hold the leaves in as few levels as possible, each half then can, too.
+/// together can hold the leaves in as few levels as possible, each half then can, too: a child that holds at most
+/// `full` leaves has an average share of at most `full`, so c children get at most c * full.
 std::uint32_t first_half_leaves(std::uint32_t leaves, std::uint32_t children);
 
-/// A range of primitives, in the order of the leaves, still to be partitioned among `children` children of one node. A
-/// single leaf has 1 child and is not partitioned further.
+/// A range of primitives, in the order of the leaves, still to be partitioned among `children` children of one node. If
+/// that is 1, the range is a single leaf.
 struct BuildRange {
   std::size_t begin, end;
   std::uint32_t children;
 };
 
-/// Splits a range: moves the primitives of the first half of the children before those of the second. May be
-/// interrupted after every step, which does not change the result.
+/// Splits a range: moves the primitives of the first half of the children before those of the second. A budget may
+/// interrupt it many times, which does not change the result.
 ///
 /// Cost     O(primitives in the range), a few passes over them.
 class Split {
@@ -60,9 +61,9 @@ class Split {
 
  private:
   // The algorithm is at the head of partition.cpp.
-  enum class Step { measuring, sampling, moving_below, moving_between, finishing, done };
+  enum class Phase { measuring, sampling, moving_below, moving_between, finishing, done };
 
-  /// An upper limit for primitives, exclusive: as a key, and as a coordinate.
+  /// What primitives are compared with: those below it are moved. As a key, and as a coordinate.
   struct Limit {
     std::uint64_t key;
     float coordinate;
@@ -80,7 +81,7 @@ class Split {
   BuildRange range_;
   std::size_t middle_;       // where the second half begins: the rank of the median
   std::size_t begin_, end_;  // the window: the primitives from begin_ to end_ may still have to change halves
-  Step step_ = Step::measuring;
+  Phase phase_ = Phase::measuring;
   std::size_t next_;    // the next primitive of the present pass over the window
   simd::PointBox box_;  // of the centers
   std::size_t axis_ = 0;
@@ -93,7 +94,7 @@ class Split {
 /// Splits a range without interruption.
 std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range);
 
-/// The range of primitives below one child slot, to be partitioned among the children of its node.
+/// A range of primitives that are all those below one node, to be partitioned among its children; or a single leaf.
 BuildRange build_range(std::size_t begin, std::size_t end);
 
 /// Partitions a range down to leaves, on the threads of the calling oneTBB arena.
@@ -102,7 +103,7 @@ BuildRange build_range(std::size_t begin, std::size_t end);
 void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range);
 
 /// The primitive of a triangle, its center (low + high) / 2 relative to `origin`, in units. `half_per_unit` is 0.5 /
-/// unit: the half is of the mean.
+/// unit: the quotients by 2 and by the unit in one factor.
 inline PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double half_per_unit) {
   const Corners& corners = mesh.triangles[triangle];
   const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Stages and their steps, each of which takes some microseconds and can be the last of a call:
+// The stages. Each goes in small steps of some microseconds, and a call may end after any of them:
 //   gathering  reads the centers of the subtree's triangles.
 //   assigning  partitions them, range by range; writes the leaves of the second tree; indexes its vertices.
 //   fitting    sweeps over all nodes above the lowest level, from the last to the first, and fits the slots of each.
-//              Then catches up: refits what has become dirty since, in rounds.
+//              Then catches up: refits what has become dirty since, in rounds. A round refits the lowest nodes that are
+//              dirty when it begins, and the nodes above. Goes on, commit by commit, until take_over().
 #include "bvh/rebuild.h"
 
 #include <algorithm>
@@ -19,8 +20,8 @@
 namespace limber::bvh {
 namespace {
 
-// Ranges that wait to be partitioned. A level takes at most 3 splits, 8 children to 4, 2 and 1, and there are at most
-// 11 levels. Ranges are split depth first, so at most one waits at each of these 33 depths.
+// Room for ranges that wait to be partitioned. A level takes at most 3 splits, from 8 children to 4, 2 and 1, and there
+// are at most 11 levels. Ranges are split depth first, so at most one waits at each of these 33 depths: 64 is ample.
 constexpr std::size_t max_ranges = 64;
 
 // Ranges of up to that many triangles are partitioned in one step.
@@ -29,28 +30,29 @@ constexpr std::size_t small_range = 64;
 // Triangles and leaves in one step.
 constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
-// Costs in ns (docs/design/real_time.md). A triangle is split once for each range that it is in.
+// Costs in ns (docs/design/real_time.md); that of a split is for each triangle in the range.
 constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 16;
 constexpr double ns_per_written_leaf = 60, ns_per_enlisted_node = 2;
 
-// While the second tree catches up, a commit makes nodes of it dirty by its moves. It may exceed its budget by the time
-// that this many times as many refits take. With 1 or less the second tree might never catch up.
+// While the second tree catches up, the moves of each commit mark nodes of it. For each of them the commit may exceed
+// its budget by the time of this many refits. With 1 or less, nodes might be marked as fast as they are refitted.
 constexpr double refits_per_marked_node = 2;
 
-double ns_of_children(const Tree& tree, std::uint32_t n) {
+/// What fit_upper_node() takes, in ns.
+double ns_of_fitting(const Tree& tree, std::uint32_t n) {
   const Node& node = tree.nodes[n];
   return node.child_count * (node.first_child >= tree.first_lowest_node() ? ns_per_lowest_node : ns_per_upper_node);
 }
 
 }  // namespace
 
-/// Allocates what has not been allocated yet, but for the vertex index.
+/// Allocates what has not been allocated yet, except for the vertex index.
 void Rebuild::allocate(const Tree& tree, MeshView mesh) {
   primitives_.reserve(mesh.triangles.size());
   ranges_.reserve(max_ranges);
   if (second_dirty_) return;
   second_ = tree;
-  round_.resize(tree.nodes.size() - tree.first_lowest_node());  // touches the memory, as reserve() promises
+  round_.resize(tree.nodes.size() - tree.first_lowest_node());  // touches the memory, for reserve()
   round_.clear();
   second_dirty_.emplace(tree);
 }
@@ -93,7 +95,7 @@ void Rebuild::work(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
 }
 
 void Rebuild::gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
-  // Only the last leaf of the tree has copies of a triangle, after all others.
+  // Copies of a triangle fill up only the last leaf of the tree: they come after all triangles.
   const std::size_t end = std::min(std::size_t{subtree_.end_leaf} * width, mesh.triangles.size());
   const double half_per_unit = 0.5 / unit_;
   while (next_ < end) {
@@ -157,7 +159,8 @@ void Rebuild::partition(base::WorkBudget& budget) {
   }
 }
 
-/// Writes the leaves of the subtree, and copies all others: the second tree may have those of an earlier rebuild.
+/// Writes the leaves of the subtree, and copies all others from the first tree: the second tree may still have the
+/// leaves of an earlier rebuild.
 void Rebuild::write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   while (next_ < second_.leaves.size() && !budget.is_spent()) {
     const std::size_t until = std::min(next_ + leaves_at_once, second_.leaves.size());
@@ -174,10 +177,10 @@ void Rebuild::write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& bu
   }
 }
 
-/// Sweeps once, then catches up. Sweeps once more if a commit has given the first tree another unit since.
+/// Sweeps once, then catches up. Sweeps anew if a commit has given the first tree another unit since.
 void Rebuild::fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
-  if (step_ == Step::before_sweep || first_unit_ != tree.unit) {
-    first_unit_ = tree.unit;
+  if (step_ == Step::before_sweep || unit_before_sweep_ != tree.unit) {
+    unit_before_sweep_ = tree.unit;
     second_.unit = unit_for_rebuild(tree);
     second_dirty_->clear();  // the sweep fits everything; what moves meanwhile becomes dirty again
     round_.clear();
@@ -187,16 +190,16 @@ void Rebuild::fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budg
   while (step_ == Step::sweeping) {
     if (budget.is_spent()) return;
     --unswept_;
-    budget.spend(ns_of_children(second_, unswept_));
-    fit_slots(second_, mesh, unswept_);
+    budget.spend(ns_of_fitting(second_, unswept_));
+    fit_upper_node(second_, mesh, unswept_);
     if (unswept_ == 0) step_ = Step::catching_up;
   }
   catch_up(mesh, budget);
 }
 
-/// First refits the lowest nodes that are left of the round; then the levels above, from below; then the next round
-/// begins, with the lowest nodes that are dirty by then. A node that becomes dirty again and again is thus refitted
-/// once a round, and every round ends.
+/// Refits the lowest nodes of the present round, then dirty nodes of the levels above, from below. Then begins the next
+/// round, with all lowest nodes that are dirty by then; or returns if there are none. So a node that becomes dirty
+/// again and again is refitted once a round, and every round ends.
 void Rebuild::catch_up(MeshView mesh, base::WorkBudget& budget) {
   const std::size_t lowest = second_.lowest_level();
   while (!budget.is_spent()) {
@@ -245,25 +248,25 @@ double Rebuild::ns_beyond_budget() const {
 bool Rebuild::can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const {
   if (stage_ != Stage::fitting) return false;
   if (dirty.covers_most_of(tree)) return true;
-  if (step_ != Step::catching_up || first_unit_ != tree.unit) return false;
-  // Nodes of higher levels are cheaper than lowest ones, so this is an upper bound for what is due now.
-  const double ns_of_due = ns_per_lowest_node * static_cast<double>(due_count());
-  const double ns_of_own_moves = ns_per_lowest_node * static_cast<double>(second_dirty_->marked_count());
-  return ns_of_due <= ns_of_own_moves + ns;
+  if (step_ != Step::catching_up || unit_before_sweep_ != tree.unit) return false;
+  // Nodes of higher levels are cheaper than lowest ones, so ns_of_all is an upper bound.
+  const double ns_of_all = ns_per_lowest_node * static_cast<double>(due_count());
+  const double ns_of_this_commit = ns_per_lowest_node * static_cast<double>(second_dirty_->marked_count());
+  return ns_of_all <= ns_of_this_commit + ns;
 }
 
 void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
   LIMBER_ASSERT(stage_ == Stage::fitting);
-  dirty.set_follower(nullptr);
-  const bool is_fitted = step_ == Step::catching_up && first_unit_ == tree.unit;
+  dirty.set_follower(nullptr);  // a set that is swapped below must not follow itself
+  const bool is_fitted = step_ == Step::catching_up && unit_before_sweep_ == tree.unit;
   if (!is_fitted || dirty.covers_most_of(tree)) {
     second_dirty_->add_all();
-    second_.unit = tree.unit;
+    second_.unit = tree.unit;  // which suits the present positions: the whole tree is fitted next
   }
   for (const std::uint32_t node : round_) second_dirty_->add_node(second_.lowest_level(), node);
   tree.exchange(second_);
   std::swap(dirty, *second_dirty_);
-  stop();  // clears the dirty nodes of the old tree, which is the second one now
+  stop();  // also clears second_dirty_: the set of the old tree, which is second_ now and is not refitted any more
 }
 
 }  // namespace limber::bvh

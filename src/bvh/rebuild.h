@@ -23,9 +23,9 @@ namespace limber::bvh {
 /// Differs   The first tree does not change meanwhile, so queries and refits go on. Taking over costs as little as
 ///           swapping two vectors, and the vertex index is ready by then.
 ///
-/// States   Idle -> gathering: start(). Gathering -> assigning -> fitting: work(), which says which stages need the
-///          positions. From then on every move has to be marked in dirty(), which follows the first tree's DirtySet.
-///          Fitting -> idle: take_over(). From all states to idle: stop().
+/// States   Idle -> gathering: start(). Gathering -> assigning -> fitting: work(). Fitting -> idle: take_over(). From
+///          all states to idle: stop(). While fitting, the caller makes dirty() the follower of the first tree's
+///          DirtySet, so that every move marks nodes of both trees; take_over() ends that.
 /// Memory   As much as the tree, its vertex index and 16 bytes a triangle, kept from one rebuild to the next.
 class Rebuild {
  public:
@@ -46,27 +46,29 @@ class Rebuild {
   Stage stage() const { return stage_; }
   const Subtree& subtree() const { return subtree_; }
 
-  /// Goes on within a budget, until the present stage is done, or for as long as fitting makes sense. `mesh` has the
-  /// present positions while gathering, and those to be fitted while fitting.
+  /// Goes on within a budget, until the present stage is done; while fitting, until nothing in the second tree is
+  /// dirty. `mesh` has the present positions while gathering; while fitting, the positions that bounds are to contain,
+  /// which differ from the present ones where a motion margin has absorbed moves.
   ///
-  /// Threads  While assigning this may run beside changes of the positions and refits of `tree`.
+  /// Threads  While assigning this may run beside changes of the positions and refits of `tree`: it reads ids alone.
   /// Throws   std::bad_alloc while assigning; it is then to be stopped.
   void work(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
 
   /// The nodes of the second tree below which vertices have moved since they were fitted. Pre: it is fitting.
   DirtySet& dirty() { return *second_dirty_; }
 
-  /// By how much a commit may exceed its budget, in ns. Once all bounds of the second tree are fitted, every commit
-  /// adds dirty nodes to it by its moves; the second tree only catches up if each refits more than it adds.
+  /// What a commit may add to its budget for work(), in ns: in proportion to the nodes of the second tree that its
+  /// moves have marked. The second tree only catches up if commits refit more of its nodes than they mark.
   double ns_beyond_budget() const;
 
-  /// Whether the commit that asks may take over; it then refits what is dirty in the second tree instead of `dirty`,
-  /// what is dirty in `tree`. Yes if that takes at most `ns` longer than refits of what its own moves have made dirty
-  /// in the second tree, which are due sooner or later; and if the commit has to fit the whole tree, whichever it is.
+  /// Whether a commit may take over now. Its refit is then one of the second tree, not of `dirty` in `tree`. Yes if
+  ///   - the commit has to fit a whole tree anyway: most of `tree` is dirty; or
+  ///   - all bounds of the second tree were fitted once, and refitting its dirty nodes takes at most `ns` more than
+  ///     refitting those that the moves of this commit have marked.
   bool can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const;
 
-  /// Swaps the second tree and its dirty nodes with `tree` and `dirty`, which have to be refitted next: bounds of the
-  /// second tree may not be fitted yet. previous() is then the tree as it was.
+  /// Swaps the second tree with `tree`, and its dirty nodes with `dirty`. The new `tree` has to be refitted next: some
+  /// of its bounds, or all, may not be fitted yet. previous() is then the tree as it was.
   ///
   /// Pre      can_take_over().
   void take_over(Tree& tree, DirtySet& dirty);
@@ -88,7 +90,7 @@ class Rebuild {
   /// The lowest level above that of the lowest nodes that has a dirty node.
   std::optional<std::size_t> lowest_dirty_upper_level() const;
   void refit_at(std::size_t level, std::uint32_t node, MeshView mesh);
-  /// How many nodes are dirty or still due in the present round.
+  /// How many nodes of the second tree are dirty, or left of the present round.
   std::size_t due_count() const;
 
   Stage stage_ = Stage::idle;
@@ -104,9 +106,9 @@ class Rebuild {
 
   Tree second_;                           // after take_over(): the tree as it was
   std::optional<DirtySet> second_dirty_;  // nullopt until allocate()
-  double first_unit_ = 1;                 // of the first tree when the sweep began
-  std::uint32_t unswept_ = 0;             // the nodes before this one have still to be fitted by the sweep
-  std::vector<std::uint32_t> round_;      // lowest nodes to be refitted before any that become dirty meanwhile
+  double unit_before_sweep_ = 1;          // that the first tree had then; the second may get another one
+  std::uint32_t unswept_ = 0;             // how many nodes, the first ones, the sweep has still to fit
+  std::vector<std::uint32_t> round_;      // lowest nodes still to be refitted in the present round of catching up
 };
 
 }  // namespace limber::bvh

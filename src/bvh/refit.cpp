@@ -8,8 +8,11 @@
 //           slots of its leaves, and a volume around all of them. Another kernel merges the slots of a higher node into
 //           a volume around them. Either volume is stored in the slot of the parent.
 //
-// A lowest node's origin is a corner below it; a higher node's origin is that of its first child. So origins are near
-// what is relative to them, and differences of origins and corners are off by 2^-53 of themselves, not of positions.
+// fit_lowest() fits the slots of one lowest node, fit_upper() those of a higher one, fit_all() all. refit() is for one
+// dirty node: its slots, if need be, and the parent's slot for it, whose change makes the parent dirty.
+//
+// A lowest node's origin is a corner below it; a higher node's origin is that of its first child, so a corner, too. So
+// origins are near what is relative to them, and such differences are off by 2^-53 of themselves, not of positions.
 #include "bvh/refit.h"
 
 #include <algorithm>
@@ -33,15 +36,16 @@ using base::outward;
 // Fewer nodes are not worth a task.
 constexpr std::size_t nodes_per_task = 16;
 
-// A node takes a new origin when it is farther from its first child's than this multiple of the largest child's radius.
-// At 64 radii, stored centers, of 24 bits, have lost 6 of them.
+// A node takes a new origin when its own is farther from its first child's than this multiple of its largest slot
+// radius. At 64 radii, stored centers, of 24 bits, have lost 6 of them.
 constexpr double tolerated_origin_distance = 64;
 
-/// A bounding volume as in ChildBounds, in units, relative to the origin of some node.
+/// The sphere, box and slab of one slot (ChildBounds in bvh/node.h says more), in float64, in units, relative to the
+/// origin of some node.
 struct Volume {
   Vec3 center, half;
   double radius;
-  Vec3 normal;  // float32 numbers, as kernels give them
+  Vec3 normal;  // float32 numbers, as kernels give them: stored without rounding
   double low, high;
 
   bool operator==(const Volume&) const = default;
@@ -65,9 +69,9 @@ Volume volume_of_slot(const Node& node, std::uint32_t k) {
           n.high[k]};
 }
 
-/// The radius of the sphere of `whole`, the volume around the top node, fitted to the volumes two levels below it. One
-/// that only knows the spheres one level below is a quarter too large on a model that is a ball, and many queries end
-/// at the root slots.
+/// A smaller radius for `whole`, the volume around the top node: fitted to the slots of the top node's children. The
+/// one that merge() fits to the slots of the top node is a quarter too large on a model that is a ball. That matters
+/// because many queries end at the root slots of the two models.
 double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
   double radius = 0;
   for (std::uint32_t k = 0; k < top.child_count; ++k) {
@@ -75,11 +79,12 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
     const Vec3 shift = (child.origin - top.origin) * (1 / tree.unit) - whole.center;
     for (std::uint32_t j = 0; j < child.child_count; ++j) {
       const Reach reach = reach_of(child.bounds, j, local_slot_center(child, j) + shift);
-      // squares_up: float32 normals have length 1 only up to rounding.
+      // squares_up: float32 normals have length 1 only up to rounding. The factor for squares is ample for lengths.
       radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
     }
   }
-  // Rounding in float64: of `radius`, in proportion to it, and of the coordinates of `shift` and of centers.
+  // Rounding in float64: of `radius`, in proportion to it; and of `shift` and of centers, at most some hundred times as
+  // long as `whole` reaches (tolerated_origin_distance), while `outward` has 2^13 times the rounding of one operation.
   const double rounding = (outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
   return std::min(whole.radius, radius * outward + rounding);
 }
@@ -88,7 +93,8 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
 void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& volume, double per_unit) {
   const Vec3 offset = (origin - node.origin) * per_unit;
   const Vec3 center = offset + volume.center, stored = to_24_bits(center);
-  // An upper bound of the distance between the stored center and the volume's.
+  // An upper bound of the distance between the stored center and the volume's: no height over the center, radius or
+  // half extent changes by more.
   const Vec3 off = center - stored;
   const double shift =
       (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * base::offset_error;
@@ -105,9 +111,9 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& vol
   n.normal_x[slot] = static_cast<float>(volume.normal.x);
   n.normal_y[slot] = static_cast<float>(volume.normal.y);
   n.normal_z[slot] = static_cast<float>(volume.normal.z);
-  // A height is a sum of terms as large as the radius, so its rounding is relative to that. -grown(-x) rounds down.
+  // A height is a sum of terms as large as the radius, so its rounding is relative to that. -grown(-x) rounds x down.
   const double error = volume.radius * base::storage_error;
-  n.low[slot] = -grown(error - volume.low), n.high[slot] = grown(error + volume.high);
+  n.low[slot] = -grown(-(volume.low - error)), n.high[slot] = grown(volume.high + error);
 }
 
 /// Sets the radius of a node from its slots (invariant I6).
@@ -124,7 +130,7 @@ double unit_of_bounds(const Tree& tree) {
   const Node& header = tree.nodes[0];
   return unit_for(2 * tree.unit * length(volume_of_slot(header, 0).half), max_abs(header.origin));
 }
-/// Whether the unit of a tree is at most that factor larger or smaller than suits its bounds.
+/// Whether the unit of a tree is at most `ratio` times the one that suits its bounds, and at least 1 / `ratio` of it.
 bool has_unit_within(const Tree& tree, double ratio) {
   const double unit = unit_of_bounds(tree);
   return unit <= ratio * tree.unit && tree.unit <= ratio * unit;
@@ -139,8 +145,8 @@ class Refitter {
   std::size_t lowest_level() const { return lowest_level_; }
   bool is_lowest(std::uint32_t node) const { return node >= tree_.first_lowest_node(); }
 
-  /// Fits the slots of a node above the lowest level. Children on the lowest level are fitted here, too; others must
-  /// have been fitted before.
+  /// Fits the slots of a node above the lowest level. Children on the lowest level are fitted here first, as one kernel
+  /// fits their slots and the volume around them; the slots of other children must have been fitted before.
   void fit_upper(Node& node, bool children_are_lowest) {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       Node& child = tree_.nodes[node.first_child + k];
@@ -155,7 +161,7 @@ class Refitter {
 
   /// Fits the whole tree, bottom up.
   void fit_all() {
-    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);
+    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);  // one leaf, below the header
     for (std::size_t level = lowest_level_; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       base::parallel_for(end - begin, nodes_per_task,
@@ -163,13 +169,13 @@ class Refitter {
     }
   }
 
-  /// Fits the slot of its parent that stands for a node, after corners or slots below the node have changed. The slots
-  /// of a lowest node are fitted to its leaves here. Those of a higher node have been stored when its children were
-  /// refitted, unless the node needs another origin. Returns whether the parent has to be refitted, too: whether its
-  /// slot has changed; false for the header, which has no parent.
-  bool refit(std::uint32_t n) {
-    const bool node_is_lowest = is_lowest(n);
-    Node& node = tree_.nodes[n];
+  /// Refits dirty node `i`, below which corners or slots have changed. The slots of a lowest node are fitted to its
+  /// leaves. Those of a higher node have been stored when its children were refitted, but all are fitted again if the
+  /// node needs another origin. Then the parent's slot for the node is stored. Returns whether the parent is dirty now:
+  /// whether that slot has changed; false for the header, which has no parent.
+  bool refit(std::uint32_t i) {
+    const bool node_is_lowest = is_lowest(i);
+    Node& node = tree_.nodes[i];
     if (!node_is_lowest) {
       if (is_far_from_first_child(node)) {
         fit_upper(node, is_lowest(node.first_child));
@@ -178,20 +184,21 @@ class Refitter {
       }
     }
     const Volume volume = node_is_lowest ? fit_lowest(node, leaves_of(node)) : merge(node);
-    if (n == 0) return false;
+    if (i == 0) return false;
     Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
     const bool coincided = (parent.coincident_slots >> slot & 1) != 0, coincides = all_coincide(node, node_is_lowest);
     mark_coincident(parent, slot, coincides);
-    // Two reasons besides a changed volume. The radius of the root slot depends on the slots two levels below it. And
-    // coincident triangles may have moved too little to change a volume, but no longer coincide with those beside them.
+    // Besides a changed volume: if the parent is the top node, the radius of the root slot depends on the slots of
+    // `node` itself. And coincident triangles may have moved too little to change a volume, but enough to coincide no
+    // longer, or now, with those of the parent's other slots.
     return before != volume_of_slot(parent, slot) || &parent == top_node() || coincided || coincides;
   }
 
-  /// Prefetches what the nodes after the i-th will need: leaves, then positions; one of every
-  /// other triangle, as neighbors often share cache lines. Always inlined, see base::prefetch().
+  /// Prefetches what the nodes after the i-th will need: leaves, then the position of one corner of every second
+  /// triangle, as neighbors often share cache lines. Always inlined, see base::prefetch().
   [[gnu::always_inline]] void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
     constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < nodes.size()) {
@@ -204,10 +211,10 @@ class Refitter {
     }
   }
 
-  /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether it
-  /// did: the whole tree has to be fitted then. The bounds tell that the unit is wrong, but not the right one: they are
-  /// enlarged by 2^-60 units (base::smallest_corner_error), which may be far more than the model's size. So the
-  /// vertices are measured.
+  /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether
+  /// the unit has changed: the whole tree has to be fitted then. The bounds tell that the unit is off by 2^20 or more,
+  /// but not by how much: they are enlarged by 2^-60 units (base::smallest_corner_error), which may be far more than
+  /// the model's size. So the vertices are measured.
   bool change_unit_if_unfit(MeshView mesh) {
     if (has_unit_within(tree_, unit_ratio_until_fit)) return false;
     const double before = std::exchange(tree_.unit, bounding_box_of(mesh).unit());
@@ -238,13 +245,13 @@ class Refitter {
   /// Whether all triangles below a node have equal corners, in order. The marks of the node's own slots must be right.
   bool all_coincide(const Node& node, bool node_is_lowest) const {
     if (node_is_lowest) {
-      // A cheap test that nearly always says no: quantized x coordinates of the first corners, in the first leaf.
+      // A cheap test that nearly always says no: quantized x of corner 0 in the first leaf, equal for equal corners.
       const std::int16_t(&row)[width] = tree_.leaves[node.first_child].corners.corner[0];
       if (!std::all_of(row, row + width, [&](std::int16_t x) { return x == row[0]; })) return false;
     } else if (node.coincident_slots != (1U << node.child_count) - 1) {
       return false;
     }
-    // One triangle stands for each slot that is marked coincident.
+    // All triangles of a lowest node are compared; above, one stands for each slot, as all slots are marked coincident.
     const auto& first = tree_.leaves[first_leaf_below(node, 0, node_is_lowest)].vertices[0];
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       const Leaf& leaf = tree_.leaves[first_leaf_below(node, k, node_is_lowest)];
@@ -263,10 +270,10 @@ class Refitter {
   }
 
   /// The address of the top node. Only compared, because there is no such node if the mesh has one leaf.
-  const Node* top_node() const { return &tree_.nodes[1]; }
+  const Node* top_node() const { return tree_.nodes.data() + 1; }
 
-  /// Whether the origin of a node's first child has moved so far from the node's origin, which was equal to it, that
-  /// stored centers lose precision.
+  /// Whether stored centers lose precision: the origins of a node and of its first child were equal when the node was
+  /// fitted, but now they are far apart.
   bool is_far_from_first_child(const Node& node) const {
     const ChildBounds& n = node.bounds;
     const float largest = *std::max_element(n.radius, n.radius + node.child_count);
@@ -282,6 +289,8 @@ class Refitter {
 
 }  // namespace
 
+// Here the bounds also tell the right unit: every refit leaves a unit that is within 2^20 of the one that suits them
+// (unit_ratio_until_fit). So 2^-60 units, by which they are enlarged, are about 2^-40 of their size or less.
 double unit_for_rebuild(const Tree& tree) {
   return has_unit_within(tree, unit_ratio_until_rebuild) ? tree.unit : unit_of_bounds(tree);
 }
@@ -294,7 +303,7 @@ void fit(Tree& tree, MeshView mesh) {
   LIMBER_ASSERT(std::isfinite(tree.nodes[0].bounds.radius[0]));
 }
 
-void fit_slots(Tree& tree, MeshView mesh, std::uint32_t node) {
+void fit_upper_node(Tree& tree, MeshView mesh, std::uint32_t node) {
   LIMBER_ASSERT(node < tree.first_lowest_node());
   Refitter refitter(tree, mesh);
   refitter.fit_upper(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));

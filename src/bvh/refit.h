@@ -16,22 +16,22 @@ namespace limber::bvh {
 /// Cost     O(nodes refitted); fit() at most.
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty);
 
-/// The unit that a rebuild should write a tree in: the tree's own unless it is off by more than
-/// `unit_ratio_until_rebuild`.
+/// The unit that a rebuild should write a tree in: the tree's own, or the one that suits its bounds where the ratio of
+/// the two is above `unit_ratio_until_rebuild`.
 ///
 /// Cost     O(1), from the bounds of the root slot.
 double unit_for_rebuild(const Tree& tree);
 
-/// Fits the slots of a node above the lowest level, and its children if these are on the lowest level. Called for all
-/// such nodes from the last to the first, this fits the whole tree.
+/// Fits the slots of a node above the lowest level. Nodes on the lowest level are fitted, with their leaves, along with
+/// their parent. So called for all nodes above that level, from the last to the first, this fits the whole tree.
 ///
 /// Pre      The slots of children above the lowest level are fitted.
-void fit_slots(Tree& tree, MeshView mesh, std::uint32_t node);
+void fit_upper_node(Tree& tree, MeshView mesh, std::uint32_t node);
 
-/// Refits the slot of its parent that stands for a node. Returns whether the parent has to be refitted, too; false for
-/// node 0, which has none.
+/// Refits one dirty node: on the lowest level its slots and leaves; on all levels the slot of the parent that bounds
+/// the node. Returns whether the parent has become dirty; false for node 0, which has none.
 ///
-/// Pre      What is below the node is fitted.
+/// Pre      What is below the node is fitted, up to the slots of a node above the lowest level.
 bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node);
 
 }  // namespace limber::bvh

@@ -14,30 +14,30 @@
 
 /// The hierarchy of a mesh: a BVH with up to eight children a node. Nodes lie level by level, so siblings are adjacent;
 /// all leaves are children of the lowest level. A node stores the bounding volumes of its children, each in a child
-/// slot, and no volume of its own.
+/// slot. The volume around the node itself is in a slot of its parent.
 ///
-/// So the volume of the whole mesh needs a node above the others: node 0, the header. Its only slot, `root_slot`,
-/// bounds the mesh. The child of that slot is node 1, the top node; or leaf 0 if there is only one leaf.
+/// So the volume of the whole mesh needs a node above the root: node 0, the header. Its only slot, `root_slot`, bounds
+/// the mesh. The child of that slot is node 1, the root, called top node; or leaf 0 if there is only one leaf.
 ///
 /// Invariants, checked by validate():
 ///   I1  The header has one child. Every other node is the child of exactly one slot, one level up.
 ///   I2  Every leaf is the child of exactly one slot of the lowest level; every triangle is in exactly one leaf. The
 ///       triangles of a leaf are in ascending order, with the ids of their vertices. If the last leaf has fewer than
-///       eight triangles, copies of its last one fill it up.
-///   I3  The number of levels, the header's included, is ceil(log8(n)) for n triangles, but at least 1.
+///       eight triangles, copies of its last triangle fill it up.
+///   I3  The levels of nodes, with the header's, without the leaves, are ceil(log8(n)) for n triangles, but at least 1.
 ///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, where the corner was when
-///       its vertex was last refitted. Now it is at most `slack` away from there.
-///   I5  A decoded quantized corner differs from the corner itself, both relative to the node's origin and in units, by
-///       at most 0.52 quantization steps + 2^-51 times the largest coordinate, in each coordinate.
+///       bounds were last fitted to it: at its position at the last refit. It is at most `slack` away from there.
+///   I5  A decoded quantized corner differs from the exact one by at most 0.52 quantization steps + 2^-51 times the
+///       corner's largest coordinate, in each coordinate. All are in units, relative to the node's origin.
 ///   I6  `radius` of a node is at least the distance of its origin from every point of its children's spheres.
-///   I7  All triangles below a slot that is marked coincident had equal corners, in order, at the last refit.
+///   I7  All triangles below a slot that is marked coincident had equal corners, in equal order, at the last refit.
 namespace limber::bvh {
 
 /// The nodes and leaves of a tree.
 struct TreeGeometry {
   std::vector<Node> nodes;
   std::vector<Leaf, base::UninitializedAllocator<Leaf>> leaves;
-  std::vector<std::uint32_t> level_begin;  // first node of each level, from the header's down; and nodes.size()
+  std::vector<std::uint32_t> level_begin;  // first node of each level, from the header's down; at the end nodes.size()
   double unit = 1;                         // the length that 1 stands for in nodes, see unit.h
 
   std::size_t lowest_level() const { return level_begin.size() - 2; }
@@ -51,7 +51,8 @@ struct Tree : TreeGeometry {
   double displacement = 0;     // upper bound of how far any vertex has moved since the tree got its build_id
   double slack = 0;            // upper bound of the distance of any vertex from its position at the last refit
 
-  /// Swaps nodes, leaves and unit with another tree of this mesh, and takes a new build id.
+  /// Swaps nodes, leaves and unit with another tree of this mesh, which has equal levels. Takes a new build id;
+  /// `displacement`, which counts from then on, becomes 0.
   void exchange(TreeGeometry& other);
 };
 
@@ -62,14 +63,15 @@ inline constexpr SlotId root_slot = 0;
 
 /// The node that stores a slot, not the slot's child; child_of() is that.
 inline std::uint32_t node_of(SlotId id) { return id / width; }
-/// Which of its node's slots a slot is.
+/// The index of a slot in its node, 0 to 7. Functions that take a node and a `slot` expect this index.
 inline std::uint32_t slot_of(SlotId id) { return id % width; }
 
 /// Center of a slot's volume, relative to the node's origin, in units.
 inline Vec3 local_slot_center(const Node& node, std::uint32_t slot) {
   return {node.bounds.center_x[slot], node.bounds.center_y[slot], node.bounds.center_z[slot]};
 }
-/// Center of a slot's volume in the model frame, rounded once: by at most 2^-53 of each coordinate.
+/// Center of a slot's volume in the model frame. Products with the unit, a power of two, are exact; the sum is rounded,
+/// by at most 2^-53 of each coordinate.
 inline Vec3 slot_center(const Tree& tree, SlotId id) {
   const Node& node = tree.nodes[node_of(id)];
   return node.origin + tree.unit * local_slot_center(node, slot_of(id));
@@ -98,7 +100,8 @@ inline SlotId first_leaf_slot(const Tree& tree, SlotId id) {
   return id;
 }
 
-/// A leaf, with the slot whose child it is and the node that stores the slot. Kernels need all three.
+/// A leaf, with the slot whose child it is and the node that stores the slot: its corners are relative to
+/// the slot's sphere.
 struct LeafInNode {
   const Node& node;
   std::uint32_t slot;
@@ -115,8 +118,8 @@ inline LeafInNode first_leaf(const Tree& tree, SlotId id) {
 /// Cost     O(n log n), on the threads of the calling oneTBB arena; the same tree on any number of them.
 Tree build(MeshView mesh);
 
-/// Recomputes all bounds from the positions, and the unit if it has become unfit. The topology and the assignment of
-/// triangles to leaves stay.
+/// Recomputes all bounds from the positions, and the unit if it no longer suits the model's size. The topology and the
+/// assignment of triangles to leaves stay.
 ///
 /// Cost     O(n), parallel as build().
 void fit(Tree& tree, MeshView mesh);

@@ -12,7 +12,7 @@
 #include "geometry/primitives.h"
 #include "limber/mesh.h"
 
-/// The triangles and edges at each vertex of a mesh.
+/// Lists of items for each vertex of a mesh, and a loop over its edges.
 namespace limber::mesh {
 
 /// A list of items for each vertex, one after the other in one array (CSR).
@@ -23,8 +23,8 @@ class VertexLists {
   /// the same both times. Lists keep the order in which items are added.
   template <typename ForAll>
   VertexLists(std::size_t vertex_count, const ForAll& for_all) : begin_(vertex_count + 2) {
-    // Counts are kept two places on. So after their sum begin_[v + 1] is where the list of v begins; it goes on with
-    // each item that is filled in, and at last is where the list of v ends and that of v + 1 begins.
+    // First begin_[v + 2] counts the items of v. After the prefix sum, begin_[v + 1] is where the list of v begins, and
+    // then the cursor at which items of v are filled in. At last it is where v's list ends and that of v + 1 begins.
     for_all([&](VertexId v, const Item&) { ++begin_[v + std::size_t{2}]; });
     for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
     items_.resize(begin_.back());
@@ -41,16 +41,17 @@ class VertexLists {
   std::vector<Item, base::UninitializedAllocator<Item>> items_;
 };
 
-/// A half-edge: one side of a triangle. An edge that k triangles have is k of them. The smaller of its two vertex ids
-/// is known where it is used.
+/// One side of a triangle: a half-edge. An edge consists of all sides between its two vertices, whatever their
+/// direction. The smaller vertex id is not stored: sides are listed at that vertex.
 struct TriangleSide {
   VertexId high;  // the larger vertex id
   TriangleId triangle;
-  std::uint32_t corner;  // at which the side begins
+  std::uint32_t corner;  // of the triangle: the side leads from it to the next one
 };
 
 /// Calls visit(low, sides) for every edge, in the order of its smaller vertex id, `low`, then of its larger one. The
-/// sides are in the order of triangles and corners. Sides between equal ids are edges too.
+/// sides are in the order of triangles and corners. A side from a vertex to itself, of a triangle that repeats the id,
+/// counts as an edge here: low is then sides[0].high.
 template <typename Visit>
 void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit) {
   VertexLists<TriangleSide> sides_of(vertex_count, [&](const auto& add) {

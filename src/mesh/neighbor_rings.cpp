@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-// NeighborRings of limber/contacts.h: for each triangle the sorted list of larger ids near it.
+
+// NeighborRings, declared in limber/contacts.h: for each triangle, the sorted list of near triangles with larger ids.
+// These say all, because a triangle is near another if and only if the other is near it.
 #include "limber/contacts.h"
 
 #include <algorithm>
@@ -21,8 +23,8 @@ mesh::VertexLists<TriangleId> triangles_of_vertices(const Mesh& mesh) {
           }};
 }
 
-/// Breadth-first searches over the vertices of a mesh. Each begins at the corners of one triangle, by whose id the
-/// search is called; what it has seen is marked with that id, so that nothing has to be cleared before the next.
+/// Breadth-first searches over the vertices of a mesh. Each begins at the corners of one triangle, and marks what it
+/// has seen with the id of that triangle. So nothing has to be cleared before the next search.
 class RingSearch {
  public:
   explicit RingSearch(const Mesh& mesh)
@@ -31,15 +33,15 @@ class RingSearch {
         vertex_seen_by_(mesh.positions().size(), no_id),
         triangle_seen_by_(mesh.triangles().size(), no_id) {}
 
-  /// Appends the triangles that have a vertex at most `max_edges` edges away from a corner of `from`, and a larger id
-  /// than `from`; in ascending order.
-  void append_near(TriangleId from, std::uint32_t max_edges, std::vector<TriangleId>& near) {
+  /// Appends, in ascending order, the triangles that are near `from` and have larger ids. A triangle is near if one of
+  /// its vertices is at most `max_edges` edges away from a corner of `from`.
+  void append_larger_near(TriangleId from, std::uint32_t max_edges, std::vector<TriangleId>& near) {
     LIMBER_ASSERT(from < mesh_.triangles().size());
     const std::size_t first = near.size();
     next_.clear();
     triangle_seen_by_[from] = from;
     see_vertices_of(from, from);
-    for (std::uint32_t ring = 0;; ++ring) {
+    for (std::uint32_t edges = 0;; ++edges) {  // the distance of ring_ from `from`
       std::swap(ring_, next_);
       next_.clear();
       for (const VertexId v : ring_) {
@@ -50,7 +52,7 @@ class RingSearch {
           see_vertices_of(t, from);
         }
       }
-      if (ring == max_edges || next_.empty()) break;
+      if (edges == max_edges || next_.empty()) break;
     }
     std::sort(near.begin() + static_cast<std::ptrdiff_t>(first), near.end());
   }
@@ -66,24 +68,24 @@ class RingSearch {
 
   const Mesh& mesh_;
   const mesh::VertexLists<TriangleId> triangles_of_;
-  std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the last search that has seen it
-  std::vector<VertexId> ring_, next_;  // vertices `ring` edges away from the first triangle, and one edge more
+  std::vector<TriangleId> vertex_seen_by_, triangle_seen_by_;  // the id of the last search that saw each
+  std::vector<VertexId> ring_, next_;  // vertices at one number of edges from the search's triangle; at one edge more
 };
 
 }  // namespace
 
 NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
-  // Only a mesh that has been moved from has no triangles.
+  // Only a mesh after std::move has no triangles.
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::NeighborRings: the mesh has been moved from");
   RingSearch search(mesh);
   begin_.reserve(mesh.triangles().size() + 1);
   begin_.push_back(0);
   std::vector<TriangleId> near;
   for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-    search.append_near(t, edges, near);
+    search.append_larger_near(t, edges, near);
     begin_.push_back(near.size());
   }
-  near_.assign(near.begin(), near.end());  // without spare capacity
+  near_.assign(near.begin(), near.end());  // a copy has no spare capacity
 }
 
 bool NeighborRings::are_near(TriangleId a, TriangleId b) const {

@@ -27,7 +27,7 @@ void MotionMargin::start(std::span<const Vec3> positions) {
   moves_since_exact_ = 0;
 }
 
-double MotionMargin::largest_displacement() const { return std::sqrt(farthest_sq_) * base::outward; }
+double MotionMargin::slack() const { return std::sqrt(farthest_sq_) * base::outward; }
 
 void MotionMargin::mark(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty) {
   fitted_[vertex] = mesh.positions()[vertex];
@@ -40,16 +40,17 @@ void MotionMargin::mark_all(const Mesh& mesh, bvh::DirtySet& dirty) {
   LIMBER_ASSERT(fitted_.size() == mesh.positions().size());
   std::copy(mesh.positions().begin(), mesh.positions().end(), fitted_.begin());
   farthest_sq_ = 0;
+  moves_since_exact_ = 0;
 }
 
 void MotionMargin::mark_beyond(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty) {
   for (const VertexId id : ids) {
-    const double displacement_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
-    if (displacement_sq > margin * margin) {  // if the square underflows, nothing is absorbed, which is safe
+    const double distance_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
+    if (distance_sq > margin * margin) {  // all vertices that have moved if the square underflows, which is safe
       mark(mesh, id, dirty);
       continue;
     }
-    farthest_sq_ = std::max(farthest_sq_, displacement_sq);  // never shrinks here, so it may become stale
+    farthest_sq_ = std::max(farthest_sq_, distance_sq);  // never shrinks here, so it may become stale
     ++absorbed_;
   }
   moves_since_exact_ += ids.size();
@@ -62,24 +63,24 @@ std::size_t MotionMargin::mark_all_beyond(const Mesh& mesh, double margin, const
   moves_since_exact_ = 0;
   farthest_sq_ =
       simd::kernels().max_displacement(fitted_.data(), positions.data(), positions.size(), max_coordinate).farthest_sq;
-  // Below smallest_square the kernel cannot tell tiny displacements from none. The slow loop can.
+  // Below smallest_square the kernel cannot tell tiny distances from none. The slow loop can; so little motion is rare.
   if (smallest_square <= farthest_sq_ && farthest_sq_ <= margin_sq) return 0;
   farthest_sq_ = 0;
   std::size_t marked_count = 0;
   for (VertexId v = 0; v < positions.size(); ++v) {
-    const double displacement_sq = floored_distance_sq(positions[v], fitted_[v]);
-    if (displacement_sq <= margin_sq) {
-      farthest_sq_ = std::max(farthest_sq_, displacement_sq);
+    const double distance_sq = floored_distance_sq(positions[v], fitted_[v]);
+    if (distance_sq <= margin_sq) {
+      farthest_sq_ = std::max(farthest_sq_, distance_sq);
       continue;
     }
     ++marked_count;
-    if (dirty.try_index_vertices(tree, positions.size())) {  // builds the index only once
+    if (dirty.try_index_vertices(tree, positions.size())) {  // builds the index if there is none yet
       mark(mesh, v, dirty);
     } else {
-      dirty.add_all();
+      dirty.add_all();  // so covers_most_of() is true
     }
     if (!dirty.covers_most_of(tree)) continue;
-    mark_all(mesh, dirty);  // costs nothing more: the whole tree is going to be fitted
+    mark_all(mesh, dirty);  // makes no more work: the whole tree is going to be fitted
     return positions.size();
   }
   return marked_count;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Moves only note what has to be done: dirty nodes, displacements, whether all vertices have to be looked at. A commit
-// does it: decides which vertices stay within the motion margin, changes the unit if necessary, goes on with a rebuild,
-// refits what is dirty, and makes the result known to queries and statistics.
+// Moves only note what has to be done: dirty nodes and displacements. With a motion margin they also decide which
+// vertices stay within it; a vertex beyond is marked. A commit does the rest: looks at the margin of all vertices if
+// necessary, changes the unit if necessary, goes on with a rebuild, refits what is dirty, and publishes the result.
 #include "model/tree_updater.h"
 
 #include <algorithm>
@@ -26,7 +26,8 @@ using bvh::ns_per_refit, bvh::ns_per_refit_in_pass;
 // What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns.
 constexpr double ns_per_move = 10;
 
-/// Whether a batch names a quarter of the vertices or more: then it is cheaper to treat it as one that moves all.
+/// Whether a batch names a quarter of the vertices or more: then, without a margin, it is cheaper to fit the whole
+/// tree.
 bool names_many(std::span<const VertexId> ids, const Mesh& mesh) { return 4 * ids.size() >= mesh.positions().size(); }
 
 }  // namespace
@@ -35,8 +36,8 @@ TreeUpdater::TreeUpdater(bvh::Tree& tree, const Mesh& mesh, const ModelOptions& 
     : tree_(tree),
       dirty_(tree),
       rebuilds_(tree, options.rebuild_policy, options.rebuild_budget_us),
-      motion_margin_(options.motion_margin) {
-  if (motion_margin_ > 0) start_margin(mesh);
+      margin_width_(options.motion_margin) {
+  if (margin_width_ > 0) start_margin(mesh);
   if (!options.preallocate) return;
   bvh::VertexIndex& index = dirty_.vertex_index();
   index.reserve(mesh.positions().size(), mesh.triangles().size());
@@ -52,13 +53,16 @@ void TreeUpdater::start_margin(const Mesh& mesh) {
 void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
   LIMBER_ASSERT(margin >= 0);
   if (!margin_.is_on() && margin > 0) start_margin(mesh);  // the only step that may fail comes first
-  motion_margin_ = margin;
-  must_check_all_ = margin_.is_on();  // also for a margin of 0, so that publish() may stop it
+  margin_width_ = margin;
+  must_check_all_ = margin_.is_on();  // also if it is 0 now: then the next commit marks all that moved, and stops it
 }
 
-void TreeUpdater::note_displacement(double length_sq) {
-  LIMBER_ASSERT(std::isfinite(length_sq));
-  const double upper_bound = std::sqrt(std::max(length_sq, smallest_square));  // tiny squares underflow
+/// Notes that `count` vertices have moved, the farthest by the square root of `farthest_sq`.
+void TreeUpdater::note_moves(std::size_t count, double farthest_sq) {
+  LIMBER_ASSERT(std::isfinite(farthest_sq));
+  moves_ += count;
+  // Squares below `smallest_square` may have underflowed.
+  const double upper_bound = std::sqrt(std::max(farthest_sq, smallest_square));
   sum_of_displacements_ = (sum_of_displacements_ + upper_bound) * base::sum_up;
   has_moved_ = true;
 }
@@ -69,22 +73,20 @@ bool TreeUpdater::ensure_vertex_index(const Mesh& mesh) {
   return dirty_.try_index_vertices(tree_, mesh.positions().size());
 }
 
-void TreeUpdater::mark(const Mesh& mesh, std::span<const VertexId> ids) {
+void TreeUpdater::mark_without_margin(const Mesh& mesh, std::span<const VertexId> ids) {
   if (names_many(ids, mesh) || !ensure_vertex_index(mesh)) {
     dirty_.add_all();
     return;
   }
   for (const VertexId id : ids) {
-    if (dirty_.covers_most_of(tree_)) {
-      dirty_.add_all();
-      return;
-    }
+    if (dirty_.covers_most_of(tree_)) return dirty_.add_all();
     dirty_.add(id);
   }
 }
 
 void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  // All displacements are measured before any vertex moves, so an id may be in the batch several times.
+  // All displacements are measured before any vertex moves. So if the batch has an id several times, of which the last
+  // counts, that one is measured from the right place.
   double farthest_sq = 0;
   constexpr std::size_t prefetched = 32;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -92,12 +94,11 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
     farthest_sq = std::max(farthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
   }
   MeshWriter::set_positions(mesh, ids, positions);
-  note_displacement(farthest_sq);
-  moves_ += ids.size();
+  note_moves(ids.size(), farthest_sq);
   if (!margin_.is_on()) {
-    mark(mesh, ids);
+    mark_without_margin(mesh, ids);
   } else if (ensure_vertex_index(mesh)) {
-    margin_.mark_beyond(mesh, ids, motion_margin_, dirty_);
+    margin_.mark_beyond(mesh, ids, margin_width_, dirty_);
   } else {
     margin_.mark_all(mesh, dirty_);
   }
@@ -105,14 +106,13 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
 
 void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
   MeshWriter::set_positions(mesh, positions);
-  note_displacement(farthest_sq);
-  moves_ += positions.size();
+  note_moves(positions.size(), farthest_sq);
   if (!margin_.is_on()) {
-    dirty_.add_all();
+    dirty_.add_all();  // publish() will count the whole pass
     return;
   }
   ++whole_passes_;
-  const std::size_t marked = margin_.mark_all_beyond(mesh, motion_margin_, tree_, dirty_);
+  const std::size_t marked = margin_.mark_all_beyond(mesh, margin_width_, tree_, dirty_);
   margin_.count_absorbed(positions.size() - marked);
 }
 
@@ -120,13 +120,13 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   bvh::Tree built = bvh::build(mesh);
   bvh::TreeCost cost(built);
   // From here on nothing throws.
-  rebuilds_.start_over(dirty_, std::move(cost));
-  tree_.exchange(built);
+  rebuilds_.start_over(dirty_, std::move(cost));  // gives up a partial rebuild
+  tree_.exchange(built);                          // tree_.displacement becomes 0
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
   if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());  // if it fails, the next move tries again
-  // The bounds fit already, but dirty_ and tree_.slack belong to the old ones. The next commit puts both right if every
-  // vertex is marked, as after a move of all.
+  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. The next commit puts both
+  // right if every vertex is marked.
   margin_.mark_all(mesh, dirty_);
   has_moved_ = true;
 }
@@ -151,39 +151,40 @@ void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   const std::uint64_t refits = bvh::refit(tree_, margin_.fitted_mesh(mesh), dirty_);
   rebuilds_.count_refits(tree_, mesh, refits);
   publish(refits, stats);
-  begin_next_interval();
+  clear_since_last_commit();
 }
 
 void TreeUpdater::check_margin(const Mesh& mesh) {
   if (margin_.is_on() && (must_check_all_ || margin_.is_stale())) {
     ++whole_passes_;
-    margin_.mark_all_beyond(mesh, motion_margin_, tree_, dirty_);
+    margin_.mark_all_beyond(mesh, margin_width_, tree_, dirty_);
   }
   must_check_all_ = false;
 }
 
-/// Measures the unit anew if a bound may have to follow a vertex too far: by the displacements since the last commit
-/// and, if the vertex is marked now, by the slack that was left then.
+/// Chooses another unit, from the present positions, if the next refit might write bounds too many units away from the
+/// old ones: float32 could not represent them (bvh/unit.h). Between two refits a vertex moves at most by its
+/// displacements since the last commit, plus the slack that it had then.
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
   if (sum_of_displacements_ + tree_.slack <= bvh::units_moved_until_fit * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
   margin_.mark_all(mesh, dirty_);
 }
 
-/// Writes what the commit has done to the tree, for queries, and to the statistics. Stops a margin that is 0 now.
+/// Tells queries, by members of the tree, and the statistics what the commit has done. Stops a margin that is 0 now.
 void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * base::outward;
   stats.refits += refits;
   if (refits >= tree_.nodes.size()) ++whole_passes_;
   stats.whole_passes += std::exchange(whole_passes_, 0);
   stats.absorbed += margin_.absorbed_count();
-  if (margin_.is_on()) tree_.slack = margin_.largest_displacement();
-  // All vertices were checked since the margin became 0, and a margin of 0 absorbs no vertex that has moved. So all
-  // vertices are where they were refitted.
-  if (motion_margin_ == 0) margin_.stop();
+  if (margin_.is_on()) tree_.slack = margin_.slack();
+  // check_margin() has looked at all vertices since the margin became 0, and a margin of 0 absorbs no vertex that has
+  // moved. So all are where they were refitted.
+  if (margin_width_ == 0) margin_.stop();
 }
 
-void TreeUpdater::begin_next_interval() {
+void TreeUpdater::clear_since_last_commit() {
   LIMBER_ASSERT(margin_.is_on() || tree_.slack == 0);
   has_moved_ = false;
   sum_of_displacements_ = 0;

@@ -144,7 +144,7 @@ TEST(MotionMargin, IsOffUntilItIsStarted) {
   MotionMargin margin;
   EXPECT_FALSE(margin.is_on());
   EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions.data(), sheet.mesh.positions().data());
-  EXPECT_EQ(margin.largest_displacement(), 0);
+  EXPECT_EQ(margin.slack(), 0);
   margin.start(sheet.mesh.positions());
   EXPECT_TRUE(margin.is_on());
   sheet.move(7, {0, 0, 1});
@@ -167,8 +167,8 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   EXPECT_EQ(margin.absorbed_count(), 1U);
   EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[near].z, 0);
   EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[far], sheet.position(far));
-  EXPECT_GE(margin.largest_displacement(), 0.25);
-  EXPECT_LT(margin.largest_displacement(), 0.25 * (1 + 1e-9));
+  EXPECT_GE(margin.slack(), 0.25);
+  EXPECT_LT(margin.slack(), 0.25 * (1 + 1e-9));
 
   EXPECT_EQ(dirty.nodes(sheet.lowest), nodes_at(sheet.tree, far));
   // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
@@ -188,12 +188,12 @@ TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
   margin.mark_beyond(sheet.mesh, ids, 1, dirty);
   EXPECT_TRUE(margin.is_stale());
   sheet.move(5, {0, 0, -0.5});
-  EXPECT_GE(margin.largest_displacement(), 0.5);
+  EXPECT_GE(margin.slack(), 0.5);
   sheet.move_all({0, 0, 0.125});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 1, sheet.tree, dirty), 0U);
   EXPECT_FALSE(margin.is_stale());
-  EXPECT_GE(margin.largest_displacement(), 0.125);
-  EXPECT_LT(margin.largest_displacement(), 0.126);
+  EXPECT_GE(margin.slack(), 0.125);
+  EXPECT_LT(margin.slack(), 0.126);
   EXPECT_TRUE(dirty.empty());
 }
 
@@ -212,7 +212,7 @@ TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
   sheet.move_all({0, 0, 2});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), sheet.mesh.positions().size());
   EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
-  EXPECT_EQ(margin.largest_displacement(), 0);
+  EXPECT_EQ(margin.slack(), 0);
   EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9], sheet.position(9));
 }
 
