@@ -112,7 +112,7 @@ struct DistanceOptions {
 };
 
 struct DistanceResult {
-  double lower = 0;  ///< no two points of the models are closer, up to the rounding stated above
+  double lower = 0;  ///< no two points of the models are closer, up to rounding (docs/algorithms/numerics.md)
   double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
   std::optional<Witness> witness;             ///< empty if and only if the status is `beyond_limit`
@@ -153,8 +153,8 @@ LIMBER_API CollideResult collide(const Placed& a, const Placed& b, const QueryOp
 
 /// Shortest distance between two placed models, with a pair of points that attains it.
 ///
-/// Promise  lower <= true distance <= upper, each up to the rounding stated above. upper exceeds the true distance by
-///          no more than the larger of the asked errors. Models that meet are found to meet at any setting.
+/// Promise  lower <= true distance <= upper, each up to rounding (docs/algorithms/numerics.md). upper exceeds the true
+///          distance by no more than the larger of the asked errors. Models that meet are found to meet at any setting.
 /// Overlap  If the models meet, lower == upper == 0 and both points coincide. Depth is not computed.
 /// Limit    If the distance is above max_distance, lower is at least max_distance, upper is infinite, and there is no
 ///          witness.
@@ -172,9 +172,9 @@ LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const Dista
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and max_distance is finite
 ///          and >= 0.
-/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as stated above, whatever the
-///          cache and the motion margin. So it is yes for a finite `upper` that distance(a, b) has returned for the
-///          same poses. For 0 it is yes if and only if the models meet.
+/// Promise  The answer is that of comparing all pairs of triangles, each distance rounded as numerics.md states,
+///          whatever the cache and the motion margin. So it is yes for a finite `upper` that distance(a, b) has
+///          returned for the same poses. For 0 it is yes if and only if the models meet.
 /// Budget   See collide().
 /// Cost     See collide(), which does the same for a distance of 0.
 LIMBER_API CollideResult within(const Placed& a, const Placed& b, double max_distance,

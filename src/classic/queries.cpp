@@ -33,7 +33,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 void check_placed(const Placed& a, const Placed& b) {
   for (const Placed* placed : {&a, &b}) {
     LIMBER_REQUIRE(placed->model().is_committed(),
-                   "limber::classic: a query needs committed models; one has moved vertices, or has been moved from");
+                   "limber::classic: a query needs committed models; one has moves without a commit(), "
+                   "or has been moved from");
     LIMBER_REQUIRE(geometry::is_rigid(placed->pose),
                    "limber::classic: a query needs rigid poses; a model's pose is not (see is_rigid())");
   }

@@ -24,9 +24,11 @@ constexpr double small_slack = 1. / 16;
 PlacedPair::PlacedPair(const Placed& a, const Placed& b)
     : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
   LIMBER_REQUIRE(a.model().is_committed(),
-                 "limber: a query needs committed models; model a has moved vertices, or has been moved from");
+                 "limber: a query needs committed models; model a has moves without a commit(), "
+                 "or has been moved from");
   LIMBER_REQUIRE(b.model().is_committed(),
-                 "limber: a query needs committed models; model b has moved vertices, or has been moved from");
+                 "limber: a query needs committed models; model b has moves without a commit(), "
+                 "or has been moved from");
   LIMBER_REQUIRE(geometry::is_rigid(a.pose),
                  "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
   LIMBER_REQUIRE(geometry::is_rigid(b.pose),

@@ -29,7 +29,8 @@ void store(const Vec3& v, double (&to)[3]) {
 
 PlacedModel::PlacedModel(const Placed& placed) : pose_(placed.pose) {
   LIMBER_REQUIRE(placed.model().is_committed(),
-                 "limber: a query needs a committed model; this one has moved vertices, or has been moved from");
+                 "limber: a query needs a committed model; this one has moves without a commit(), "
+                 "or has been moved from");
   LIMBER_REQUIRE(geometry::is_rigid(pose_),
                  "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
   const Model::Impl& model = placed.model().impl();
