@@ -11,8 +11,7 @@
 #endif
 
 #if defined(__FAST_MATH__)
-#error \
-    "limber decides exactly and bounds its rounding: compile its sources without -ffast-math (programs that use it may)"
+#error "limber decides exactly and bounds its rounding: compile its sources without -ffast-math (callers may use it)"
 #endif
 
 /// The library's exact decisions and its bounds need the IEEE default environment: rounding to nearest, subnormal
@@ -23,14 +22,17 @@ namespace limber::base {
 /// A scope guard: the constructor puts the calling thread into the default floating-point environment, the destructor
 /// restores the caller's.
 ///
-/// Compilers do not know that arithmetic depends on the control register, so they may move it across a write of that
-/// register. Two barriers hold it inside the scope. Operands in memory are not loaded before the constructor's write:
-/// public functions take coordinates by reference or read them from models. A value that a function computes in its
-/// return statement goes through computed_before_restore().
+/// If the caller's environment is the default one, nothing is written, and compilers may move arithmetic anywhere.
+/// Otherwise it must stay between the two writes of the control register. Compilers do not know that it depends on that
+/// register, but they move no load or store across write(). So two rules keep arithmetic inside:
 ///
-/// Limits   Exception flags may be lost or stay raised. On i386 the environment is that of SSE: compile with
-///          -mfpmath=sse. On processors other than x86, AArch64 and WebAssembly only the rounding mode is set.
-/// Cost     One read of the control register when the environment is the default one, about 1 ns.
+/// Entry    Its operands are loaded after the first write: public functions take coordinates by reference or read them
+///          from models. Arithmetic on nothing but numbers passed by value, as of a quaternion, is not held.
+/// Exit     A value that a function computes in its return statement must go through computed_before_restore().
+/// Limits   Exception flags raised inside stay raised, or are lost if the register was written. On i386 the environment
+///          is that of SSE: compile with -mfpmath=sse. On processors other than x86, AArch64 and WebAssembly only the
+///          rounding mode is set.
+/// Cost     One read of the control register, by the constructor, when the environment is the default one: about 1 ns.
 class DefaultFloatEnvironment {
  public:
   DefaultFloatEnvironment() : saved_(read()) {
@@ -46,8 +48,8 @@ class DefaultFloatEnvironment {
   DefaultFloatEnvironment(const DefaultFloatEnvironment&) = delete;
   DefaultFloatEnvironment& operator=(const DefaultFloatEnvironment&) = delete;
 
-  /// Returns `value`, and makes sure that it has been computed before the destructor restores the environment: the asm
-  /// reads it from memory, and compilers do not move the destructor's write before a volatile asm.
+  /// Returns `value`, computed before the destructor restores the environment: the asm reads it from memory, and
+  /// compilers do not move the destructor's write before a volatile asm.
   template <typename T>
   T computed_before_restore(T value) const {
 #if !defined(__wasm__)  // WebAssembly has no environment to restore
@@ -59,8 +61,8 @@ class DefaultFloatEnvironment {
  private:
 #if defined(__x86_64__) || defined(__i386__)
   using Control = std::uint32_t;
-  // MXCSR: all exceptions masked, rounding to nearest, neither flush-to-zero nor denormals-are-zero. The six bits that
-  // note past exceptions do not matter.
+  // MXCSR: all exceptions masked, rounding to nearest, neither flush-to-zero nor denormals-are-zero. The six sticky
+  // flags, which note past exceptions, do not matter.
   static constexpr Control default_control = 0x1f80, sticky_flags = 0x3f;
   static Control read() { return _mm_getcsr(); }
   static void write(Control control) {
@@ -87,7 +89,7 @@ class DefaultFloatEnvironment {
   static void write(Control) {}
   static bool is_default(Control) { return true; }
 #else
-  using Control = int;
+  using Control = int;  // the functions of <cfenv> are opaque calls: no load or store moves across
   static constexpr Control default_control = FE_TONEAREST;  // the rounding mode is all that <cfenv> can set
   static Control read() { return std::fegetround(); }
   static void write(Control control) { std::fesetround(control); }

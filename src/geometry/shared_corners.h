@@ -12,7 +12,8 @@
 /// whether they meet elsewhere, that is, share a point off that corner or edge.
 ///
 /// Pre      The thread is in the default floating-point environment. Coordinates are at most max_coordinate in size.
-/// Promise  Exact, for triangles of every rank; a and b may be swapped, and corners be in any order.
+/// Promise  Exact, also for triangles that are a segment or a point. Neither the order of a and b nor that of corners
+///          matters.
 /// Source   docs/algorithms/intersection.md, "Triangles that share corners".
 namespace limber::geometry {
 

@@ -285,7 +285,7 @@ Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance
 }  // namespace
 
 TriangleContact geometry::contact(const Triangle& a, const Triangle& b, OrientedFaces oriented, double farthest) {
-  const DirectedFeatures found = directed_features(a, b);
+  const FeaturesAndDirection found = features_and_direction(a, b);
   const ClosestFeatures& closest = found.closest;
   TriangleContact contact;
   contact.distance = closest.distance;

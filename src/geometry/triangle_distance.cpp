@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Distances of two triangles, and of two segments: closest points and features, a point shared by triangles that
-// intersect, and the direction between the closest points (geometry/primitives.h, geometry/triangle_contact.h).
+// Distances of two triangles, and of two segments. The functions are closest_points(), closest_features(), closest_on()
+// and shared_point() of geometry/primitives.h, and features_and_direction() of geometry/triangle_contact.h.
 //
 // Based on  [Larsen1999]: the closest points of disjoint triangles lie on a pair of edges or on a corner and a face.
 // Differs   All fifteen feature pairs are compared, most of it in simd::CompareTriangles; none is dropped by a
-//           threshold, so slivers and tiny triangles take the same path. The direction between the best points must
-//           then prove the triangles apart by projection; if it cannot, the exact predicate decides. So the distance is
-//           0 if and only if the triangles intersect. All arithmetic is in a LocalFrame: relative to corner v0 of a
-//           and, at extreme scales, divided by a power of two.
+//           threshold, so slivers and tiny triangles take the same path. The direction between the closest points must
+//           then prove the triangles apart by projection; if it cannot, the exact predicate geometry::intersects()
+//           decides. So the distance is 0 if and only if they intersect. Distances are computed in a LocalFrame:
+//           relative to corner v0 of a and, at extreme scales, divided by a power of two.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,18 +34,19 @@ using geometry::next_corner;
 using geometry::point_at;
 using geometry::safe_length;
 
-// Rounding, as parts of the extent of the frame, with u = 2^-53. docs/algorithms/numerics.md, "Distances", has what is
-// promised to users.
+// Errors, as parts of the extent, the largest coordinate in the LocalFrame; u = 2^-53. What is promised to users:
+// docs/algorithms/numerics.md, "Distances".
 //
-// The height of a corner along a direction d is off by 9 u max|d|, three products with three roundings each, and by 3 u
-// max|d| for the rounded corner: 24 u for two heights.
+// The height of a corner along a direction d is off by 9 u max|d|, for three products with three roundings each, and by
+// 3 u max|d| for the rounded corner: 24 u for two heights. The rest of 32 u is room.
 constexpr double separation_error = 0x1p-48;
-// The shared point of triangles that intersect may be found the fast way if it is on both within 16 u: half of the
-// promised 32 u.
+// The shared point of triangles that intersect may be found the fast way if it is on both within 16 u: half of the 32 u
+// that numerics.md promises.
 constexpr double shared_point_tolerance = 0x1p-49;
-// Closest points within 128 u touch: a choice, above all errors. It decides which features are named, nothing else.
+// Closest points touch if they are within 128 u: far above all errors. Only the choice of features depends on it.
 constexpr double touching_distance = 0x1p-46;
 
+// Points of a triangle are given by the weights of its corners: barycentric coordinates.
 Vec3 corner_weights(std::size_t corner) {
   Vec3 w{};
   w[corner] = 1;
@@ -59,10 +60,10 @@ Vec3 edge_weights(std::size_t edge, double parameter) {
   return w;
 }
 
-/// The closest pair of points found so far, by the weights of the corners.
+/// The closest pair of points found so far.
 struct Best {
   double distance_sq = std::numeric_limits<double>::infinity();
-  Vec3 a_to_b;  ///< from the point on a to the point on b
+  Vec3 a_to_b;  ///< from the point on a to the point on b, in the LocalFrame
   Vec3 weights_a, weights_b;
 
   void improve(const Vec3& candidate, const Vec3& w_a, const Vec3& w_b) {
@@ -70,8 +71,8 @@ struct Best {
   }
 };
 
-/// The closest points of the boundaries, or of a corner and the other face. The kernel finds the closest of the nine
-/// edge pairs, and the corners whose foot, their projection on the other plane, is inside the other triangle.
+/// Finds the closest points of an edge of each, or of a corner and the other face. The kernel finds the closest of the
+/// nine edge pairs, and the corners whose foot, their projection on the other plane, is inside the other triangle.
 Best closest_pair(const Face& a, const Face& b) {
   simd::TriangleFeatures found;
   simd::kernels().compare_triangles(a, b, found);
@@ -92,8 +93,8 @@ Best closest_pair(const Face& a, const Face& b) {
   return best;
 }
 
-/// Whether a plane perpendicular to `direction`, which leads from a to b, separates the triangles by more than
-/// rounding.
+/// Whether a plane perpendicular to `direction`, which leads from a to b and has any length, separates the triangles by
+/// more than rounding.
 bool is_separated(const Triangle& a, const Triangle& b, const Vec3& direction, double extent) {
   const double end_of_a = std::max({dot(direction, a.v0), dot(direction, a.v1), dot(direction, a.v2)});
   const double start_of_b = std::min({dot(direction, b.v0), dot(direction, b.v1), dot(direction, b.v2)});
@@ -111,7 +112,7 @@ struct NearestOnFace {
 NearestOnFace nearest_on(const Face& face, const Vec3& p) {
   NearestOnFace nearest;
   if (face.foot(p, nearest.weights)) nearest.distance_sq = length_sq(point_at(face.corner, nearest.weights) - p);
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {  // edges in any case, as the foot on a sliver may be inaccurate
     // Where the edge is closest to p, from 0 to 1; 0 on an edge without length.
     const double t = geometry::clamped_quotient(dot(face.edge[i], p - face.corner[i]), length_sq(face.edge[i]));
     const double distance_sq = length_sq(face.corner[i] + t * face.edge[i] - p);
@@ -120,14 +121,14 @@ NearestOnFace nearest_on(const Face& face, const Vec3& p) {
   return nearest;
 }
 
-/// The point where the line of an edge of one triangle, its owner, crosses the plane of the other, the target; or the
-/// end of the edge nearest to that point.
+/// The point of an edge of one triangle, the owner, that is nearest to where the edge's line crosses the plane of the
+/// other triangle, the target. It is an end of the edge if both ends are on one side of the plane, or seem to be.
 struct Crossing {
-  double distance;  ///< of the point from the target
+  double distance;  ///< of `point` from the target
   Vec3 point;
-  std::size_t edge;
-  double parameter;  ///< of the point on the edge, from 0 to 1
-  bool is_edge_of_a;
+  std::size_t edge;   ///< of the owner
+  double parameter;   ///< of `point` on the edge, from 0 to 1
+  bool is_edge_of_a;  ///< the owner is a
 };
 
 /// Signed distances of the corners of `owner` from the plane of `target`, times the length of its normal.
@@ -137,8 +138,8 @@ std::array<double, 3> scaled_heights(const Face& owner, const Face& target) {
   return heights;
 }
 
-/// The crossings of two triangles: those of edges of a, then those of edges of b. All edges have one that are not
-/// parallel to the other's plane: even if both ends seem to be on one side, rounding may be to blame.
+/// The crossings of two triangles, edges of a first. Every edge that is not parallel to the other's plane has one, for
+/// rounding decides on which side an end seems to be. find_crossing() is the fast way for most triangles.
 class Crossings {
  public:
   Crossings(const Face& a, const Face& b) {
@@ -164,8 +165,8 @@ class Crossings {
 
 /// A point that is on both triangles as nearly as rounding allows. Pre: they intersect.
 ///
-/// Candidates are the closest point of a and all crossings. The one whose distance from the farther triangle is least
-/// is taken, so no case distinction can pick a bad one.
+/// Candidates are the closest point of a (Best) and all crossings. The one with the least misfit, the distance from the
+/// farther triangle, is taken, so no case distinction can pick a bad one.
 Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = nearest_on(b, contact).distance();  // its distance from a is 0
@@ -174,16 +175,17 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
     const double candidate = std::max(c.distance, nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
     if (candidate < misfit) contact = c.point, misfit = candidate;
   }
-  // Let h be the smallest height of the two triangles. Misfits of crossings are about u * extent^2 / h, by the rounding
-  // of normals. The misfit of the closest points is at most h / 2 where no edge crosses the other triangle: any shared
-  // point is within h / 2 of an edge, and that edge has been compared. The smaller of both is at most 2^-27 * extent,
-  // which it reaches at h = 2^-26 * extent. The assertion has room for a factor of 2.
+  // Some edge E of one triangle meets the other, S. Let h be the smallest height of S. By the rounding of the normal of
+  // S, the crossing of E is about u * extent^2 / h above or below S. If it is beside S, E passes over an edge of S, or
+  // ends over S, at such a height, and the closest points are as near. They are also at most h / 2 apart: no point of S
+  // is farther from all edges of S, and each edge has been compared with E. So the misfit is at most about
+  // 2^-27 * extent, reached at h = 2^-26 * extent. The assertion allows twice that.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
 
-/// Finds a point where an edge of `owner` crosses `target`, and that lies on `target` within `tolerance`. Only edges
-/// whose ends are on different sides are looked at: it is the fast way, and may find none.
+/// Finds a point where an edge of `owner` crosses `target`, and that lies on `target` within `tolerance`. It may miss
+/// it, because it tries only edges whose ends seem to be on different sides. If it does, `point` means nothing.
 bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3& point) {
   const std::array<double, 3> heights = scaled_heights(owner, target);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -197,7 +199,7 @@ bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3
   return false;
 }
 
-/// Finds a point of both triangles where that is easy. If it finds none, contact_point() does.
+/// Finds a point of both triangles the fast way. If it finds none, contact_point() does.
 bool find_shared_point(const Face& a, const Face& b, double extent, Vec3& point) {
   const double tolerance = shared_point_tolerance * extent;
   return find_crossing(a, b, tolerance, point) || find_crossing(b, a, tolerance, point);
@@ -210,7 +212,7 @@ class Comparison {
  public:
   Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
       : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
-    const Best best = closest_pair(local_a_, local_b_);  // a local: nothing has to be stored before the calls below
+    const Best best = closest_pair(local_a_, local_b_);  // a local variable: not stored before the calls below
     are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.a_to_b, frame.extent());
     intersect_ = !are_proven_apart_ && geometry::intersects(a, b);
     best_ = best;
@@ -261,21 +263,22 @@ FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), 
 ///
 /// The features of the closest points are returned if these touch. Otherwise the triangles cross in a line, which ends
 /// where an edge of one crosses the other triangle: the features are those at the end that is nearest to the contact
-/// point. Crossings are good if they are as close to their target as the best one, up to rounding.
+/// point. Crossings count only if no other one is closer to its target, up to rounding.
 FeaturePair features_at(const Vec3& contact, const Comparison& c) {
-  const double rounding = touching_distance * c.extent();
-  if (max_abs(c.best().a_to_b) <= rounding) return features_of(c.best());
+  const double touching = touching_distance * c.extent();
+  if (max_abs(c.best().a_to_b) <= touching) return features_of(c.best());
   const Crossings crossings(c.local_a(), c.local_b());
   double least_distance = std::numeric_limits<double>::infinity();
   for (const Crossing& crossing : crossings) least_distance = std::min(least_distance, crossing.distance);
   const Crossing* nearest = nullptr;
   for (const Crossing& crossing : crossings) {
-    if (crossing.distance > least_distance + rounding) continue;
+    if (crossing.distance > least_distance + touching) continue;
     if (nearest == nullptr || length_sq(crossing.point - contact) < length_sq(nearest->point - contact)) {
       nearest = &crossing;
     }
   }
-  if (nearest == nullptr) return features_of(c.best());  // parallel or without area: the boundaries are what meets
+  // Parallel, or without area. Then the closest points touch, so only unexpected rounding leads here.
+  if (nearest == nullptr) return features_of(c.best());
   const Feature of_edge = feature_of(edge_weights(nearest->edge, nearest->parameter));
   const Face& target = nearest->is_edge_of_a ? c.local_b() : c.local_a();
   const Feature of_target = feature_of(nearest_on(target, nearest->point).weights);
@@ -290,7 +293,7 @@ ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
   return Comparison(frame, a, b).points();
 }
 
-// Pre: a and b intersect. Otherwise the result is the closest point of a.
+// If, against the precondition, a and b do not intersect, the result is the closest point of a.
 Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return a.v0;
@@ -301,19 +304,20 @@ Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
   return Comparison(frame, a, b).points().point_a;
 }
 
-geometry::DirectedFeatures geometry::directed_features(const Triangle& a, const Triangle& b) {
+geometry::FeaturesAndDirection geometry::features_and_direction(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   const Feature vertex{FeatureKind::vertex, 0};
-  if (frame.extent() == 0) return {{0, a.v0, a.v0, vertex, vertex}, {}, false};
+  if (frame.extent() == 0) return {.closest = {0, a.v0, a.v0, vertex, vertex}, .a_to_b = {}, .are_proven_apart = false};
   const Comparison c(frame, a, b);
   const ClosestPoints points = c.points();
   const FeaturePair features = c.intersect() ? features_at(frame.to_local(points.point_a), c) : features_of(c.best());
-  return {
-      {points.distance, points.point_a, points.point_b, features.a, features.b}, c.best().a_to_b, c.are_proven_apart()};
+  return {.closest = {points.distance, points.point_a, points.point_b, features.a, features.b},
+          .a_to_b = c.best().a_to_b,
+          .are_proven_apart = c.are_proven_apart()};
 }
 
 ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b) {
-  return directed_features(a, b).closest;
+  return features_and_direction(a, b).closest;
 }
 
 geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment& b) {
@@ -322,10 +326,10 @@ geometry::PointsOnSegments geometry::closest_on(const Segment& a, const Segment&
     const Vec3 a_to_b = (local_b.p0 - local_a.p0) + (t * (local_b.p1 - local_b.p0) - s * (local_a.p1 - local_a.p0));
     return PointsOnSegments{safe_length(a_to_b), s, t};
   };
-  // A LocalFrame is built only where it may scale, which is rare: the difference to a.p0 is all that it does else.
+  // A LocalFrame is built only where it may scale, which is rare. Otherwise all it does is to subtract a.p0.
   const Segment from_a{{}, a.p1 - a.p0}, from_b{b.p0 - a.p0, b.p1 - a.p0};
   const Vec3 sums = abs(from_a.p1) + abs(from_b.p0) + abs(from_b.p1);
-  const double size = sums.x + sums.y + sums.z;  // 1 to 9 times the extent: three coordinates of three points
+  const double size = sums.x + sums.y + sums.z;  // 1 to 9 times the extent, and both limits allow for that
   if (size > base::smallest_unscaled_size && size < base::largest_unscaled_size) return closest(from_a, from_b);
   const LocalFrame frame(a.p0, {a.p1, b.p0, b.p1});
   PointsOnSegments found = closest(frame.to_local(a), frame.to_local(b));

@@ -31,15 +31,15 @@ LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& dire
   const Packet3 crossed = cross(p.normal, n);
   const Packet sphere_support =
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
-  // The gap along n falls short of the cutoff by `deficit`. The gap of the spheres across n may make up for it:
-  // (cutoff - deficit)^2 + across^2 >= cutoff^2.
+  // The gap along n falls short of the prune distance by `deficit`. The gap of the spheres across n may make up for it:
+  // (prune_distance - deficit)^2 + across^2 >= prune_distance^2.
   const Packet deficit =
       dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(base::squares_down) - p.radius_sum, zero());
-  const Packet cutoff = Packet::set(direction.cutoff), missing = min(deficit, cutoff);
-  const Packet needed = missing * (cutoff + (cutoff - missing));
-  bound_sq = gap_sq(cutoff * Packet::set(base::squares_down) - deficit, across);
+  const Packet prune_distance = Packet::set(direction.prune_distance), missing = min(deficit, prune_distance);
+  const Packet needed = missing * (prune_distance + (prune_distance - missing));
+  bound_sq = gap_sq(prune_distance * Packet::set(base::squares_down) - deficit, across);
   return (deficit > zero()) & (needed >= across * across * Packet::set(base::squares_down));
 }
 
@@ -156,7 +156,7 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& oth
   ProjectedDirection direction;
   const bool has_direction = pruning.has_direction && pruning.distance * transform.per_unit < base::max_units / 2;
   if (has_direction) direction = project_direction(node, other, transform, pruning, center);
-  const bool overlap_only = pruning.distance <= smallest_cutoff && bound_sq == nullptr;
+  const bool overlap_only = pruning.distance <= smallest_prune_distance && bound_sq == nullptr;
   KeptSlots kept{0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const ProjectedDirection* const along = has_direction ? &direction : nullptr;

@@ -47,7 +47,7 @@ LIMBER_KERNEL void bound_children_along(const bvh::Node& node, const QueryPoint&
     const Packet highest =
         at + dot(centers(n, i), up) + min(Packet::load(n.radius + i), box_support(half_sizes(n, i), up));
     // Infinite where the error is.
-    of_children(zero() - min(highest, everywhere), i, node.child_count).store(children.bound + i);
+    infinite_unless_child(zero() - min(highest, everywhere), i, node.child_count).store(children.bound + i);
   }
   children.upper = std::numeric_limits<float>::infinity();
   order_children(limit, children);

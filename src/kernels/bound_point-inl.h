@@ -26,13 +26,15 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// A divisor in place of smaller ones, for spheres that are points.
+// Replaces smaller divisors: radii of spheres that are points.
 inline constexpr float smallest_child_radius = 0x1p-100F;
+
+LIMBER_KERNEL float smallest(Packet x) { return -largest(zero() - x); }
 
 /// Squared lower bounds of the distances from a point to the children `i` and following, a packet of them. Where a
 /// bound is 0, the result is how deep the point is inside of the child's sphere, as a fraction of the radius, negative.
 /// The point's `position` is relative to the origin of the node. `farthest` becomes the distances of the farthest
-/// points of the spheres.
+/// points of the spheres: every child has a triangle that is nearer.
 LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, const Packet3& position, Packet error,
                                  Packet& farthest) {
   const Packet3 d = position - centers(n, i), half = half_sizes(n, i), normal = normals(n, i);
@@ -40,7 +42,7 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   const Packet d_sq = dot(d, d), distance = sqrt(d_sq);
   const Packet sphere_gap = distance - radius;
   farthest = distance + radius;
-  // The distance of the box.
+  // The distances x, y, z of the box along the axes.
   const Packet x = max(abs(d.x) - half.x - error, zero());
   const Packet y = max(abs(d.y) - half.y - error, zero());
   const Packet z = max(abs(d.z) - half.z - error, zero());
@@ -51,7 +53,7 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   const Packet rounding = d_sq * Packet::set(base::across_error);
   const Packet across = sqrt(max(d_sq - height * height - rounding, zero())) - radius - error;
   const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(along, across));
-  // Only for the order of children: without errors.
+  // The depth is without errors, because it only decides in which order children come.
   const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_child_radius)), zero());
   return select(best > zero(), best * Packet::set(base::squares_down), depth);
 }
@@ -59,28 +61,28 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
 LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoint& point, float limit,
                                            ChildrenInOrder& children) {
   const LocalPoint local(point.position, node.origin, {}, point.per_unit);
-  // "Not less than" is true also where the error is infinite or a number is not a number.
+  // "Not less" is true also where the error is infinite or a number is not a number.
   if (!(local.size + static_cast<double>(point.error_units) < base::max_units)) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      of_children(zero(), i, node.child_count).store(children.bound + i);
+      infinite_unless_child(zero(), i, node.child_count).store(children.bound + i);
     }
     children.upper = std::numeric_limits<float>::infinity();
     return order_children(limit, children);
   }
   const float error = local.magnitude(node.radius) * base::point_error + point.error_units;
   const Packet3 at = broadcast(local.position);
-  Packet least = Packet::set(far_off);
+  Packet least = Packet::set(far_off);  // more than any distance in units
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     Packet farthest = zero();
     const Packet bound = bound_point(node.bounds, i, at, Packet::set(error), farthest);
-    of_children(bound, i, node.child_count).store(children.bound + i);
-    least = min(least, of_children(farthest, i, node.child_count));
+    infinite_unless_child(bound, i, node.child_count).store(children.bound + i);
+    least = min(least, infinite_unless_child(farthest, i, node.child_count));
   }
-  children.upper = (error - largest(zero() - least)) * base::squares_up;  // -largest(-x) is the smallest lane
+  children.upper = (smallest(least) + error) * base::squares_up;  // the factor covers the rounding of the sum, too
   order_children(limit, children);
 }
 
-// A divisor in place of smaller ones, for lengths and squares in quantization steps.
+// Replaces smaller divisors: lengths and squares in quantization steps.
 inline constexpr float smallest_divisor_of_steps = 0x1p-60F;
 
 /// Triangles (a, b, c) of the slots `i` and following, and a point, in quantization steps.
@@ -95,27 +97,28 @@ LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, s
 }
 
 /// A point of each triangle near the closest one, relative to the query point. Rounding may make it a worse point, but
-/// it is always on the triangle: weights of b and c are never negative, and never above 1 together.
+/// it stays on the triangle: weights of b and c are never negative; together they are at most 1 (or 1 + 2 u32).
 LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   const Packet one = Packet::set(1), least = Packet::set(smallest_divisor_of_steps);
   const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
   const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
   const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
-  // The closest points of the edges ab, ac and bc, called far. With x a point of an edge and p the query point, each
-  // sq_ is (|x - p|^2 - |a - p|^2) / 2: enough to compare them, and free of the cancellation of large squares.
+  // The closest points of the edges ab, ac and bc, called the third. The point of weights v, w is x = a + v edge_b + w
+  // edge_c. With p the query point, sq = (|x - p|^2 - |a - p|^2) / 2 is enough to compare points, and free of the
+  // cancellation of large squares. It is v (v / 2 bb + w bc - along_b) + w (w / 2 cc - along_c).
   const Packet half = Packet::set(0.5F);
   const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
-  const Packet far_sq = bb - bc - bc + cc;
-  const Packet at_far = clamped((along_c - along_b + bb - bc) / max(far_sq, least));
-  const Packet from_far = one - at_far;
+  const Packet third_sq = bb - bc - bc + cc;
+  const Packet third_c = clamped((along_c - along_b + bb - bc) / max(third_sq, least));
+  const Packet third_b = one - third_c;
   const Packet sq_b = at_b * (at_b * half * bb - along_b), sq_c = at_c * (at_c * half * cc - along_c);
-  const Packet sq_far =
-      from_far * (from_far * half * bb + at_far * bc - along_b) + at_far * (at_far * half * cc - along_c);
+  const Packet sq_third =
+      third_b * (third_b * half * bb + third_c * bc - along_b) + third_c * (third_c * half * cc - along_c);
   const Mask c_is_nearer = sq_c < sq_b;
   Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
-  const Mask far_is_nearest = sq_far < min(sq_b, sq_c);
-  weight_b = select(far_is_nearest, from_far, weight_b), weight_c = select(far_is_nearest, at_far, weight_c);
-  // The foot of the point, if it is inside of the triangle: weights are to each other as these areas, up to a factor.
+  const Mask third_is_nearest = sq_third < min(sq_b, sq_c);
+  weight_b = select(third_is_nearest, third_b, weight_b), weight_c = select(third_is_nearest, third_c, weight_c);
+  // The foot of the point, if it is inside of the triangle: its weights are proportional to the areas opposite corners.
   const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
   const Packet area = bb * cc - bc * bc, area_a = area - area_b - area_c;
   const Mask is_inside = (area_a > zero()) & (area_b > zero()) & (area_c > zero());
@@ -124,7 +127,7 @@ LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   return t.to_corner + t.edge_b * weight_b + t.edge_c * weight_c;
 }
 
-/// The gap between the point and each triangle along a direction, times the direction's length. It is negative if the
+/// The gap between the point and each triangle along a direction, times the length of `direction`. Negative if the
 /// point's height along the direction is within the interval of the corners' heights.
 LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& direction) {
   const Packet height = dot(t.to_corner, direction);
@@ -140,11 +143,11 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   const double per_step = 1 / intervals.step;
   const Vec3 center = point.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
   const LocalPoint local(point.position, node.origin, center, per_step);
-  constexpr double most_steps = 0x1p40;  // farther away, the error exceeds the leaf by far
+  constexpr double most_steps = 0x1p40;  // there the error is 2^20 (point_error), and the leaf has 2^16 steps only
   constexpr double leaf_size = static_cast<double>(bvh::max_quantized) + 1;  // of a coordinate, with room for rounding
   const double error = point.error * per_step + base::quantization_error +
                        (local.size + leaf_size) * static_cast<double>(base::point_error);
-  // "Not less than" is true also where the error is infinite or a number is not a number.
+  // "Not less" is true also where the error is infinite or a number is not a number, as for a leaf without size.
   if (!(local.size + error < most_steps)) {
     std::fill(intervals.lower, intervals.lower + width, 0.0F);
     intervals.upper = std::numeric_limits<float>::infinity();
@@ -152,7 +155,8 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
     return;
   }
   const Packet3 at = broadcast(local.position);
-  const Packet off = Packet::set(base::float_up(error)), shortest = Packet::set(smallest_divisor_of_steps);
+  const float error32 = base::float_up(error);
+  const Packet shortest = Packet::set(smallest_divisor_of_steps);
   Packet least = Packet::set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const PointTriangles t = point_triangles(triangles, i, at);
@@ -161,14 +165,15 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
     const Packet3 normal = cross(t.edge_b, t.edge_c);
     const Packet normal_length = sqrt(dot(normal, normal));
     // A gap along any direction is a lower bound of the distance. The direction to the closest point is the best one,
-    // so one that nearly leads there is nearly as good. `off` covers rounding.
+    // so one that nearly leads there is nearly as good. The error covers rounding.
     const Packet along = gap_times_length(t, near) / max(near_length, shortest);
     const Packet above = gap_times_length(t, normal) / max(normal_length, shortest);
-    (max(along, above) - off).store(intervals.lower + i);
+    (max(along, above) - Packet::set(error32)).store(intervals.lower + i);
     least = min(least, near_length);  // an upper bound, because `near` is on the triangle
   }
-  intervals.upper = -largest(zero() - least) + base::float_up(error);         // the smallest lane of `least`
-  const double limit_in_steps = std::min(limit * per_step, base::max_units);  // finite as a float
+  intervals.upper = smallest(least) + error32;  // point_error has room for the rounding of the sum
+  // Finite as a float. That prunes nothing more, because lower bounds are below most_steps.
+  const double limit_in_steps = std::min(limit * per_step, base::max_units);
   const Packet farthest = Packet::set(std::min(intervals.upper, base::float_up(limit_in_steps)));
   intervals.kept = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::find_candidates: the pairs of triangles of two leaves that may be closer than the cutoff.
+// Kernels::find_candidates: the pairs of triangles of two leaves that may be closer than the prune distance.
 //
-// Triangles are quantized corners. A pair is pruned if its gap along some direction is at least the cutoff plus all
-// errors. Directions are tried in this order, each on the pairs that are left: the search direction; the axes of boxes;
-// then, with a pair in each SIMD lane, the line of centroids and the normals of both triangles. Cross products of edges
-// are left to the float64 routines. For two leaves of one tree, neighbors that certainly meet nowhere else than in what
-// they share are removed before the lanes are filled (separated_neighbors-inl.h).
+// Triangles are quantized corners. A pair is pruned if its gap along some direction is at least the prune distance plus
+// all errors. project_leaves() brings both leaves to one frame and scale, and finds the errors. Directions are tried in
+// this order: the search direction; the axes of boxes; then, for the pairs that are left, one in each lane, the line of
+// centroids and the normals of both triangles. Cross products of edges are left to the float64 routines. For two
+// leaves of one tree, neighbors that certainly meet nowhere else than in what they share are removed before the lanes
+// are filled (separated_neighbors-inl.h).
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
@@ -34,8 +35,8 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Squared length of the shortest direction that may prune, where the pair is scaled so that its size is about 1.
-// Lengths of 0 would prune everything, as 0 >= 0. Beyond this one nothing underflows: limits are at least 2^-17
+// Squared length of the shortest direction that may prune, where the pair is scaled so that its size is about 1. A
+// length of 0 would prune everything, as 0 >= 0. From this length on nothing underflows: limits are at least 2^-17
 // (leaf_pair_error), so squared gaps that prune are above 2^-34 * 1e-20 = 6e-31.
 inline constexpr float smallest_direction_sq = 1e-20F;
 
@@ -47,8 +48,8 @@ struct Interval {
 };
 LIMBER_KERNEL Interval interval(Packet x, Packet y, Packet z) { return {min(min(x, y), z), max(max(x, y), z)}; }
 
-/// The squared gap of two intervals. For projections on a direction w, not of length 1: (gap of the triangles * |w|)^2.
-LIMBER_KERNEL Packet gap_sq(const Interval& a, const Interval& b) {
+/// The squared gap of two intervals. If these are projections on a vector w, it is (gap of the triangles * |w|)^2.
+LIMBER_KERNEL Packet interval_gap_sq(const Interval& a, const Interval& b) {
   const Packet gap = max(max(b.low - a.high, a.low - b.high), zero());
   return gap * gap;
 }
@@ -60,8 +61,8 @@ LIMBER_KERNEL Mask is_pruned(Packet gap_w_sq, Packet w_sq, Packet limit_sq) {
 
 /// Compares a pair of triangles in each lane. Returns the `wanted` lanes that are not pruned.
 ///
-/// `bound_sq` becomes the squared lower bound, too large by errors at most, of each returned lane; with
-/// `wants_pruned_bound` that of pruned lanes too. Otherwise their numbers mean nothing.
+/// `bound_sq` becomes the squared lower bound, from which errors are not yet subtracted, of each returned lane; with
+/// `wants_pruned_bound` that of pruned lanes too. Other lanes mean nothing.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                      Packet& bound_sq) {
@@ -70,11 +71,11 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
                   b[0].y + b[1].y + b[2].y - (a[0].y + a[1].y + a[2].y),
                   b[0].z + b[1].z + b[2].z - (a[0].z + a[1].z + a[2].z)};
   const Packet w_sq = dot(w, w);
-  const Packet gap_w =
-      gap_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])), interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
-  const Packet least = Packet::set(smallest_direction_sq);
-  const Mask is_pruned_w = is_pruned(gap_w, w_sq, limit_sq);
-  if (wants_pruned_bound) bound_sq = gap_w / max(w_sq, least);
+  const Packet gap_w_sq = interval_gap_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])),
+                                          interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
+  const Packet smallest_sq = Packet::set(smallest_direction_sq);
+  const Mask is_pruned_w = is_pruned(gap_w_sq, w_sq, limit_sq);
+  if (wants_pruned_bound) bound_sq = gap_w_sq / max(w_sq, smallest_sq);
   unsigned kept = wanted & ~bits(is_pruned_w);
   if (kept == 0) return 0;
   // Along the normals n of a and m of b, from a corner of a so that the numbers are small.
@@ -82,16 +83,17 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
   const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0];
   const Packet3 n = cross(e1, e2);
   const Packet n_sq = dot(n, n);
-  const Packet gap_n =
-      gap_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
+  const Packet gap_n_sq =
+      interval_gap_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
   const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
   const Packet m_sq = dot(m, m);
-  const Packet gap_m =
-      gap_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
-  kept &= ~(bits(is_pruned(gap_n, n_sq, limit_sq)) | bits(is_pruned(gap_m, m_sq, limit_sq)));
-  const Packet best_sq = max(max(gap_w / max(w_sq, least), gap_n / max(n_sq, least)), gap_m / max(m_sq, least));
-  // A lane that the first direction has pruned keeps that bound, whether or not other lanes have made the code come
-  // here: results must not depend on how many lanes there are.
+  const Packet gap_m_sq =
+      interval_gap_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
+  kept &= ~(bits(is_pruned(gap_n_sq, n_sq, limit_sq)) | bits(is_pruned(gap_m_sq, m_sq, limit_sq)));
+  const Packet best_sq =
+      max(max(gap_w_sq / max(w_sq, smallest_sq), gap_n_sq / max(n_sq, smallest_sq)), gap_m_sq / max(m_sq, smallest_sq));
+  // A lane that w has pruned keeps the bound along w, as if `kept` had been 0 above: results must not depend on the
+  // number of lanes.
   bound_sq = wants_pruned_bound ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
   return kept;
 }
@@ -102,29 +104,32 @@ LIMBER_KERNEL float smallest_lane(Packet p) {
   return *std::min_element(x, x + Packet::lanes);
 }
 
-/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b. With
-/// `wants_pruned_bound`, `beyond` becomes a lower bound, beyond the cutoff, of the gaps of all pruned pairs along it.
+/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
+///
+/// The support of a triangle is how far it extends along the direction towards the other leaf, so the gap of a pair is
+/// a constant less both supports (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of how
+/// much the gaps of all pruned pairs exceed the prune distance.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                                  const ProjectedLeaves& pair, const PruneLimits& pruning,
-                                                 float& beyond) {
+                                                 float& excess) {
   alignas(64) float support_a[width];
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     (farthest_corners(a, i, broadcast(pruning.direction32)) * Packet::set(pair.step_a)).store(support_a + i);
   }
   std::uint64_t wanted = 0;
-  const Packet pruned = Packet::set(pair.pruned_support), far = Packet::set(base::max_units);
+  const Packet pruned_support = Packet::set(pair.pruned_support), far = Packet::set(base::max_units);
   Packet least = far;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet support_b = farthest_corners(b, i, broadcast(pruning.other_direction32)) * Packet::set(pair.step_b);
     for (std::uint32_t row = 0; row < width; ++row) {
       const Packet support = Packet::set(support_a[row]) + support_b;
-      const Mask is_wanted = support > pruned;
+      const Mask is_wanted = support > pruned_support;
       wanted |= std::uint64_t{bits(is_wanted)} << (width * row + i);
-      if (wants_pruned_bound) least = min(least, select(is_wanted, far, pruned - support));
+      if (wants_pruned_bound) least = min(least, select(is_wanted, far, pruned_support - support));
     }
   }
-  if (wants_pruned_bound) beyond = smallest_lane(least);
+  if (wants_pruned_bound) excess = smallest_lane(least);
   return wanted;
 }
 
@@ -149,9 +154,9 @@ LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
 }
 
 /// The gaps along the three axes between one box, in all lanes, and the boxes `i` and following; negative where they
-/// overlap.
-template <typename Boxes>
-LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const Boxes& boxes, std::uint32_t i) {
+/// overlap. SomeBoxes has members low and high as Boxes does.
+template <typename SomeBoxes>
+LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const SomeBoxes& boxes, std::uint32_t i) {
   const Packet3 others_low{Packet::load(boxes.low[0] + i), Packet::load(boxes.low[1] + i),
                            Packet::load(boxes.low[2] + i)};
   const Packet3 others_high{Packet::load(boxes.high[0] + i), Packet::load(boxes.high[1] + i),
@@ -187,7 +192,7 @@ LIMBER_KERNEL std::uint64_t kept_by_boxes(const LeafCorners& a, const LeafCorner
 }
 
 /// The pairs whose bounding boxes are closer than `limit` along every axis. This takes less time than kept_by_boxes()
-/// and prunes fewer pairs, but as many where the limit is small next to the triangles, as it is within one mesh.
+/// and prunes fewer pairs; hardly fewer where the limit is small next to the triangles, as it is for contacts.
 LIMBER_KERNEL std::uint64_t kept_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
   Boxes boxes_a, boxes_b;
   find_boxes(a, boxes_a);
@@ -249,13 +254,13 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   candidates.pruned_bound = infinite;
   std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
   if (pruning.has_direction) {
-    float beyond = 0;
-    wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, beyond);
-    // No error is subtracted: pair.pruned_support contains them all. The factor covers the sum.
-    if (wants_pruned_bound) candidates.pruned_bound = (pair.cutoff + beyond) * base::squares_down;
+    float excess = 0;
+    wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, excess);
+    // No error is subtracted: pair.pruned_support contains them all. The factor covers the sum's rounding.
+    if (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
     if (wanted == 0) return;
   }
-  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a, own_b to that of b
+  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a, own_b to that of b, without rounded offset
   unpack(*a.triangles, pair.step_a, ca);
   if (is_self) {
     unpack(*b.triangles, pair.step_b, own_b);
@@ -264,7 +269,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }
 
-  const float limit = pair.cutoff + pair.error;
+  const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
   // With a limit above the size of both leaves boxes prune next to nothing.
   float pruned_sq = infinite;
@@ -275,12 +280,12 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   PairList pairs;
   pairs.add(wanted);
   if (is_self) {
-    const float slack = base::float_up(transform.error * pair.scale);
-    int axis
-        [2];  // those of a suit b well enough: neighbors mostly have similar normals, and any axes give right answers
+    const float away = base::float_up(transform.error * pair.scale);
+    // Any axes give right answers. The axes of leaf a are good for both, as neighbors mostly have similar normals.
+    int axis[2];
     find_wide_axes(a.node->bounds, a.slot, axis);
-    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, slack),
-                               LeafOfMesh(self->b, own_b, pair.step_b, slack), axis, pairs);
+    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
+                               LeafOfMesh(self->b, own_b, pair.step_b, away), axis, pairs);
   }
   pairs.fill_last_packet();
   for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
@@ -303,7 +308,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     }
   }
   if (wants_pruned_bound) {
-    // Bounds from corners contain no errors yet.
+    // Gaps of boxes and along w, n and m: errors are not yet subtracted.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }

@@ -349,7 +349,7 @@ LIMBER_KERNEL void find_close_elements(const SlotRef& a, const SlotRef& b, const
   } else {
     unpack(*b.triangles, pair.step_b, transform, pair.offset, cb);
   }
-  const float limit = pair.cutoff + pair.error;
+  const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
   // A byte for each kind of element, with a bit for each slot; the last kind is a slot in use.
   const std::uint64_t owned_a = transpose(owned_by_a.of_slots), owned_b = transpose(owned_by_b.of_slots);

@@ -23,8 +23,8 @@ namespace {
 /// Numbers from here to its double are whole, so their last bits count.
 inline constexpr float counts_from = 0x1p23F;
 
-/// What goes for a child, and infinity for slots from `child_count` on. The slots are `i` and following.
-LIMBER_KERNEL Packet of_children(Packet x, std::uint32_t i, std::uint32_t child_count) {
+/// The number of each child, and infinity for slots from `child_count` on. The slots are `i` and following.
+LIMBER_KERNEL Packet infinite_unless_child(Packet x, std::uint32_t i, std::uint32_t child_count) {
   alignas(64) static constexpr float number[width] = {0, 1, 2, 3, 4, 5, 6, 7};
   const Mask is_child = Packet::load(number + i) < Packet::set(static_cast<float>(child_count));
   return select(is_child, x, Packet::set(std::numeric_limits<float>::infinity()));

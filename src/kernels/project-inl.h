@@ -40,24 +40,25 @@ struct ProjectedNode {
 };
 
 /// The search direction for the children of one node and a projected node. A child is pruned if its support along
-/// `direction`, from the node's origin, is at most `pruned_support`: then the gap is at least the cutoff, all errors
-/// included.
+/// `direction`, from the node's origin, is at most `pruned_support`: then the gap is at least the prune distance, all
+/// errors included.
 struct ProjectedDirection {
   const float* direction;
   float pruned_support;
-  float cutoff;  // prune distance in units
+  float prune_distance;  // in units
 };
 
 /// Two leaves in the frame of a, relative to the center of a, scaled so that all numbers are about 1 or less.
 ///
 /// The support of a triangle is how far it extends from its leaf's center along the search direction, towards the other
 /// leaf. A pair of triangles is pruned if the sum of both supports is at most `pruned_support`: then their gap is at
-/// least the cutoff, all errors included. Other gaps do not include `error`, and are compared with cutoff + error.
+/// least the prune distance, all errors included. Other gaps do not include `error`, and are compared with
+/// prune_distance + error.
 struct ProjectedLeaves {
   float step_a, step_b;  // lengths of one quantization step
   float offset[4];       // from the center of a to that of b
   float error;           // upper bound of how much rounding and quantization can change a gap
-  float cutoff;          // prune distance
+  float prune_distance;
   float pruned_support;
   double scale;  // factor from lengths to scaled ones
 };
@@ -200,7 +201,7 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b,
   for (int j = 0; j < 4; ++j) p.offset[j] = static_cast<float>(offset[j] * scale);
   const double steps = base::quantization_error * (step_a + step_b);
   p.error = base::float_up(steps + transform.error * scale) + base::leaf_pair_error;
-  p.cutoff = base::float_up(std::min(pruning.distance * scale, base::max_units));
+  p.prune_distance = base::float_up(std::min(pruning.distance * scale, base::max_units));
   p.pruned_support = 0;
   if (pruning.has_direction) {
     const double rounding = (radius_a + radius_b) * static_cast<double>(base::projection_error);

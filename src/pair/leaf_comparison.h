@@ -125,7 +125,7 @@ class LeafComparison {
   bool find_contact(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b, simd::Candidates& found) {
     static_assert(!Collector::is_self);
     simd::PruneLimits contact{};
-    contact.distance = simd::smallest_cutoff;
+    contact.distance = simd::smallest_prune_distance;
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       const PlacedTriangle &a = a_.at(found.pairs[i].slot_a), &b = b_.at(found.pairs[i].slot_b);

@@ -99,7 +99,7 @@ class Pruning {
 
   void set_cutoff(double cutoff) {
     cutoff_ = std::max(cutoff, std::numeric_limits<double>::min());  // contacts are never pruned
-    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_cutoff);
+    in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_prune_distance);
   }
 
   /// `direction` has length 1, in the world, from a to b.

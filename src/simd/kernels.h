@@ -21,8 +21,9 @@
 ///
 /// Frames    One of two trees is the kernel's own: that of `node` or of `a`. The other one's slots are brought to its
 ///           frame.
-/// Distance  `distance`, in PruneLimits, is a length from which on pairs are pruned; a cutoff is that length in the
-///           units of a kernel. A limit belongs to one call.
+/// Pruning   Pairs at least the prune distance apart are pruned: PruneLimits::distance, a length. It is the query's
+///           cutoff, or slightly more (pair::Pruning). Kernels convert it to their own units. An argument `limit` or
+///           `limit_sq` is what a kernel compares its bounds with, in the units of these bounds.
 namespace limber::simd {
 
 using bvh::width;
@@ -33,31 +34,32 @@ using bvh::width;
 /// and padded, so that four numbers are worked on at once.
 ///
 /// `error` is an upper bound of how much the rounding of placed points, and the slack of both models, can change a
-/// length (Tree::slack). A number that float32 could not square is infinite here; kernels then take the other slot to
-/// be everywhere.
+/// length (Tree::slack). `ratio` and `error_units` are infinite if float32 could not square them; kernels then take the
+/// other slot to be everywhere.
 struct FrameTransform {
-  alignas(32) double from_other[4][4];  ///< the columns of the rotation, then the translation
+  alignas(32) double from_other[4][4];  ///< three columns of the rotation, then the translation
   alignas(16) float rotation[3][4];     ///< the same rotation, rounded
-  float rotation_abs[3][4];
-  double unit, per_unit, other_unit;
-  float ratio;        ///< other_unit / unit, may be infinite
-  float error_units;  ///< error / unit, rounded up, may be infinite
+  float rotation_abs[3][4];             ///< its absolute values
+  double unit, per_unit;                ///< of the kernel's own tree; 1 / unit
+  double other_unit;
+  float ratio;        ///< other_unit / unit
+  float error_units;  ///< error / unit, rounded up
   double error;
 };
 
 /// The prune distance of queries for which only contacts matter. It is above 0, so that contacts are never pruned.
-/// Kernels scale it by about 1 / the size of a pair of leaves. It is so far above 2^-1022 that the product is
-/// subnormal, which processors take long to compute with, only where leaves are 2^62 or larger.
-inline constexpr double smallest_cutoff = 0x1p-960;
+/// Kernels divide it by about the size of a pair of leaves. Up to a size of 2^62 the quotient is not subnormal:
+/// processors take long to compute with subnormal numbers.
+inline constexpr double smallest_prune_distance = 0x1p-960;
 
 /// What a query prunes: pairs whose distance is at least `distance`. If there is a search direction, the direction
 /// between the closest points found so far, pairs are also pruned by their gap along it.
 struct PruneLimits {
   double distance;
   bool has_direction;
-  double direction[3];         ///< from this model to the other, in this frame, of length 1
+  double direction[3];         ///< from the kernel's own model to the other, in the own frame, of length 1
   float direction32[3];        ///< `direction`, rounded
-  float other_direction32[3];  ///< from the other model to this one, in the other's frame, rounded
+  float other_direction32[3];  ///< from the other model to the own one, in the other's frame, rounded
 };
 
 /// A child slot of a node: the subtree or leaf in it, with its bounding volume.
@@ -75,7 +77,7 @@ struct KeptSlots {
 
 /// Two triangles of two leaves that are not pruned.
 struct Candidate {
-  float bound_sq;  ///< lower bound of (distance * Candidates::scale + Candidates::error)^2
+  float bound_sq;  ///< lower bound of (distance * Candidates::scale + Candidates::error)^2: errors not yet subtracted
   std::uint8_t slot_a, slot_b;
 };
 
@@ -83,14 +85,14 @@ struct Candidates {
   std::uint32_t count;
   float error;         ///< upper bound of how much rounding and quantization can change a gap, scaled
   double scale;        ///< factor from lengths to scaled ones, a power of two
-  float pruned_bound;  ///< lower bound of distance * scale of the pairs that are no candidates
+  float pruned_bound;  ///< lower bound of distance * scale of the pairs that are no candidates: errors subtracted
   Candidate pairs[width * width];
 };
 
 /// A point to be compared with a tree, in the tree's frame.
 ///
-/// A point is far if float32 cannot tell its distances from parts of the model apart. Then, and only then, it has a
-/// direction, and kernels compare heights along that direction over the point `base` of the model.
+/// A point is far if float32 cannot resolve how much nearer one part of the model is than another. Then, and only then,
+/// it has a direction, and kernels compare heights along that direction over the point `base` of the model.
 struct QueryPoint {
   alignas(32) double position[4];  ///< the fourth number is 0
   double unit, per_unit;           ///< of the tree
@@ -99,33 +101,33 @@ struct QueryPoint {
   bool is_far;
   double direction[3];  ///< from the model to the point, of length 1 in the world, so nearly 1 here
   double base[3];
-  double height;  ///< of the query point over base
+  double height;  ///< of the query point over base; for bound_triangles_along
   float direction32[3];
 };
 
 /// Lower bounds of the distances of the children of a node from a point, and the order of the children by them.
 struct ChildrenInOrder {
   alignas(32) float bound[width];  ///< squared or not, as the kernel says; infinite for slots without a child
-  /// 2^23 + place_of(slot). The last bits of floats of this size count ones, so they are the place.
+  /// 2^23 + place_of(slot). The mantissa of a float of this size is a whole number, so its last bits are the place.
   alignas(32) float place_in_bits[width];
   float upper;    ///< upper bound, in units, of the distance of the nearest triangle from the point
   unsigned kept;  ///< bit mask: children whose bound is at most the limit
 
-  /// The place of a slot when the kept children are lined up, the nearest one last, and the others after them. Every
-  /// slot has a place of its own.
+  /// The place of a slot when the kept children are lined up, the nearest one last, then the other slots. Every slot
+  /// has a place of its own.
   std::uint32_t place_of(std::uint32_t slot) const { return std::bit_cast<std::uint32_t>(place_in_bits[slot]) % width; }
 };
 
 /// Intervals of the distances of a point from the triangles of a leaf, in quantization steps of the leaf.
 struct TriangleIntervals {
-  alignas(32) float lower[width];
-  float upper;    ///< upper bound of the distance of the nearest triangle
-  unsigned kept;  ///< bit mask: triangles whose lower bound is at most the limit, and at most `upper`
-  double step;    ///< length of one step
+  alignas(32) float lower[width];  ///< negative where errors exceed the distance
+  float upper;                     ///< upper bound of the distance of the nearest triangle
+  unsigned kept;                   ///< bit mask: triangles whose lower bound is at most the limit, and at most `upper`
+  double step;                     ///< length of one step
 };
 
-/// A triangle with its edges, and for each edge the vector in its plane, perpendicular to it, that points to the third
-/// corner. No vector has length 1.
+/// A triangle with its edges, and for each edge a vector in the triangle's plane that is perpendicular to the edge and
+/// points to the third corner. Vectors are not normalized. geometry::Face is derived from this.
 struct FaceVectors {
   Triangle corner;             ///< all three corners
   std::array<Vec3, 3> edge;    ///< edge k goes from corner k to the next
@@ -136,8 +138,8 @@ struct FaceVectors {
 /// of a corner is its projection on the plane of the other triangle.
 struct TriangleFeatures {
   double distance_sq;            ///< of the closest edges; infinite if no distance is a number
-  double at_a, at_b;             ///< their closest points as parts of the edges, from 0 to 1
-  std::uint32_t edge_a, edge_b;  ///< among equally close pairs the one with the least (edge_a, edge_b)
+  double at_a, at_b;             ///< the parameters of their closest points, from 0 to 1
+  std::uint32_t edge_a, edge_b;  ///< the closest edges; of equally close pairs that with the least (edge_a, edge_b)
   unsigned feet_of_a;            ///< bit mask: corners of a whose foot is in triangle b
   unsigned feet_of_b;            ///< bit mask: corners of b whose foot is in triangle a
 };
@@ -149,7 +151,7 @@ struct SegmentPairs {
 };
 
 /// What geometry::closest_on() gives for pairs of segments, to the bit, if the pair's bit in `are_ordinary` is set.
-/// Other pairs are so large, small or close that they need another unit.
+/// Other pairs are so large, small or close that they have to be scaled (geometry::LocalFrame).
 struct ClosestOfSegments {
   double distance[SegmentPairs::room], s[SegmentPairs::room], t[SegmentPairs::room];
   unsigned are_ordinary;
@@ -170,8 +172,9 @@ struct SelfPair {
   const bvh::Leaf &a, &b;
 };
 
-/// The elements that the triangles of a leaf own (MeshEdges), a byte for each slot: bit k is the vertex of corner k,
-/// bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use. A slot that is not owns nothing.
+/// The elements that the triangles of a leaf own, that is, represent (MeshEdges). A byte for each slot: bit k is the
+/// vertex of corner k, bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use. A slot that is
+/// not in use owns nothing.
 struct OwnedElements {
   std::uint64_t of_slots;
 };
@@ -198,19 +201,20 @@ struct ElementCandidates {
 /// Compares the children of a node with one slot of the other tree, by lower bounds of squared distances in squared
 /// units of the tree of `node`. `transform` and `pruning` are those of that tree.
 ///
-/// returned  The children with a bound below `limit_sq`, less those that the search direction prunes. Callers derive
-///           `limit_sq` and `pruning.distance` from one cutoff.
+/// returned  The children with a bound below `limit_sq`, less those that the search direction prunes. `limit_sq` is
+///           pruning.distance in units, squared and rounded up (pair::SquaredLimits).
 /// order     For each slot the bound without the search direction, if positive. Otherwise how deep the spheres overlap,
 ///           as a fraction of the sum of their radii, negative: sorted by it, the deepest overlap comes first.
 /// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
 ///
-/// Slots without a child get numbers that mean nothing. Only whether a bound is 0 matters, and that takes less time, if
-/// pruning.distance is smallest_cutoff and bound_sq is nullptr: bounds are then lengths of some gap, not squares.
+/// Slots without a child get numbers that mean nothing. If pruning.distance is smallest_prune_distance and bound_sq is
+/// nullptr, the query only asks whether volumes overlap. A faster way is then taken: positive bounds in `order`
+/// are lengths of some gap, not squares.
 using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
 /// Finds the pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are
-/// those of the tree of `a`. Candidates::pruned_bound is computed if `wants_pruned_bound`.
+/// those of the tree of `a`. Candidates::pruned_bound means something only if `wants_pruned_bound`.
 ///
 /// `self` is nullptr unless both are leaves of one tree. Then pairs are left out that share a vertex or an edge and
 /// certainly meet nowhere else; and in a leaf with itself, each triangle is compared with those after it.
@@ -228,25 +232,25 @@ using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const Fra
                                    const SelfPair* self, ElementCandidates& found);
 
 /// Bounds of the distances between a point and the children of a node, and the order of the children whose bound is at
-/// most `limit`, which is finite.
+/// most `limit`, which is finite. The numbers that are bounds, and `limit`, depend on the kernel:
 ///
-/// bound_children_to_point gives squared distances in squared units. Where one is 0 it gives how deep the point is
-/// inside of the child's sphere, as a fraction of the radius, negative. bound_children_along is for far points: large
-/// distances take no precision away, because bounds are depths, in units, of the highest point of a child below
-/// QueryPoint::base. Its `upper` is infinite.
+/// bound_children_to_point  Squared distances in squared units. Where one is 0 it gives how deep the point is inside of
+///                          the child's sphere, as a fraction of the radius, negative.
+/// bound_children_along     For far points: minus the height of the child's highest point over QueryPoint::base, in
+///                          units. Large distances take no precision away from it. `upper` is infinite.
 using BoundChildrenToPoint = void (*)(const bvh::Node& node, const QueryPoint& point, float limit,
                                       ChildrenInOrder& children);
 
 /// Intervals of the distances between a point and the triangles of the leaf in a slot of `node`. A triangle that is not
-/// kept is farther away than `limit`, a length, or than another triangle.
+/// kept is farther away than `limit`, which is a length, or than another triangle.
 ///
 /// bound_triangles_along is for far points: lower bounds are 0 and `upper` is infinite, so only `kept` counts.
 using BoundTrianglesToPoint = void (*)(const bvh::Node& node, std::uint32_t slot,
                                        const bvh::QuantizedTriangles& triangles, const QueryPoint& point, double limit,
                                        TriangleIntervals& intervals);
 
-/// The children of a node, as a bit mask, that a ray may cross. For the others its three directions prove that it does
-/// not: it passes beside their extent along `left` or `up`, or they are behind its origin.
+/// The children of a node, as a bit mask, that a ray may cross. For the others the ray's three directions prove that it
+/// does not: it passes beside their extent along `left` or `up`, or they are behind its origin.
 using FindCrossedChildren = unsigned (*)(const bvh::Node& node, const QueryRay& ray);
 
 /// The triangles, as a bit mask, of the leaf in a slot of `node` that a ray may cross.
@@ -264,7 +268,7 @@ using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node);
 
 struct Displacement {
   double farthest_sq;  ///< the longest displacement of a point, squared; 0 if not is_bounded
-  bool is_bounded;     ///< whether all new coordinates are numbers of at most a given size
+  bool is_bounded;     ///< whether all new coordinates are numbers of at most the size that was asked for
 };
 /// Measures how far points move from `from` to `to`, and whether all coordinates of `to` are numbers of at most
 /// `largest` in size.
