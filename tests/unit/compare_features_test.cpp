@@ -87,7 +87,8 @@ simd::TriangleFeatures compare_edges(const simd::FaceVectors& a, const simd::Fac
   simd::TriangleFeatures best{std::numeric_limits<double>::infinity(), 0, 0, 0, 0, 0, 0};
   for (std::uint32_t i = 0; i < 3; ++i) {
     for (std::uint32_t j = 0; j < 3; ++j) {
-      const Segment of_a{a.corner[i], a.corner[geometry::next_corner[i]]}, of_b{b.corner[j], b.corner[geometry::next_corner[j]]};
+      const Segment of_a{a.corner[i], a.corner[geometry::next_corner[i]]},
+          of_b{b.corner[j], b.corner[geometry::next_corner[j]]};
       const auto [s, t] = geometry::closest_parameters(of_a, of_b);
       const double distance_sq = length_sq((of_b.p0 - of_a.p0) + (t * b.edge[j] - s * a.edge[i]));
       if (distance_sq < best.distance_sq) best = {distance_sq, s, t, i, j, 0, 0};
