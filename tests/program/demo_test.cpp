@@ -157,7 +157,7 @@ TEST(ProgramDemo, TimesHaveOneUnit) {
   // Without dents updates take less than a microsecond; with many, in the classic engine, milliseconds.
   for (const std::string options : {"--engine fast --dents-per-frame 0", "--engine classic --dents-per-frame 50"}) {
     const Report demo = played("--frames 20 --no-check " + options);
-    const std::regex other_unit("[0-9] ?[mn]s[^a-z]|milli|nano");
+    const std::regex other_unit(R"(\b[0-9.]+ ?[mn]s\b|milli|nano)");
     EXPECT_FALSE(std::regex_search(demo.outcome.out, other_unit)) << demo.outcome.out;
     EXPECT_FALSE(std::regex_search(demo.data["demo"].dump(), other_unit)) << options;
   }
