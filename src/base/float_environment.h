@@ -29,9 +29,9 @@ namespace limber::base {
 /// Entry    Its operands are loaded after the first write: public functions take coordinates by reference or read them
 ///          from models. Arithmetic on nothing but numbers passed by value, as of a quaternion, is not held.
 /// Exit     A value that a function computes in its return statement must go through computed_before_restore().
-/// Limits   Exception flags raised inside stay raised, or are lost if the register was written. On i386 the environment
-///          is that of SSE: compile with -mfpmath=sse. On processors other than x86, AArch64 and WebAssembly only the
-///          rounding mode is set.
+/// Limits   Exception flags raised inside may stay raised, or be lost if the register was written. On i386 the
+///          environment is that of SSE: compile with -mfpmath=sse. On processors other than x86, AArch64 and
+///          WebAssembly only the rounding mode is set.
 /// Cost     One read of the control register, by the constructor, when the environment is the default one: about 1 ns.
 class DefaultFloatEnvironment {
  public:

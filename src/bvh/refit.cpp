@@ -83,8 +83,9 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
       radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
     }
   }
-  // Rounding in float64: of `radius`, in proportion to it; and of `shift` and of centers, at most some hundred times as
-  // long as `whole` reaches (tolerated_origin_distance), while `outward` has 2^13 times the rounding of one operation.
+  // Two kinds of rounding in float64. That of `radius` is in proportion to it: a factor. That of `shift` and of the
+  // centers is in proportion to their length, which is at most some hundred times that of `whole`
+  // (tolerated_origin_distance); `outward` has room for 2^13 roundings.
   const double rounding = (outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
   return std::min(whole.radius, radius * outward + rounding);
 }

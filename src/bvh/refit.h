@@ -31,7 +31,8 @@ void fit_upper_node(Tree& tree, MeshView mesh, std::uint32_t node);
 /// Refits one dirty node: on the lowest level its slots and leaves; on all levels the slot of the parent that bounds
 /// the node. Returns whether the parent has become dirty; false for node 0, which has none.
 ///
-/// Pre      What is below the node is fitted, up to the slots of a node above the lowest level.
+/// Pre      Everything below the node is fitted; above the lowest level also the node's own slots, which its children
+///          have set.
 bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node);
 
 }  // namespace limber::bvh

@@ -54,8 +54,8 @@ void check(std::span<const Contact> contacts, const ReductionOptions& options) {
 // The middle. Halves are added, because the sum of two points may overflow.
 Vec3 position_of(const Contact& c) { return 0.5 * c.point_a + 0.5 * c.point_b; }
 
-/// The order of contacts: by how far the triangles are apart, less their depth. Ties are broken by everything else, so
-/// that the order does not depend on that of the input.
+/// The order of contacts: by how far the triangles are apart, less their depth. Ties are broken by all other numbers,
+/// so that the order does not depend on that of the input.
 bool is_deeper(const Contact& c, const Contact& d) {
   const double gap_c = c.distance - c.depth, gap_d = d.distance - d.depth;
   if (gap_c != gap_d) return gap_c < gap_d;
@@ -76,7 +76,7 @@ Vec3 offset(const Contact& from, const Contact& to, double radius) {
 }
 
 /// The cells of a grid along one axis. A cell is a little wider than twice `near`, so all coordinates near a given one
-/// are in two cells at most, but for rounding.
+/// are in two cells, or a few more because of rounding.
 ///
 /// A cell is named by its number, as long as that is below 2^53 and exact. Coordinates beyond are more than `near`
 /// apart unless they are equal: floating-point numbers of that size have larger steps. So there each coordinate is a
@@ -91,8 +91,8 @@ class AxisCells {
     return std::abs(at) < most ? std::floor(at) : x;
   }
 
-  /// The cells that may have a coordinate near x: two, or a few more where steps of floating-point numbers are as large
-  /// as cells. None is missed: rounding keeps the order of numbers.
+  /// The cells that may have a coordinate near x. None is missed: rounding keeps the order of numbers, and a coordinate
+  /// on the other side of 2^53 cells is a whole cell away.
   struct Range {
     double first, last;
   };

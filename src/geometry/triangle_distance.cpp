@@ -175,11 +175,12 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
     const double candidate = std::max(c.distance, nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
     if (candidate < misfit) contact = c.point, misfit = candidate;
   }
-  // Some edge E of one triangle meets the other, S. Let h be the smallest height of S. By the rounding of the normal of
-  // S, the crossing of E is about u * extent^2 / h above or below S. If it is beside S, E passes over an edge of S, or
-  // ends over S, at such a height, and the closest points are as near. They are also at most h / 2 apart: no point of S
-  // is farther from all edges of S, and each edge has been compared with E. So the misfit is at most about
-  // 2^-27 * extent, reached at h = 2^-26 * extent. The assertion allows twice that.
+  // Why the misfit is small: some edge E of one triangle meets the other one, S. Let h be the smallest height of S.
+  // First, the misfit is at most about u * extent^2 / h. The normal of S is off by rounding, so the crossing of E is
+  // computed that far above or below S. If it is computed to be beside S, then E passes over an edge of S, or ends over
+  // S, at such a height, and the closest points are that near. Second, the misfit is at most h / 2: every point of S is
+  // that near to an edge of S, and all edges of S have been compared with E. The smaller of the two is largest where
+  // they are equal, at h = 2^-26 * extent, and 2^-27 * extent there. The assertion allows twice that.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
@@ -212,7 +213,7 @@ class Comparison {
  public:
   Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
       : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
-    const Best best = closest_pair(local_a_, local_b_);  // a local variable: not stored before the calls below
+    const Best best = closest_pair(local_a_, local_b_);  // local: a member would be stored before each call
     are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.a_to_b, frame.extent());
     intersect_ = !are_proven_apart_ && geometry::intersects(a, b);
     best_ = best;

@@ -105,7 +105,8 @@ LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
   // The closest points of the edges ab, ac and bc, called the third. The point of weights v, w is x = a + v edge_b + w
   // edge_c. With p the query point, sq = (|x - p|^2 - |a - p|^2) / 2 is enough to compare points, and free of the
-  // cancellation of large squares. It is v (v / 2 bb + w bc - along_b) + w (w / 2 cc - along_c).
+  // cancellation of large squares. It is v (bb v / 2 + w bc - along_b) + w (cc w / 2 - along_c), and
+  // negative where x is nearer than a.
   const Packet half = Packet::set(0.5F);
   const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
   const Packet third_sq = bb - bc - bc + cc;

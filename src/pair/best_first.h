@@ -44,9 +44,9 @@ namespace limber::pair {
 ///   start_with()          without a front, from the state of a traversal whose front is full.
 /// Then call step() until it returns false, and finish(). search.h decides between them.
 ///
-/// Two limits of Pruning, which differ for tiny models only: bounds of float32 are compared with distance(), which
-/// float32 resolves; bounds in float64, those of the front, with cutoff(), which everything left out is promised to be
-/// apart.
+/// Pruning has two limits, which differ for tiny models only. Everything that is left out is at least cutoff() apart;
+/// bounds in float64, those of the front, are compared with it. Bounds in float32 are compared with distance(), which
+/// is never too small for float32.
 ///
 /// With `has_front`, a front records what the traversal prunes and compares; the front also owns the traversal's state,
 /// so that the next query can go on with it. While a traversal runs, nobody else changes Pruning: collectors return
@@ -322,8 +322,9 @@ class BestFirst {
 
   // --- seed ---
 
-  /// Decides whether to look for a seed. With a finite `max_distance` the cutoff is low from the start, and the models
-  /// may be farther apart; so a seed is looked for only after a pair within that distance has been found.
+  /// Decides whether to look for a seed now. With a finite `max_distance` the models may be farther apart than that,
+  /// and a seed would be in vain. So it is looked for if the pair of a cache is within that distance; else
+  /// LeafComparison may ask for one later, once it has found such a pair.
   void prepare_seed() {
     if (std::isinf(search_.pruning.distance()) || search_.pruning.distance() < collector_.initial_cutoff()) {
       state_.seed.make_due();

@@ -103,12 +103,12 @@ class Front {
   double motion_bound() const { return motion_bound_; }
 
   /// Notes that the traversal has skipped ties (Ties::skipped): pairs that are as far apart as the best, which is at
-  /// `distance`, up to rounding. Such a pair may be computed to be a little nearer than the best, and so than the
-  /// bounds of this front say.
+  /// `distance`, up to rounding. Rounding may make such a pair a little nearer than the best. Then it is also nearer
+  /// than the bounds of this front, which count it as settled.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
   /// Whether a pair within `limit` may have been skipped as a tie, so that the records and the bound must not be used
-  /// to answer whether there is one. After any motion, however small, there is no such doubt: it lowers all bounds
-  /// by the errors of placing before and after, and ties differ by less.
+  /// to answer whether there is one. After any motion, however small, there is no such doubt: add_motion() lowers
+  /// all bounds by twice the errors of placing, before and after, and ties differ by less than that.
   bool may_lack_ties(const PlacedPair& placed, double limit) const {
     if (std::isinf(tied_distance_) || !is_of(placed) || !is_at_rest(placed)) return false;
     const double rounding = placed.error() + base::tie_error * tied_distance_;
@@ -195,8 +195,8 @@ class Front {
     }
     return count;
   }
-  /// Adds what has happened since the last traversal: motion of the poses, and of the vertices in their models, with
-  /// the rounding of their sums.
+  /// Adds what has happened since the last traversal: motion of the poses, and of the vertices in their models.
+  /// `rounding` is that of `deformation_`, a sum of many motions.
   void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (base::sum_up - 1);
     motion_bound_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
@@ -230,8 +230,8 @@ class Front {
     a_from_b_ = a_from_b;
     error_ = placed.error();
   }
-  /// What is left of a distance that was found at `recorded_at`, rounded down: each factor covers the two operations
-  /// before it. All of it if nothing has moved since.
+  /// What is left of a distance that was found at `recorded_at`: all of it if nothing has moved since; else less the
+  /// motion, rounded down. The inner factor covers the addition and itself, the outer one the subtraction and itself.
   double remaining(double distance, double recorded_at) const {
     constexpr double down = 2 - base::sum_up;
     return recorded_at == motion_bound_ ? distance

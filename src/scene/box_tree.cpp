@@ -130,8 +130,8 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
   const Box around = box_of_leaf(leaf);
 
-  // Pairs are collected before they are visited: a pair is written, and counted if it is near. So the loop has no
-  // branch that the processor could not predict.
+  // Pairs are collected before they are visited: a pair is written, and counted if it is near. So the loop needs no
+  // branch for that.
   constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
   std::uint32_t found_a[room], found_b[room];
   std::size_t count = 0;
