@@ -18,10 +18,10 @@ struct TraversalState {
   BucketQueue queue;
   float least_sq = 0, focus_sq = BucketQueue::no_limit_sq;  // the bounds between which its buckets lie
   std::uint64_t steps = 0;
-  std::uint64_t work = 0;  // pairs that kernels have compared; those of a front's records too, which are no steps
-  Descents descents;
-  WholeLeaves whole_leaves;
-  FlatSeed seed;
+  std::uint64_t work = 0;    // pairs that kernels have compared; those of a front's records too, which are no steps
+  Descents descents;         // when to go straight down to two leaves, so that the cutoff is low soon
+  WholeLeaves whole_leaves;  // whether leaves are tested as a whole before their triangles are compared
+  FlatSeed seed;             // a guess of the closest pair over a flat part of a model
 
   TraversalState() {}  // NOLINT: a defaulted one would let callers clear the queue's memory
 
