@@ -238,7 +238,7 @@ struct ReductionOptions {
 ///
 /// Shape    `contacts` as contacts() and self_contacts() write them, of any number of pairs of models. Returns how many
 ///          are kept. They are in front, patch by patch, the deepest patch and the first of a patch first. The
-///          removed ones are behind them, the deepest first. patches[i] becomes the number of the patch of contact i,
+///          removed ones are behind them, the deepest first. patch_ids[i] becomes the number of the patch of contact i,
 ///          from 0, for the kept contacts that there is room for.
 /// Promise  Each removed contact is at most `radius` away from a kept one that is at least as deep and whose normal is
 ///          within `max_angle`, up to rounding. First contacts of patches are farther apart than that.
@@ -252,6 +252,6 @@ struct ReductionOptions {
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.
 LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                                       std::span<std::uint32_t> patches = {});
+                                       std::span<std::uint32_t> patch_ids = {});
 
 }  // namespace limber

@@ -105,16 +105,16 @@ float from_sortable_bits(std::uint32_t bits) {
 float coordinate_of(std::uint64_t key) { return from_sortable_bits(static_cast<std::uint32_t>(key >> 32)); }
 
 /// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
-const float* as_points(std::span<const PrimitiveRef> primitives) {
+const float* as_points(const PrimitiveRef* primitives) {
   static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
-  return primitives.front().center.data();
+  return primitives->center.data();
 }
 
 /// The `n` primitives with the least coordinates along an axis, as a bit mask; of equal coordinates, the smaller
 /// triangle ids are less. Pre: there are at most simd::few_points primitives.
 std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
   if (n == 0) return 0;
-  simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives), axis, primitives.size(), n);
+  simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives.data()), axis, primitives.size(), n);
   // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids there.
   for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
     auto last = std::countr_zero(found.greatest);
@@ -255,7 +255,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
     switch (phase_) {
       case Phase::measuring: {
         const std::size_t end = spend_on_chunk(ns_to_measure);
-        simd::kernels().extend_box(as_points(primitives.subspan(next_)), end - next_, box_);
+        simd::kernels().extend_box(as_points(primitives.data() + next_), end - next_, box_);
         next_ = end;
         if (next_ < end_) break;
         choose_axis();
