@@ -49,7 +49,7 @@ class ContactBench {
   void two_meshes(const std::string& name, const Mesh& a, const Mesh& b, bool with_given_margin);
   /// All vertices of a cloth move; then its contacts with a ball and with itself are found.
   void frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
-  /// The same frames with pairs of elements, which is what IPC's are.
+  /// As frames(), with pairs of elements, as IPC has them, in place of contacts.
   void element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
 
   // points.cpp
@@ -63,7 +63,7 @@ class ContactBench {
  private:
   /// As peers.py takes times: an untimed call first, then up to 15, fewer of long ones. prepare() is not timed.
   Timed time(const std::function<void()>& call, const std::function<void()>& prepare = {}) const;
-  /// The same for calls that take turns, so that a disturbance of the machine affects all alike. Up to 105 times each,
+  /// Times calls that take turns, so that a disturbance of the machine affects all alike. Up to 105 times each,
   /// because their ratio is to be exact.
   std::vector<Timed> time_in_turn(const std::vector<std::function<void()>>& calls) const;
   /// A file of answers that a peer may have written.

@@ -210,7 +210,7 @@ class NeighborRings {
   /// Whether a pair counts: the filter.
   bool operator()(TriangleId a, TriangleId b) const { return !are_near(a, b); }
 
-  /// Of the mesh; 0 if the object has been moved from.
+  /// How many triangles the mesh had; 0 if the object has been moved from.
   std::size_t triangle_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
   /// Pairs of different triangles that are near, each once.
   std::size_t pair_count() const { return near_.size(); }

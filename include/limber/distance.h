@@ -64,7 +64,7 @@ struct Witness {
 
 /// Work done by one query.
 struct QueryStats {
-  std::uint64_t node_tests = 0;      ///< pairs of bounding volumes compared: up to 8 in a step
+  std::uint64_t node_tests = 0;      ///< pairs of bounding volumes compared
   std::uint64_t triangle_tests = 0;  ///< pairs of triangles compared
 };
 

@@ -56,7 +56,7 @@ struct MeshFile {
 /// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
 LIMBER_API Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
-/// The same for a file that is in memory. Its name has the extension, and is what messages call it.
+/// Reads a file that is in memory. `name` tells the format by its extension, and is what messages call the file.
 ///
 /// Errors   As read_mesh_file(). glTF files that name buffer files are malformed.
 LIMBER_API Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name);

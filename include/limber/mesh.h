@@ -36,7 +36,7 @@ struct MeshView {
 /// Cost     O(vertices + triangles).
 LIMBER_API Result<void> check_mesh(MeshView mesh);
 
-/// The same test for positions alone; `where` is the index of the first bad one.
+/// Checks positions alone. Errors: `non_finite` or `too_large`, with the index of the first bad one.
 LIMBER_API Result<void> check_positions(std::span<const Vec3> positions);
 
 /// Positions as other programs keep them: float32 or float64, packed or with a stride. Does not own them.

@@ -53,7 +53,7 @@ struct PointResult {
 /// Source   docs/algorithms/points.md.
 LIMBER_API PointResult closest_point(const Placed& model, const Vec3& point, const PointOptions& options = {});
 
-/// The same for many points: results[i] is that of points[i], to the bit.
+/// Answers for many points: results[i] is that of points[i] asked alone, to the bit.
 ///
 /// Throws   std::invalid_argument as closest_point(), or if there are not as many results as points; no result has been
 ///          written then.
@@ -110,7 +110,7 @@ class ClosedSurface {
   /// Cost     That of both.
   LIMBER_API SignedDistance signed_distance(const Vec3& point, const Transform& world_from_model = {},
                                             const PointOptions& options = {}) const;
-  /// The same for many points: results[i] is that of points[i], to the bit.
+  /// Answers for many points: results[i] is that of points[i] asked alone, to the bit.
   ///
   /// Throws   As above, or if there are not as many results as points; no result has been written then.
   /// Cost     On the threads of the calling oneTBB arena.

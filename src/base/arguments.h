@@ -45,7 +45,7 @@ inline void check_point(const Vec3& point, const char* function) {
                  (std::string(function) + ": a coordinate of the point is not finite, or above 2^200").c_str());
 }
 
-/// Of a query about many points.
+/// Checks the arguments of a query about many points.
 inline void check_points(std::span<const Vec3> points, std::size_t result_count, const char* function) {
   LIMBER_REQUIRE(points.size() == result_count,
                  (std::string(function) + ": there must be as many results as points").c_str());

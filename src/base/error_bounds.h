@@ -30,7 +30,7 @@ inline constexpr float point_error = 0x1p-20F;
 /// What placing a corner relative to another, and the few operations that follow, change a length by, as a part of the
 /// leaf's extent.
 inline constexpr float corner_error = 0x1p-21F;
-/// The same in any case, in units: lengths below this have no square in float32.
+/// The least that placing a corner is taken to change a length by, in units: shorter lengths have no square in float32.
 inline constexpr float smallest_corner_error = 0x1p-60F;
 
 /// What quantization moves a corner by, in steps: a coordinate by at most 0.52, so a corner by sqrt(3) * 0.52.
@@ -66,7 +66,7 @@ inline constexpr double max_units = 0x1p60;
 
 /// What subtracting two nearby points and scaling the difference changes a length by, as a part of the difference.
 inline constexpr double offset_error = 0x1p-50;
-/// The same as a part of the distance from the origin, for one difference.
+/// What the difference of two coordinates is off by, as a part of the distance from the origin.
 inline constexpr double relative_position_error = 0x1p-51;
 
 /// Covers the rounding of lengths, of sums of a few of them, and of everything computed while bounds are fitted.

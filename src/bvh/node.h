@@ -17,8 +17,8 @@ namespace limber::bvh {
 /// Child slots of a node, and triangle slots of a leaf.
 inline constexpr std::uint32_t width = 8;
 
-/// Of masks in which bit 8 k + i stands for slot k of one node or leaf and slot i of another: of one with itself, the
-/// pairs of which the second slot is after the first.
+/// A mask of pairs of slots, in which bit 8 k + i stands for slots k and i: the pairs whose second slot is after the
+/// first, so that a node or leaf is compared with itself without repeats.
 inline constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
 
 /// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an

@@ -17,7 +17,7 @@ struct Reach {
   double by_sphere, by_slab;
 };
 
-/// Of the volume of a slot whose center is at `d` from the point.
+/// The reach of the volume of a slot whose center is at `d` from the point.
 inline Reach reach_of(const ChildBounds& n, std::uint32_t slot, const Vec3& d) {
   const double radius = n.radius[slot], low = n.low[slot], high = n.high[slot];
   const double height = dot(Vec3{n.normal_x[slot], n.normal_y[slot], n.normal_z[slot]}, d), d_sq = length_sq(d);

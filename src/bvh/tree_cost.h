@@ -49,11 +49,11 @@ class TreeCost {
 
  private:
   std::vector<float> expected_;  // by node of the lowest level
-  // Of the survey: sums over all lowest nodes before each one.
+  // The survey's sums over all lowest nodes before each one.
   std::vector<double> expected_sum_, excess_sum_;
   double root_radius_sq_ = 1;
   std::size_t surveyed_ = 0;
-  // Of the comparison.
+  // How far the comparison has come.
   double root_radius_sq_before_ = 1, cost_before_ = 0, cost_after_ = 0;
   std::uint32_t compared_ = 0, compare_end_ = 0;
 };

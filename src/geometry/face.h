@@ -13,7 +13,7 @@ namespace limber::geometry {
 
 /// A triangle prepared for projecting points on it. The foot of a point is its projection on the triangle's plane. Edge
 /// i goes from corner i to the next; inward[i] is perpendicular to it and to the normal, and points to the third
-/// corner. No vector has length 1.
+/// corner. The vectors are not normalized.
 ///
 /// Pre      Coordinates are at most 2^100 in size, so that fourth powers stay finite.
 struct Face : simd::FaceVectors {

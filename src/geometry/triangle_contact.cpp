@@ -268,7 +268,7 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
 
 /// The normal of triangles that are so close that rounding turns the line of the closest points.
 ///
-/// Of all planes between them, that across the closest points leaves the largest gap.
+/// The plane perpendicular to it leaves the largest gap of all planes between the triangles.
 Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance) {
   const bool in_order = comes_first(a, b);
   const Triangle &first = in_order ? a : b, &second = in_order ? b : a;

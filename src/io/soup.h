@@ -38,7 +38,7 @@ struct Soup {
 
 inline Error malformed(std::string reason) { return {ErrorCode::malformed_file, std::move(reason), {}}; }
 
-/// The same for a place that can be counted: "vertex 7: reason".
+/// A malformed_file error at a place that can be counted: "vertex 7: reason".
 inline Error malformed(std::string_view what, std::size_t where, std::string_view reason) {
   return {ErrorCode::malformed_file, std::string(what) + " " + std::to_string(where) + ": " + std::string(reason),
           where};

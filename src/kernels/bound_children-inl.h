@@ -48,7 +48,7 @@ LIMBER_KERNEL Packet3 box_gaps(const NodePairs& p, const ProjectedNode& other) {
   const Packet3 half_o = broadcast(other.half);
   return {abs(p.d.x) - p.half.x - half_o.x, abs(p.d.y) - p.half.y - half_o.y, abs(p.d.z) - p.half.z - half_o.z};
 }
-/// The same along the axes of the other node's own frame.
+/// Gaps along the axes of the other node's own frame, negative where the boxes overlap.
 LIMBER_KERNEL Packet3 own_box_gaps(const NodePairs& p, const ProjectedNode& other, const FrameTransform& transform) {
   const auto gap = [&](int k) {
     const Packet half = dot(p.half, broadcast(transform.rotation_abs[k]));
@@ -124,7 +124,7 @@ LIMBER_KERNEL Packet largest_gap(const NodePairs& p, const ProjectedNode& other,
   return max(max(p.sphere_gap, of_boxes), max(s.gap_o, s.gap));
 }
 
-/// The same as bound_children() for the children `i` and following. With `overlap_only` the bounds themselves do not
+/// What bound_children() does, for one packet of children from `i` on. With `overlap_only` the bounds themselves do not
 /// matter, only whether they are 0.
 template <bool overlap_only>
 LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint32_t i, const ProjectedNode& other,

@@ -38,7 +38,7 @@ struct ClosestOnSegments {
   P distance_sq;
 };
 
-/// Of segments with these edge vectors; `w` is from the start of a to that of b.
+/// The closest points of segments with these edge vectors; `w` is from the start of a to that of b.
 template <typename P>
 LIMBER_KERNEL ClosestOnSegments<P> closest_on_segments(const Triple<P>& edge_a, const Triple<P>& edge_b,
                                                        const Triple<P>& w) {

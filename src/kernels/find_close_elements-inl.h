@@ -73,7 +73,7 @@ LIMBER_KERNEL std::uint64_t transpose(std::uint64_t m) {
   t = (m ^ (m >> 28)) & 0x00000000f0f0f0f0U;
   return m ^ t ^ (t << 28);
 }
-/// Of the bits that an OwnedElements has, transposed, those of vertices and of edges.
+/// The bits of vertices and of edges in a transposed OwnedElements.
 LIMBER_KERNEL std::uint32_t vertices_in(std::uint64_t owned) { return owned & 0xffffff; }
 LIMBER_KERNEL std::uint32_t edges_in(std::uint64_t owned) { return owned >> 24 & 0xffffff; }
 LIMBER_KERNEL unsigned row_of(std::uint64_t m, std::uint32_t row) {
@@ -295,7 +295,7 @@ struct VertexFacePoints {
     return vertex_face_apart(points, limit_sq);
   }
 };
-/// The same for two edges, the second by its place among those that are owned.
+/// How pairs of edges are brought into packets and compared; the second edge is named by its place in OwnedEdges.
 struct EdgePoints {
   const CornerPoints &a, &b;
   const OwnedEdges& edges_b;

@@ -170,8 +170,8 @@ LIMBER_KERNEL unsigned separated_at_edge(const SharedCorners& shared, const Pack
                                    error_a.length, error_b.length));
 }
 
-/// The same for one shared corner, with the planes along the edges of `a` from there, perpendicular to that triangle: b
-/// is beyond one of them.
+/// Lanes in which a plane through an edge of `a` at the one shared corner, perpendicular to `a`, separates the
+/// triangles: b is beyond it.
 LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Packet3 (&a)[3], Packet error_a,
                                              const Mask (&shared_b)[3], const Packet3 (&b)[3], Packet error_b) {
   const Packet3 at_a = select(shared_a[0], a[0], select(shared_a[1], a[1], a[2]));

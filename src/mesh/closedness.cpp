@@ -18,7 +18,7 @@ Error not_closed(TriangleId triangle, VertexId low, VertexId high, const std::st
           triangle};
 }
 
-/// What is wrong with an edge, by the sides of all its triangles.
+/// Names what is wrong with an edge, whose triangles have these sides.
 std::string fault_of(std::span<const Corners> triangles, VertexId low, std::span<const TriangleSide> sides) {
   if (low == sides.front().high) return "is a point";
   if (sides.size() == 1) return "belongs to no other triangle";

@@ -45,7 +45,7 @@ struct Expansion {
     record = NodePair::no_record, has_record = false;
   }
 
-  /// Of the children in a mask, the one with the least order. Pre: the mask is not empty.
+  /// The child of least order in a mask. Pre: the mask is not empty.
   std::uint32_t first_of(unsigned mask) const {
     LIMBER_ASSERT(mask != 0);
     auto first = static_cast<std::uint32_t>(std::countr_zero(mask));
@@ -55,7 +55,7 @@ struct Expansion {
     }
     return first;
   }
-  /// The one with the greatest order, of equal ones the last. Pre: as above.
+  /// The child of greatest order in a mask; the last of equal ones. Pre: the mask is not empty.
   std::uint32_t last_of(unsigned mask) const {
     LIMBER_ASSERT(mask != 0);
     auto last = static_cast<std::uint32_t>(std::countr_zero(mask));

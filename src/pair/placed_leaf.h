@@ -46,7 +46,7 @@ class PlacedLeaf {
     }
     return supports_[slot];
   }
-  /// The same for all triangles.
+  /// The support of the whole leaf, which is the largest of its triangles' supports.
   double support(const Vec3& direction, std::uint32_t number) {
     if (number == direction_number_ && has_support_) return support_;
     direction_number_ = number, supported_slots_ = (1U << bvh::width) - 1, has_support_ = true;

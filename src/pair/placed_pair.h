@@ -30,7 +30,7 @@ class PlacedPair {
     return sides_[index(s)].mesh.triangle(t);
   }
   Triangle triangle(Side s, TriangleId t) const { return placed(s, local_triangle(s, t)); }
-  /// The same of a triangle whose vertices are at hand.
+  /// A triangle given by its vertices, in the frame of its model, and in the world.
   Triangle local_triangle(Side s, const Corners& corners) const {
     const std::span<const Vec3> positions = sides_[index(s)].mesh.positions;
     return {positions[corners[0]], positions[corners[1]], positions[corners[2]]};

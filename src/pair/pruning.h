@@ -37,7 +37,7 @@ class Pruning {
   double cutoff() const { return cutoff_; }
   /// Bounds are compared with this: the cutoff, or for tiny models a larger distance that float32 resolves.
   double distance() const { return in_frame_[0].distance; }
-  /// Of the best pair so far that allows to prune others; 0 if there is none.
+  /// The distance of the best pair so far that allows to prune others; 0 if there is none.
   double best_distance() const { return best_distance_; }
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }
@@ -131,8 +131,8 @@ class Pruning {
     return std::nullopt;
   }
 
-  /// The same as prunes() for placed triangles, relative to a corner of one of them: an offset that they share costs no
-  /// precision.
+  /// Decides what prunes() does from placed triangles, relative to a corner of one of them, so that an offset that both
+  /// share costs no precision.
   bool prunes_placed(const Triangle& a, const Triangle& b) const {
     const Vec3& d = direction_;
     const Vec3 a1 = a.v1 - a.v0, a2 = a.v2 - a.v0, b0 = b.v0 - a.v0, b1 = b.v1 - a.v0, b2 = b.v2 - a.v0;

@@ -77,7 +77,7 @@ struct Slots {
   hn::Mask<Lanes> is_upper;  // of two vectors, where one does not hold a table
 #endif
 
-  /// Of pairs 8 * slot + slot, as many as there are lanes: the first slots, or the second.
+  /// The first or the second slots of as many pairs as there are lanes; a pair is 8 * first + second.
   static HWY_INLINE Slots first_of(const std::uint8_t* pairs) { return from(hn::ShiftRight<3>(load(pairs))); }
   static HWY_INLINE Slots second_of(const std::uint8_t* pairs) {
     return from(hn::And(load(pairs), hn::Set(Whole(), width - 1)));

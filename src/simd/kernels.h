@@ -341,7 +341,7 @@ struct Kernels {
 /// Threads  Safe; chosen once.
 const Kernels& kernels();
 
-/// The same arithmetic in plain C++, one SIMD lane at a time.
+/// All kernels in plain C++, with the same arithmetic, one SIMD lane at a time.
 extern const Kernels scalar_kernels;
 
 /// Every set this processor runs, best first, the scalar one last. For tests.

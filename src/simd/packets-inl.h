@@ -105,7 +105,7 @@ LIMBER_KERNEL Packet3 load_points3(const float* p) {
   load_interleaved(p, points.x, points.y, points.z);
   return points;
 }
-/// The same; the last number is x again.
+/// Stores points as load_points3() reads them; the fourth number is x again.
 LIMBER_KERNEL void store_points(const Packet3& points, float* p) { store_interleaved(points.x, points.y, points.z, p); }
 LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};

@@ -65,7 +65,7 @@ LIMBER_WASM Packet select(Mask m, Packet a, Packet b) { return {wasm_v128_bitsel
 struct Slots {
   v128_t bytes;  // of the picked numbers, in a table
 
-  /// Of pairs 8 * slot + slot, as many as there are lanes: the first slots, or the second.
+  /// The first or the second slots of as many pairs as there are lanes; a pair is 8 * first + second.
   static LIMBER_WASM Slots first_of(const std::uint8_t* pairs) { return from(wasm_u32x4_shr(load(pairs), 3)); }
   static LIMBER_WASM Slots second_of(const std::uint8_t* pairs) {
     return from(wasm_v128_and(load(pairs), wasm_u32x4_const_splat(width - 1)));

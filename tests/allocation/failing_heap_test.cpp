@@ -25,7 +25,7 @@ namespace {
 
 using scenes::Rng;
 
-/// Of distances in these tests, which are about 1 to 10.
+/// How much distances may differ in these tests, where they are about 1 to 10.
 constexpr double tolerance = 1e-14 * 16;
 
 Mesh some_mesh() { return scenes::wave_sheet(10, 10, 0); }

@@ -115,7 +115,7 @@ struct GltfParts {
 
   /// The description alone, with the bytes of the buffer in it or with its uri.
   std::string gltf() const { return description(uri.empty() ? "data:;base64," + base64(buffer) : uri); }
-  /// The same as a binary file.
+  /// The description and the buffer as one binary file.
   std::string glb() const { return limber::glb(description(""), buffer); }
 
  private:

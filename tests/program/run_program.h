@@ -25,7 +25,7 @@ struct Outcome {
 /// Runs the program with neither stream on a terminal.
 Outcome run(const std::string& line);
 
-/// The same with standard output going to a file or device, so that `out` stays empty.
+/// Runs the program with standard output going to a file or device, so that `out` stays empty.
 Outcome run_into(const std::string& file, const std::string& line);
 
 /// What a run without warnings prints.

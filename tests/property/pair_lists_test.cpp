@@ -60,7 +60,7 @@ bool same(const ElementPairs& p, const ElementPairs& q) {
   return same(p.vertex_face, q.vertex_face) && same(p.edge_edge, q.edge_edge);
 }
 
-/// The same list on every instruction set, order and numbers included.
+/// Makes a list on every instruction set; all have to be the same, order and numbers included.
 template <typename List>
 auto on_all_sets(const List& list) {
   simd::use_kernels(&simd::scalar_kernels);
@@ -120,7 +120,7 @@ void expect_same(const std::vector<Contact>& found, const std::vector<Contact>& 
   EXPECT_EQ(next, pairs.end()) << "pairs are wrong, or came twice";
 }
 
-/// The same of elements, numbers to the bit. `truth` has all pairs within the margin.
+/// Expects pairs of elements to be those of `truth`, numbers to the bit. `truth` has all pairs within the margin.
 template <typename Pair>
 void expect_same(const std::vector<Pair>& found, const std::vector<Pair>& truth, double certain) {
   const std::vector<Pair> pairs = in_order(found);

@@ -14,7 +14,7 @@
 /// Random queries of two models, and what is wrong with their answers: a text, empty if nothing is.
 namespace limber::testing {
 
-/// The same options, with a cache and a budget.
+/// Adds a cache and a budget to options.
 inline DistanceOptions with(DistanceOptions options, QueryCache* cache, const QueryBudget& budget = {}) {
   options.cache = cache, options.budget = budget;
   return options;
@@ -64,7 +64,7 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
   return is_exact && r.lower != r.upper ? "the distance is not exact" : "";
 }
 
-/// Of collide() if the limit is 0, otherwise of within().
+/// What is wrong with an answer of collide() if the limit is 0, otherwise of within().
 template <typename Placed>
 std::string wrong_answer(const CollideResult& r, double limit, const Placed& a, const Placed& b, const Truth& truth) {
   const double tolerance = limit == 0 ? 0 : truth.tolerance;

@@ -258,7 +258,7 @@ Primitives primitives_of(const Case& c, std::size_t axis, std::size_t count) {
   return primitives;
 }
 
-/// The same by sorting.
+/// Primitives in order along an axis, by sorting.
 Primitives sorted(Primitives primitives, std::size_t axis) {
   std::sort(primitives.begin(), primitives.end(), [axis](const PrimitiveRef& s, const PrimitiveRef& t) {
     return s.center[axis] != t.center[axis] ? s.center[axis] < t.center[axis] : s.triangle < t.triangle;

@@ -51,7 +51,7 @@ void give_points(const std::vector<T>& results, const IsInside& is_inside) {
 
 }  // namespace
 
-/// Of points in input().
+/// The closest points of a model to the points in input().
 LIMBER_EXPORT(closestPoints)
 bool exported_closest_points(const Model* model, PoseForm pose, std::size_t count, bool is_float32,
                              double max_distance) {
@@ -70,7 +70,7 @@ LIMBER_EXPORT(newClosedSurface) ClosedSurface* new_closed_surface(const Model* m
 }
 LIMBER_EXPORT(deleteClosedSurface) void delete_closed_surface(ClosedSurface* surface) { delete surface; }
 
-/// Of points in input(). Distances are negative inside.
+/// The signed distances of the points in input(), negative inside.
 LIMBER_EXPORT(signedDistances)
 bool exported_signed_distances(const ClosedSurface* surface, PoseForm pose, std::size_t count, bool is_float32,
                                double max_distance) {

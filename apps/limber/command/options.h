@@ -39,7 +39,7 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& targ
   return option;
 }
 
-/// The same for whole numbers.
+/// The whole numbers that an option takes, ends included.
 struct CountRange {
   std::uint64_t low = 0, high = std::numeric_limits<std::uint64_t>::max();
 };

@@ -32,7 +32,7 @@ class OutputFailed : public std::runtime_error {
 /// Writes to standard output. Errors: OutputFailed.
 void write(std::string_view text);
 
-/// The same, formatted and with a line end.
+/// Writes a formatted line to standard output, with its line end. Errors: OutputFailed.
 template <typename... Args>
 void write_line(fmt::format_string<Args...> format, Args&&... args) {
   write(fmt::vformat(fmt::string_view(format), fmt::make_format_args(args...)) + '\n');
@@ -118,7 +118,7 @@ void warn(const std::string& verb, const std::string& text);
 /// Pre      All numbers are finite.
 std::string to_line(const Json& json);
 
-/// The same as a line of CSV: all values in their order, those of arrays and objects too. Null leaves cells empty:
+/// A JSON object as a line of CSV: all values in their order, those of arrays and objects too. Null leaves cells empty:
 /// as many as a `witness`, `pair` or `closest` has, or one.
 std::string csv_line(const Json& json);
 

@@ -83,10 +83,10 @@ class CsvFile {
   explicit CsvFile(std::string path)
       : path_(std::move(path)), file_(open_regular_file(path_)), buffer_(max_line_bytes + 1) {}
 
-  /// Of the line that came last, counted from 1.
+  /// The number of the line that came last, counted from 1.
   std::size_t line_number() const { return line_; }
 
-  /// What is wrong with a line, to be thrown.
+  /// An error that names the file and a line, to be thrown.
   BadInput error(std::size_t line, const std::string& reason) const {
     return BadInput(fmt::format("{}: line {}: {}", path_, line, reason));
   }

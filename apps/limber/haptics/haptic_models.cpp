@@ -159,7 +159,7 @@ Mesh tool_mesh(std::uint64_t at_most) {
 
 Transform device_pose(double seconds) {
   const auto at = [seconds](double period) { return turn * seconds / period; };
-  // Of the tip.
+  // Where the tip is.
   const double x = reach_mm * scenes::sine(at(x_period_s)), y = reach_mm * scenes::sine(at(y_period_s) + 0.7);
   const double height = mean_height_mm + height_amplitude_mm * scenes::cosine(at(press_period_s));
   const double s = scenes::sine(tilt / 2), axis = at(tilt_period_s);

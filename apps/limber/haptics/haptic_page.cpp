@@ -17,7 +17,8 @@ namespace {
 constexpr const TickPart& whole_tick = tick_parts[0];
 constexpr const TickPart& query = tick_parts[3];
 
-/// Of a page without scripts that takes nothing from elsewhere, light or dark as the reader's screen is.
+/// The head of the page. It has no scripts, takes nothing from elsewhere, and is light or dark as the reader's screen
+/// is.
 constexpr const char* page_start = R"(<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -173,7 +174,7 @@ std::string wake_up_histogram(const HapticRun& run) {
   return histogram_of(std::move(curves), std::nullopt);
 }
 
-/// Of every `group` values that follow each other, the largest; `unit` is how much of x a group is.
+/// The largest of every `group` consecutive values, as a curve; a group is `unit` wide along x.
 Curve largest_of_each(std::size_t group, double unit, const std::string& label, const std::string& style,
                       const std::vector<double>& values) {
   Curve curve{label, style, {}};

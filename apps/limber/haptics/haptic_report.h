@@ -46,7 +46,7 @@ struct HapticSummary {
   std::uint64_t moved_vertices = 0;
 };
 
-/// Of an empty run, missed and late ticks are those of the empty loop.
+/// Sums up a run. In an empty run, missed and late ticks are those of the empty loop.
 HapticSummary summary_of(const HapticRun& run);
 
 /// The rows of the table of times: a name, and the percentiles if there are any.

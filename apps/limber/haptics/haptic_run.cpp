@@ -66,7 +66,7 @@ std::size_t tick_count(double rate_hz, double seconds) {
   return static_cast<std::size_t>(std::max(1LL, std::llround(rate_hz * seconds)));
 }
 
-/// Of the empty loop, which may be left out.
+/// How many ticks the empty loop makes; 0 if it is left out.
 std::size_t empty_tick_count(const LoopOptions& options) {
   const double seconds = options.is_empty ? options.seconds : options.jitter_seconds;
   return seconds > 0 ? tick_count(options.scene.rate_hz, seconds) : 0;

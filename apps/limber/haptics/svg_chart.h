@@ -10,7 +10,7 @@
 /// that width; only the curves are stretched. Colors come from classes that the style sheet defines.
 namespace limber::program {
 
-/// What values an axis goes over and which of them it labels. What is below `low` is drawn there.
+/// The range of an axis and its labels. Values below `low` are drawn at `low`.
 struct ChartAxis {
   double low = 0, high = 1;
   bool is_logarithmic = false;

@@ -179,7 +179,7 @@ DistanceMap distance_map(MeshView mesh, const Transform& pose, const Placed& oth
 
 /// Meshes of more triangles are shown as they are; what a page of smaller ones may grow to.
 constexpr std::size_t most_triangles = 100'000;
-/// Of the diagonal of the smaller model's box: shorter edges are not divided for the map.
+/// Edges shorter than this part of the diagonal of the smaller model's box are not divided for the map.
 constexpr double shortest_edge_part = 1.0 / 256;
 
 double diagonal_of(const Box& box) { return length(box.high - box.low); }

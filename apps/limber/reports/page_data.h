@@ -27,7 +27,7 @@ void append_count(Bytes& bytes, std::uint64_t count);
 /// Pre      All are finite, as is their range.
 Json quantized(std::span<const double> numbers);
 
-/// The same for each of three coordinates; all of them have their own low and step.
+/// Points, quantized coordinate by coordinate: each of the three has its own low and step.
 Json quantized(std::span<const Vec3> points);
 
 /// Ids that increase, as the differences between them.

@@ -110,7 +110,7 @@ auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
 /// them such a pair is apart.
 enum class Nesting { none, a_in_b, b_in_a };
 
-/// Of models that meet it tells nothing.
+/// How two models are nested. The answer means nothing if they meet.
 ///
 /// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
 ///          first time.

@@ -11,7 +11,7 @@
 namespace limber::program {
 namespace {
 
-/// Of the page without frames: its program, its charts of a usual sequence, two meshes.
+/// What a page takes without its frames: the program, charts of a usual sequence, two meshes.
 constexpr double other_bytes = 1.5e6;
 constexpr double fewest_frame_bytes = 1e5;
 
