@@ -68,31 +68,30 @@ void construct(ModelObject* self, const MeshArgument& vertices, const ArrayLike&
 
 void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& faces) {
   const auto [positions, triangles] = mesh_arrays(vertices, faces);
-  const Changing guard = changing(self);
+  const Changing guard = changing(self);  // nobody reads the model or its edges meanwhile
   with_mesh(positions, triangles, [&](Mesh mesh) { self.model.reset(std::move(mesh)); });
   self.edges.reset();
 }
 
-void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
-  const std::vector<std::uint32_t> vertices = ids_from(ids, "ids");
-  const Positions moved(positions, "positions");
-  const Changing guard = changing(self);
-  value_or_raise(without_gil([&] { return self.model.move_vertices(vertices, moved.view()); }));
-}
-
-void move_all(ModelObject& self, const ArrayLike& positions) {
-  const Positions moved(positions, "positions");
-  const Changing guard = changing(self);
-  value_or_raise(without_gil([&] { return self.model.move_all(moved.view()); }));
-}
-
-/// Calls change(model) without the GIL while nobody reads the model.
+/// Calls change(model) without the GIL. Raises BusyError if another thread uses the model.
 template <typename Change>
 auto changed(ModelObject& self, const Change& change) {
   const Changing guard = changing(self);
   return without_gil([&] { return change(self.model); });
 }
 
+void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
+  const std::vector<std::uint32_t> vertices = ids_from(ids, "ids");
+  const Positions moved(positions, "positions");
+  value_or_raise(changed(self, [&](Model& model) { return model.move_vertices(vertices, moved.view()); }));
+}
+
+void move_all(ModelObject& self, const ArrayLike& positions) {
+  const Positions moved(positions, "positions");
+  value_or_raise(changed(self, [&](Model& model) { return model.move_all(moved.view()); }));
+}
+
+/// Calls read_model(model) with the GIL, as it is short. Raises BusyError if another thread changes the model.
 template <typename Read>
 auto read(ModelObject& self, const Read& read_model) {
   const Reading guard = reading(self);
@@ -117,7 +116,7 @@ IdArray faces_of(ModelObject& self) {
   return read(self, [](const Model& m) { return array_of(std::span<const Corners>(m.mesh().triangles())); });
 }
 
-/// What a pickle keeps: mesh, options, and the attributes that a class of Python has added.
+/// What a pickle keeps: mesh, options, and the attributes that a subclass in Python has added.
 nb::tuple state_of(nb::handle_t<ModelObject> self) {
   auto& object = nb::cast<ModelObject&>(self);
   return nb::make_tuple(vertices_of(object), faces_of(object), options_of(object),
@@ -136,7 +135,7 @@ void restore(nb::pointer_and_handle<ModelObject> self, const nb::tuple& state) {
 
 void bind_stats(nb::module_& m) {
   ValueClass<TreeStats>(m, "TreeStats", "The size of a tree.")
-      .field("levels", &TreeStats::levels, "Of nodes, the root's included.")
+      .field("levels", &TreeStats::levels, "Levels of nodes, the root's included.")
       .field("nodes", &TreeStats::nodes, "Of up to 8 children each.")
       .field("leaves", &TreeStats::leaves, docs::TreeStats_leaves)
       .field("bytes", &TreeStats::bytes, docs::TreeStats_bytes);
@@ -275,7 +274,7 @@ Busy     A call that would change a model while another thread uses it raises Bu
       .def(
           "bounding_sphere",
           [](ModelObject& self) { return read(self, [](const Model& model) { return model.bounding_sphere(); }); },
-          docs::Model_bounding_box)
+          docs::Model_bounding_box)  // one text for both
       .def("__repr__",
            [](ModelObject& self) {
              return read(self, [](const Model& model) {

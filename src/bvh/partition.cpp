@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Split finds the median by sampling, as [FloydRivest1975]. Its phases, which can be interrupted between chunks:
+// Assigns triangles to the leaves of a tree: splits ranges of them in two along the longest side of their centers,
+// until each is a leaf, and writes the leaves.
+//
+// Split makes one such split: it finds the middle, the primitive at which the second half begins, by sampling, as
+// [FloydRivest1975]. The window is the part of the range that still holds the middle, at first all. The phases, which
+// can be interrupted between chunks:
 //   measuring       finds the longest side of the bounding box of all centers.
-//   sampling        draws a sample of the window, and from it two limits that probably enclose the median.
+//   sampling        draws a sample of the window, and from it two limits that probably enclose the middle.
 //   moving_below    moves the primitives of the window below the lower limit to its front.
-//   moving_between  moves the primitives between the two limits behind them; is left out if the median is already among
+//   moving_between  moves the primitives between the two limits behind them; is left out if the middle is already among
 //                   the primitives below the lower limit.
-//                   After either, the part that holds the median becomes the window: back to sampling if it is large.
-//   finishing       selects the median of a small window directly, and moves what is less to the front.
+//                   After either, the part that holds the middle becomes the window: back to sampling if it is large.
+//   finishing       selects the middle of a small window directly, and moves what is less to the front.
 // Primitives are ordered by a key, the coordinate followed by the triangle's id, so all keys are distinct, and which
 // primitives go to which half does not depend on the samples. Limits are compared with coordinates only, which is
 // faster. If the next window has more than three quarters of the last one, many coordinates may be equal, and from then
@@ -35,8 +40,8 @@ constexpr std::size_t worth_a_task = 8192;
 // Windows up to this size are finished directly: by a kernel up to simd::few_points primitives, else by quickselect.
 constexpr std::size_t finished_directly = 512;
 
-// Primitives in a sample. In the sample, the limits have the rank that is expected of the median, less and plus
-// `sample_margin`: two standard deviations, of at most sqrt(128) / 2 = 5.7 each.
+// Primitives in a sample. The limits are those of its elements whose rank is `sample_margin` below and above the rank
+// that is expected of the middle: two standard deviations, of at most sqrt(128) / 2 = 5.7 each.
 constexpr std::size_t sample_size = 128, sample_margin = 12;
 
 // Primitives in one chunk of a pass over the window.
@@ -53,7 +58,7 @@ template <typename IsBelow>
 std::size_t move_below_to_front(std::span<PrimitiveRef> primitives, std::size_t below_end, std::size_t begin,
                                 std::size_t end, const IsBelow& is_below) {
   for (std::size_t i = begin; i < end; ++i) {
-    // Before the copy: GCC would write that to memory in order to read one of its coordinates.
+    // is_below() comes before the copy, or GCC would write the copy to memory to read one of its coordinates.
     const bool moves = is_below(i);
     const PrimitiveRef primitive = primitives[i];
     primitives[i] = primitives[below_end];
@@ -190,7 +195,7 @@ void Split::draw_limits(std::span<const PrimitiveRef> primitives) {
     k = key(primitives[begin_ + static_cast<std::size_t>(((random_ >> 32) * count) >> 32)]);
   }
   const std::size_t expected_rank = (middle_ - begin_) * sample_size / count;
-  // Without a lower limit, moving_below finds nothing to move.
+  // Without limits: moving_below moves nothing, moving_between all.
   lower_ = {0, -infinity}, upper_ = {std::numeric_limits<std::uint64_t>::max(), infinity};
   if (expected_rank >= sample_margin) {
     lower_.key = nth_least(keys, expected_rank - sample_margin);
@@ -338,7 +343,7 @@ void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primiti
     for (const TriangleId other : triangles) before += other < triangles[k] ? 1 : 0;
     leaf.triangle[before] = triangles[k];
   }
-  std::fill(leaf.triangle + count, leaf.triangle + width, leaf.triangle[count - 1]);
+  std::fill(leaf.triangle + count, leaf.triangle + width, leaf.triangle[count - 1]);  // copies of the last fill it up
   for (std::size_t k = 0; k < width; ++k) leaf.vertices[k] = mesh.triangles[leaf.triangle[k]];
 }
 

@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The stages. Each goes in small steps of some microseconds, and a call may end after any of them:
+// A rebuild partitions the triangles of one subtree anew while queries go on with the present tree, the first. The
+// result is a second tree, which replaces the first in take_over(). Meanwhile moves make nodes of both dirty: the
+// second tree's DirtySet follows the first's. The stages go in small steps of some microseconds, and a call may end
+// after any:
 //   gathering  reads the centers of the subtree's triangles.
 //   assigning  partitions them, range by range; writes the leaves of the second tree; indexes its vertices.
 //   fitting    sweeps over all nodes above the lowest level, from the last to the first, and fits the slots of each.
@@ -34,8 +37,9 @@ constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 16;
 constexpr double ns_per_written_leaf = 60, ns_per_enlisted_node = 2;
 
-// While the second tree catches up, the moves of each commit mark nodes of it. For each of them the commit may exceed
-// its budget by the time of this many refits. With 1 or less, nodes might be marked as fast as they are refitted.
+// While the second tree catches up, the moves of each commit mark some of its nodes. For each node that was marked the
+// commit may exceed its budget by the time of this many refits. With 1 or less, nodes might be marked as fast as they
+// are refitted.
 constexpr double refits_per_marked_node = 2;
 
 /// What fit_upper_node() takes, in ns.
@@ -247,17 +251,18 @@ double Rebuild::ns_beyond_budget() const {
 
 bool Rebuild::can_take_over(const Tree& tree, const DirtySet& dirty, double ns) const {
   if (stage_ != Stage::fitting) return false;
-  if (dirty.covers_most_of(tree)) return true;
+  if (dirty.covers_most_of(tree)) return true;  // all is refitted next anyway
   if (step_ != Step::catching_up || unit_before_sweep_ != tree.unit) return false;
   // Nodes of higher levels are cheaper than lowest ones, so ns_of_all is an upper bound.
   const double ns_of_all = ns_per_lowest_node * static_cast<double>(due_count());
   const double ns_of_this_commit = ns_per_lowest_node * static_cast<double>(second_dirty_->marked_count());
+  // What earlier commits have left takes at most `ns`.
   return ns_of_all <= ns_of_this_commit + ns;
 }
 
 void Rebuild::take_over(Tree& tree, DirtySet& dirty) {
   LIMBER_ASSERT(stage_ == Stage::fitting);
-  dirty.set_follower(nullptr);  // a set that is swapped below must not follow itself
+  dirty.set_follower(nullptr);  // its follower is second_dirty_: after the swap below it would follow itself
   const bool is_fitted = step_ == Step::catching_up && unit_before_sweep_ == tree.unit;
   if (!is_fitted || dirty.covers_most_of(tree)) {
     second_dirty_->add_all();

@@ -11,8 +11,13 @@
 // fit_lowest() fits the slots of one lowest node, fit_upper() those of a higher one, fit_all() all. refit() is for one
 // dirty node: its slots, if need be, and the parent's slot for it, whose change makes the parent dirty.
 //
-// A lowest node's origin is a corner below it; a higher node's origin is that of its first child, so a corner, too. So
-// origins are near what is relative to them, and such differences are off by 2^-53 of themselves, not of positions.
+// Node 0, the header, has one slot, the root slot, for the whole mesh. The child in it is node 1, the top node, which
+// other libraries call the root (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle
+// answers queries for all of them.
+//
+// A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
+// corner, too. So origins are near what is relative to them: the difference of a position and an origin is off by 2^-53
+// of itself, not of the position.
 #include "bvh/refit.h"
 
 #include <algorithm>
@@ -117,7 +122,7 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& vol
   n.low[slot] = -grown(-(volume.low - error)), n.high[slot] = grown(volume.high + error);
 }
 
-/// Sets the radius of a node from its slots (invariant I6).
+/// Sets the radius of a node: that of a sphere about its origin which contains the spheres of all its slots (I6).
 void set_radius(Node& node) {
   double radius = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
@@ -290,8 +295,9 @@ class Refitter {
 
 }  // namespace
 
-// Here the bounds also tell the right unit: every refit leaves a unit that is within 2^20 of the one that suits them
-// (unit_ratio_until_fit). So 2^-60 units, by which they are enlarged, are about 2^-40 of their size or less.
+// Unlike change_unit_if_unfit(), a rebuild can take the unit from the bounds: every refit leaves a unit that is within
+// 2^20 of the one that suits them (unit_ratio_until_fit). So 2^-60 units, by which they are enlarged, are about 2^-40
+// of their size or less.
 double unit_for_rebuild(const Tree& tree) {
   return has_unit_within(tree, unit_ratio_until_rebuild) ? tree.unit : unit_of_bounds(tree);
 }

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The queries of the classic engine: the sphere tree as the source describes it, plain and recursive. It is what the
-// fast engine is measured against, and a second opinion in tests.
+// The queries of the classic engine: the sphere tree as the thesis that limber follows describes it (docs/notation.md),
+// plain and recursive. It is what the fast engine is measured against, and a second opinion in tests.
 //
-// Based on  [Quinlan1994] and the source (docs/notation.md): two trees descended together, the larger sphere split, the
+// Based on  [Quinlan1994] and that thesis: two trees descended together, the larger sphere split, the
 //           nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the asked
 //           error.
 // Differs   Both spheres of a pair are placed in the world, their bounds reduced by the rounding of the placement, so a
 //           bound never overstates a gap. The smallest bound of a dropped pair is remembered: it and the answer make
-//           the certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error:
-//           an absolute error above the distance makes the cutoff negative.
+//           the certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error,
+//           even where an absolute error above the distance makes the cutoff negative.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,7 +58,7 @@ class PlacedTree {
 
   /// Bounds how far rounding can shift a placed vertex against a placed sphere. A coordinate of either is a sum of
   /// three products and the translation: six roundings of at most 2^-53 times the magnitudes added. For both, and three
-  /// coordinates: 2 * 6 * sqrt(3) < 2^5.
+  /// coordinates: 2 * 6 * sqrt(3) < 2^5, so 2^5 * 2^-53 = 2^-48.
   double placement_error() const {
     const Sphere& all = tree_.nodes[root].sphere;
     const double magnitude = length(pose_.translation) + stretch_ * (length(all.center) + all.radius);
@@ -104,13 +104,19 @@ class Descent {
     } else if (node_b.is_leaf() || (!node_a.is_leaf() && a.sphere.radius >= b.sphere.radius)) {
       PlacedNode near = child(a_, node_a, 0), far = child(a_, node_a, 1);
       double near_bound = lower_bound(near.sphere, b.sphere), far_bound = lower_bound(far.sphere, b.sphere);
-      if (far_bound < near_bound) std::swap(near, far), std::swap(near_bound, far_bound);
+      if (far_bound < near_bound) {
+        std::swap(near, far);
+        std::swap(near_bound, far_bound);
+      }
       visit(near, b, near_bound);
       visit(far, b, far_bound);
     } else {
       PlacedNode near = child(b_, node_b, 0), far = child(b_, node_b, 1);
       double near_bound = lower_bound(a.sphere, near.sphere), far_bound = lower_bound(a.sphere, far.sphere);
-      if (far_bound < near_bound) std::swap(near, far), std::swap(near_bound, far_bound);
+      if (far_bound < near_bound) {
+        std::swap(near, far);
+        std::swap(near_bound, far_bound);
+      }
       visit(a, near, near_bound);
       visit(a, far, far_bound);
     }
@@ -159,7 +165,8 @@ struct DistanceQuery {
   DistanceQuery(const DistanceOptions& asked, double ends_at)
       : options(asked), close_enough(ends_at), cutoff(std::nextafter(asked.max_distance, infinity)) {}
 
-  /// Drops a pair where it may, and remembers its bound; not once the query has ended: nothing asks for it then.
+  /// Whether a pair is kept. If not, it is dropped, and its bound is remembered; after the query has ended the bound is
+  /// of no use, and everything is dropped.
   bool keeps(double lower_bound) {
     if (upper <= close_enough) return false;
     if (lower_bound < cutoff || lower_bound == 0) return true;
@@ -173,7 +180,8 @@ struct DistanceQuery {
     upper = closest.distance;
     witness = Witness{closest.point_a, closest.point_b, id_a, id_b};
     if (upper > options.max_distance) return;  // not an answer: it must not lower the cutoff
-    // Pairs are dropped beyond the least of the three, which is safe with either error. The quotient is rounded down.
+    // The answer may be off by the relative or the absolute error, whichever allows more, so the least of the three is
+    // the cutoff. The quotient is rounded down.
     const double e = options.relative_error;
     const double relative = e == 0 ? upper : upper / (1 + e) * (1 - 0x1p-51);
     cutoff = std::min({cutoff, relative, upper - options.absolute_error});

@@ -51,7 +51,7 @@ void check(std::span<const Contact> contacts, const ReductionOptions& options) {
   }
 }
 
-// The middle. Halves are added, because the sum of two points may overflow.
+// The middle of the two points. Halves are added, because the sum of two points may overflow.
 Vec3 position_of(const Contact& c) { return 0.5 * c.point_a + 0.5 * c.point_b; }
 
 /// The order of contacts: by how far the triangles are apart, less their depth. Ties are broken by all other numbers,
@@ -69,8 +69,7 @@ bool is_deeper(const Contact& c, const Contact& d) {
 /// v / by, component by component: 1 / by may overflow.
 Vec3 divided(const Vec3& v, double by) { return {v.x / by, v.y / by, v.z / by}; }
 
-/// From one contact to another, in radii. Where contacts are about one radius apart, its square cannot underflow or
-/// overflow.
+/// From one contact to another, in radii, so that squares near 1 cannot underflow or overflow.
 Vec3 offset(const Contact& from, const Contact& to, double radius) {
   return divided(position_of(to) - position_of(from), radius);
 }
@@ -92,7 +91,7 @@ class AxisCells {
   }
 
   /// The cells that may have a coordinate near x. None is missed: rounding keeps the order of numbers, and a coordinate
-  /// on the other side of 2^53 cells is a whole cell away.
+  /// below 2^53 cells, which has a numbered cell, differs by at least one cell from one above, which names its own.
   struct Range {
     double first, last;
   };
@@ -123,7 +122,7 @@ double chord_of(double angle) { return 2 * std::sin(angle / 2); }
 struct Patch {
   std::size_t first;             // the index of its first contact
   std::uint32_t next_in_bucket;  // the patch that was added before to the same bucket
-  std::size_t end;               // where its members end in the list of all members
+  std::size_t end;               // where its members end in the list of all members; until then, see members_of()
 };
 
 /// Patches in a hash table of grid cells, by the places of their first contacts.
@@ -181,7 +180,8 @@ class PatchGrid {
   // Normals are part of the hash only if max_angle is so small that many patches may be at one point.
   static constexpr double small_chord = 1. / 16;
 
-  AxisCells positions_, normals_;  // of normals at least 2^-500 wide: squares of smaller differences vanish
+  // Cells of normals are at least 2^-500 wide: squares of smaller differences underflow.
+  AxisCells positions_, normals_;
   std::size_t axis_count_;
   std::vector<std::uint32_t> last_in_;  // of each bucket
   std::vector<Patch> patches_;
@@ -193,8 +193,8 @@ struct Membership {
   bool is_kept = false;
 };
 
-/// Groups contacts: each joins the first patch, the one of deepest first contact, that it is near to. Sets the patch of
-/// each. Pre: the contacts are sorted by depth.
+/// Groups contacts: each joins the earliest, so deepest, patch that it is near to, or begins a new one. Sets the patch
+/// of each. Pre: the contacts are sorted by depth.
 std::vector<Patch> patches_of(std::span<const Contact> contacts, const ReductionOptions& options,
                               std::span<Membership> memberships) {
   PatchGrid grid(options, contacts.size());
@@ -222,7 +222,7 @@ std::vector<Patch> patches_of(std::span<const Contact> contacts, const Reduction
 struct Member {
   std::size_t contact;
   Vec3 flat;                                                  // its projection, relative to the first contact, in radii
-  double apart_sq = std::numeric_limits<double>::infinity();  // from the nearest that is kept
+  double apart_sq = std::numeric_limits<double>::infinity();  // squared distance from the nearest that is kept
 };
 
 /// Calls keep(contact) for the first member, and then always for the one that is farthest from those that are kept.
@@ -245,8 +245,8 @@ void keep_spanning(std::span<Member> members, std::size_t max_points, const Keep
 /// All contacts, patch by patch. Sets the ends of the patches.
 std::vector<Member> members_of(std::span<Patch> patches, std::span<const Contact> contacts,
                                std::span<const Membership> memberships, double radius) {
-  // `end` is first how many members a patch has, then where they begin, and in the end, as members are added, where
-  // they end.
+  // A counting sort. `end` is first how many members a patch has, then where they begin, and in the end, as members are
+  // added, where they end.
   for (const Membership& m : memberships) ++patches[m.patch].end;
   std::size_t begin = 0;
   for (Patch& patch : patches) begin += std::exchange(patch.end, begin);

@@ -23,18 +23,20 @@ namespace limber {
 namespace {
 
 // With u = 2^-53, an inner product x . y of rounded differences is off by 5 u |x| |y|: 2 u for the differences, 3 u for
-// a product and two additions. In (e x p) . (e x q) = (e.e) (p.q) - (e.p) (e.q) each of two products is off by
-// 5 + 5 + 1 u, the difference by 2 u more: by 24 u |e|^2 |p| |q|, so by 12 u |e|^2 (|p|^2 + |q|^2). The rest is room.
+// a product and two additions. In (e x p) . (e x q) = (e.e) (p.q) - (e.p) (e.q) each of two products is off by 5 + 5 +
+// 1 = 11 u, and the difference by 2 u more: 24 u |e|^2 |p| |q| in all, so by 12 u |e|^2 (|p|^2 + |q|^2). The rest is
+// room.
 constexpr double edge_filter_error = 16 * 0x1p-53;
 // Let x be one of p1, p2, q1, q2 and S the sum of their squares. In x . p1 + x . p2 - x . q1 - x . q2 the products
 // |x| |y| <= (|x|^2 + |y|^2) / 2 are together at most 2.5 S; 5 u each, and 2 u for two levels of sums, make 17.5 u S.
 constexpr double corner_filter_error = 32 * 0x1p-53;
 // A product that underflows is off by 2^-1075. In (e x p) . (e x q) a dozen such errors are multiplied by squares below
-// 2^404, because coordinates are at most 2^200 in size: below 2^-667 in all. In sums of inner products they are not.
+// 2^404, because coordinates are at most 2^200 in size: below 2^-667 in all. In
+// the corner filter, sums of inner products, nothing multiplies them, so 2^-1000 is ample.
 constexpr double edge_filter_underflow = 0x1p-660, corner_filter_underflow = 0x1p-1000;
 
-/// Whether p and q are certainly on different sides, strictly, of the plane that contains the edge vector e and is
-/// perpendicular to the plane of e and p: (e x p) . (e x q) < 0.
+/// Whether p and q, which start where the edge vector e does, are certainly on different sides, strictly, of the plane
+/// that contains e and is perpendicular to the plane of e and p: (e x p) . (e x q) < 0.
 inline bool edge_plane_separates(const Vec3& e, const Vec3& p, const Vec3& q) {
   const double ee = dot(e, e), bound = edge_filter_error * (ee * (dot(p, p) + dot(q, q))) + edge_filter_underflow;
   return ee * dot(p, q) - dot(e, p) * dot(e, q) + bound < 0;
@@ -60,7 +62,7 @@ bool are_separated_at_corner(const Vec3& p1, const Vec3& p2, const Vec3& q1, con
 }
 
 /// A triangle as the union of segments from a corner v to a far side that does not contain v: the opposite edge (x, y).
-/// Only if v is on that edge, the triangle is two segments from v, and its far sides are the points x and y.
+/// A degenerate triangle with v on that edge is two segments from v, and its far sides are their ends, x and y.
 ///
 /// Two triangles with corner v share another point if and only if a far side of one meets the other: a shared point can
 /// be moved away from v, straight on, until it leaves one of them, at a far side.
@@ -124,7 +126,8 @@ bool meet_beyond_edge_exactly(const Vec3& v, const Vec3& w, const Vec3& a, const
   using geometry::lexicographically_less;
   if (v == w) return meet_beyond_corner_exactly(v, v, a, v, b);  // the edge is a point, the triangles are segments
   if (geometry::orient3d(v, w, a, b) != 0) return false;         // different planes meet in the line vw only
-  // In one plane: are a and b strictly on one side of the line vw? There is no axis if and only if a is on the line.
+  // In one plane: are a and b strictly on one side of the line vw? No coordinate plane is faithful if and only if a is
+  // on the line.
   if (const std::optional<std::size_t> axis = geometry::faithful_axis(v, w, a)) {
     return geometry::orient2d(v, w, a, *axis) * geometry::orient2d(v, w, b, *axis) > 0;
   }
@@ -185,7 +188,8 @@ bool geometry::meets_elsewhere(const Triangle& a, const std::array<VertexId, 3>&
     }
   }
   if (shared_a == 0) return geometry::intersects(a, b);
-  // The corner whose bit alone is set in a mask; 3 for other masks. The apex is the corner that is not shared.
+  // only_corner[mask] is the corner whose bit is the only one set; 3 if none or several are set. The apex is the corner
+  // that is not shared.
   constexpr std::array<std::uint8_t, 8> only_corner{3, 0, 1, 3, 2, 3, 3, 3};
   const std::size_t apex_a = only_corner[7 & ~shared_a], apex_b = only_corner[7 & ~shared_b];
   if (apex_a < 3 && apex_b < 3) return meet_beyond_shared_edge(a, apex_a, b, apex_b);

@@ -41,7 +41,7 @@ using geometry::safe_length;
 // 3 u max|d| for the rounded corner: 24 u for two heights. The rest of 32 u is room.
 constexpr double separation_error = 0x1p-48;
 // The shared point of triangles that intersect may be found the fast way if it is on both within 16 u: half of the 32 u
-// that numerics.md promises.
+// that users are promised.
 constexpr double shared_point_tolerance = 0x1p-49;
 // Closest points touch if they are within 128 u: far above all errors. Only the choice of features depends on it.
 constexpr double touching_distance = 0x1p-46;
@@ -138,8 +138,8 @@ std::array<double, 3> scaled_heights(const Face& owner, const Face& target) {
   return heights;
 }
 
-/// The crossings of two triangles, edges of a first. Every edge that is not parallel to the other's plane has one, for
-/// rounding decides on which side an end seems to be. find_crossing() is the fast way for most triangles.
+/// The crossings of two triangles, edges of a first. An edge that does not reach the other's plane has one too, at its
+/// nearer end, because rounding may have put that end on the wrong side. Only parallel edges have none.
 class Crossings {
  public:
   Crossings(const Face& a, const Face& b) {
@@ -167,7 +167,7 @@ class Crossings {
 ///
 /// Candidates are the closest point of a (Best) and all crossings. The one with the least misfit, the distance from the
 /// farther triangle, is taken, so no case distinction can pick a bad one.
-Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
+Vec3 shared_point_robust(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
   Vec3 contact = point_at(a.corner, best.weights_a);
   double misfit = nearest_on(b, contact).distance();  // its distance from a is 0
   for (const Crossing& c : Crossings(a, b)) {
@@ -175,12 +175,14 @@ Vec3 contact_point(const Face& a, const Face& b, const Best& best, [[maybe_unuse
     const double candidate = std::max(c.distance, nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
     if (candidate < misfit) contact = c.point, misfit = candidate;
   }
-  // Why the misfit is small: some edge E of one triangle meets the other one, S. Let h be the smallest height of S.
-  // First, the misfit is at most about u * extent^2 / h. The normal of S is off by rounding, so the crossing of E is
-  // computed that far above or below S. If it is computed to be beside S, then E passes over an edge of S, or ends over
-  // S, at such a height, and the closest points are that near. Second, the misfit is at most h / 2: every point of S is
-  // that near to an edge of S, and all edges of S have been compared with E. The smaller of the two is largest where
-  // they are equal, at h = 2^-26 * extent, and 2^-27 * extent there. The assertion allows twice that.
+  // Why the misfit is small. Some edge E of one triangle meets the other one, S. Let h be the smallest height of S.
+  // 1. The misfit is at most about m = u * extent^2 / h. The normal of S is off by rounding, so the crossing of E with
+  //    the plane of S is computed to be up to m above or below S. If the crossing is computed to be outside of S, then
+  //    E passes within m of an edge of S, or ends within m of S, and the closest points are that near.
+  // 2. The misfit is at most h / 2: every point of S is that near to an edge of S, and E has been compared with all
+  //    edges of S.
+  // The worst case is where both bounds are equal: h = 2^-26 * extent, and the misfit is 2^-27 * extent. The assertion
+  // allows twice that.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
   return contact;
 }
@@ -200,8 +202,8 @@ bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3
   return false;
 }
 
-/// Finds a point of both triangles the fast way. If it finds none, contact_point() does.
-bool find_shared_point(const Face& a, const Face& b, double extent, Vec3& point) {
+/// Finds a point of both triangles the fast way. If it finds none, shared_point_robust() does.
+bool find_shared_point_fast(const Face& a, const Face& b, double extent, Vec3& point) {
   const double tolerance = shared_point_tolerance * extent;
   return find_crossing(a, b, tolerance, point) || find_crossing(b, a, tolerance, point);
 }
@@ -213,7 +215,8 @@ class Comparison {
  public:
   Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
       : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
-    const Best best = closest_pair(local_a_, local_b_);  // local: a member would be stored before each call
+    // A local variable: a member would be written to memory before each call.
+    const Best best = closest_pair(local_a_, local_b_);
     are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.a_to_b, frame.extent());
     intersect_ = !are_proven_apart_ && geometry::intersects(a, b);
     best_ = best;
@@ -222,8 +225,8 @@ class Comparison {
   ClosestPoints points() const {
     if (intersect_) {
       Vec3 shared;
-      if (!find_shared_point(local_a_, local_b_, frame_.extent(), shared)) {
-        shared = contact_point(local_a_, local_b_, best_, frame_.extent());
+      if (!find_shared_point_fast(local_a_, local_b_, frame_.extent(), shared)) {
+        shared = shared_point_robust(local_a_, local_b_, best_, frame_.extent());
       }
       shared = frame_.from_local(shared);
       return {0, shared, shared};
@@ -278,7 +281,8 @@ FeaturePair features_at(const Vec3& contact, const Comparison& c) {
       nearest = &crossing;
     }
   }
-  // Parallel, or without area. Then the closest points touch, so only unexpected rounding leads here.
+  // No edge crosses the other plane: the triangles are parallel, or have no area. Then the closest points touch, so
+  // only unexpected rounding leads here.
   if (nearest == nullptr) return features_of(c.best());
   const Feature of_edge = feature_of(edge_weights(nearest->edge, nearest->parameter));
   const Face& target = nearest->is_edge_of_a ? c.local_b() : c.local_a();

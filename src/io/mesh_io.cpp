@@ -29,7 +29,7 @@ Error in_file(const fs::path& path, Error error) {
 }
 
 Result<io::Soup> parse_soup(const fs::path& path, std::string_view bytes, const io::BufferSource& external) {
-  const base::DefaultFloatEnvironment environment;  // numbers are read by arithmetic
+  const base::DefaultFloatEnvironment environment;  // numbers are computed, so the rounding mode counts
   std::string extension = path.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   Result<io::Soup> soup = io::parse_mesh(bytes, extension, external);
@@ -53,10 +53,10 @@ std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<Ver
   return picked;
 }
 
-/// Triangulates and welds.
+/// Cuts every face into a fan of triangles from its first corner, and gives vertices the ids that `weld` has for them.
 Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, const io::Weld& weld) {
   std::size_t triangle_count = 0;
-  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+  for (std::size_t f = 0; f < soup.faces.size(); ++f)  // n corners make n - 2 triangles
     triangle_count += std::max<std::size_t>(soup.faces[f].size(), 2) - 2;
   if (triangle_count == 0) return in_file(path, {ErrorCode::empty_mesh, "has no face of three corners", {}});
   if (triangle_count >= no_id)
@@ -128,7 +128,7 @@ Result<std::vector<Vec3>> MeshSequence::read_positions(const fs::path& path, std
   }
   if (faces.corners != file_corners_ || faces.ends != file_face_ends_) {
     const io::FaceLists first{file_corners_, file_face_ends_};
-    std::size_t face = 0;
+    std::size_t face = 0;  // the loop ends: as many faces, and they differ
     while (std::equal(faces[face].begin(), faces[face].end(), first[face].begin(), first[face].end())) ++face;
     return changed("differs from the first frame in face " + std::to_string(face) + " of " +
                    std::to_string(faces.size()) + ", with " + std::to_string(file_vertex_count_) + " vertices in both");

@@ -1,7 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::bound_children.
+// Kernels::bound_children: lower bounds of the distances between the children of a node and one slot of the other tree.
+// Each is the largest of (docs/algorithms/bounds.md):
+//   1. the gap of the spheres (sphere_gap);
+//   2. the distance of the boxes, in the frame of either tree (box_gaps, own_box_gaps);
+//   3. the gap along the normal of either slab, with the gap of the spheres across it (slab_sq);
+//   4. the gap along the line of centers (slab_sq).
+// A fifth, the gap along the search direction, prunes on its own (near_along).
 
 #if defined(LIMBER_SIMD_BOUND_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_CHILDREN_INL_H
@@ -23,16 +29,18 @@ namespace {
 // Against divisions by 0. A divisor that is too large only lowers a bound.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
 
-/// Bound 5 of docs/algorithms/bounds.md: returns the children that the search direction does not prune, and sets
-/// `bound_sq` to the squared bound along it, for all children.
+/// Returns the children that the search direction does not prune. Sets `bound_sq`, for all children, to the squared gap
+/// along it, with the gap of the spheres across it.
 LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& direction, Packet& bound_sq) {
   const Packet3 n = broadcast(direction.direction);
   const Packet cosine = dot(p.normal, n);
   const Packet3 crossed = cross(p.normal, n);
   const Packet sphere_support =
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
-  // The gap along n falls short of the prune distance by `deficit`. The gap of the spheres across n may make up for it:
-  // (prune_distance - deficit)^2 + across^2 >= prune_distance^2.
+  // By `deficit` the gap along n, errors subtracted, falls short of the prune distance P; pruned_support contains the
+  // place and extent of the other node. The gap of the spheres across n may make up for it: a child is pruned where (P
+  // - deficit)^2 + across^2 >= P^2. A gap below 0 counts as 0, so no more than P is `missing`, and across^2 has to be
+  // `needed` = P^2 - (P - missing)^2.
   const Packet deficit =
       dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
@@ -58,7 +66,7 @@ LIMBER_KERNEL Packet3 own_box_gaps(const NodePairs& p, const ProjectedNode& othe
 }
 
 /// Squared length of a vector with these components, negative ones counting as none.
-LIMBER_KERNEL Packet gap_sq(const Packet3& gaps) {
+LIMBER_KERNEL Packet length_of_gaps_sq(const Packet3& gaps) {
   const Packet3 g{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
   return dot(g, g);
 }
@@ -81,8 +89,9 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
   Slabs s;
   s.height_o = dot(p.d, normal_o), s.height = dot(p.d, p.normal);
   s.height_o_abs = abs(s.height_o), s.height_abs = abs(s.height);
-  // Which side of a slab counts follows from the same comparisons as which side the other node is on: heights of 0,
-  // and products that underflow, must not have it both ways.
+  // One comparison, of each height and of the cosine, decides both on which side the other node is and which cap faces
+  // it. With two, a height of 0 or a product that underflows could give one answer here and the other there. The upper
+  // cap of one faces the other's upper side where is_above differs from is_acute.
   const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
   s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
   const Packet support_of_child = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
@@ -95,13 +104,15 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
 /// Squared gap along the normal of either slab, or along the line of centers.
 LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   const Slabs s = compare_slabs(p, other);
-  // Along either normal, together with the gap of the spheres across it.
+  // Bound 3: the gap along either normal, combined with the gap of the spheres across it.
   const Packet rounding = p.d_sq * Packet::set(base::across_error);
   const Packet across_o = sqrt(max(p.d_sq - s.height_o * s.height_o - rounding, zero()));
   const Packet across = sqrt(max(p.d_sq - s.height * s.height - rounding, zero()));
   const Packet best = max(gap_sq(s.gap_o, across_o - p.radius_sum), gap_sq(s.gap, across - p.radius_sum));
-  // Along the line of centers; products with `distance` instead of quotients. The sines are rounded down above; here
-  // they have to be rounded up.
+  // Bound 4, as support() along d / distance, but all times the distance, which saves divisions: the cosine to a normal
+  // is height / distance, the sine across / distance. A sphere's farthest point is inside its slab, and counts, where
+  // radius * cosine <= height of the cap; else the rim does. The sines are rounded down above; here they have to be
+  // rounded up.
   const Packet radius_o = Packet::set(other.radius);
   const Packet sine_rounding = p.distance * Packet::set(base::sine_error);
   const Packet support_times_d =
@@ -136,7 +147,8 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
   if (overlap_only) {
     best = largest_gap(p, other, transform);
   } else {
-    const Packet of_boxes = max(gap_sq(box_gaps(p, other)), gap_sq(own_box_gaps(p, other, transform)));
+    const Packet of_boxes =
+        max(length_of_gaps_sq(box_gaps(p, other)), length_of_gaps_sq(own_box_gaps(p, other, transform)));
     best = max(max(gap_sq(p.sphere_gap, zero()), of_boxes), slab_sq(p, other)) * down;
   }
   const Packet overlap = p.sphere_gap / max(p.radius_sum, Packet::set(smallest_radius_sum));

@@ -29,6 +29,7 @@ namespace {
 // Replaces smaller divisors: radii of spheres that are points.
 inline constexpr float smallest_child_radius = 0x1p-100F;
 
+/// Packets have largest() only.
 LIMBER_KERNEL float smallest(Packet x) { return -largest(zero() - x); }
 
 /// Squared lower bounds of the distances from a point to the children `i` and following, a packet of them. Where a
@@ -46,13 +47,13 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
   const Packet x = max(abs(d.x) - half.x - error, zero());
   const Packet y = max(abs(d.y) - half.y - error, zero());
   const Packet z = max(abs(d.z) - half.z - error, zero());
-  // The distance of the cylinder that contains the sphere's part in the slab: its axis is the slab's normal. d_sq -
-  // height^2 loses digits, so what rounding may have added is subtracted.
+  // The distance of the cylinder along the slab's normal that contains the sphere's part in the slab. d_sq - height^2
+  // loses digits, so what rounding may have added is subtracted.
   const Packet height = dot(d, normal);
-  const Packet along = max(height - Packet::load(n.high + i), Packet::load(n.low + i) - height) - error;
+  const Packet slab_gap = max(height - Packet::load(n.high + i), Packet::load(n.low + i) - height) - error;
   const Packet rounding = d_sq * Packet::set(base::across_error);
   const Packet across = sqrt(max(d_sq - height * height - rounding, zero())) - radius - error;
-  const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(along, across));
+  const Packet best = max(max(gap_sq(sphere_gap - error, zero()), x * x + y * y + z * z), gap_sq(slab_gap, across));
   // The depth is without errors, because it only decides in which order children come.
   const Packet depth = min(sphere_gap / max(radius, Packet::set(smallest_child_radius)), zero());
   return select(best > zero(), best * Packet::set(base::squares_down), depth);
@@ -61,7 +62,7 @@ LIMBER_KERNEL Packet bound_point(const bvh::ChildBounds& n, std::uint32_t i, con
 LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoint& point, float limit,
                                            ChildrenInOrder& children) {
   const LocalPoint local(point.position, node.origin, {}, point.per_unit);
-  // "Not less" is true also where the error is infinite or a number is not a number.
+  // Written with ! so that infinite errors and NaN come here too.
   if (!(local.size + static_cast<double>(point.error_units) < base::max_units)) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       infinite_unless_child(zero(), i, node.child_count).store(children.bound + i);
@@ -97,27 +98,28 @@ LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, s
 }
 
 /// A point of each triangle near the closest one, relative to the query point. Rounding may make it a worse point, but
-/// it stays on the triangle: weights of b and c are never negative; together they are at most 1 (or 1 + 2 u32).
+/// it stays on the triangle: weights of b and c are never negative; together they are at most 1 (or 1 + 2^-23, by
+/// rounding).
 LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
   const Packet one = Packet::set(1), least = Packet::set(smallest_divisor_of_steps);
   const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
   const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
   const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
-  // The closest points of the edges ab, ac and bc, called the third. The point of weights v, w is x = a + v edge_b + w
-  // edge_c. With p the query point, sq = (|x - p|^2 - |a - p|^2) / 2 is enough to compare points, and free of the
-  // cancellation of large squares. It is v (bb v / 2 + w bc - along_b) + w (cc w / 2 - along_c), and
-  // negative where x is nearer than a.
+  // The closest points of the edges ab and ac, and of bc, which is called the third edge. The point of weights v, w is
+  // x = a + v edge_b + w edge_c. With p the query point, change = (|x - p|^2 - |a - p|^2) / 2 is enough to compare
+  // points, and free of the cancellation of large squares. It is v (bb v / 2 + w bc - along_b) + w (cc w / 2 -
+  // along_c), and negative where x is nearer than a.
   const Packet half = Packet::set(0.5F);
   const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
   const Packet third_sq = bb - bc - bc + cc;
   const Packet third_c = clamped((along_c - along_b + bb - bc) / max(third_sq, least));
   const Packet third_b = one - third_c;
-  const Packet sq_b = at_b * (at_b * half * bb - along_b), sq_c = at_c * (at_c * half * cc - along_c);
-  const Packet sq_third =
+  const Packet change_b = at_b * (at_b * half * bb - along_b), change_c = at_c * (at_c * half * cc - along_c);
+  const Packet change_third =
       third_b * (third_b * half * bb + third_c * bc - along_b) + third_c * (third_c * half * cc - along_c);
-  const Mask c_is_nearer = sq_c < sq_b;
+  const Mask c_is_nearer = change_c < change_b;
   Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
-  const Mask third_is_nearest = sq_third < min(sq_b, sq_c);
+  const Mask third_is_nearest = change_third < min(change_b, change_c);
   weight_b = select(third_is_nearest, third_b, weight_b), weight_c = select(third_is_nearest, third_c, weight_c);
   // The foot of the point, if it is inside of the triangle: its weights are proportional to the areas opposite corners.
   const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
@@ -148,7 +150,7 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   constexpr double leaf_size = static_cast<double>(bvh::max_quantized) + 1;  // of a coordinate, with room for rounding
   const double error = point.error * per_step + base::quantization_error +
                        (local.size + leaf_size) * static_cast<double>(base::point_error);
-  // "Not less" is true also where the error is infinite or a number is not a number, as for a leaf without size.
+  // Written with ! so that infinite errors and NaN come here too, as for a leaf without size.
   if (!(local.size + error < most_steps)) {
     std::fill(intervals.lower, intervals.lower + width, 0.0F);
     intervals.upper = std::numeric_limits<float>::infinity();
@@ -167,13 +169,13 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
     const Packet normal_length = sqrt(dot(normal, normal));
     // A gap along any direction is a lower bound of the distance. The direction to the closest point is the best one,
     // so one that nearly leads there is nearly as good. The error covers rounding.
-    const Packet along = gap_times_length(t, near) / max(near_length, shortest);
+    const Packet towards = gap_times_length(t, near) / max(near_length, shortest);
     const Packet above = gap_times_length(t, normal) / max(normal_length, shortest);
-    (max(along, above) - Packet::set(error32)).store(intervals.lower + i);
+    (max(towards, above) - Packet::set(error32)).store(intervals.lower + i);
     least = min(least, near_length);  // an upper bound, because `near` is on the triangle
   }
   intervals.upper = smallest(least) + error32;  // point_error has room for the rounding of the sum
-  // Finite as a float. That prunes nothing more, because lower bounds are below most_steps.
+  // The limit is made finite as a float. That prunes nothing more, because lower bounds are below most_steps.
   const double limit_in_steps = std::min(limit * per_step, base::max_units);
   const Packet farthest = Packet::set(std::min(intervals.upper, base::float_up(limit_in_steps)));
   intervals.kept = 0;

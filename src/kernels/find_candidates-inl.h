@@ -59,7 +59,8 @@ LIMBER_KERNEL Mask is_pruned(Packet gap_w_sq, Packet w_sq, Packet limit_sq) {
   return (gap_w_sq >= limit_sq * w_sq) & (w_sq >= Packet::set(smallest_direction_sq));
 }
 
-/// Compares a pair of triangles in each lane. Returns the `wanted` lanes that are not pruned.
+/// Compares a pair of triangles in each lane, along the line of centroids and both normals. Returns the `wanted` lanes
+/// that are not pruned.
 ///
 /// `bound_sq` becomes the squared lower bound, from which errors are not yet subtracted, of each returned lane; with
 /// `wants_pruned_bound` that of pruned lanes too. Other lanes mean nothing.
@@ -105,11 +106,10 @@ LIMBER_KERNEL float smallest_lane(Packet p) {
 }
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
-///
-/// The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
+///  The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
 /// c - support_a - support_b, where c is the distance of the leaves' centers along the direction. The pair is pruned if
-/// that is at least the prune distance and all errors e, or support_a + support_b <= c - prune distance - e, which is
-/// `pruned_support` (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of how
+/// that is at least the prune distance p and all errors e. So it is pruned where support_a + support_b is at most c - p
+/// - e, which is `pruned_support` (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of how
 /// much the gaps of all pruned pairs exceed the prune distance.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
@@ -244,7 +244,7 @@ LIMBER_KERNEL void shift_corners(const LeafCorners& from, const float* offset, L
 LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axis)[2]) {
   const float x = std::abs(bounds.normal_x[slot]), y = std::abs(bounds.normal_y[slot]);
   const float z = std::abs(bounds.normal_z[slot]);
-  const int dropped = z >= std::max(x, y) ? 2 : static_cast<int>(y >= x);
+  const int dropped = z >= std::max(x, y) ? 2 : y >= x ? 1 : 0;
   axis[0] = dropped == 0 ? 1 : 0, axis[1] = dropped == 2 ? 1 : 2;
 }
 
@@ -262,7 +262,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     if (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
     if (wanted == 0) return;
   }
-  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a, own_b to that of b, without rounded offset
+  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a; own_b to that of b: no offset is rounded
   unpack(*a.triangles, pair.step_a, ca);
   if (is_self) {
     unpack(*b.triangles, pair.step_b, own_b);
@@ -282,8 +282,10 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   PairList pairs;
   pairs.add(wanted);
   if (is_self) {
+    // How far a vertex may be from its stored place, beside quantization.
     const float away = base::float_up(transform.error * pair.scale);
-    // Any axes give right answers. The axes of leaf a are good for both, as neighbors mostly have similar normals.
+    // The axes of the plane in which neighbors are compared. Any two are right; the choice affects speed only. Those of
+    // leaf a are good for both, as neighbors mostly have similar normals.
     int axis[2];
     find_wide_axes(a.node->bounds, a.slot, axis);
     remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
@@ -310,7 +312,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     }
   }
   if (wants_pruned_bound) {
-    // Gaps of boxes and along w, n and m: errors are not yet subtracted.
+    // pruned_sq comes from gaps of boxes and along w, n and m, from which errors were not subtracted: here they are.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }

@@ -35,7 +35,7 @@ model::TreeUpdater& updater_of(Model::Impl& impl) {
   return *impl.updater;
 }
 
-/// What rounding can change the center and extent of a slot by.
+/// An upper bound of the rounding of a slot's center and extent.
 double rounding(const bvh::Tree& tree, bvh::SlotId id) {
   const bvh::Node& node = tree.nodes[bvh::node_of(id)];
   const double radius = static_cast<double>(node.bounds.radius[bvh::slot_of(id)]);
@@ -90,7 +90,7 @@ Result<void> Model::move_vertices(std::span<const VertexId> ids, std::span<const
   const base::DefaultFloatEnvironment environment;
   require_valid("move_vertices");
   Impl& impl = *impl_;
-  if (overlaps(impl.mesh, positions)) {
+  if (overlaps(impl.mesh, positions)) {  // the mesh's own positions: they are copied before they are overwritten
     const std::vector<Vec3> copy(positions.begin(), positions.end());
     return move_vertices(ids, copy);
   }
@@ -162,7 +162,7 @@ TreeStats Model::tree_stats() const {
   const bvh::Tree& tree = impl_->tree;
   TreeStats stats;
   stats.levels = static_cast<std::uint32_t>(tree.level_begin.size() - 1);
-  for (const bvh::Node& node : tree.nodes) stats.nodes += node.child_count;
+  for (const bvh::Node& node : tree.nodes) stats.nodes += node.child_count;  // to users, a slot is a node
   stats.leaves = tree.leaves.size();
   stats.bytes = sizeof(bvh::Tree) + tree.nodes.capacity() * sizeof(bvh::Node) +
                 tree.leaves.capacity() * sizeof(bvh::Leaf) + tree.level_begin.capacity() * sizeof(std::uint32_t);
@@ -178,6 +178,7 @@ Box Model::bounding_box() const {
   const Vec3 half = tree.unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
   const Vec3 center = bvh::slot_center(tree, bvh::root_slot),
              extents = half + Vec3{1, 1, 1} * (tree.slack + rounding(tree, bvh::root_slot));
+  // Computed while the default rounding mode is on, not after it is restored.
   return environment.computed_before_restore(Box{center - extents, center + extents});
 }
 
@@ -211,7 +212,8 @@ Result<void> Model::validate() const {
   const MeshView fitted = impl.updater->fitted_mesh(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
     if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.slack) continue;
-    return Error{ErrorCode::broken_invariant, "I4: beyond the motion margin is vertex " + std::to_string(v), v};
+    return Error{ErrorCode::broken_invariant,
+                 "I4: vertex " + std::to_string(v) + " is farther than the motion margin from where it was fitted", v};
   }
   return bvh::validate(impl.tree, fitted);
 }

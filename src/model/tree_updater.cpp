@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Moves only note what has to be done: dirty nodes and displacements. With a motion margin they also decide which
-// vertices stay within it; a vertex beyond is marked. A commit does the rest: looks at the margin of all vertices if
-// necessary, changes the unit if necessary, goes on with a rebuild, refits what is dirty, and publishes the result.
+// vertices stay within it; beyond, the lowest nodes of a vertex become dirty. A commit does the rest: looks at the
+// margin of all vertices if necessary, changes the unit of length in which the tree stores bounds if necessary, goes on
+// with a rebuild, refits what is dirty, and publishes the result.
 #include "model/tree_updater.h"
 
 #include <algorithm>
@@ -26,8 +27,7 @@ using bvh::ns_per_refit, bvh::ns_per_refit_in_pass;
 // What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns.
 constexpr double ns_per_move = 10;
 
-/// Whether a batch names a quarter of the vertices or more: then, without a margin, it is cheaper to fit the whole
-/// tree.
+/// Whether a batch names a quarter of the vertices or more. Without a margin, it is then cheaper to fit the whole tree.
 bool names_many(std::span<const VertexId> ids, const Mesh& mesh) { return 4 * ids.size() >= mesh.positions().size(); }
 
 }  // namespace
@@ -54,7 +54,8 @@ void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
   LIMBER_ASSERT(margin >= 0);
   if (!margin_.is_on() && margin > 0) start_margin(mesh);  // the only step that may fail comes first
   margin_width_ = margin;
-  must_check_all_ = margin_.is_on();  // also if it is 0 now: then the next commit marks all that moved, and stops it
+  // Even if the new margin is 0: the next commit then marks all vertices that have moved, and stops the margin.
+  must_check_all_ = margin_.is_on();
 }
 
 /// Notes that `count` vertices have moved, the farthest by the square root of `farthest_sq`.
@@ -85,8 +86,8 @@ void TreeUpdater::mark_without_margin(const Mesh& mesh, std::span<const VertexId
 }
 
 void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  // All displacements are measured before any vertex moves. So if the batch has an id several times, of which the last
-  // counts, that one is measured from the right place.
+  // All displacements are measured before any vertex moves. The batch may have an id several times, of which the
+  // last counts: so each is measured from where the vertex was before the batch.
   double farthest_sq = 0;
   constexpr std::size_t prefetched = 32;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -125,8 +126,8 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
   if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());  // if it fails, the next move tries again
-  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. The next commit puts both
-  // right if every vertex is marked.
+  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. So every vertex is
+  // marked: the next commit then corrects both.
   margin_.mark_all(mesh, dirty_);
   has_moved_ = true;
 }
@@ -172,6 +173,8 @@ void TreeUpdater::adapt_unit(const Mesh& mesh) {
 }
 
 /// Tells queries, by members of the tree, and the statistics what the commit has done. Stops a margin that is 0 now.
+/// Tree::displacement is all motion since the tree was built, `sum_of_displacements_` that since the last commit, and
+/// Tree::slack how far vertices are now from where they were fitted.
 void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * base::outward;
   stats.refits += refits;

@@ -20,7 +20,8 @@ namespace limber::pair {
 /// what it is, and there is no search direction.
 ///
 /// Based on  [Larsen1999]: pairs of nodes of two trees.
-/// Differs   One node of a pair is expanded at a time, the one of higher split priority. Its eight children are
+/// Differs   One node of a pair is expanded at a time, the one of higher split priority (the
+///           thicker slab). Its eight children are
 ///           compared with the other node at once. A model is compared with itself node by node: the child slots of
 ///           each with each other.
 template <typename Collector>
@@ -73,7 +74,8 @@ class AllPairs {
     expand(e);
   }
 
-  /// Compares the child slots of a node of one model with each other, and its leaves with themselves.
+  /// Compares the child slots of a node of one model with each other, and its leaves with themselves. Larger subtrees
+  /// are compared with themselves when their own nodes are visited.
   void compare_siblings(std::uint32_t n) {
     const bvh::Tree& tree = trees_.tree(Side::a);
     const std::uint32_t count = tree.nodes[n].child_count;
@@ -124,7 +126,8 @@ class AllPairs {
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
-  // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves.
+  // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves. In all at most
+  // 2 * 11 * 7 + 28 + 8 = 190.
   static constexpr std::uint32_t capacity = 256;
 
   Search search_;

@@ -18,6 +18,7 @@
 #include "pair/front.h"
 #include "pair/front_recorder.h"
 #include "pair/leaf_comparison.h"
+#include "pair/open_pairs.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
 #include "pair/traversal_state.h"
@@ -37,6 +38,13 @@ namespace limber::pair {
 ///           (TreePair::split_priority(): the thicker slab). Its eight children are compared with the other node at
 ///           once. Bounds also use the search direction, in which the closest pair so far is apart.
 ///
+/// Three heuristics, parts of TraversalState, lower the upper bound early or save work:
+///   Descents     Best first comes late to leaves. So the traversal begins by going straight down to two leaves, and
+///                does so again when it has met none for some steps.
+///   FlatSeed     Where one model has a flat part, a pair of triangles that is likely to be the closest is guessed and
+///                compared first: the seed.
+///   WholeLeaves  The search direction may prune two leaves as a whole; tested as long as that often succeeds.
+///
 /// Begin a traversal with one of:
 ///   start()               from the roots, or for one model from its nodes, the last one first;
 ///   start_with_records()  from the front of the last query, after the models have moved, or for another cutoff;
@@ -44,9 +52,9 @@ namespace limber::pair {
 ///   start_with()          without a front, from the state of a traversal whose front is full.
 /// Then call step() until it returns false, and finish(). search.h decides between them.
 ///
-/// Pruning has two limits, which differ for tiny models only. Everything that is left out is at least cutoff() apart;
-/// bounds in float64, those of the front, are compared with it. Bounds in float32 are compared with distance(), which
-/// is never too small for float32.
+/// Everything that is left out is at least Pruning::cutoff() apart; float64 bounds, those of the front, are compared
+/// with it. Float32 bounds are compared with Pruning::distance(), which differs for tiny models only: it is never too
+/// small for float32.
 ///
 /// With `has_front`, a front records what the traversal prunes and compares; the front also owns the traversal's state,
 /// so that the next query can go on with it. While a traversal runs, nobody else changes Pruning: collectors return
@@ -63,6 +71,7 @@ class BestFirst {
         kernels_(simd::kernels()),
         trees_(search.placed),
         limits_(search.placed),
+        open_(state_, limits_),
         leaves_(search, trees_, collector, state_) {
     static_assert(Collector::hits != Hits::all && !(has_front && Collector::hits == Hits::k_closest));
   }
@@ -114,18 +123,18 @@ class BestFirst {
       compare_siblings();
       return true;
     }
-    update_limits();
+    open_.update_limits(search_.pruning.distance());
     Expansion e;
     e.pair = state_.queue.pop();
     if constexpr (looks_for_closest) {
-      // Where this pair is pruned, so are all others, and a seed would be looked for in vain.
+      // This pair is among the nearest. If it is pruned, the query is nearly over, and a seed would come too late.
       if (state_.seed.is_due() && e.pair.bound_sq < limits_.of(Side::a)) compare_seed();
       // A pair that overlaps is followed down to its leaves anyway.
-      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) begin_or_postpone_descent();
+      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_or_postpone();
     }
     if (process(e)) {
       compare_children(e);
-      keep(e, state_.descents.is_descending());
+      open_.keep(e, state_.descents.is_descending());
     }
     return true;
   }
@@ -153,8 +162,6 @@ class BestFirst {
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
-  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of itself.
-  static constexpr float worth_refocusing = 0.5F;
   // Expansions of two trees of at most 11 levels each, and the pair of leaves.
   static constexpr std::uint32_t longest_descent = 23;
   // A front is resumed if less than this part of its records has to be compared again, open ones not counted.
@@ -171,58 +178,19 @@ class BestFirst {
   // --- order ---
 
   /// Begins a descent where it may find a closer pair. Where a close pair is known already, from a front or a seed,
-  /// puts the question off. Not inlined: it is rare.
-  [[gnu::noinline]] void begin_or_postpone_descent() {
-    state_.descents.start(state_.steps, !has_front && !state_.seed.was_close());
-  }
-
-  /// Updates the squared limits. When the range of bounds that matter has halved, spreads the buckets of the queue over
-  /// what is left of it.
-  void update_limits() {
-    if (!limits_.update(search_.pruning.distance())) return;
-    const float limit_sq = limits_.of(Side::a);
-    if (limit_sq - state_.least_sq > worth_refocusing * (state_.focus_sq - state_.least_sq)) return;
-    state_.focus_sq = limit_sq;
-    state_.queue.focus(state_.least_sq, state_.focus_sq);
-  }
-
-  /// Queues the children that are not pruned: those that overlap on the stack, the deepest on top, the others in the
-  /// buckets.
-  void keep(const Expansion& e, bool descends) {
-    if (e.kept.all == 0) return;
-    unsigned overlapping = e.kept.overlapping;
-    // A collector of any hit gains nothing from a smaller distance that is still above its cutoff.
-    if (overlapping == 0 && descends && Collector::hits != Hits::any) return push_nearest_first(e);
-    push(e, e.kept.all & ~overlapping);
-    // The deepest overlap last, so that it is taken first.
-    while (overlapping != 0) {
-      const std::uint32_t shallowest = e.last_of(overlapping);
-      overlapping &= ~(1U << shallowest);
-      state_.queue.push_first(child_pair(e, shallowest));
+  /// postpones it by some steps. Not inlined: it is rare.
+  [[gnu::noinline]] void descend_or_postpone() {
+    if (has_front || state_.seed.was_close()) {
+      state_.descents.postpone(state_.steps);
+    } else {
+      state_.descents.start(state_.steps);
     }
-  }
-
-  /// Queues the nearest child as the next pair. Not inlined: shorter queries should not pay for it.
-  [[gnu::noinline]] void push_nearest_first(const Expansion& e) {
-    const std::uint32_t nearest = e.first_of(e.kept.all);
-    push(e, e.kept.all & ~(1U << nearest));
-    state_.queue.push_first(child_pair(e, nearest));
-  }
-
-  void push(const Expansion& e, unsigned children) {
-    for (; children != 0; children &= children - 1) {
-      state_.queue.push(child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
-    }
-  }
-
-  NodePair child_pair(const Expansion& e, std::uint32_t child) const {
-    return e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
   }
 
   /// Goes straight down from the roots to two leaves and compares them. Only if that does not end the query, as it
   /// often does where models intersect, are the other children of the nodes on the way queued.
   void descend_first(const NodePair& roots) {
-    update_limits();
+    open_.update_limits(search_.pruning.distance());
     if constexpr (looks_for_closest) {
       if (state_.seed.is_due() && roots.bound_sq < limits_.of(Side::a)) compare_seed();
     }
@@ -238,11 +206,11 @@ class BestFirst {
       compare_children(e);
       if (e.kept.all == 0) break;
       const std::uint32_t child = e.first_child();
-      pair = child_pair(e, child);
+      pair = open_.child_pair(e, child);
       e.kept.all &= ~(1U << child), e.kept.overlapping &= ~(1U << child);
     }
     if (collector_.is_done()) return;
-    for (std::uint32_t i = 0; i < length; ++i) keep(way[i], false);  // the lowest level ends on top of the stack
+    for (std::uint32_t i = 0; i < length; ++i) open_.keep(way[i], false);  // the lowest level ends on top of the stack
   }
 
   // --- pairs of nodes ---
@@ -305,7 +273,7 @@ class BestFirst {
   /// is visited once.
   void compare_siblings() {
     LIMBER_ASSERT(next_node_ > 0 && state_.queue.empty());
-    update_limits();
+    open_.update_limits(search_.pruning.distance());
     ++state_.steps;
     const bvh::Tree& tree = trees_.tree(Side::a);
     const std::uint32_t n = --next_node_, count = tree.nodes[n].child_count;
@@ -316,7 +284,7 @@ class BestFirst {
       Expansion e;
       e.start_siblings(slot, count);
       compare_children(e);
-      keep(e, state_.descents.is_descending());
+      open_.keep(e, state_.descents.is_descending());
     }
   }
 
@@ -344,7 +312,7 @@ class BestFirst {
       state_.seed.note_close();
       state_.whole_leaves.allow_many();
     }
-    update_limits();
+    open_.update_limits(search_.pruning.distance());
   }
 
   // --- front ---
@@ -365,8 +333,8 @@ class BestFirst {
       state_.least_sq = std::min(state_.least_sq, bound_sq);
       state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
     }
-    // What the last traversal has left open is new work in any case. Each open pair makes its record count at most
-    // once.
+    // What the last traversal has left open is new work in any case. At most one record for each open pair is counted
+    // for its sake, so the difference never overstates what is compared again.
     const double compared_again = static_cast<double>(count) - static_cast<double>(front.open_count());
     return !records.empty() && compared_again < worth_resuming * static_cast<double>(records.size());
   }
@@ -392,6 +360,7 @@ class BestFirst {
   const simd::Kernels& kernels_;
   TreePair<needs_several> trees_;
   SquaredLimits limits_;
+  OpenPairs<Collector::hits> open_;
   LeafComparison<Collector> leaves_;
   std::uint64_t first_step_ = 0;  // the value of state_.steps when this call of the query began
   std::uint32_t next_node_ = 0;   // for one model: one past the node to visit next; counts down to 0

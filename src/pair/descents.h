@@ -21,9 +21,14 @@ class Descents {
   /// Whether to begin another descent.
   bool is_due(std::uint64_t steps) const { return steps >= next_; }
 
-  /// Answers is_due(): begins a descent if it `is_of_use`, and sets when the next one is due in either case.
-  void start(std::uint64_t steps, bool is_of_use) {
-    descends_ = is_of_use;
+  /// Begins a descent that is due, and sets when the next one is due.
+  void start(std::uint64_t steps) {
+    postpone(steps);
+    descends_ = true;
+  }
+  /// Leaves out a descent that is due, and sets when the next one is due.
+  void postpone(std::uint64_t steps) {
+    descends_ = false;
     next_ = factor * steps;
   }
   void stop() { descends_ = false; }

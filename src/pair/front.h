@@ -41,7 +41,7 @@ namespace limber::pair {
 class Front {
  public:
   /// Why children are not expanded. All children of one kind in a record share one bound and are compared again at
-  /// once; those of `near` apart from the others, so that little motion does not bring all back.
+  /// once. Those of `near` have a bound of their own, so that little motion brings back only them.
   enum Kind {
     settled,  ///< pruned, or leaves that were compared
     near,     ///< as settled, but at a distance hardly beyond the cutoff
@@ -93,8 +93,8 @@ class Front {
     cutoff_ = cutoff;
     direction_ = direction;
   }
-  /// Ends a traversal that needs no continuation. Pairs that it has left in the queue, in units of a's tree, because
-  /// its collector was done, are put back to the records.
+  /// Ends a traversal that needs no continuation. If its collector was done early, there are pairs left in the queue:
+  /// they are given to the records that they come from. `unit_a` is the unit of a's tree, in which their bounds are.
   void finish(double unit_a) {
     put_back_queue(unit_a);
     open_pairs_ = 0;
@@ -103,8 +103,8 @@ class Front {
   double motion_bound() const { return motion_bound_; }
 
   /// Notes that the traversal has skipped ties (Ties::skipped): pairs that are as far apart as the best, which is at
-  /// `distance`, up to rounding. Rounding may make such a pair a little nearer than the best. Then it is also nearer
-  /// than the bounds of this front, which count it as settled.
+  /// `distance`, up to rounding. A tie may be nearer than the best, by rounding, and so nearer than the bounds of this
+  /// front. So a later query whose limit lies between the two must not be answered by the front.
   void note_skipped_ties(double distance) { tied_distance_ = std::min(tied_distance_, distance); }
   /// Whether a pair within `limit` may have been skipped as a tie, so that the records and the bound must not be used
   /// to answer whether there is one. After any motion, however small, there is no such doubt: add_motion() lowers
@@ -115,9 +115,9 @@ class Front {
     return std::abs(limit - tied_distance_) <= 2 * rounding;  // of the best and of the tie
   }
 
-  /// Forgets all records, but not bound().
+  /// Forgets all records, but keeps bound(), that of the whole models.
   void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
-  /// Whether more expansions had no room than had records: then the records are hardly of use.
+  /// Whether more expansions found no room than there is room for: then the records are hardly of use.
   bool overflows() const { return without_room_ > capacity; }
   /// How many pairs were open where the last traversal was interrupted.
   std::size_t open_count() const { return open_pairs_; }
@@ -181,10 +181,11 @@ class Front {
   std::span<const Record> records() const { return {records_, count_}; }
 
  private:
-  /// Empties the queue: gives its pairs to the records that they come from. Returns how many pairs it had. Two kinds of
-  /// pairs are only dropped: one that stands for a whole record, which still has its children; and one whose record is
-  /// not there, because it is the pair of the roots, or because the records were forgotten: without records the next
-  /// traversal starts from the roots. `unit_a` is the unit of a's tree in which the bounds of the queue are.
+  /// Empties the queue: gives its pairs to the records that they come from. Returns how many pairs it had. Pairs are
+  /// only dropped where a record has them already, or none is needed:
+  ///   - a pair that stands for a whole record, which still has its children;
+  ///   - the pair of the roots, and all pairs if the records were forgotten: the next traversal starts from the roots.
+  /// `unit_a` is the unit of a's tree in which the bounds of the queue are.
   std::size_t put_back_queue(double unit_a) {
     std::size_t count = 0;
     for (; !state_.queue.empty(); ++count) {
@@ -196,7 +197,7 @@ class Front {
     return count;
   }
   /// Adds what has happened since the last traversal: motion of the poses, and of the vertices in their models.
-  /// `rounding` is that of `deformation_`, a sum of many motions.
+  /// `rounding` is an upper bound of the rounding in `deformation_`, a sum of many motions.
   void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
     const double deformation = deformation_of(placed) - deformation_, rounding = deformation_ * (base::sum_up - 1);
     motion_bound_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;

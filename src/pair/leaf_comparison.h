@@ -26,9 +26,9 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
   return nearest;
 }
 
-/// Calls `visit(slot_a, slot_b)` for candidates, the nearest first, which may prune the others; moves it to the front.
-/// Leaves out those that are beyond the upper bound by then. `visit` returns whether to go on. False if it did not.
-/// Pre: there are candidates.
+/// Calls `visit(slot_a, slot_b)` for candidates. The nearest comes first, and is moved to the front of the list,
+/// because it may prune the others: candidates that are beyond the upper bound when their turn comes are left out.
+/// `visit` returns whether to go on. Returns false as soon as a visit does, else true. Pre: there are candidates.
 template <typename Visit>
 bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
   std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
@@ -58,21 +58,24 @@ class LeafComparison {
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
 
-  /// Whether the query goes on: false if the collector is done, or the budget is spent. If it goes on, the leaves are
-  /// at least max(apart, cutoff) from each other but for the best pair. `apart` is to be 0 before, and stays 0 where
-  /// triangles were compared; with `needs_bound` it is set wherever none were, for a front to record.
+  /// Whether the query goes on: false if the collector is done, or the budget is spent. If it goes on, all pairs of
+  /// triangles of the two leaves, but for the best pair so far, are at least max(apart, cutoff) from each other.
+  ///
+  /// apart   In: 0. Out, for a front to record: the lower bound by which the leaves were pruned as a whole; if only the
+  ///         kernel has compared them and kept no candidate, its bound, with `needs_bound`; else 0.
   ///
   /// `steps` is the number of steps since this call of the query began, this one included; the budget may limit it.
   bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
     const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
     const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
-    const bool are_first_leaves = !state_.descents.has_reached_leaves();  // before the next line changes that
+    const bool are_first_leaves = !state_.descents.has_reached_leaves();  // end_at_leaves() changes that
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
+    const bool may_be_in_contact = are_first_leaves && has_descended && pair.bound_sq == 0;
     simd::Candidates found;
     if constexpr (looks_for_closest) {
       if (state_.whole_leaves.are_tested() && prunes_whole_leaves(apart)) return true;
-      if (are_first_leaves && has_descended && pair.bound_sq == 0 && find_contact(leaf_a, leaf_b, found)) return false;
+      if (may_be_in_contact && find_contact(leaf_a, leaf_b, found)) return false;
       if (has_descended && search_.pruning.has_error()) {
         look_nearer(leaf_a, leaf_b, found);
         if (collector_.is_done()) return false;

@@ -37,12 +37,12 @@ class Pruning {
   double cutoff() const { return cutoff_; }
   /// Bounds are compared with this: the cutoff, or for tiny models a larger distance that float32 resolves.
   double distance() const { return in_frame_[0].distance; }
-  /// The distance of the best pair so far that allows to prune others; 0 if there is none.
+  /// The distance of the best pair so far that has lowered the cutoff; 0 if there is none.
   double best_distance() const { return best_distance_; }
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
-  /// Whether pairs as far apart as the best are skipped now. They may be computed to be a little nearer.
+  /// Whether pairs as far apart as the best are skipped now. Rounding may make a skipped pair a little nearer.
   bool skips_ties() const { return skips_ties_; }
 
   /// As the kernels need it, in the frame of either model.
@@ -69,10 +69,9 @@ class Pruning {
 
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
   /// pruned.
-  ///
-  /// Triangles that share the corner or edge at which the best pair was found, or its plane, are as far apart as the
-  /// best up to rounding. They are many, and can improve the answer by no more than that, so where the distance itself
-  /// is looked for they are pruned. A pair that may be within a limit is always compared.
+  ///  Triangles that share the corner or edge at which the best pair was found, or lie in the plane of its face, are as
+  /// far apart as the best up to rounding. They are many, and can improve the answer by no more than that, so where the
+  /// distance itself is looked for they are pruned. A pair that may be within a limit is always compared.
   bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
     if (!has_direction()) return false;
     // Negative where they overlap. It is computed from the vertices before they are placed, and off by at most
@@ -82,8 +81,8 @@ class Pruning {
     if (const std::optional<bool> is_pruned = prunes_gap(gap)) return *is_pruned;
     return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
   }
-  /// Whether no pair of triangles of two leaves need be compared, for the same reasons. May miss it. If so, leaves in
-  /// `apart` a lower bound of their distance, or the cutoff if that is larger.
+  /// Whether no pair of triangles of two leaves need be compared, for the same reasons. False proves nothing. If true,
+  /// sets `apart` to a lower bound of their distance, or to the cutoff if that is larger.
   bool prunes(PlacedLeaf& a, PlacedLeaf& b, double& apart) const {
     if (!has_direction()) return false;
     const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
@@ -119,13 +118,17 @@ class Pruning {
     offset_ = dot(direction, placed_.pose(Side::b).translation - placed_.pose(Side::a).translation);
   }
 
-  /// Whether a gap along the search direction prunes; nullopt if rounding could change that.
+  /// Whether a gap along the search direction prunes; nullopt if rounding could change that. In three ranges:
+  ///   - certainly at least distance(): the pair is pruned;
+  ///   - certainly less: it is not;
+  ///   - between the two: it is pruned as a tie if ties are skipped and rounding is small next to the distance.
+  /// In all of them a gap of no more than its rounding may hide a contact, and prunes nothing.
   std::optional<bool> prunes_gap(double gap) const {
     const double rounding = base::local_gap_error * placed_.error();
     // Where ties are compared, what is pruned must not even be computed to be nearer.
     if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
-    // As far apart as the best, or as the limit allows.
+    // The rounding up to which a pair counts as a tie.
     const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, base::tie_error * distance());
     if (skips_ties_ && rounding <= tolerated && gap >= distance() - base::usual_part * rounding) return gap > rounding;
     return std::nullopt;

@@ -14,7 +14,7 @@
 
 namespace limber::pair {
 
-/// What a search has left.
+/// What is known of the pairs that a search has not compared.
 struct Unsearched {
   double distance;  ///< all that was not compared is at least that far apart; of no meaning if the collector is done
   StoppedBy stopped_by = StoppedBy::nothing;
@@ -43,7 +43,7 @@ Unsearched traverse(const Search& search, double root_bound, Collector& collecto
   return finish(traversal, search, root_bound, collector);
 }
 
-/// Finishes a traversal whose front is full without recording: drops the records.
+/// Goes on without recording where a traversal has found its front full: drops the records.
 template <typename Collector>
 Unsearched traverse_on(const Search& search, double root_bound, Front& front, Collector& collector) {
   front.forget_records();
@@ -71,12 +71,12 @@ Unsearched traverse_recording(const Search& search, double root_bound, bool cont
     traversal.start(root_bound);
     is_new = true;
   }
-  const bool gives_up = is_new && !search.meter.is_limited();
-  while (!(gives_up && front.overflows()) && traversal.step()) {
+  const bool may_give_up = is_new && !search.meter.is_limited();
+  while (!(may_give_up && front.overflows()) && traversal.step()) {
   }
-  const Unsearched left = gives_up && front.overflows() ? traverse_on(search, root_bound, front, collector)
-                                                        : finish(traversal, search, root_bound, collector);
-  if (search.meter.is_limited() || continues) return left;
+  const Unsearched left = may_give_up && front.overflows() ? traverse_on(search, root_bound, front, collector)
+                                                           : finish(traversal, search, root_bound, collector);
+  if (search.meter.is_limited() || continues) return left;  // parts of a query say nothing about what a front saves
   if (is_new) {
     cache.judge_new_front(left.work);
   } else {
@@ -85,7 +85,12 @@ Unsearched traverse_recording(const Search& search, double root_bound, bool cont
   return left;
 }
 
-/// Runs a traversal with a cache: with its bound and its front where these pay, else without.
+/// Runs a traversal with a cache. Its bound and its front are each used on trial: is_due() says whether that has paid
+/// lately, and the judge_...() functions report what was gained or lost (Trial). In this order:
+///   1. An interrupted traversal is continued (`continues`).
+///   2. If neither bound nor front pays, the query is made without them.
+///   3. If the bound that is kept reaches the cutoff, it is the answer.
+///   4. If the front pays, or a budget needs it, a traversal records or resumes it; else only the bound is renewed.
 template <typename Collector>
 Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
   Front& front = cache.front;
@@ -165,7 +170,7 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
     const Unsearched left = traverse(context, root_bound, *last, collector);
     if (pruning.skips_ties()) last->front.note_skipped_ties(pruning.cutoff());
     if (tries_pair && !meter.is_limited()) {
-      constexpr double close = 1.25;
+      constexpr double close = 1.25;  // the last pair has helped if it was at most that much farther than the answer
       last->judge_pair(at_first < collector.initial_cutoff() && at_first <= close * pruning.cutoff());
     }
     return left;
@@ -179,7 +184,7 @@ inline bool has_self_pair(const QueryCache::Impl* last, const PlacedPair& placed
 }
 
 /// Looks for the best among the triangles of one model, which stands on both sides. If there is a cache, the pair of
-/// the last answer is compared first, whatever model it was of: it is one of the pairs of this model as well.
+/// the last answer is compared first, even if that was about another model: any two triangles give an upper bound.
 template <typename Collector>
 Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, Collector& collector,
                        QueryStats& stats) {

@@ -1,5 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// The closest point of a model: depth first, the nearest child first. Triangles that may be the closest are collected,
+// so that their vertices are fetched from memory meanwhile, and compared when there are enough. For points so far away
+// that float32 cannot tell distances apart, kernels compare heights along the direction to the point ("along") instead.
 #include "point/closest_point.h"
 #include "limber/distance.h"
 
@@ -16,7 +20,7 @@
 namespace limber::point {
 namespace {
 
-// More than any bound of a child.
+// Stands for infinity among squared bounds: more than any bound of a child, but finite, as kernels need it.
 constexpr float most_bound = 3e38F;
 
 }  // namespace
@@ -33,7 +37,11 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
   candidate_count_ = 0;
   waiting_.start(limit_bound_);
   for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
-    bvh::has_leaf_or_coincides(tree_, next.slot) ? compare_leaf(next.slot, stats) : expand(next.slot, stats);
+    if (bvh::has_leaf_or_coincides(tree_, next.slot)) {
+      compare_leaf(next.slot, stats);
+    } else {
+      expand(next.slot, stats);
+    }
   }
   compare_candidates(stats);
   return best_;
@@ -44,8 +52,9 @@ void ClosestPointSearch::set_limit(double limit) {
   limit_bound_ = bound_of(limit);
 }
 
-/// A distance in the measure of the kernels, rounded up, a square to the nearest: bounds of children are lower by more
-/// than that (base::point_error). It never prunes what has a bound of 0.
+/// Converts a distance to what kernels compare bounds with. For far points that is a height, rounded up. For others it
+/// is a square, rounded to the nearest: bounds of children are lowered by more than that (base::point_error). It is
+/// above 0, so children with a bound of 0 are never pruned.
 float ClosestPointSearch::bound_of(double distance) const {
   const simd::QueryPoint& p = in_frame_;
   if (p.is_far) {
@@ -82,7 +91,7 @@ void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
   }
   const double upper = static_cast<double>(found.upper) * found.step;
   if (upper < limit_) set_limit(upper);
-  // The leaf itself does not tell how near its triangles are.
+  // For far points the kernel gives no upper bound, so triangles are compared now, to lower the limit.
   if (in_frame_.is_far) compare_candidates(stats);
 }
 

@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Eight boxes a node, over models in spatial order. The rank of a model is its place in that order: leaf i, the i-th
+// node of the lowest level, holds ranks 8 i to 8 i + 7, and the k-th child of node i of a level is node 8 i + k below.
 #include "scene/box_tree.h"
 
 #include <algorithm>
@@ -15,10 +18,10 @@ namespace {
 using bvh::BoxNode;
 using bvh::width;
 
-// 2^32 models have 11 levels.
-constexpr std::size_t max_levels = 12;
+// 2^32 models have 11 levels, as 8^11 = 2^33.
+constexpr std::size_t max_levels = 11;
 
-// A factor that lowers a squared length by more than rounding can have raised it above the square it is compared with.
+// Makes up for the rounding of both squares where two squared lengths are compared.
 constexpr double squared_length_down = 1 - 0x1p-48;
 
 BoxNode empty_boxes() {
@@ -130,8 +133,8 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
   const Box around = box_of_leaf(leaf);
 
-  // Pairs are collected before they are visited: a pair is written, and counted if it is near. So the loop needs no
-  // branch for that.
+  // Pairs are collected before they are visited. Every pair is written, but the count only goes up after one that is
+  // near, so the loop needs no branch for that.
   constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
   std::uint32_t found_a[room], found_b[room];
   std::size_t count = 0;
@@ -157,13 +160,14 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
   };
 
   if (top == 0) return visit_leaf(leaf) && visit_found();
-  // Depth first, children in order. Left out are children whose leaves all come before this one: those pairs belong to
-  // the other leaf.
+  // Depth first, children in order. Left out are children whose leaves all come before `leaf`: those pairs are visited
+  // from the other leaf. In nodes that are not above `leaf`, such children were left out with their parents.
   constexpr int bits_of_width = std::countr_zero(unsigned{width});
   std::uint32_t node[max_levels];
   unsigned waiting[max_levels];
   const auto enter = [&](std::size_t level, std::uint32_t i) {
-    const std::uint32_t first = leaf >> (bits_of_width * (level - 1));  // the child that is this leaf, or has it below
+    const std::uint32_t first =
+        leaf >> (bits_of_width * (level - 1));  // of all nodes a level below: `leaf` or the one above it
     node[level] = i;
     waiting[level] = boxes_near(boxes(level, i), around, margin);
     if (first / width == i) waiting[level] &= ~0U << (first % width);

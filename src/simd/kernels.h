@@ -34,8 +34,8 @@ using bvh::width;
 /// and padded, so that four numbers are worked on at once.
 ///
 /// `error` is an upper bound of how much the rounding of placed points, and the slack of both models, can change a
-/// length (Tree::slack). `ratio` and `error_units` are infinite if float32 could not square them; kernels then take the
-/// other slot to be everywhere.
+/// length (Tree::slack). `ratio` and `error_units` are infinite if float32 could not square them; kernels then prune
+/// nothing.
 struct FrameTransform {
   alignas(32) double from_other[4][4];  ///< three columns of the rotation, then the translation
   alignas(16) float rotation[3][4];     ///< the same rotation, rounded
@@ -113,8 +113,7 @@ struct ChildrenInOrder {
   float upper;    ///< upper bound, in units, of the distance of the nearest triangle from the point
   unsigned kept;  ///< bit mask: children whose bound is at most the limit
 
-  /// The place of a slot when the kept children are lined up, the nearest one last, then the other slots. Every slot
-  /// has a place of its own.
+  /// The place of a slot: kept children have places 0, 1, ... in order, the farthest first; the other slots follow.
   std::uint32_t place_of(std::uint32_t slot) const { return std::bit_cast<std::uint32_t>(place_in_bits[slot]) % width; }
 };
 
@@ -172,10 +171,12 @@ struct SelfPair {
   const bvh::Leaf &a, &b;
 };
 
-/// The elements that the triangles of a leaf own, that is, represent (MeshEdges). A byte for each slot: bit k is the
-/// vertex of corner k, bit 3 + k the edge from corner k to the next, bit 6 is set if the slot is in use. A slot that is
-/// not in use owns nothing.
+/// The elements that the triangles of a leaf own: those that they represent (MeshEdges::represented_by()). A byte for
+/// each slot: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next. A slot that is not in use
+/// owns nothing.
 struct OwnedElements {
+  static constexpr std::uint64_t is_in_use = 0x40;  ///< set in the byte of every slot that is in use
+
   std::uint64_t of_slots;
 };
 
@@ -203,8 +204,9 @@ struct ElementCandidates {
 ///
 /// returned  The children with a bound below `limit_sq`, less those that the search direction prunes. `limit_sq` is
 ///           pruning.distance in units, squared and rounded up (pair::SquaredLimits).
-/// order     For each slot the bound without the search direction, if positive. Otherwise how deep the spheres overlap,
-///           as a fraction of the sum of their radii, negative: sorted by it, the deepest overlap comes first.
+/// order     For each slot the bound without the search direction, if positive. Otherwise minus the depth of the
+///           overlap of the spheres, as a fraction of the sum of their radii: so the deepest overlap is the least.
+///           (Positive ones are lengths, not squares, where only overlap is asked for; see below.)
 /// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
 ///
 /// Slots without a child get numbers that mean nothing. If pruning.distance is smallest_prune_distance and bound_sq is
@@ -237,7 +239,7 @@ using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const Fra
 /// bound_children_to_point  Squared distances in squared units. Where one is 0 it gives how deep the point is inside of
 ///                          the child's sphere, as a fraction of the radius, negative.
 /// bound_children_along     For far points: minus the height of the child's highest point over QueryPoint::base, in
-///                          units. Large distances take no precision away from it. `upper` is infinite.
+///                          units. It keeps its precision however far the point is. `upper` is infinite.
 using BoundChildrenToPoint = void (*)(const bvh::Node& node, const QueryPoint& point, float limit,
                                       ChildrenInOrder& children);
 
@@ -294,8 +296,8 @@ using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size
 /// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`, which are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
-/// The pairs of boxes that have a point in common once those of `a` are made larger by a margin on all sides. Bit width
-/// * k + i stands for box k of a and box i of b. `around_b` contains all boxes of b. Pre: the margin is finite.
+/// The pairs of boxes that have a point in common once those of `a` are made larger by a margin on all sides. Bit 8 k +
+/// i stands for box k of a and box i of b. `around_b` contains all boxes of b. Pre: the margin is finite.
 using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b,
                                            double margin);
 

@@ -39,8 +39,8 @@ struct TrackArguments {
   DistanceOptions query;
   DeformingOptions model;
   bool contacts = false;         // pairs of triangles of the two models are counted
-  bool self_contacts = false;    // those of each model that deforms with itself
-  std::optional<double> margin;  // of both
+  bool self_contacts = false;    // pairs of triangles of each deforming model with itself are counted
+  std::optional<double> margin;  // of both kinds of pairs
   std::uint64_t loops = 1;
   bool json = false;
   ReportArguments report;
@@ -78,7 +78,7 @@ class MeshFrames {
   std::size_t count() const { return arguments_.size(); }
   const MeshFile& first() const { return sequence_ ? sequence_->first() : *scene_; }
 
-  /// Reads one frame and keeps nothing of it.
+  /// The positions of one frame. Frame 0 is in memory; any other is read, and nothing of it is kept.
   std::vector<Vec3> positions(std::size_t frame) const {
     if (frame == 0) return first().mesh.positions();
     if (!scene_) return value_or_bad_input(sequence_->read_positions(arguments_[frame], frame));
@@ -94,8 +94,9 @@ class MeshFrames {
 
  private:
   std::vector<std::string> arguments_;
-  std::optional<MeshSequence> sequence_;  // either of files
-  std::optional<MeshFile> scene_;         // or of scenes
+  // One of the two is set: the sequence if the frames are files, the scene if they are named scenes.
+  std::optional<MeshSequence> sequence_;
+  std::optional<MeshFile> scene_;
 };
 
 /// A list with one entry for every frame, or one entry for all frames.
@@ -194,6 +195,7 @@ std::vector<AskedContacts> asked_contacts(const TrackArguments& arguments, const
 }
 
 FrameContacts find_contacts(const AskedContacts& asked, double margin) {
+  // One is kept, the worst; the others are only counted.
   FrameContacts answer{asked.name, collect_contacts(1, ContactDetail::all, [&](ContactCollector& visit) {
                          const Model &a = asked.a->model().fast(), &b = asked.b->model().fast();
                          if (&a == &b) return visit_self_contacts(a, margin, visit);
@@ -218,7 +220,7 @@ ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& mode
   return {shown_name(arguments.frames.front()), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
 }
 
-/// All files that are read.
+/// All files that are read, so that the report does not overwrite one of them.
 Names inputs_of(const TrackArguments& arguments) {
   Names inputs = {arguments.a.poses, arguments.b.poses};
   for (const ModelArguments* const model : {&arguments.a, &arguments.b}) {

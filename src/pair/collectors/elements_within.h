@@ -21,7 +21,7 @@ namespace limber::pair {
 ///
 /// A vertex or edge belongs to several triangles; only one of them, its representative (MeshEdges::represented_by()),
 /// brings it into a comparison. Two elements within the margin have representatives within the margin, and AllPairs
-/// offers each two triangles once, so each pair of elements is found once. In one model, elements with the same
+/// offers every pair of triangles once, so each pair of elements is found once. In one model, elements with the same
 /// representative share a vertex, and such pairs do not count.
 ///
 /// Vertices and faces are compared one pair at a time, in compare_leaves(). Pairs of edges are collected until there
@@ -89,7 +89,7 @@ class ElementsWithin {
   std::size_t vertex_face_count = 0, edge_edge_count = 0;
 
  private:
-  /// An element of a leaf, as simd::ElementCandidate has it.
+  /// An element of a leaf; the code is corner * width + slot (simd::ElementCandidate).
   struct Element {
     Side side;
     const bvh::Leaf& leaf;
@@ -111,11 +111,11 @@ class ElementsWithin {
   /// The elements that the triangles of a leaf represent, a byte for each triangle. Triangles that fill up a leaf
   /// represent nothing.
   simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
-    constexpr std::uint64_t is_in_use = 0x40;  // (simd::OwnedElements)
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
       if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
-      of_slots |= (is_in_use | edges_[index(s)]->represented_by(leaf.triangle[slot])) << (8 * slot);
+      of_slots |= (simd::OwnedElements::is_in_use | edges_[index(s)]->represented_by(leaf.triangle[slot]))
+                  << (8 * slot);
     }
     return {of_slots};
   }
@@ -139,7 +139,7 @@ class ElementsWithin {
     LIMBER_ASSERT(edges_[0]->vertices()[id_a] == a && edges_[1]->vertices()[id_b] == b);
     const std::uint32_t i = collected_++;
     // The last bits of a distance depend on which edge comes first. So in one model it is the one of smaller id,
-    // wherever the leaves are. Conditional moves: the processor could not predict branches.
+    // wherever the leaves are. Selected number by number, because a branch could not be predicted.
     const bool swaps = is_self && id_b < id_a;
     collected_edges_[i] = {swaps ? id_b : id_a, swaps ? id_a : id_b};
     segments_.start_a[i] = position(Side::a, swaps ? b[0] : a[0]);
