@@ -303,7 +303,7 @@ Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return a.v0;
   Vec3 point;
-  if (find_shared_point(Face(frame.to_local(a)), Face(frame.to_local(b)), frame.extent(), point)) {
+  if (find_shared_point_fast(Face(frame.to_local(a)), Face(frame.to_local(b)), frame.extent(), point)) {
     return frame.from_local(point);
   }
   return Comparison(frame, a, b).points().point_a;
