@@ -97,25 +97,6 @@ TEST(ProgramSelf, EachPairOfASoupComesOnceAsBruteForceFindsIt) {
   EXPECT_EQ(pairs_of(met), (std::set(meeting.begin(), std::next(meeting.begin(), 2))));
 }
 
-TEST(ProgramSelf, TheClosestPairsAreThoseOfBruteForce) {
-  const Folder folder;
-  scenes::Rng rng(8);
-  for (const double size : {0.05, 0.5}) {
-    const Mesh soup = scenes::random_soup(rng, 60, size);
-    const std::string path = folder.store("soup.obj", soup);
-    for (const std::size_t k : {1U, 7U, 5000U}) {
-      std::vector<Contact> expected = reference::self_closest_pairs(soup, k);
-      const nlohmann::json json = json_of("self " + path + " --closest " + std::to_string(k));
-      EXPECT_EQ(json["closest"], k);
-      EXPECT_EQ(json["meets_itself"], expected.front().distance == 0);
-      EXPECT_TRUE(json["distance"].is_null());
-      ASSERT_EQ(json["pairs"].size(), expected.size());
-      // Where triangles intersect, the deepest come first.
-      for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(json["pairs"][i]["distance"], expected[i].distance);
-    }
-  }
-}
-
 TEST(ProgramSelf, NeighborsDoNotCount) {
   const Folder folder;
   // Two triangles that touch at a corner; the file has that corner twice, and reading it makes it one vertex.
