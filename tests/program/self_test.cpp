@@ -58,6 +58,9 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   EXPECT_EQ(overview["distance"]["status"], "exact");
   EXPECT_EQ(overview["distance"]["upper"], nearest->distance);
   EXPECT_EQ(overview["distance"]["witness"]["triangle_a"], nearest->triangle_a);
+  const nlohmann::json closest = json_of("self " + path + " --closest 1");
+  EXPECT_EQ(closest["count"], 1);
+  EXPECT_EQ(closest["pairs"][0]["distance"], nearest->distance);
 
   const std::vector<Row> rows = table_of(answer_to("self " + path + " --margin 0.3 --csv -"));
   ASSERT_EQ(rows.size(), expected.size());
