@@ -59,7 +59,7 @@ THIRD_PARTY = {
     "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "apps/", "tests/", "bench/", "web/tests/"),
     "nanobind": ("python/",),
-    "oneapi": ("src/base/", "apps/", "python/", "tests/", "bench/", "web/bench/"),
+    "oneapi": ("src/base/", "apps/", "python/", "tests/", "bench/"),
     "wasm_simd128.h": ("src/simd/", "src/kernels/"),
     "xmmintrin.h": ("src/base/", "tests/", "fuzz/"),
 }

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures and tables that docs/experiments.md shows, from the results of the thesis benchmarks.
+"""Figures that docs/experiments.md shows, from the results of the thesis benchmarks.
 
-Takes the folder of results. Writes docs/images/thesis_queries.svg, docs/images/thesis_updates.svg, and thesis.md beside
-the results.
+Takes the folder of results. Writes docs/images/thesis_queries.svg and docs/images/thesis_updates.svg.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from figures import (
     BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, STYLE, FixedLocator, FuncFormatter, NullLocator, band, caption,
     curve, key, label, log_axis, plain, plt, save, separation_axis,
 )
-from thesis_results import MODE_NAMES, MODES, Results, write_tables
+from thesis_results import MODE_NAMES, MODES, Results
 
 MODE_COLORS = {"immediate": RED, "batched": ORANGE, "by_depth": BLUE}
 ERROR_COLORS = {0.01: GREEN, 0.1: SKY, 0.5: ORANGE, 1.0: PINK}
@@ -147,4 +146,3 @@ if __name__ == "__main__":
     with plt.rc_context(STYLE):
         plot_queries(results_of_folder)
         plot_updates(results_of_folder)
-    print(write_tables(results_of_folder))

@@ -64,16 +64,6 @@ class Step(NamedTuple):
         return is_close and self.touching(-TOLERANCE) <= theirs <= self.touching(TOLERANCE)
 
 
-class Run(NamedTuple):
-    """All steps, and the models as the last one left them."""
-
-    steps: list[Step]
-    cloth: limber3d.Model
-    stone: limber3d.Model
-    pose: Any  # of the stone
-    radius: float
-
-
 def stone_of(model: Any) -> limber3d.Model:
     """The mesh of the stone's geom, in the geom's frame."""
     mesh = model.geom_dataid[model.geom("stone").id]
@@ -82,7 +72,7 @@ def stone_of(model: Any) -> limber3d.Model:
     return limber3d.Model(vertices, model.mesh_face[face : face + model.mesh_facenum[mesh]])
 
 
-def simulate(count: int, steps: int) -> Run:
+def simulate(count: int, steps: int) -> list[Step]:
     """Steps MuJoCo, and asks limber3d after each step."""
     mujoco: Any = importlib.import_module("mujoco")
     model = mujoco.MjModel.from_xml_string(scene(count))
@@ -93,7 +83,6 @@ def simulate(count: int, steps: int) -> Run:
     radius, cache = float(model.flex_radius[0]), limber3d.QueryCache()
     geom = data.geom("stone")
     found: list[Step] = []
-    pose: Any = None
     for _ in range(steps):
         mujoco.mj_step(model, data)  # leaves vertices and contacts as they were before the bodies moved on
         pose = (geom.xmat.reshape(3, 3), geom.xpos)
@@ -106,10 +95,10 @@ def simulate(count: int, steps: int) -> Run:
             elements[element] = min(elements.get(element, numpy.inf), float(contact["distance"]) - radius)
         theirs = data.contact.dist.min() if data.ncon else numpy.inf
         found.append(Step(distance, float(theirs), elements, frozenset(data.contact.elem[:, 1].tolist())))
-    return Run(found, cloth, stone, pose, radius)
+    return found
 
 
-def main(arguments: Sequence[str] | None = None) -> Run | None:
+def main(arguments: Sequence[str] | None = None) -> list[Step] | None:
     parser = argparse.ArgumentParser(description="A cloth of MuJoCo falls on a stone.")
     parser.add_argument("--count", type=int, default=17, help="vertices along a side of the cloth (17)")
     parser.add_argument("--steps", type=int, default=300, help="steps of 2 ms (300)")
@@ -118,17 +107,17 @@ def main(arguments: Sequence[str] | None = None) -> Run | None:
         print("skipped: MuJoCo is not installed (pip install mujoco)")
         return None
 
-    run = simulate(options.count, options.steps)
+    steps = simulate(options.count, options.steps)
     print("  step   distance by limber3d, MuJoCo   elements in contact by limber3d, MuJoCo")
     for i in range(0, options.steps, max(1, options.steps // 12)):
-        step = run.steps[i]
+        step = steps[i]
         numbers = (step.distance, step.mujoco_distance, len(step.touching()), len(step.mujoco_elements))
         print("{:6} {:22.7f} {:10.7f} {:23} {:8}".format(i, *numbers))
-    touching = [step for step in run.steps if step.distance < -TOLERANCE]
+    touching = [step for step in steps if step.distance < -TOLERANCE]
     worst = max(abs(step.distance - step.mujoco_distance) for step in touching)
     print(f"{len(touching)} steps in contact; distances differ by {worst:.1e} at most")
-    assert all(step.agrees() for step in run.steps)
-    return run
+    assert all(step.agrees() for step in steps)
+    return steps
 
 
 if __name__ == "__main__":

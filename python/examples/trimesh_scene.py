@@ -4,7 +4,7 @@
 """A scene of trimesh: which of its parts meet, how close the others are, and what a tool touches on its way.
 
 limber3d.CollisionManager has the methods of trimesh's manager of that name, which needs python-fcl and SciPy. Where
-they are installed, both are asked and have to agree. The manager's answers are those of limber3d's own queries, too.
+they are installed, both are asked and have to agree.
 
     python trimesh_scene.py --parts 200
 """
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import itertools
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -76,23 +75,6 @@ def ask(manager: Any, tool: trimesh.Trimesh, path: FloatArray) -> Answers:
     return Answers({(min(a, b), max(a, b)) for a, b in colliding}, float(clearance), nearest, touched)
 
 
-def ask_limber3d(scene: trimesh.Scene, tool: trimesh.Trimesh, path: FloatArray) -> Answers:
-    """The same questions to limber3d's own functions, pair by pair."""
-    models = {name: limber3d.Model(mesh) for name, mesh in scene.geometry.items()}
-    parts = {node: (models[shape], pose) for node in scene.graph.nodes_geometry for pose, shape in [scene.graph[node]]}
-    colliding = {
-        (min(a, b), max(a, b))
-        for a, b in itertools.combinations(parts, 2)
-        if limber3d.collide(parts[a][0], parts[b][0], parts[a][1], parts[b][1])
-    }
-    moved = limber3d.Model(tool)
-    distances = {node: limber3d.distance(moved, model, path[0], pose).upper for node, (model, pose) in parts.items()}
-    hits = {node: limber3d.collide_many(moved, model, path, pose)["is_yes"] for node, (model, pose) in parts.items()}
-    nearest = min(distances, key=lambda node: distances[node])
-    touched = [{node for node, hit in hits.items() if hit[step]} for step in range(len(path))]
-    return Answers(colliding, distances[nearest], nearest, touched)
-
-
 def timed(name: str, call: Callable[[], Answers]) -> Answers:
     start = time.perf_counter()
     answers = call()
@@ -118,8 +100,6 @@ def main(arguments: Sequence[str] | None = None) -> Answers:
 
     manager = manager_of(scene, limber3d.CollisionManager())
     ours = timed("limber3d.CollisionManager", lambda: ask(manager, tool, path))
-    direct = timed("limber3d, pair by pair", lambda: ask_limber3d(scene, tool, path))
-    assert same(ours, direct) and ours.clearance == direct.clearance
     if not all(map(importlib.util.find_spec, ("fcl", "scipy"))):
         print("trimesh's own manager is not asked: python-fcl or SciPy is not installed")
     else:

@@ -123,7 +123,7 @@ def test_managers_agree_on_the_scene_of_trimesh(
 def test_mujoco_has_the_contacts_of_limber(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco")
     flex = example("mujoco_flex", monkeypatch)
-    last = flex.main(["--count", "9", "--steps", "200"]).steps[-1]
+    last = flex.main(["--count", "9", "--steps", "200"])[-1]
     assert last.distance < -1e-4
     assert len(last.mujoco_elements) > 5
     assert last.agrees()

@@ -37,9 +37,7 @@ std::vector<std::vector<Vec3>> dented_sheets(std::uint64_t seed, std::size_t fra
 TEST(ProgramDemo, WritesAPageAndASummary) {
   const Report demo = played("--frames 30");
   const std::string text = demo.outcome.out, path = demo.folder.path("page.html");
-  EXPECT_EQ(demo.outcome.err, "");
-  EXPECT_EQ(text.find('\033'), std::string::npos);  // no live table outside a terminal
-  EXPECT_EQ(count_of("\nframe ", "\n" + text), 10U) << text;
+  EXPECT_EQ(demo.outcome.err, "");  // no progress bar outside a terminal
   EXPECT_NE(text.find("checked against brute force: equal"), std::string::npos) << text;
   EXPECT_NE(text.find(path), std::string::npos);
   EXPECT_EQ(demo.page.find("<!DOCTYPE html>"), 0U);

@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <regex>
 #include <utility>
 
+#include "program/page_decoding.h"
 #include "program/run_program.h"
 
 namespace limber::program_tests {
@@ -110,55 +109,32 @@ TEST(ProgramHaptics, WritesARowForEachTick) {
   EXPECT_GT(largest_force, 0.3);
 }
 
-TEST(ProgramHaptics, WritesAPageWithItsCharts) {
-  const Folder folder;
-  const std::string path = folder.path("page.html");
+TEST(ProgramHaptics, WritesAPageWithItsNumbers) {
   for (const std::string seconds : {"0.005", "1"}) {
-    answer_to(small + "--jitter-seconds 0.05 --seconds " + seconds + " --page " + path);
-    const std::string page = text_of(path);
-    EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
-    EXPECT_NE(page.find("</html>"), std::string::npos);
-    for (const char* id : {"work", "wake_up", "time_line", "times", "summary"}) {
-      EXPECT_EQ(count_of(std::string("<section id=\"") + id + "\">", page), 1U) << id;
-    }
-    EXPECT_EQ(count_of("class='chart'", page), 3U);
-    EXPECT_EQ(count_of("<polyline", page), 6U);  // two curves in each
-    EXPECT_NE(page.find("late wake-up, empty loop"), std::string::npos);
-    const std::string without_namespace =
-        std::regex_replace(page, std::regex("xmlns='http://www\\.w3\\.org/2000/svg'"), "");
-    for (const char* part : {"http://", "https://", "<script", "<link", "@import", "url(", "nan", "inf ", "-inf"}) {
-      EXPECT_EQ(without_namespace.find(part), std::string::npos) << part;
-    }
+    const Report report(small + "--json --jitter-seconds 0.05 --seconds " + seconds, "--page");
+    const nlohmann::json answer = nlohmann::json::parse(report.outcome.out), &data = report.data["haptics"];
+    EXPECT_EQ(report.page.find("<!DOCTYPE html>"), 0U);
+    EXPECT_EQ(report.data["command"].get<std::string>().find("limber haptics --rate 200 "), 0U);
+    EXPECT_EQ(data["rate_hz"], 200);
+    EXPECT_EQ(data["work"][0]["bins"], answer["work_histogram"]);
+    EXPECT_EQ(data["work"].size() + data["wake_up"].size(), 4U);
+    const std::vector<double> slowest = data["slowest"]["work_us"];
+    EXPECT_EQ(slowest.size(), answer["ticks"]);
+    EXPECT_EQ(*std::max_element(slowest.begin(), slowest.end()), answer["work_us"]["max"]);
+    EXPECT_EQ(data["slowest"]["missed"].size(), answer["missed"]);
+    EXPECT_EQ(data["times"].size(), 8U);  // a header, five parts, two late wake-ups
+    for (const nlohmann::json& row : data["times"]) EXPECT_EQ(row.size(), 7U);
+    EXPECT_EQ(data["summary"][0][0], "ticks");
   }
 }
 
-TEST(ProgramHaptics, DrawsHistogramsWhoseHeightsAreCounts) {
-  const Folder folder;
-  const std::string path = folder.path("page.html");
-  const nlohmann::json json = json_of(short_run + "--page " + path);
-  const std::string page = text_of(path);
-  const std::string section = page.substr(page.find("<section id=\"work\">"));
-  const std::string line = section.substr(section.find("points='"), section.find("'/>", section.find("points='")));
-  std::uint64_t largest = 0;
-  for (const nlohmann::json& bin : json["work_histogram"]) {
-    largest = std::max(largest, bin["ticks"].get<std::uint64_t>());
-  }
-  double highest = 190;  // of the curve's points; y grows downwards
-  const std::regex point("([0-9.]+),([0-9.]+) ");
-  const std::string points = line.substr(0, line.find("'/>"));
-  for (std::sregex_iterator it(points.begin(), points.end(), point), end; it != end; ++it) {
-    highest = std::min(highest, std::stod((*it)[2]));
-  }
-  // The axis goes from a half to a power of ten, its last label; it holds the curve of the query as well.
-  double top = 0;
-  const std::regex label("<text class='value' x='-8' y='[-0-9.]+'>([0-9.]+)</text>");
-  for (std::sregex_iterator it(section.begin(), section.begin() + section.find("</section>"), label), end; it != end;
-       ++it) {
-    top = std::max(top, std::stod((*it)[1]));
-  }
-  ASSERT_GE(top, 10);
-  EXPECT_NEAR(0.5 * std::pow(top / 0.5, 1 - highest / 190), static_cast<double>(largest),
-              0.01 * static_cast<double>(largest));
+TEST(ProgramHaptics, JoinsTicksThatAScreenCannotTellApart) {
+  const Report report("haptics --rate 2500 --seconds 1 --tissue 1000 --tool 1000 --jitter-seconds 0 --json", "--page");
+  const nlohmann::json answer = nlohmann::json::parse(report.outcome.out), &slowest = report.data["haptics"]["slowest"];
+  EXPECT_EQ(slowest["group"], 3);
+  const std::vector<double> work = slowest["work_us"];
+  EXPECT_EQ(work.size(), 834U);
+  EXPECT_EQ(*std::max_element(work.begin(), work.end()), answer["work_us"]["max"]);
 }
 
 TEST(ProgramHaptics, TellsMissedTicksByItsExitCodeOnlyWhereAsked) {

@@ -58,6 +58,9 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   EXPECT_EQ(overview["distance"]["status"], "exact");
   EXPECT_EQ(overview["distance"]["upper"], nearest->distance);
   EXPECT_EQ(overview["distance"]["witness"]["triangle_a"], nearest->triangle_a);
+  const nlohmann::json closest = json_of("self " + path + " --closest 1");
+  EXPECT_EQ(closest["count"], 1);
+  EXPECT_EQ(closest["pairs"][0]["distance"], nearest->distance);
 
   const std::vector<Row> rows = table_of(answer_to("self " + path + " --margin 0.3 --csv -"));
   ASSERT_EQ(rows.size(), expected.size());
@@ -95,25 +98,6 @@ TEST(ProgramSelf, EachPairOfASoupComesOnceAsBruteForceFindsIt) {
   const nlohmann::json met = json_of("self " + path + " --limit 2");
   EXPECT_EQ(met["count"], meeting.size());
   EXPECT_EQ(pairs_of(met), (std::set(meeting.begin(), std::next(meeting.begin(), 2))));
-}
-
-TEST(ProgramSelf, TheClosestPairsAreThoseOfBruteForce) {
-  const Folder folder;
-  scenes::Rng rng(8);
-  for (const double size : {0.05, 0.5}) {
-    const Mesh soup = scenes::random_soup(rng, 60, size);
-    const std::string path = folder.store("soup.obj", soup);
-    for (const std::size_t k : {1U, 7U, 5000U}) {
-      std::vector<Contact> expected = reference::self_closest_pairs(soup, k);
-      const nlohmann::json json = json_of("self " + path + " --closest " + std::to_string(k));
-      EXPECT_EQ(json["closest"], k);
-      EXPECT_EQ(json["meets_itself"], expected.front().distance == 0);
-      EXPECT_TRUE(json["distance"].is_null());
-      ASSERT_EQ(json["pairs"].size(), expected.size());
-      // Where triangles intersect, the deepest come first.
-      for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(json["pairs"][i]["distance"], expected[i].distance);
-    }
-  }
 }
 
 TEST(ProgramSelf, NeighborsDoNotCount) {

@@ -149,29 +149,6 @@ TEST(ClassicMaintenance, AllModesGiveTheSameTightTree) {
   }
 }
 
-TEST(ClassicMaintenance, ARefusedUpdateChangesNothing) {
-  classic::Model model(triangles_in_a_row(4));
-  const std::vector<Vec3> before = model.mesh().positions();
-  const std::vector<VertexId> ids{0, 99};
-  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}};
-  const auto expect_refused = [&](const Result<void>& result, ErrorCode code, const char* text) {
-    ASSERT_FALSE(static_cast<bool>(result));
-    EXPECT_EQ(result.error().code, code);
-    EXPECT_EQ(result.error().text, text);
-    EXPECT_EQ(model.mesh().positions(), before);
-    EXPECT_TRUE(model.is_committed());
-    EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
-  };
-  expect_refused(model.move_vertices(ids, two), ErrorCode::index_out_of_range,
-                 "entry 1 of the update names vertex 99, but there are only 12");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0}, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0, 1}, std::vector<Vec3>{{0, 0, 1}, {0, NAN, 0}}),
-                 ErrorCode::non_finite, "entry 1 of the update is not finite");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{1e70, 0, 1}}), ErrorCode::too_large,
-                 "entry 0 of the update has a coordinate above the limit of 2^200");
-  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for 12 vertices");
-}
-
 TEST(ClassicMaintenance, UnreferencedVerticesMoveForFree) {
   classic::Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}}, {{0, 1, 2}}).value());
   model.move_vertices(std::vector<VertexId>{3}, std::vector<Vec3>{{1, 1, 1}}).value();
@@ -203,16 +180,6 @@ TEST(ClassicLooseness, SpheresThatBecameStaleShrinkAgain) {
   model.move_all(positions).value();
   model.commit();
   EXPECT_LT(model.tree_stats().root_radius, 0.02 * radius);
-}
-
-TEST(ClassicDistance, AContactIsFoundEvenWhenThePruneDistanceUnderflows) {
-  // The first pair that the query compares is 1e-20 apart. Its distance divided by 1 + the error underflows to 0. The
-  // contact must not be pruned all the same.
-  const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
-  const classic::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
-  const DistanceResult r = classic::distance({a}, {b}, {.relative_error = 1e308});
-  EXPECT_EQ(r.status, Status::collision);
-  EXPECT_EQ(r.stats.triangle_tests, 2U);
 }
 
 TEST(ClassicCollide, StopsAtTheFirstPair) {

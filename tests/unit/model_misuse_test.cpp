@@ -154,6 +154,33 @@ TEST(ModelMisuse, OfOptionsIsRefused) {
   EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.stale_ratio = 0.5}}); }, {"stale_ratio"}));
 }
 
+TYPED_TEST(ModelMisuse, ByUpdatesIsRefusedAndChangesNothing) {
+  typename TypeParam::Model model(scenes::ball(12, 7));
+  const std::vector<Vec3> before = model.mesh().positions();
+  const auto count = static_cast<VertexId>(before.size());
+  const std::vector<VertexId> one{0}, pair{0, 1}, beyond{0, count};
+  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}}, none{{0, 0, 1}, {0, NAN, 0}}, huge{{1e70, 0, 1}};
+  std::vector<Vec3> all = before;
+  all[5].x = INFINITY;
+  const auto expect_refused = [&](const Result<void>& result, ErrorCode code, const std::string& text) {
+    ASSERT_FALSE(static_cast<bool>(result));
+    EXPECT_EQ(result.error().code, code);
+    EXPECT_EQ(result.error().text, text);
+    EXPECT_EQ(model.mesh().positions(), before);
+    EXPECT_TRUE(model.is_committed());
+    EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
+  };
+  const std::string n = std::to_string(count);
+  expect_refused(model.move_vertices(beyond, two), ErrorCode::index_out_of_range,
+                 "entry 1 of the update names vertex " + n + ", but there are only " + n);
+  expect_refused(model.move_vertices(one, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
+  expect_refused(model.move_vertices(pair, none), ErrorCode::non_finite, "entry 1 of the update is not finite");
+  expect_refused(model.move_vertices(one, huge), ErrorCode::too_large,
+                 "entry 0 of the update has a coordinate above the limit of 2^200");
+  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for " + n + " vertices");
+  expect_refused(model.move_all(all), ErrorCode::non_finite, "entry 5 of the update is not finite");
+}
+
 /// Ids and positions of an update that moves every vertex but one to the position of its neighbour, the previous one or
 /// the next one.
 struct Shift {

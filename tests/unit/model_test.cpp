@@ -24,33 +24,6 @@
 namespace limber::testing {
 namespace {
 
-void expect_refused(const Result<void>& result, ErrorCode code, const std::string& part) {
-  ASSERT_FALSE(static_cast<bool>(result));
-  EXPECT_EQ(result.error().code, code);
-  EXPECT_NE(result.error().text.find(part), std::string::npos) << result.error().text;
-}
-
-TEST(Model, RefusesWhatItCannotTakeAndStaysAsItWas) {
-  Model model(scenes::thesis_ball());
-  const std::vector<Vec3> before = model.mesh().positions();
-  const auto last = static_cast<VertexId>(before.size() - 1);
-  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 2}};
-  expect_refused(model.move_vertices(std::vector<VertexId>{0, last + 1}, two), ErrorCode::index_out_of_range,
-                 "entry 1");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0}, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0, 1}, std::vector<Vec3>{{0, 0, 1}, {0, NAN, 0}}),
-                 ErrorCode::non_finite, "entry 1");
-  expect_refused(model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{1e70, 0, 1}}), ErrorCode::too_large,
-                 "entry 0");
-  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for");
-  std::vector<Vec3> all = before;
-  all[5].x = INFINITY;
-  expect_refused(model.move_all(all), ErrorCode::non_finite, "entry 5");
-  EXPECT_EQ(model.mesh().positions(), before);
-  EXPECT_TRUE(model.is_committed());
-  EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
-}
-
 TEST(Model, RefitsEveryNodeAboveAVertexOnceHoweverOftenItMoves) {
   Model model(scenes::wave_sheet(100, 100, 0));
   const std::vector<VertexId> ids{5000, 5000, 5001, 5000};

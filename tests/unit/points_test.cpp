@@ -183,18 +183,6 @@ TEST(PointDistance, KnownValuesAndFeatures) {
   expect({-3, 1, 4}, 5, {0.75, 0, 0.25}, {FeatureKind::edge, 2});
 }
 
-TEST(PointDistance, OfDegenerateTrianglesIsThatOfTheirHull) {
-  const Vec3 o{0, 0, 0}, x{2, 0, 0}, y{6, 0, 0};
-  for (const Triangle& t : {Triangle{o, x, y}, {x, o, y}, {o, y, x}, {o, y, o}, {o, y, y}, {y, o, o}}) {
-    EXPECT_EQ(geometry::closest_on(t, {3, 4, 0}).distance, 4);
-    EXPECT_EQ(geometry::closest_on(t, {-3, 4, 0}).distance, 5);
-    EXPECT_EQ(geometry::closest_on(t, {9, 0, 4}).distance, 5);
-    EXPECT_EQ(geometry::closest_on(t, {1, 0, 0}).distance, 0);
-  }
-  EXPECT_EQ(geometry::closest_on({x, x, x}, {2, 3, 4}).distance, 5);
-  EXPECT_EQ(geometry::closest_on({x, x, x}, x).distance, 0);
-}
-
 /// Whether weights are those of a point of a triangle.
 void expect_weights(const Vec3& w) {
   EXPECT_TRUE(w.x >= 0 && w.y >= 0 && w.z >= 0);

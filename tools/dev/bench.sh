@@ -17,9 +17,6 @@
 #:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
 #:                  accepts that license
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
-#: bench python F   what calls of Python cost above a batch; then collision and distance next to packages from PyPI; F is
-#:                  a folder with stanford-bunny.obj and armadillo.obj
-#: bench web F      the JavaScript package next to the native library on one thread; F is a folder as above
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # processor KEY: a value of the first processor's entry in /proc/cpuinfo, if it has one.
@@ -59,9 +56,6 @@ run_bench() {
 # The options of a program for the folder of meshes that a verb was given, or not.
 meshes=()
 use_meshes() { if (($#)); then meshes=(--meshes "$1"); fi; }
-
-# needs_meshes VERB [FOLDER]
-needs_meshes() { (($# > 1)) || die "bench $1: which folder has the meshes? See ./dev help"; }
 
 # Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
 plot() { /usr/bin/python3 "$root/bench/plots/$1.py" "$results"; }
@@ -152,7 +146,7 @@ bench_haptics() {
 bench_contacts() {
   local answers=$root/build/contact_answers contacts=../bench/contacts peers=(ipctk coal fcpw trimesh) theirs=()
   local requirements=("$contacts/requirements.txt")
-  needs_meshes contacts "$@"
+  (($#)) || die "bench contacts: which folder has the meshes? See ./dev help"
   if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then
     requirements+=("$contacts/requirements_meshlib.txt")
     peers=(meshlib "${peers[@]}")
@@ -177,28 +171,6 @@ bench_scene() {
   run_bench scene "$@"
 }
 
-# bench_python FOLDER: the package of the preset `bench` in an environment that has the other packages too.
-bench_python() {
-  local place=$root/build/python_peers/bin/python requirements=(requirements.txt requirements_test.txt requirements_peers.txt)
-  needs_meshes python "$@"
-  need build io program python
-  python_environment python_peers "${requirements[@]}"
-  configure bench -DLIMBER_BUILD_PROGRAM=OFF -DLIMBER_BUILD_IO=ON -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$place"
-  build bench --target limber_python_stub
-  export PYTHONPATH=$root/build/bench/python PYTHONDONTWRITEBYTECODE=1
-  "$place" "$root/python/bench/overhead.py" --out "$results" </dev/null
-  "$place" "$root/python/bench/peers.py" "$1" --out "$results" "${@:2}" </dev/null
-}
-
-# bench_web FOLDER: both programs run turn by turn.
-bench_web() {
-  needs_meshes web "$@"
-  local folder
-  folder=$(readlink -f -- "$1")
-  build_web limber_web_bench
-  node bench/bench.js "$root/build/release/web/limber_web_bench" "$folder" "${@:2}" </dev/null | tee -- "$results/web.md"
-}
-
 name=${1:-thesis}
 results=$root/bench/results/$(machine)
 mkdir -p -- "$results"
@@ -213,9 +185,7 @@ case $name in
   against) bench_against "${@:2}" ;;
   contacts) bench_contacts "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
-  python) bench_python "${@:2}" ;;
-  web) bench_web "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene, python, web" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene" ;;
 esac
 say "results are in $results"

@@ -9,7 +9,6 @@
 #: pages test       test pages that the program writes, in a headless browser
 #: pages test live  build the live page and test it, in a headless browser
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
-#: pages measure    what a frame of the live page costs in a headless browser
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # npm, and what web/pages/package-lock.json names. What is there already is not asked for again.
@@ -38,7 +37,7 @@ script=${*:-build}
 case $script in
   build | --check) run_script "${script#--}" ;;
   live) live_page ;;
-  test | 'test live' | pictures | measure)
+  test | 'test live' | pictures)
     need build io program pages_tests
     if [[ $script == pictures ]]; then need pictures; fi
     if [[ $script != test ]]; then live_page; fi

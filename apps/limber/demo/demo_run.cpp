@@ -90,7 +90,7 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
     frame.rough = DeformingModel::distance(sheet, {}, ball, pose, {.relative_error = rough_error});
     frame.rough_us = asking_roughly.microseconds();
     frames.push_back(frame);
-    watcher(frames);
+    watcher(frames.size());
   }
   const double wall_s = playing.seconds();
   return {options, std::move(frames), sheet.mesh(), ball.mesh(), wall_s, std::nullopt};

@@ -47,8 +47,8 @@ struct DemoRun {
   std::optional<bool> is_right;  ///< whether brute force confirms the last frame; empty when not checked
 };
 
-/// Called after each frame with all frames so far.
-using FrameWatcher = std::function<void(const std::vector<DemoFrame>&)>;
+/// Called after each frame with the number of frames so far.
+using FrameWatcher = std::function<void(std::size_t)>;
 
 /// Plays all frames and checks nothing. Pre: at least one frame.
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher);

@@ -59,6 +59,10 @@ Json json_of(const std::optional<Percentiles>& percentiles) {
   return json;
 }
 
+Json json_of(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
+
+}  // namespace
+
 Json json_of(const LogHistogram& histogram) {
   Json json = Json::array();
   for (std::size_t i = 0; i < histogram.counts().size(); ++i) {
@@ -68,10 +72,6 @@ Json json_of(const LogHistogram& histogram) {
   }
   return json;
 }
-
-Json json_of(const Granted& granted) { return granted ? Json("granted") : Json(granted.refusal); }
-
-}  // namespace
 
 std::vector<double> times_of(const std::vector<TickSample>& ticks, const TickPart& part) {
   std::vector<double> times;

@@ -58,13 +58,15 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const HapticRun& r
 /// The table and the rows as text.
 std::string summary_text(const HapticRun& run, const HapticSummary& summary);
 
+/// The bins that hold anything.
+Json json_of(const LogHistogram& histogram);
+
 Json to_json(const HapticRun& run, const HapticSummary& summary);
 
 /// A header, and a row for each tick.
 std::string ticks_csv(const HapticRun& run);
 
-/// A self-contained page: histograms of the times, the slowest ticks over time, and the summary. Pre: the run is not
-/// empty.
-std::string haptic_page(const HapticRun& run, const HapticSummary& summary);
+/// A page with histograms of the times, the slowest ticks over time, and the summary. Pre: the run is not empty.
+std::string haptic_page(const HapticRun& run, const HapticSummary& summary, const std::string& command_line);
 
 }  // namespace limber::program

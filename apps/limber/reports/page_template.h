@@ -18,7 +18,8 @@ namespace limber::program {
 extern const std::string_view viewer_template;
 
 /// The page with its data in place, to which the program's version and the command line are added. It shows a sequence
-/// if the data has "rows", as that of Replay, and otherwise what distance_report() gives.
+/// if the data has "rows", as that of Replay, a force loop if it has "haptics", and otherwise what distance_report()
+/// gives.
 ///
 /// Pre      All numbers are finite.
 std::string filled_page(Json data, const std::string& command_line);

@@ -32,7 +32,7 @@ struct Arguments {
   LoopOptions loop;
   std::optional<double> tick_budget_us;
   std::optional<std::uint64_t> core, max_missed;
-  std::string out, page;
+  std::string out, page, command_line;
   bool is_quiet = false;
   bool json = false;
 };
@@ -83,7 +83,7 @@ ExitCode run(const Arguments& arguments) {
   const HapticRun run = run_haptics(options);
   const HapticSummary summary = summary_of(run);
   if (out) out->write(ticks_csv(run));
-  if (page) page->write(haptic_page(run, summary));
+  if (page) page->write(haptic_page(run, summary, arguments.command_line));
   write(arguments.json ? to_line(to_json(run, summary)) : summary_text(run, summary));
   const bool misses_too_many = arguments.max_missed && summary.missed > *arguments.max_missed;
   return misses_too_many ? ExitCode::found : ExitCode::answered;
@@ -117,8 +117,9 @@ void add_scene_options(CLI::App& command, Arguments& arguments) {
 
 }  // namespace
 
-Verb add_haptics(CLI::App& app) {
+Verb add_haptics(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<Arguments>();
+  arguments->command_line = command_line;
   CLI::App& command = *app.add_subcommand("haptics", "A force loop at a fixed rate: a tool presses deforming tissue");
   add_loop_options(command, *arguments);
   add_scene_options(command, *arguments);

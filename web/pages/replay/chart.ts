@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Charts over the rows of a sequence: linked, with a line at the row that is shown. */
+/** Charts, such as those over the rows of a sequence: linked, with a line at the row that is shown. */
 
 import uPlot from 'uplot';
 import { element, onThemeChange, token } from '../shared/dom.ts';
@@ -21,6 +21,8 @@ interface Drawn {
 export interface Curve extends Drawn {
   values: Values;
   isDashed?: boolean;
+  /** Each value holds up to the next x. */
+  isStepped?: boolean;
 }
 
 /** What is between two curves. */
@@ -41,6 +43,10 @@ export interface ChartOptions {
   curves: readonly Curve[];
   dots?: readonly Dots[];
   isLogarithmic?: boolean;
+  /** What is along the curves; without it their rows. */
+  x?: { values: readonly number[]; isLogarithmic: boolean };
+  /** Values of x with a line. */
+  marks?: readonly number[];
 }
 
 const height = 180;
@@ -49,11 +55,13 @@ const opacity = '59'; // of areas: grid and curves show through
 
 export class Chart {
   private readonly plot: uPlot;
-  private row = 0;
+  private row: number | undefined;
+  private readonly marks: readonly number[];
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
-  constructor(host: HTMLElement, options: ChartOptions, jump: (row: number) => void) {
-    const { areas = [], curves, dots = [] } = options;
+  constructor(host: HTMLElement, options: ChartOptions, jump?: (row: number) => void) {
+    const { areas = [], curves, dots = [], marks = [] } = options;
+    this.marks = marks;
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
@@ -64,7 +72,7 @@ export class Chart {
     ].flat();
     const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
     host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
-    const rows = curves[0].values.map((_, row) => row);
+    const rows = options.x?.values.slice() ?? curves[0].values.map((_, row) => row);
     const series = [
       ...areas.flatMap(({ low, high }) => [high, low]),
       ...[...curves, ...dots].map(({ values }) => values),
@@ -72,7 +80,7 @@ export class Chart {
     this.plot = new uPlot(this.settings(options, area.clientWidth), [rows, ...series], area);
     new ResizeObserver(() => this.plot.setSize({ width: area.clientWidth, height })).observe(area);
     onThemeChange(() => this.plot.redraw());
-    this.followPointer(jump);
+    if (jump !== undefined) this.followPointer(jump);
   }
 
   show(row: number): void {
@@ -96,32 +104,31 @@ export class Chart {
   }
 
   private settings(options: ChartOptions, width: number): uPlot.Options {
-    const { areas = [], curves, dots = [], isLogarithmic = false } = options;
+    const { areas = [], curves, dots = [], isLogarithmic = false, x } = options;
     const font = `14px ${getComputedStyle(document.body).fontFamily}`;
     const axis = { font, stroke: () => token('soft'), grid: { stroke: () => token('grid'), width: 1 } };
-    const number = (_: uPlot, values: number[]): string[] => values.map((v) => (v === null ? '' : shown(v, 4)));
     const edge = { width: 0, points: { show: false } };
+    const linked = x === undefined ? { sync: { key: 'rows' } } : {};
+    const alongX = x === undefined ? { incrs: frameSteps } : labels(x.isLogarithmic);
     return {
       width,
       height,
       legend: { show: false },
-      cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
-      scales: { x: { time: false }, y: isLogarithmic ? { distr: 3, range: roundRange } : { range: fromZero } },
+      cursor: { ...linked, drag: { x: false, y: false }, points: { show: false } },
+      scales: {
+        x: { time: false, ...(x?.isLogarithmic === true ? { distr: 3, range: this.rangeWithMarks } : {}) },
+        y: isLogarithmic ? { distr: 3, range: roundRange } : { range: fromZero },
+      },
       axes: [
-        { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
-        {
-          ...axis,
-          ticks: { show: false },
-          size: 64,
-          values: number,
-          ...(isLogarithmic ? { splits: powers, filter: (_: uPlot, splits: number[]) => splits } : {}),
-        },
+        { ...axis, ticks: { show: false }, size: 30, ...alongX },
+        { ...axis, ticks: { show: false }, size: 64, ...labels(isLogarithmic) },
       ],
       series: [
         {},
         ...areas.flatMap(() => [edge, edge]),
-        ...curves.map(({ color, isDashed }) => ({
+        ...curves.map(({ color, isDashed, isStepped }) => ({
           stroke: () => token(color),
+          paths: isStepped === true ? uPlot.paths.stepped!({ align: 1 }) : undefined,
           width: 1.8,
           dash: isDashed === true ? [5, 4] : undefined,
           points: { show: curves[0].values.length === 1 },
@@ -136,22 +143,29 @@ export class Chart {
         series: [2 * i + 1, 2 * i + 2],
         fill: () => `${token(color)}${opacity}`,
       })),
-      hooks: { draw: [(plot) => this.drawRow(plot)] },
+      hooks: { draw: [(plot) => this.drawLines(plot)] },
     };
   }
 
-  /** The row that is shown, as a line. */
-  private drawRow(plot: uPlot): void {
+  private readonly rangeWithMarks = (plot: uPlot, low: number | null, high: number | null): [number, number] =>
+    roundRange(plot, Math.min(low ?? Infinity, ...this.marks), Math.max(high ?? -Infinity, ...this.marks));
+
+  /** The row that is shown, and the marks. */
+  private drawLines(plot: uPlot): void {
     const { ctx, bbox } = plot;
-    const x = plot.valToPos(this.row, 'x', true);
     ctx.save();
-    ctx.strokeStyle = token('ink');
     ctx.lineWidth = 2 * devicePixelRatio;
     ctx.setLineDash([]);
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + bbox.height);
-    ctx.stroke();
+    const draw = (at: number, color: string): void => {
+      const x = plot.valToPos(at, 'x', true);
+      ctx.strokeStyle = token(color);
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+    };
+    for (const mark of this.marks) draw(mark, 'mark');
+    if (this.row !== undefined) draw(this.row, 'ink');
     ctx.restore();
   }
 }
@@ -187,6 +201,12 @@ const powers = (_: uPlot, __: number, low: number, high: number): number[] => {
   }
   return splits.filter((split) => split >= low * 0.999 && split <= high * 1.001);
 };
+
+/** How an axis is labelled. */
+const labels = (isLogarithmic: boolean): Partial<uPlot.Axis> => ({
+  values: (_, values) => values.map((v) => (v === null ? '' : shown(v, 4))),
+  ...(isLogarithmic ? { splits: powers, filter: (_, splits) => splits } : {}),
+});
 
 /** Logarithms need positive numbers: others are gaps. */
 const positive = (values: Values): (number | null)[] => values.map((v) => (v !== null && v <= 0 ? null : v));

@@ -140,10 +140,10 @@ export const picture = (page, selector = '#view') =>
     return { drawn: (4 * drawn) / data.length, yellow: (4 * yellow) / data.length, text: copy.toDataURL() };
   });
 
-/** Whether all that is seen of a page fits, and a view is drawn on it, in silence. */
-export async function expectGoodLooks(page) {
+/** Whether all that is seen of a page fits, and a view, or what else has a canvas, is drawn on it, in silence. */
+export async function expectGoodLooks(page, selector) {
   assert.deepEqual(page.complaints, []);
-  const { drawn } = await picture(page);
+  const { drawn } = await picture(page, selector);
   assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
   const { scrollWidth, clientWidth } = await page.evaluate(() => {
     const { scrollWidth, clientWidth } = document.scrollingElement;
