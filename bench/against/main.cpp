@@ -98,6 +98,7 @@ constexpr NamedQuestion collision{Question::collide, "collision"}, exact{Questio
 /// `row` names the scene and the situation.
 void compare_poses(Table& table, Engines& engines, const std::string& row, const std::vector<Transform>& transforms,
                    std::initializer_list<NamedQuestion> questions) {
+  if (transforms.empty()) return;
   std::vector<RawPose> poses;
   for (const Transform& pose : transforms) poses.push_back(raw(pose));
   for (const auto& [question, name] : questions) {

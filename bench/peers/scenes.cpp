@@ -14,17 +14,12 @@
 #include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "scenes/planning.h"
 #include "scenes/scenes.h"
+#include "scenes/surfaces.h"
 
 namespace limber::bench {
 namespace {
-
-/// All vertices turned about the origin.
-Mesh turned(const Mesh& mesh, const Mat3& turn) {
-  std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p = turn * p;
-  return Mesh::create(std::move(positions), mesh.triangles()).value();
-}
 
 /// The pose after b has slid along `outward` until the gap is right. No step goes too far, because its length is a
 /// distance.
@@ -48,24 +43,9 @@ Transform add_at_gaps(PeerScene& scene, const Model& a, const Model& b, Transfor
   return pose;
 }
 
-constexpr std::uint64_t mesh_seed = 0x5EED0010, pose_seed = 0x5EED0011;
+using scenes::boxes;
 
-/// The surfaces of boxes along the axes, 12 triangles each.
-Mesh boxes(const std::vector<Box>& all) {
-  constexpr Corners faces[] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  std::vector<Vec3> positions;
-  std::vector<Corners> triangles;
-  for (const auto& [low, high] : all) {
-    const auto first = static_cast<VertexId>(positions.size());
-    for (const Corners& c : faces) triangles.push_back({first + c[0], first + c[1], first + c[2]});
-    for (unsigned corner = 0; corner < 8; ++corner) {
-      positions.push_back(
-          {(corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y, (corner & 4) != 0 ? high.z : low.z});
-    }
-  }
-  return Mesh::create(std::move(positions), std::move(triangles)).value();
-}
+constexpr std::uint64_t mesh_seed = 0x5EED0010, pose_seed = 0x5EED0011;
 
 Mesh crate() { return boxes({{{-0.4, -0.3, -0.25}, {0.4, 0.3, 0.25}}}); }
 Mesh floor_slab() { return boxes({{{-5, -5, -0.05}, {5, 5, 0.05}}}); }
@@ -73,7 +53,7 @@ Mesh floor_slab() { return boxes({{{-5, -5, -0.05}, {5, 5, 0.05}}}); }
 /// A slab that stands upright, turned so that nothing is aligned with an axis.
 Mesh turned_wall() {
   scenes::Rng rng(mesh_seed);
-  return turned(boxes({{{-0.05, -5, -1.5}, {0.05, 5, 1.5}}}), scenes::random_rotation(rng));
+  return scenes::together({boxes({{{-0.05, -5, -1.5}, {0.05, 5, 1.5}}})}, {scenes::random_rotation(rng), {}});
 }
 
 /// A room of 4 by 4 by 2.5 with walls, a doorway, a table and a column.
@@ -149,18 +129,19 @@ PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::si
 }
 
 /// Random poses of b, its origin within the box of a: `pose_count` in which the meshes meet, and as many in which they
-/// are apart.
+/// are apart. There may be fewer of those that come less than once in 400 tries.
 PeerScene scattered(const std::string& name, const Mesh& a, const Mesh& b, std::size_t pose_count) {
   scenes::Rng rng(pose_seed);
   const Model model_a(a), model_b(b);
-  PeerScene scene{name, a, b, {{"meeting", false, {}}, {"apart", false, {}}}};
+  PeerScene scene{name, a, b, {{meeting_name, false, {}}, {apart_name, false, {}}}};
   const auto [low, high] = model_a.bounding_box();
-  while (std::any_of(scene.situations.begin(), scene.situations.end(),
-                     [&](const Situation& s) { return s.poses.size() < pose_count; })) {
+  const auto is_short = [&](const Situation& s) { return s.poses.size() < pose_count; };
+  for (std::size_t tries = 0; tries < 400 * pose_count; ++tries) {
+    if (std::none_of(scene.situations.begin(), scene.situations.end(), is_short)) break;
     const Vec3 place{rng.uniform(low.x, high.x), rng.uniform(low.y, high.y), rng.uniform(low.z, high.z)};
     const Transform pose{scenes::random_rotation(rng), place};
     Situation& situation = scene.situations[collide({model_a}, {model_b, pose}).is_yes() ? 0 : 1];
-    if (situation.poses.size() < pose_count) situation.poses.push_back(pose);
+    if (is_short(situation)) situation.poses.push_back(pose);
   }
   scene.path = path_from(scene.situations[1], b, rng);
   return scene;
@@ -193,7 +174,7 @@ PeerScene turned_ball_and_square(std::size_t pose_count) {
   scenes::Rng rng(11);
   const Mat3 turn = scenes::random_rotation(rng);
   const Mesh ball = scenes::thesis_ball();
-  PeerScene scene{"ball over square, turned", turned(scenes::thesis_square(), turn), ball, {}};
+  PeerScene scene{"ball over square, turned", scenes::together({scenes::thesis_square()}, {turn, {}}), ball, {}};
   for (const double separation :
        {64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.01, 0.001, 0.0, -0.001, -0.1, -0.5, -1.0}) {
     Situation situation{fmt::format("{:g}", separation), separation == 0, {}};
@@ -238,10 +219,21 @@ Mesh normalised(const Mesh& mesh) {
 }
 
 void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_count,
-                        const std::function<void(const PeerScene&)>& use) {
+                        const std::function<void(const PeerScene&)>& use, const std::vector<std::string>& name_parts) {
+  using Make = std::function<Mesh()>;  // nothing is made of scenes that are not wanted
   const auto have = [&](const std::string& file) { return !meshes.empty() && exists(meshes / file); };
   const auto original = [&](const std::string& file) { return load_mesh(meshes / file).value(); };
-  const auto of_size_1 = [&](const std::string& file) { return normalised(original(file)); };
+  const auto of_size_1 = [&](const std::string& file) { return [=] { return normalised(original(file)); }; };
+  const auto wanted = [&](const std::string& name) {
+    const auto is_in_name = [&](const std::string& part) { return name.find(part) != std::string::npos; };
+    return name_parts.empty() || std::any_of(name_parts.begin(), name_parts.end(), is_in_name);
+  };
+  const auto use_at_gaps = [&](const std::string& name, const Make& a, const Make& b) {
+    if (wanted(name)) use(at_gaps(name, a(), b(), pose_count));
+  };
+  const auto use_scattered = [&](const std::string& name, const Make& a, const Make& b) {
+    if (wanted(name)) use(scattered(name, a(), b(), pose_count));
+  };
 
   constexpr std::pair<const char*, const char*> pairs[] = {{"spot.obj", "cow.obj"},
                                                            {"fandisk.obj", "spot.obj"},
@@ -253,23 +245,46 @@ void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_co
   for (const auto& [a, b] : pairs) {
     if (!have(a) || !have(b)) continue;
     const auto stem = [](const char* file) { return std::filesystem::path(file).stem().string(); };
-    use(at_gaps(fmt::format("{} and {}", stem(a), stem(b)), of_size_1(a), of_size_1(b), pose_count));
+    use_at_gaps(fmt::format("{} and {}", stem(a), stem(b)), of_size_1(a), of_size_1(b));
   }
   if (have("fcl_env.obj") && have("fcl_rob.obj")) {
-    use(scattered("fcl_env and fcl_rob", original("fcl_env.obj"), original("fcl_rob.obj"), pose_count));
+    use_scattered(
+        "fcl_env and fcl_rob", [&] { return original("fcl_env.obj"); }, [&] { return original("fcl_rob.obj"); });
   }
-  use(at_gaps("floor and crate", floor_slab(), crate(), pose_count));
-  if (have("spot.obj")) use(at_gaps("floor and spot", floor_slab(), of_size_1("spot.obj"), pose_count));
-  if (have("armadillo.obj")) use(at_gaps("wall and armadillo", turned_wall(), of_size_1("armadillo.obj"), pose_count));
-  if (have("fandisk.obj")) use(scattered("room and fandisk", room(), of_size_1("fandisk.obj"), pose_count));
-  if (have("cow.obj")) use(scattered("maze and cow", maze(), of_size_1("cow.obj"), pose_count));
-  use(ball_over_square(pose_count));
-  use(rings(pose_count));
+  use_at_gaps("floor and crate", floor_slab, crate);
+  if (have("spot.obj")) use_at_gaps("floor and spot", floor_slab, of_size_1("spot.obj"));
+  if (have("armadillo.obj")) use_at_gaps("wall and armadillo", turned_wall, of_size_1("armadillo.obj"));
+  if (have("fandisk.obj")) use_scattered("room and fandisk", room, of_size_1("fandisk.obj"));
+  if (have("cow.obj")) use_scattered("maze and cow", maze, of_size_1("cow.obj"));
+
+  constexpr std::pair<const char*, scenes::PlanningScene (*)(double detail)> planning[] = {
+      {"sculptures", scenes::sculptures},
+      {"house", scenes::house},
+      {"twisty wall", scenes::twisty_wall},
+      {"cubicles", scenes::cubicles},
+      {"alpha puzzle", scenes::alpha_puzzle},
+      {"bug trap", scenes::bug_trap},
+      {"spiral tunnel", scenes::spiral_tunnel},
+      {"furnished flat", scenes::furnished_flat},
+      {"assembly", scenes::assembly}};
+  for (const auto& [short_name, make] : planning) {
+    for (const double detail : {1.0, 10.0}) {
+      const std::string name = detail > 1 ? fmt::format("{} x {:g}", short_name, detail) : short_name;
+      if (!wanted(name)) continue;
+      const auto [environment, robot] = make(detail);
+      use(scattered(name, environment, robot, pose_count));
+    }
+  }
+
+  if (wanted("ball over square")) use(ball_over_square(pose_count));
+  if (wanted("linked rings")) use(rings(pose_count));
   scenes::Rng rng(mesh_seed);
   const Mesh soup = normalised(scenes::random_soup(rng, 5000, 0.2));
-  use(at_gaps("soup and soup", soup, soup, pose_count));
   const Mesh lattice = normalised(scenes::lattice_soup(rng, 300, 8));
-  use(at_gaps("lattice and lattice", lattice, lattice, pose_count));
+  use_at_gaps(
+      "soup and soup", [&] { return soup; }, [&] { return soup; });
+  use_at_gaps(
+      "lattice and lattice", [&] { return lattice; }, [&] { return lattice; });
 }
 
 }  // namespace limber::bench

@@ -39,15 +39,20 @@ PeerScene turned_ball_and_square(std::size_t pose_count);
 PeerScene two_scans(const std::string& name, const std::filesystem::path& a, const std::filesystem::path& b,
                     std::size_t pose_count);
 
+/// Situations of scenes whose poses are scattered.
+inline constexpr const char *meeting_name = "meeting", *apart_name = "apart";
+
 /// Calls `use` with each scene of the broad mix: pairs of mesh files, things over floors, in rooms and in a maze, FCL's
-/// own test scene, ball over square, linked rings, soups. The mix stands for what users may have: no scene is chosen
-/// for the sake of a library or of a heuristic.
+/// own test scene, scenes of motion planners, ball over square, linked rings, soups. The mix stands for what users may
+/// have: no scene is chosen for the sake of a library or of a heuristic.
 ///
 /// Situations have up to `pose_count` random poses each. `PeerScene::path` is coherent, for queries with a cache.
-/// Scenes whose files are not in `meshes` are left out; with an empty path only generated scenes remain.
+/// Scenes whose files are not in `meshes` are left out; with an empty path only generated scenes remain. If there are
+/// `name_parts`, scenes whose names contain none of them are left out too.
 /// Errors   BadResult when a file is there and cannot be read.
 void for_each_mix_scene(const std::filesystem::path& meshes, std::size_t pose_count,
-                        const std::function<void(const PeerScene&)>& use);
+                        const std::function<void(const PeerScene&)>& use,
+                        const std::vector<std::string>& name_parts = {});
 
 /// Centered on its box and scaled to a diagonal of 1, without triangles that have no area.
 Mesh normalised(const Mesh& mesh);

@@ -3,24 +3,15 @@
 #include "bench/support/report.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <stdexcept>
 
 namespace limber::bench {
-Table::Table(const Options& options, const std::string& name) {
-  if (options.out.empty()) return;
-  file_.open(options.out / name);
-  if (!file_) throw std::runtime_error("cannot write '" + (options.out / name).string() + "'");
-}
+namespace {
 
-void Table::write(const std::string& text) {
-  if (file_.is_open()) file_ << text << '\n';
-  fmt::print("{}\n", text);
-  std::fflush(stdout);
-}
-
-int run_bench(int argc, const char* const* argv, const std::string& question,
-              const std::function<void(const Options&, Checker&)>& run,
-              const std::function<void(CLI::App&)>& add_options) {
+int exit_code_of(int argc, const char* const* argv, const std::string& question,
+                 const std::function<void(const Options&, Checker&)>& run,
+                 const std::function<void(CLI::App&)>& add_options) {
   Options options;
   CLI::App app(question);
   app.add_option("--out", options.out, "Folder to write the tables to; made when missing");
@@ -42,6 +33,29 @@ int run_bench(int argc, const char* const* argv, const std::string& question,
     fmt::print(stderr, "{}\n", error.what());
     return 2;
   }
+}
+
+}  // namespace
+
+Table::Table(const Options& options, const std::string& name) {
+  if (options.out.empty()) return;
+  file_.open(options.out / name);
+  if (!file_) throw std::runtime_error("cannot write '" + (options.out / name).string() + "'");
+}
+
+void Table::write(const std::string& text) {
+  if (file_.is_open()) file_ << text << '\n';
+  fmt::print("{}\n", text);
+  std::fflush(stdout);
+}
+
+int run_bench(int argc, const char* const* argv, const std::string& question,
+              const std::function<void(const Options&, Checker&)>& run,
+              const std::function<void(CLI::App&)>& add_options) {
+  const int code = exit_code_of(argc, argv, question, run, add_options);
+  // FCL and Coal bring two versions of OctoMap, with global objects of one name, which both destroy at the end.
+  std::fflush(nullptr);
+  std::_Exit(code);
 }
 
 }  // namespace limber::bench

@@ -57,8 +57,9 @@ class Table {
   std::ofstream file_;
 };
 
-/// The main function of a benchmark: reads the options, those that `add_options` knows too, and runs it. Returns the
-/// exit code: 1 for wrong answers, 2 for what was thrown or asked wrongly.
+/// The main function of a benchmark: reads the options, those that `add_options` knows too, and runs it. Ends the
+/// program, without destructors of global objects. Its exit code is 1 for wrong answers, 2 for what was thrown or asked
+/// wrongly.
 int run_bench(int argc, const char* const* argv, const std::string& question,
               const std::function<void(const Options&, Checker&)>& run,
               const std::function<void(CLI::App&)>& add_options = {});

@@ -4,7 +4,8 @@
 
 #: bench [name]     run and plot benchmarks (thesis, the default) into bench/results/<machine>/
 #: bench peers [F]  compare with other libraries; F is a folder with stanford-bunny.obj and armadillo.obj
-#: bench mix [F]    a broad mix of scenes next to FCL, with all meshes of F that it knows; --poses N for fewer than 40
+#: bench mix [F]    a broad mix of scenes next to FCL and Coal, with all meshes of F that it knows; --poses N for other
+#:                  than 40 poses a situation, --scene PARTS... for scenes with one of these in their names
 #: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
 #:                  what a cache saves and costs
