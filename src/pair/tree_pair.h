@@ -77,6 +77,12 @@ class TreePair {
     return is_a ? Side::a : Side::b;
   }
 
+  /// Whether the node that is not expanded is a leaf of higher split priority: its volume bounds its triangles so
+  /// loosely that comparing these one by one tells more than the children of the other node do.
+  bool other_is_larger_leaf(const NodePair& pair, Side expanded) const {
+    return is_leaf(other(expanded), pair) && split_priority(other(expanded), pair) > split_priority(expanded, pair);
+  }
+
   /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
   /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
   bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {
