@@ -67,8 +67,8 @@ class AllPairs {
       if (trees_.share_and_are_apart(pair, what, search_.pruning.distance())) return;
     }
     if (trees_.are_leaves(pair)) return compare_leaves(pair);
-    const Side side = trees_.side_to_expand(pair);
-    if (trees_.other_is_larger_leaf(pair, side)) {
+    const auto [side, triangles_first] = trees_.choose(pair);
+    if (triangles_first) {
       const Side of_leaf = other(side);
       ++search_.stats.node_tests;
       const float bound_sq =

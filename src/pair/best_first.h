@@ -243,8 +243,8 @@ class BestFirst {
       }
       return false;
     }
-    const Side side = trees_.side_to_expand(pair);
-    if (!pair.is_bounded && trees_.other_is_larger_leaf(pair, side) && prunes_by_leaf(e, other(side))) return false;
+    const auto [side, triangles_first] = trees_.choose(pair);
+    if (triangles_first && !pair.is_bounded && prunes_by_leaf(e, other(side))) return false;
     e.start(trees_.tree(side), pair, side);
     e.record = front_.add(pair, side);
     e.has_record = e.record != NodePair::no_record;
