@@ -110,12 +110,6 @@ float from_sortable_bits(std::uint32_t bits) {
 }
 float coordinate_of(std::uint64_t key) { return from_sortable_bits(static_cast<std::uint32_t>(key >> 32)); }
 
-/// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
-const float* as_points(const PrimitiveRef* primitives) {
-  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
-  return primitives->center.data();
-}
-
 }  // namespace
 
 std::uint32_t leaf_count(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + width - 1) / width); }

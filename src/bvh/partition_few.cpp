@@ -13,34 +13,28 @@
 namespace limber::bvh {
 namespace {
 
-/// A box as two times four floats, the last unused: a register each.
-struct FloatBox {
-  alignas(16) float low[4], high[4];
-};
-
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr FloatBox no_box{{infinity, infinity, infinity, infinity}, {-infinity, -infinity, -infinity, -infinity}};
 
-void extend(FloatBox& box, const FloatBox& by) {
-  for (int k = 0; k < 4; ++k) box.low[k] = std::min(box.low[k], by.low[k]);
-  for (int k = 0; k < 4; ++k) box.high[k] = std::max(box.high[k], by.high[k]);
-}
+using simd::BoxRow;
 
-/// Half the surface area of a box.
-float half_area(const FloatBox& box) {
-  const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
+float side(const BoxRow& box, int axis) { return -box.least[4 + axis] - box.least[axis]; }
+float half_area(const BoxRow& box) {
+  const float x = side(box, 0), y = side(box, 1), z = side(box, 2);
   return x * y + y * z + z * x;
 }
+float diagonal_sq(const BoxRow& box) {
+  const float x = side(box, 0), y = side(box, 1), z = side(box, 2);
+  return x * x + y * y + z * z;
+}
 
-FloatBox box_of(const PrimitiveSource& source, TriangleId triangle) {
-  FloatBox box = no_box;
-  for (const VertexId v : source.mesh.triangles[triangle]) {
-    const Vec3 p = (source.mesh.positions[v] - source.origin) * (2 * source.half_per_unit);
-    const FloatBox point{{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0},
-                         {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0}};
-    extend(box, point);
-  }
-  return box;
+BoxRow box_of(const PrimitiveSource& source, TriangleId triangle) {
+  const Corners& corners = source.mesh.triangles[triangle];
+  const Vec3 &u = source.mesh.positions[corners[0]], &v = source.mesh.positions[corners[1]],
+             &w = source.mesh.positions[corners[2]];
+  const Vec3 low = (min(min(u, v), w) - source.origin) * (2 * source.half_per_unit);
+  const Vec3 high = (max(max(u, v), w) - source.origin) * (2 * source.half_per_unit);
+  return {{static_cast<float>(low.x), static_cast<float>(low.y), static_cast<float>(low.z), 0,
+           static_cast<float>(-high.x), static_cast<float>(-high.y), static_cast<float>(-high.z), 0}};
 }
 
 /// Primitives with their boxes and sizes, in one order.
@@ -52,27 +46,38 @@ class FewPrimitives {
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const TriangleId triangle = primitives[i].triangle;
       boxes_[i] = box_of(source, triangle);
-      const float x = boxes_[i].high[0] - boxes_[i].low[0], y = boxes_[i].high[1] - boxes_[i].low[1],
-                  z = boxes_[i].high[2] - boxes_[i].low[2];
-      by_size_[i] = {{x * x + y * y + z * z, 0, 0}, triangle};
+      by_size_[i] = {{diagonal_sq(boxes_[i]), 0, 0}, triangle};
     }
   }
 
   /// Moves the better half of a range to its front: `rank` primitives.
   void split(std::size_t begin, std::size_t end, std::size_t rank) {
-    const std::size_t count = end - begin;
+    const std::span<const PrimitiveRef> centers = std::span(by_center_).subspan(begin, end - begin);
+    simd::PointBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    simd::kernels().extend_box(as_points(centers.data()), centers.size(), box);
+    const float sides[3] = {box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
+    const float longest = std::max({sides[0], sides[1], sides[2]});
     std::uint64_t best = 0;
-    float least = infinity;
-    for (std::size_t axis = 0; axis < 4; ++axis) {
-      const auto& keys = axis < 3 ? by_center_ : by_size_;
-      const std::uint64_t first = least_of_few(std::span(keys).subspan(begin, count), axis % 3, rank);
+    float least_cost = infinity;
+    const auto attempt = [&](std::uint64_t first) {
       const float cost =
-          area_times_count(begin, first, rank) + area_times_count(begin, all_of(count) & ~first, count - rank);
-      if (axis == 0 || cost < least) best = first, least = cost;
+          cost_of(begin, first, rank) + cost_of(begin, all_of(centers.size()) & ~first, end - begin - rank);
+      if (best == 0 || cost < least_cost) best = first, least_cost = cost;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool is_long = sides[axis] >= worth_splitting * longest;
+      if (is_long) attempt(least_of_few(centers, static_cast<std::size_t>(axis), rank));
     }
-    move_to_front(by_center_, begin, count, best);
-    move_to_front(by_size_, begin, count, best);
-    move_to_front(boxes_, begin, count, best);
+    const std::span<const PrimitiveRef> sizes = std::span(by_size_).subspan(begin, end - begin);
+    float smallest = infinity, largest = 0;
+    for (const PrimitiveRef& size : sizes) {
+      smallest = std::min(smallest, size.center[0]), largest = std::max(largest, size.center[0]);
+    }
+    if (largest > different_size_sq * smallest) attempt(least_of_few(sizes, 0, rank));
+    LIMBER_ASSERT(best != 0);  // the longest side was tried
+    move_to_front(by_center_, begin, end, best);
+    move_to_front(by_size_, begin, end, best);
+    move_to_front(boxes_, begin, end, best);
   }
 
   std::span<const PrimitiveRef> first(std::size_t count) const { return std::span(by_center_).first(count); }
@@ -81,31 +86,33 @@ class FewPrimitives {
   template <typename T>
   using Few = std::array<T, simd::few_points>;
 
+  // Shorter sides of the box of the centers, as parts of the longest, are not worth a split.
+  static constexpr float worth_splitting = 0.25F;
+  // Sizes matter if the largest squared diagonal is that many times the smallest.
+  static constexpr float different_size_sq = 2;
+
   static std::uint64_t all_of(std::size_t count) { return ~std::uint64_t{0} >> (simd::few_points - count); }
 
   /// The surface area of the box of some primitives, times their number.
-  float area_times_count(std::size_t begin, std::uint64_t which, std::size_t count) const {
-    FloatBox box = no_box;
-    for (; which != 0; which &= which - 1)
-      extend(box, boxes_[begin + static_cast<std::size_t>(std::countr_zero(which))]);
-    return half_area(box) * static_cast<float>(count);
+  float cost_of(std::size_t begin, std::uint64_t which, std::size_t count) const {
+    return half_area(simd::kernels().join_rows(boxes_.data() + begin, which)) * static_cast<float>(count);
   }
 
-  /// Moves those whose bits are set before the others; both keep their order.
+  /// Moves those of a range whose bits are set before the others; both keep their order.
   template <typename T>
-  static void move_to_front(Few<T>& all, std::size_t begin, std::size_t count, std::uint64_t which) {
-    const Few<T> before = all;
-    std::size_t to = begin;
-    for (std::uint64_t rest = which; rest != 0; rest &= rest - 1) {
-      all[to++] = before[begin + static_cast<std::size_t>(std::countr_zero(rest))];
+  static void move_to_front(Few<T>& all, std::size_t begin, std::size_t end, std::uint64_t which) {
+    std::array<T, simd::few_points> others;
+    std::size_t to = begin, other_count = 0;
+    for (std::size_t i = begin; i < end; ++i, which >>= 1) {
+      others[other_count] = all[i];
+      all[to] = all[i];
+      to += which & 1, other_count += 1 - (which & 1);
     }
-    for (std::uint64_t rest = all_of(count) & ~which; rest != 0; rest &= rest - 1) {
-      all[to++] = before[begin + static_cast<std::size_t>(std::countr_zero(rest))];
-    }
+    std::copy_n(others.begin(), other_count, all.begin() + static_cast<std::ptrdiff_t>(to));
   }
 
   Few<PrimitiveRef> by_center_, by_size_;  // the first coordinate of `by_size_` is the squared diagonal of the box
-  Few<FloatBox> boxes_;
+  Few<BoxRow> boxes_;
 };
 
 void partition(FewPrimitives& few, const BuildRange& range) {
@@ -119,10 +126,7 @@ void partition(FewPrimitives& few, const BuildRange& range) {
 
 std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
   if (n == 0) return 0;
-  // Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
-  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
-  const float* const points = primitives.data()->center.data();
-  simd::FewLeast found = simd::kernels().least_of_few(points, axis, primitives.size(), n);
+  simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives.data()), axis, primitives.size(), n);
   // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids there.
   for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
     auto last = std::countr_zero(found.greatest);

@@ -9,6 +9,12 @@
 
 namespace limber::bvh {
 
+/// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
+inline const float* as_points(const PrimitiveRef* primitives) {
+  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
+  return primitives->center.data();
+}
+
 /// The `n` primitives with the least coordinates along an axis, as a bit mask; of equal coordinates, the smaller
 /// triangle ids are less. Pre: there are at most simd::few_points primitives.
 std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n);

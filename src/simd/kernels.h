@@ -306,6 +306,14 @@ struct FewLeast {
 /// read. Pre: 0 < n <= count <= few_points.
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
+/// A row of numbers: a box as its least corner and minus its greatest one, each followed by a number that is not used.
+struct alignas(32) BoxRow {
+  float least[width];
+};
+/// The least of each number of some rows: the box around some boxes. Bit k of `which` stands for row k.
+/// Pre: `which` is not 0.
+using JoinRows = BoxRow (*)(const BoxRow* rows, std::uint64_t which);
+
 /// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`, which are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
@@ -340,6 +348,7 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(MaxDisplacement, max_displacement)               \
   X(ExtendBox, extend_box)                           \
   X(LeastOfFew, least_of_few)                        \
+  X(JoinRows, join_rows)                             \
   X(OverlappingBoxes, overlapping_boxes)             \
   X(OverlappingPairs, overlapping_pairs)             \
   X(CompareTriangles, compare_triangles)             \
