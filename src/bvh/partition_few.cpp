@@ -74,7 +74,8 @@ class FewPrimitives {
       smallest = std::min(smallest, size.center[0]), largest = std::max(largest, size.center[0]);
     }
     if (largest > different_size_sq * smallest) attempt(least_of_few(sizes, 0, rank));
-    LIMBER_ASSERT(best != 0);  // the longest side was tried
+    // A model that grows beyond float32 while it is rebuilt has no longest side. Any split will do.
+    if (best == 0) best = least_of_few(centers, 0, rank);
     move_to_front(by_center_, begin, end, best);
     move_to_front(by_size_, begin, end, best);
     move_to_front(boxes_, begin, end, best);
