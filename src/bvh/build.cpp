@@ -90,16 +90,15 @@ Tree build(MeshView mesh) {
   Tree tree;
   tree.build_id = new_build_id();
   const BoundingBox box = bounding_box_of(mesh);
-  const Vec3 center = box.center();
   tree.unit = box.unit();
 
   const std::size_t count = mesh.triangles.size();
   const auto memory = std::make_unique_for_overwrite<PrimitiveRef[]>(count);
   const std::span<PrimitiveRef> primitives(memory.get(), count);
-  base::parallel_for(count, primitives_per_task, [&, half_per_unit = 0.5 / tree.unit](std::size_t t) {
-    primitives[t] = primitive_of(mesh, static_cast<TriangleId>(t), center, half_per_unit);
-  });
-  partition_into_leaves(primitives, build_range(0, count));
+  const PrimitiveSource source{mesh, box.center(), 0.5 / tree.unit};
+  base::parallel_for(count, primitives_per_task,
+                     [&](std::size_t t) { primitives[t] = source.primitive_of(static_cast<TriangleId>(t)); });
+  partition_into_leaves(primitives, build_range(0, count), source);
   const std::uint32_t leaves = leaf_count(count);
   create_nodes(tree, leaves);
   tree.leaves.resize(leaves);

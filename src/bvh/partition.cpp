@@ -29,6 +29,7 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
+#include "bvh/partition_few.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
@@ -109,29 +110,6 @@ float from_sortable_bits(std::uint32_t bits) {
 }
 float coordinate_of(std::uint64_t key) { return from_sortable_bits(static_cast<std::uint32_t>(key >> 32)); }
 
-/// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
-const float* as_points(const PrimitiveRef* primitives) {
-  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
-  return primitives->center.data();
-}
-
-/// The `n` primitives with the least coordinates along an axis, as a bit mask; of equal coordinates, the smaller
-/// triangle ids are less. Pre: there are at most simd::few_points primitives.
-std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n) {
-  if (n == 0) return 0;
-  simd::FewLeast found = simd::kernels().least_of_few(as_points(primitives.data()), axis, primitives.size(), n);
-  // The kernel finds more than n where several share the greatest coordinate: drops the largest triangle ids there.
-  for (auto count = static_cast<std::size_t>(std::popcount(found.least)); count > n; --count) {
-    auto last = std::countr_zero(found.greatest);
-    for (std::uint64_t others = found.greatest; others != 0; others &= others - 1) {
-      const int other = std::countr_zero(others);
-      if (primitives[other].triangle > primitives[last].triangle) last = other;
-    }
-    found.greatest &= ~(std::uint64_t{1} << last), found.least &= ~(std::uint64_t{1} << last);
-  }
-  return found.least;
-}
-
 }  // namespace
 
 std::uint32_t leaf_count(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + width - 1) / width); }
@@ -146,6 +124,20 @@ std::uint32_t first_half_leaves(std::uint32_t leaves, std::uint32_t children) {
   return static_cast<std::uint32_t>(std::uint64_t{leaves} * (children / 2) / children);
 }
 
+std::size_t middle_of(const BuildRange& range) {
+  LIMBER_ASSERT(range.children > 1);
+  return range.begin + std::size_t{first_half_leaves(leaf_count(range.end - range.begin), range.children)} * width;
+}
+
+std::array<BuildRange, 2> halves_of(const BuildRange& range, std::size_t middle) {
+  // A half with several children is split again. A half with a single child becomes the range of that child's children.
+  const auto half = [](std::size_t begin, std::size_t end, std::uint32_t children) {
+    return children > 1 ? BuildRange{begin, end, children} : build_range(begin, end);
+  };
+  const std::uint32_t first = range.children / 2;
+  return {half(range.begin, middle, first), half(middle, range.end, range.children - first)};
+}
+
 BuildRange build_range(std::size_t begin, std::size_t end) {
   const std::uint32_t leaves = leaf_count(end - begin);
   return {begin, end, leaves > 1 ? child_count(leaves) : 1};
@@ -153,13 +145,11 @@ BuildRange build_range(std::size_t begin, std::size_t end) {
 
 Split::Split(const BuildRange& range)
     : range_(range),
-      middle_(range.begin +
-              std::size_t{first_half_leaves(leaf_count(range.end - range.begin), range.children)} * width),
+      middle_(middle_of(range)),
       begin_(range.begin),
       end_(range.end),
       next_(range.begin),
       random_(range.end - range.begin) {  // a fixed seed: the same mesh takes the same steps every time
-  LIMBER_ASSERT(range.children > 1);
   std::fill(std::begin(box_.low), std::end(box_.low), std::numeric_limits<float>::infinity());
   std::fill(std::begin(box_.high), std::end(box_.high), -std::numeric_limits<float>::infinity());
 }
@@ -308,12 +298,7 @@ bool Split::work(std::span<PrimitiveRef> primitives, base::WorkBudget& budget) {
 
 std::array<BuildRange, 2> Split::halves() const {
   LIMBER_ASSERT(phase_ == Phase::done);
-  // A half with several children is split again. A half with a single child becomes the range of that child's children.
-  const auto half = [](std::size_t begin, std::size_t end, std::uint32_t children) {
-    return children > 1 ? BuildRange{begin, end, children} : build_range(begin, end);
-  };
-  const std::uint32_t first = range_.children / 2;
-  return {half(range_.begin, middle_, first), half(middle_, range_.end, range_.children - first)};
+  return halves_of(range_, middle_);
 }
 
 std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildRange& range) {
@@ -323,12 +308,13 @@ std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildR
   return splitting.halves();
 }
 
-void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range) {
+void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source) {
   if (range.children <= 1) return;
+  if (range.end - range.begin <= simd::few_points) return partition_few(primitives, range, source);
   const std::array<BuildRange, 2> halves = split(primitives, range);
   base::parallel_invoke(
-      range.end - range.begin > worth_a_task, [&] { partition_into_leaves(primitives, halves[0]); },
-      [&] { partition_into_leaves(primitives, halves[1]); });
+      range.end - range.begin > worth_a_task, [&] { partition_into_leaves(primitives, halves[0], source); },
+      [&] { partition_into_leaves(primitives, halves[1], source); });
 }
 
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {

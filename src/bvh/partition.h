@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,8 @@
 /// Partitions triangles into the leaves of a tree.
 ///
 /// Based on  [Quinlan1994]: a median split perpendicular to the longest side of the bounding box of the centers; and
-///           [FloydRivest1975] to find the median.
+///           [FloydRivest1975] to find the median. Few triangles, those of a lowest node, are split along the best of
+///           several axes (partition_few.h).
 /// Differs   Up to eight children instead of two: halves of halves. The number of triangles alone decides the topology:
 ///           every subtree gets whole leaves, as few levels as possible, and children of nearly equal size, so
 ///           leaves and nodes are full nearly everywhere and all leaves are on one level. An odd number of children is
@@ -25,6 +27,26 @@ namespace limber::bvh {
 struct PrimitiveRef {
   std::array<float, 3> center;  // of its bounding box, in units, relative to one origin for all primitives
   TriangleId triangle;
+};
+
+/// What primitives are made from: the triangles of a mesh, relative to `origin`, in units. `half_per_unit` is 0.5 /
+/// unit.
+struct PrimitiveSource {
+  MeshView mesh;
+  Vec3 origin;
+  double half_per_unit;
+
+  /// The primitive of a triangle. Its center is (low + high) / 2; the quotients by 2 and by the unit are one factor.
+  PrimitiveRef primitive_of(TriangleId triangle) const {
+    const Corners& corners = mesh.triangles[triangle];
+    const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];
+    const auto center = [&](double a, double b, double c, double from) {
+      const double low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
+      return static_cast<float>(((low - from) + (high - from)) * half_per_unit);
+    };
+    return {{center(u.x, v.x, w.x, origin.x), center(u.y, v.y, w.y, origin.y), center(u.z, v.z, w.z, origin.z)},
+            triangle};
+  }
 };
 
 /// How many leaves hold that many triangles; all but the last are full.
@@ -44,6 +66,11 @@ struct BuildRange {
   std::size_t begin, end;
   std::uint32_t children;
 };
+
+/// Where the second half of the children of a range begins. Pre: it has several.
+std::size_t middle_of(const BuildRange& range);
+/// Both halves of a range.
+std::array<BuildRange, 2> halves_of(const BuildRange& range, std::size_t middle);
 
 /// Splits a range: moves the primitives of the first half of the children before those of the second. A budget may
 /// interrupt it many times, which does not change the result.
@@ -100,20 +127,7 @@ BuildRange build_range(std::size_t begin, std::size_t end);
 /// Partitions a range down to leaves, on the threads of the calling oneTBB arena.
 ///
 /// Cost     O(n log n).
-void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range);
-
-/// The primitive of a triangle, its center (low + high) / 2 relative to `origin`, in units. `half_per_unit` is 0.5 /
-/// unit: the quotients by 2 and by the unit in one factor.
-inline PrimitiveRef primitive_of(MeshView mesh, TriangleId triangle, const Vec3& origin, double half_per_unit) {
-  const Corners& corners = mesh.triangles[triangle];
-  const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];
-  const auto center = [&](double a, double b, double c, double from) {
-    const double low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
-    return static_cast<float>(((low - from) + (high - from)) * half_per_unit);
-  };
-  return {{center(u.x, v.x, w.x, origin.x), center(u.y, v.y, w.y, origin.y), center(u.z, v.z, w.z, origin.z)},
-          triangle};
-}
+void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source);
 
 /// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last repeat it.
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);

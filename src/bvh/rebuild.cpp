@@ -101,14 +101,14 @@ void Rebuild::work(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
 void Rebuild::gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget) {
   // Copies of a triangle fill up only the last leaf of the tree: they come after all triangles.
   const std::size_t end = std::min(std::size_t{subtree_.end_leaf} * width, mesh.triangles.size());
-  const double half_per_unit = 0.5 / unit_;
+  const PrimitiveSource source{mesh, origin_, 0.5 / unit_};
   while (next_ < end) {
     if (budget.is_spent()) return;
     const std::size_t until = std::min(next_ + triangles_at_once, end);
     budget.spend(ns_per_gathered_triangle * static_cast<double>(until - next_));
     for (; next_ < until; ++next_) {
       const TriangleId triangle = tree.leaves[next_ / width].triangle[next_ % width];
-      primitives_.push_back(primitive_of(mesh, triangle, origin_, half_per_unit));
+      primitives_.push_back(source.primitive_of(triangle));
     }
   }
   ranges_.push_back(build_range(0, primitives_.size()));
@@ -119,7 +119,7 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
   while (!budget.is_spent()) {
     switch (step_) {
       case Step::partitioning:
-        partition(budget);
+        partition(mesh, budget);
         if (!ranges_.empty()) break;
         step_ = Step::writing;
         next_ = 0;
@@ -140,14 +140,14 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
   }
 }
 
-void Rebuild::partition(base::WorkBudget& budget) {
+void Rebuild::partition(MeshView mesh, base::WorkBudget& budget) {
   while (!ranges_.empty() && !budget.is_spent()) {
     const BuildRange range = ranges_.back();
     const std::size_t size = range.end - range.begin;
     if (size <= small_range) {
       const auto most_splits = std::bit_width(size / width);  // that a triangle goes through
       budget.spend(ns_per_split_triangle * static_cast<double>(size * most_splits));
-      partition_into_leaves(primitives_, range);
+      partition_into_leaves(primitives_, range, {mesh, origin_, 0.5 / unit_});
       ranges_.pop_back();
       continue;
     }

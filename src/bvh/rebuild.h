@@ -84,7 +84,7 @@ class Rebuild {
   void assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   // Their steps.
-  void partition(base::WorkBudget& budget);
+  void partition(MeshView mesh, base::WorkBudget& budget);
   void write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void catch_up(MeshView mesh, base::WorkBudget& budget);
   /// The lowest level above that of the lowest nodes that has a dirty node.

@@ -12,6 +12,7 @@
 
 #include "kernels/bound_children-inl.h"
 #include "kernels/bound_far_point-inl.h"
+#include "kernels/bound_leaf-inl.h"
 #include "kernels/bound_point-inl.h"
 #include "kernels/compare_segments-inl.h"
 #include "kernels/compare_triangles-inl.h"
@@ -24,6 +25,7 @@
 #include "kernels/max_displacement-inl.h"
 #include "kernels/merge_bounds-inl.h"
 #include "kernels/overlapping_boxes-inl.h"
+#include "kernels/refine_candidates-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

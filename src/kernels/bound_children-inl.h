@@ -65,12 +65,6 @@ LIMBER_KERNEL Packet3 own_box_gaps(const NodePairs& p, const ProjectedNode& othe
   return {gap(0), gap(1), gap(2)};
 }
 
-/// Squared length of a vector with these components, negative ones counting as none.
-LIMBER_KERNEL Packet length_of_gaps_sq(const Packet3& gaps) {
-  const Packet3 g{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
-  return dot(g, g);
-}
-
 /// Children and a projected node along the normal of either slab. Names that end in _o are of the other, projected
 /// node, or along its normal.
 struct Slabs {

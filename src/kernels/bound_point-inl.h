@@ -17,6 +17,7 @@
 
 #include "base/error_bounds.h"
 #include "base/rounding.h"
+#include "kernels/closest_on_triangles-inl.h"
 #include "kernels/order_children-inl.h"
 #include "kernels/slab_sphere-inl.h"
 #include "simd/kernels.h"
@@ -83,59 +84,10 @@ LIMBER_KERNEL void bound_children_to_point(const bvh::Node& node, const QueryPoi
   order_children(limit, children);
 }
 
-// Replaces smaller divisors: lengths and squares in quantization steps.
-inline constexpr float smallest_divisor_of_steps = 0x1p-60F;
-
-/// Triangles (a, b, c) of the slots `i` and following, and a point, in quantization steps.
-struct PointTriangles {
-  Packet3 to_corner;       // from the point to a
-  Packet3 edge_b, edge_c;  // from a to b, and from a to c
-};
-
+/// The triangles of the slots `i` and following, and a point, in quantization steps.
 LIMBER_KERNEL PointTriangles point_triangles(const bvh::QuantizedTriangles& t, std::uint32_t i, const Packet3& point) {
   const Packet3 a = corners(t, 0, i);
   return {a - point, corners(t, 1, i) - a, corners(t, 2, i) - a};
-}
-
-/// A point of each triangle near the closest one, relative to the query point. Rounding may make it a worse point, but
-/// it stays on the triangle: weights of b and c are never negative; together they are at most 1 (or 1 + 2^-23, by
-/// rounding).
-LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
-  const Packet one = Packet::set(1), least = Packet::set(smallest_divisor_of_steps);
-  const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
-  const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
-  const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
-  // The closest points of the edges ab and ac, and of bc, which is called the third edge. The point of weights v, w is
-  // x = a + v edge_b + w edge_c. With p the query point, change = (|x - p|^2 - |a - p|^2) / 2 is enough to compare
-  // points, and free of the cancellation of large squares. It is v (bb v / 2 + w bc - along_b) + w (cc w / 2 -
-  // along_c), and negative where x is nearer than a.
-  const Packet half = Packet::set(0.5F);
-  const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
-  const Packet third_sq = bb - bc - bc + cc;
-  const Packet third_c = clamped((along_c - along_b + bb - bc) / max(third_sq, least));
-  const Packet third_b = one - third_c;
-  const Packet change_b = at_b * (at_b * half * bb - along_b), change_c = at_c * (at_c * half * cc - along_c);
-  const Packet change_third =
-      third_b * (third_b * half * bb + third_c * bc - along_b) + third_c * (third_c * half * cc - along_c);
-  const Mask c_is_nearer = change_c < change_b;
-  Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
-  const Mask third_is_nearest = change_third < min(change_b, change_c);
-  weight_b = select(third_is_nearest, third_b, weight_b), weight_c = select(third_is_nearest, third_c, weight_c);
-  // The foot of the point, if it is inside of the triangle: its weights are proportional to the areas opposite corners.
-  const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
-  const Packet area = bb * cc - bc * bc, area_a = area - area_b - area_c;
-  const Mask is_inside = (area_a > zero()) & (area_b > zero()) & (area_c > zero());
-  const Packet per_area = one / max(area_a + area_b + area_c, least);
-  weight_b = select(is_inside, area_b * per_area, weight_b), weight_c = select(is_inside, area_c * per_area, weight_c);
-  return t.to_corner + t.edge_b * weight_b + t.edge_c * weight_c;
-}
-
-/// The gap between the point and each triangle along a direction, times the length of `direction`. Negative if the
-/// point's height along the direction is within the interval of the corners' heights.
-LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& direction) {
-  const Packet height = dot(t.to_corner, direction);
-  const Packet b = dot(t.edge_b, direction), c = dot(t.edge_c, direction);
-  return max(height + min(min(b, c), zero()), zero() - height - max(max(b, c), zero()));
 }
 
 LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t slot,
@@ -159,7 +111,7 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   }
   const Packet3 at = broadcast(local.position);
   const float error32 = base::float_up(error);
-  const Packet shortest = Packet::set(smallest_divisor_of_steps);
+  const Packet shortest = Packet::set(shortest_divisor);
   Packet least = Packet::set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const PointTriangles t = point_triangles(triangles, i, at);

@@ -142,7 +142,7 @@ struct alignas(64) Boxes {
 
 LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const Packet3 p = c.at(0, i), q = c.at(1, i), r = c.at(2, i);
+    const Packet3 p = corners(c, 0, i), q = corners(c, 1, i), r = corners(c, 2, i);
     const Interval x = interval(p.x, q.x, r.x), y = interval(p.y, q.y, r.y), z = interval(p.z, q.z, r.z);
     x.low.store(boxes.low[0] + i), x.high.store(boxes.high[0] + i);
     y.low.store(boxes.low[1] + i), y.high.store(boxes.high[1] + i);
@@ -262,7 +262,8 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     if (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
     if (wanted == 0) return;
   }
-  LeafCorners ca, cb, own_b;  // ca and cb relative to the center of a; own_b to that of b: no offset is rounded
+  LeafCorners &ca = candidates.corners_a, &cb = candidates.corners_b;
+  LeafCorners own_b;  // relative to the center of b: no offset is rounded
   unpack(*a.triangles, pair.step_a, ca);
   if (is_self) {
     unpack(*b.triangles, pair.step_b, own_b);
@@ -295,8 +296,8 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
     const unsigned lanes = pairs.lanes_at(i);
     const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
-    const Packet3 corners_a[3] = {ca.at(0, in_a), ca.at(1, in_a), ca.at(2, in_a)};
-    const Packet3 corners_b[3] = {cb.at(0, in_b), cb.at(1, in_b), cb.at(2, in_b)};
+    const Packet3 corners_a[3] = {corners(ca, 0, in_a), corners(ca, 1, in_a), corners(ca, 2, in_a)};
+    const Packet3 corners_b[3] = {corners(cb, 0, in_b), corners(cb, 1, in_b), corners(cb, 2, in_b)};
     Packet bound_sq = zero();
     unsigned kept = compare_pairs<wants_pruned_bound>(corners_a, corners_b, limit_sq, lanes, bound_sq);
     alignas(64) float bounds[Packet::lanes];

@@ -158,7 +158,7 @@ struct alignas(64) OwnedEdges {
       const unsigned which = edges >> (corner * width) & 0xff;
       Boxes boxes;
       for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-        const Packet3 p = c.at(static_cast<int>(corner), i), q = c.at(static_cast<int>(next), i);
+        const Packet3 p = corners(c, static_cast<int>(corner), i), q = corners(c, static_cast<int>(next), i);
         store3(min3(p, q), boxes.low, i), store3(max3(p, q), boxes.high, i);
       }
       // All eight are written; those that do not count are overwritten by the next, or not used.
@@ -265,7 +265,7 @@ struct alignas(64) CornerPoints {
   LIMBER_KERNEL explicit CornerPoints(const LeafCorners& c) {
     for (std::uint32_t corner = 0; corner < 4; ++corner) {
       for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-        store_points(c.at(static_cast<int>(corner % 3), i), v[corner * width + i]);
+        store_points(corners(c, static_cast<int>(corner % 3), i), v[corner * width + i]);
       }
     }
   }

@@ -61,6 +61,18 @@ LIMBER_KERNEL FewLeast least_of_few(const float* points, std::size_t axis, std::
   return found;
 }
 
+LIMBER_KERNEL BoxRow join_rows(const BoxRow* rows, std::uint64_t which) {
+  BoxRow joined;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    Packet least = Packet::load(rows[std::countr_zero(which)].least + i);
+    for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1) {
+      least = min(least, Packet::load(rows[std::countr_zero(rest)].least + i));
+    }
+    least.store(joined.least + i);
+  }
+  return joined;
+}
+
 }  // namespace
 }  // namespace limber::simd::LIMBER_TARGET
 LIMBER_AFTER_KERNELS;

@@ -14,25 +14,21 @@
 #include <bit>
 #include <cstdint>
 
+#include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The corners of the triangles of a leaf: [3 * corner + axis][slot].
-struct alignas(64) LeafCorners {
-  float v[9][width];
-
-  /// Those of the slots from `i` on.
-  LIMBER_KERNEL Packet3 at(int corner, std::uint32_t i) const {
-    return {Packet::load(v[3 * corner] + i), Packet::load(v[3 * corner + 1] + i), Packet::load(v[3 * corner + 2] + i)};
-  }
-  /// Those of some slots.
-  LIMBER_KERNEL Packet3 at(int corner, const Slots& slots) const {
-    return {pick(v[3 * corner], slots), pick(v[3 * corner + 1], slots), pick(v[3 * corner + 2], slots)};
-  }
-};
+/// Corner `k` of the triangles in the slots `i` and following.
+LIMBER_KERNEL Packet3 corners(const LeafCorners& c, int k, std::uint32_t i) {
+  return {Packet::load(c.v[3 * k] + i), Packet::load(c.v[3 * k + 1] + i), Packet::load(c.v[3 * k + 2] + i)};
+}
+/// Corner `k` of the triangles in some slots.
+LIMBER_KERNEL Packet3 corners(const LeafCorners& c, int k, const Slots& slots) {
+  return {pick(c.v[3 * k], slots), pick(c.v[3 * k + 1], slots), pick(c.v[3 * k + 2], slots)};
+}
 
 /// Pairs of triangles of two leaves, as 8 * slot of the first + slot of the second.
 struct PairList {

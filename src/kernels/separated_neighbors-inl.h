@@ -239,8 +239,10 @@ LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfM
   open.fill_last_packet();
   for (std::uint32_t i = 0; i < open.count; i += Packet::lanes) {
     const Slots in_a = Slots::first_of(open.pair + i), in_b = Slots::second_of(open.pair + i);
-    const Packet3 corners_a[3] = {a.corners.at(0, in_a), a.corners.at(1, in_a), a.corners.at(2, in_a)};
-    const Packet3 corners_b[3] = {b.corners.at(0, in_b), b.corners.at(1, in_b), b.corners.at(2, in_b)};
+    const Packet3 corners_a[3] = {corners(a.corners, 0, in_a), corners(a.corners, 1, in_a),
+                                  corners(a.corners, 2, in_a)};
+    const Packet3 corners_b[3] = {corners(b.corners, 0, in_b), corners(b.corners, 1, in_b),
+                                  corners(b.corners, 2, in_b)};
     const unsigned apart = separated_by_plane(shared_corners(a, in_a, b, in_b), corners_a, corners_b, error_a, error_b);
     pairs.add(open, i, open.lanes_at(i) & ~apart);
   }

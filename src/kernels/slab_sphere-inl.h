@@ -54,6 +54,12 @@ LIMBER_KERNEL Packet gap_sq(Packet along, Packet across) {
   return u * u + v * v;
 }
 
+/// Squared length of a vector with these components, negative ones counting as none.
+LIMBER_KERNEL Packet length_of_gaps_sq(const Packet3& gaps) {
+  const Packet3 g{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
+  return dot(g, g);
+}
+
 /// Children `i` and following of a node, and a projected node.
 struct NodePairs {
   Packet3 center, half, normal;

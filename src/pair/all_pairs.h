@@ -8,7 +8,6 @@
 #include "base/check.h"
 #include "pair/collectors/collector.h"
 #include "pair/expansion.h"
-#include "pair/leaf_comparison.h"
 #include "pair/placed_leaf.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
@@ -45,7 +44,7 @@ class AllPairs {
       const std::size_t nodes = trees_.tree(Side::a).nodes.size();
       for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !collector_.is_done(); --n) compare_siblings(n - 1);
     } else {
-      push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0});
+      push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0, false});
       visit_all();
     }
   }
@@ -68,8 +67,15 @@ class AllPairs {
       if (trees_.share_and_are_apart(pair, what, search_.pruning.distance())) return;
     }
     if (trees_.are_leaves(pair)) return compare_leaves(pair);
+    const auto [side, triangles_first] = trees_.choose(pair);
+    if (triangles_first) {
+      const Side of_leaf = other(side);
+      ++search_.stats.node_tests;
+      const float bound_sq =
+          kernels_.bound_leaf(trees_.as_leaf(of_leaf, pair), trees_.as_node(side, pair), search_.frames.of(of_leaf));
+      if (bound_sq >= limits_.of(of_leaf)) return;
+    }
     Expansion e;
-    const Side side = trees_.side_to_expand(pair);
     e.start(trees_.tree(side), pair, side);
     expand(e);
   }
@@ -81,7 +87,7 @@ class AllPairs {
     const std::uint32_t count = tree.nodes[n].child_count;
     for (std::uint32_t k = 0; k < count; ++k) {
       const bvh::SlotId slot = n * bvh::width + k;
-      if (bvh::has_leaf(tree, slot)) push({0, {slot, slot}, NodePair::no_record, 0});
+      if (bvh::has_leaf(tree, slot)) push({0, {slot, slot}, NodePair::no_record, 0, false});
       if (k + 1 == count) break;
       Expansion e;
       e.start_siblings(slot, count);
@@ -117,12 +123,12 @@ class AllPairs {
                              search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
     if (found.count == 0) return;
     a_.take(self.a), b_.take(self.b);
-    visit_candidates(found, search_.pruning, [&](std::uint32_t slot_a, std::uint32_t slot_b) {
-      if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) return true;
+    for (std::uint32_t i = 0; i < found.count && !collector_.is_done(); ++i) {
+      const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
       ++search_.stats.triangle_tests;
       collector_.compare(a_.at(slot_a), b_.at(slot_b));
-      return !collector_.is_done();
-    });
+    }
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels

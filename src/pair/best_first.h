@@ -88,7 +88,7 @@ class BestFirst {
     }
     if constexpr (looks_for_closest) prepare_seed();
     state_.least_sq = limits_.bound_of(root_bound);
-    const NodePair roots{state_.least_sq, {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0};
+    const NodePair roots{state_.least_sq, {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0, false};
     if constexpr (!has_front && !needs_several) {
       // The first descent is one long step, so it is not made where a budget may end the query after any step.
       if (!search_.meter.is_limited()) return descend_first(roots);
@@ -243,11 +243,32 @@ class BestFirst {
       }
       return false;
     }
-    const Side side = trees_.side_to_expand(pair);
+    const auto [side, triangles_first] = trees_.choose(pair);
+    if (triangles_first && !pair.is_bounded && prunes_by_leaf(e, other(side))) return false;
     e.start(trees_.tree(side), pair, side);
     e.record = front_.add(pair, side);
     e.has_record = e.record != NodePair::no_record;
     if (!e.has_record) e.record = pair.record;  // the parent's record: there `pair` stands for all below it
+    return true;
+  }
+
+  /// Compares the triangles of a leaf one by one with the other volume. Where that gives the pair a better bound, it is
+  /// pruned by that, or waits in the queue for its turn: then the result is true. A descent goes on with it.
+  bool prunes_by_leaf(Expansion& e, Side of_leaf) {
+    ++state_.work;
+    ++search_.stats.node_tests;
+    const float bound_sq = kernels_.bound_leaf(trees_.as_leaf(of_leaf, e.pair), trees_.as_node(other(of_leaf), e.pair),
+                                               search_.frames.of(of_leaf));
+    if (bound_sq >= limits_.of(of_leaf)) {
+      front_.settle(e.pair, limits_.length_of(of_leaf, bound_sq));
+      return true;
+    }
+    const float raised_sq = limits_.bound_of_child(of_leaf, bound_sq, e.pair.bound_sq);
+    if (Collector::hits == Hits::any || raised_sq == e.pair.bound_sq) return false;
+    e.pair.bound_sq = raised_sq;
+    e.pair.is_bounded = true;
+    if (state_.descents.is_descending()) return false;
+    state_.queue.push(e.pair);
     return true;
   }
 
@@ -279,7 +300,7 @@ class BestFirst {
     const std::uint32_t n = --next_node_, count = tree.nodes[n].child_count;
     for (std::uint32_t k = 0; k < count && !collector_.is_done(); ++k) {
       const bvh::SlotId slot = n * bvh::width + k;
-      if (bvh::has_leaf(tree, slot)) state_.queue.push_first({0, {slot, slot}, NodePair::no_record, 0});
+      if (bvh::has_leaf(tree, slot)) state_.queue.push_first({0, {slot, slot}, NodePair::no_record, 0, false});
       if (k + 1 == count) break;
       Expansion e;
       e.start_siblings(slot, count);
@@ -331,7 +352,7 @@ class BestFirst {
       ++count;
       const float bound_sq = limits_.bound_of(bound);
       state_.least_sq = std::min(state_.least_sq, bound_sq);
-      state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record});
+      state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record, false});
     }
     // What the last traversal has left open is new work in any case. At most one record for each open pair is counted
     // for its sake, so the difference never overstates what is compared again.
@@ -346,7 +367,7 @@ class BestFirst {
     const Front::Record& r = front_.get().records()[record];
     if (front_.get().bound_of(r) >= search_.pruning.cutoff()) return false;
     const Side side = r.expands_a ? Side::a : Side::b;
-    e.start(trees_.tree(side), {e.pair.bound_sq, {r.slot[0], r.slot[1]}, NodePair::no_record, 0}, side);
+    e.start(trees_.tree(side), {e.pair.bound_sq, {r.slot[0], r.slot[1]}, NodePair::no_record, 0, false}, side);
     e.record = record;
     e.has_record = true;
     e.children = front_.get().take(record, search_.pruning.cutoff());

@@ -39,7 +39,7 @@ struct Expansion {
   /// For one model: pairs a slot with each later child slot of the same node, which has `count` children. `node` is
   /// that node.
   void start_siblings(bvh::SlotId slot, std::uint32_t count) {
-    pair = {0, {slot, bvh::root_slot}, NodePair::no_record, 0};
+    pair = {0, {slot, bvh::root_slot}, NodePair::no_record, 0, false};
     side = Side::b, node = bvh::node_of(slot);
     children = (1U << count) - (2U << bvh::slot_of(slot));
     record = NodePair::no_record, has_record = false;
@@ -75,7 +75,8 @@ struct Expansion {
     return {bound_sq,
             {of_a ? slot : pair.slot[0], of_a ? pair.slot[1] : slot},
             record,
-            static_cast<std::uint16_t>(has_record ? child : pair.child)};
+            static_cast<std::uint8_t>(has_record ? child : pair.child),
+            false};
   }
 };
 

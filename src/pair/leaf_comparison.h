@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include "base/check.h"
 #include "base/error_bounds.h"
@@ -24,21 +24,6 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
     if (found.pairs[i].bound_sq < found.pairs[nearest].bound_sq) nearest = i;
   }
   return nearest;
-}
-
-/// Calls `visit(slot_a, slot_b)` for candidates. The nearest comes first, and is moved to the front of the list,
-/// because it may prune the others: candidates that are beyond the upper bound when their turn comes are left out.
-/// `visit` returns whether to go on. Returns false as soon as a visit does, else true. Pre: there are candidates.
-template <typename Visit>
-bool visit_candidates(simd::Candidates& found, const Pruning& pruning, const Visit& visit) {
-  std::swap(found.pairs[0], found.pairs[nearest_of(found)]);
-  for (std::uint32_t i = 0; i < found.count; ++i) {
-    const double limit = pruning.distance() * found.scale + static_cast<double>(found.error);
-    const auto bound_sq = static_cast<double>(found.pairs[i].bound_sq);
-    if (bound_sq >= limit * limit * double{base::squares_up}) continue;
-    if (!visit(std::uint32_t{found.pairs[i].slot_a}, std::uint32_t{found.pairs[i].slot_b})) return false;
-  }
-  return true;
 }
 
 /// Compares the triangles of two leaves, for BestFirst. In order: the two leaves may be pruned as a whole; where a
@@ -104,16 +89,53 @@ class LeafComparison {
   static constexpr bool needs_several = Collector::hits == Hits::k_closest;
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
-  /// Compares all candidates that may still improve the answer. False if the query has ended. Only a collector of
-  /// several pairs needs to know triangles that fill up a leaf: they would be found twice.
+  // From that many candidates on, better bounds cost less than the comparisons that they save.
+  static constexpr std::uint32_t worth_refining = 3;
+
+  /// Compares all candidates that may still improve the answer, the nearest first. The first of them may prune many
+  /// others. Those that are left get better bounds, if they are several. False if the query has ended.
   bool compare_candidates(simd::Candidates& found, std::uint64_t steps) {
-    return visit_candidates(found, search_.pruning, [&](std::uint32_t slot_a, std::uint32_t slot_b) {
-      if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) return true;
-      if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
-      ++search_.stats.triangle_tests;
-      if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);
-      return !collector_.is_done() && !search_.meter.cuts_short(steps);
-    });
+    if (!compare_nearest(found, steps)) return false;
+    drop_pruned(found);
+    if (found.count >= worth_refining) kernels_.refine_candidates(found);
+    while (found.count > 0) {
+      if (!compare_nearest(found, steps)) return false;
+    }
+    return true;
+  }
+
+  /// Takes out the candidate of least bound and compares it; if it is pruned by now, so are all others, and all are
+  /// taken out. False if the query has ended. Only a collector of several pairs needs to know triangles that fill up a
+  /// leaf: they would be found twice. Pre: there are candidates.
+  bool compare_nearest(simd::Candidates& found, std::uint64_t steps) {
+    simd::Candidate& nearest = found.pairs[nearest_of(found)];
+    const std::uint32_t slot_a = nearest.slot_a, slot_b = nearest.slot_b;
+    if (static_cast<double>(nearest.bound_sq) >= limit_sq(found)) {
+      found.count = 0;
+      return true;
+    }
+    nearest = found.pairs[--found.count];
+    if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) return true;
+    if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
+    ++search_.stats.triangle_tests;
+    if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);
+    return !collector_.is_done() && !search_.meter.cuts_short(steps);
+  }
+
+  /// Takes out the candidates that are beyond the upper bound by now.
+  void drop_pruned(simd::Candidates& found) const {
+    simd::Candidate* const end = found.pairs + found.count;
+    const double limit = limit_sq(found);
+    found.count = static_cast<std::uint32_t>(
+        std::remove_if(found.pairs, end,
+                       [&](const simd::Candidate& c) { return static_cast<double>(c.bound_sq) >= limit; }) -
+        found.pairs);
+  }
+
+  /// Candidates with a bound of at least this are pruned.
+  double limit_sq(const simd::Candidates& found) const {
+    const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
+    return limit * limit * double{base::squares_up};
   }
 
   /// Whether the search direction prunes the two leaves as a whole.

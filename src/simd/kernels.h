@@ -81,12 +81,18 @@ struct Candidate {
   std::uint8_t slot_a, slot_b;
 };
 
+/// The corners of the triangles of a leaf: [3 * corner + axis][slot].
+struct alignas(64) LeafCorners {
+  float v[9][width];
+};
+
 struct Candidates {
   std::uint32_t count;
   float error;         ///< upper bound of how much rounding and quantization can change a gap, scaled
   double scale;        ///< factor from lengths to scaled ones, a power of two
   float pruned_bound;  ///< lower bound of distance * scale of the pairs that are no candidates: errors subtracted
   Candidate pairs[width * width];
+  LeafCorners corners_a, corners_b;  ///< of both leaves, scaled, relative to the center of a; unset if count is 0
 };
 
 /// A point to be compared with a tree, in the tree's frame.
@@ -215,6 +221,10 @@ struct ElementCandidates {
 using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 
+/// A lower bound, squared, in squared units of the leaf's tree, of the distance between the triangles of a leaf and the
+/// volume of a slot of the other tree. `transform` is that of the leaf's tree.
+using BoundLeaf = float (*)(const SlotRef& leaf, const SlotRef& other, const FrameTransform& transform);
+
 /// Finds the pairs of triangles of two leaves that are not pruned, in the order of slots. `transform` and `pruning` are
 /// those of the tree of `a`. Candidates::pruned_bound means something only if `wants_pruned_bound`.
 ///
@@ -223,6 +233,9 @@ using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other,
 using FindCandidates = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                 const PruneLimits& pruning, const SelfPair* self, bool wants_pruned_bound,
                                 Candidates& candidates);
+
+/// Raises the bounds of candidates that find_candidates() has found: nearly to their distance, less errors.
+using RefineCandidates = void (*)(Candidates& candidates);
 
 /// Finds the pairs of elements of two leaves that are not pruned: owned vertices with faces in use, and owned edges
 /// with each other. `transform` and `pruning` are those of the tree of `a`; there is no search direction.
@@ -293,6 +306,14 @@ struct FewLeast {
 /// read. Pre: 0 < n <= count <= few_points.
 using LeastOfFew = FewLeast (*)(const float* points, std::size_t axis, std::size_t count, std::size_t n);
 
+/// A row of numbers: a box as its least corner and minus its greatest one, each followed by a number that is not used.
+struct alignas(32) BoxRow {
+  float least[width];
+};
+/// The least of each number of some rows: the box around some boxes. Bit k of `which` stands for row k.
+/// Pre: `which` is not 0.
+using JoinRows = BoxRow (*)(const BoxRow* rows, std::uint64_t which);
+
 /// The boxes, as a bit mask, that have a point in common with the box from `low` to `high`, which are finite.
 using OverlappingBoxes = unsigned (*)(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high);
 
@@ -312,7 +333,9 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
 /// kernel for it.
 #define LIMBER_FOR_ALL_KERNELS(X)                    \
   X(BoundChildren, bound_children)                   \
+  X(BoundLeaf, bound_leaf)                           \
   X(FindCandidates, find_candidates)                 \
+  X(RefineCandidates, refine_candidates)             \
   X(FindCloseElements, find_close_elements)          \
   X(BoundChildrenToPoint, bound_children_to_point)   \
   X(BoundChildrenToPoint, bound_children_along)      \
@@ -325,6 +348,7 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(MaxDisplacement, max_displacement)               \
   X(ExtendBox, extend_box)                           \
   X(LeastOfFew, least_of_few)                        \
+  X(JoinRows, join_rows)                             \
   X(OverlappingBoxes, overlapping_boxes)             \
   X(OverlappingPairs, overlapping_pairs)             \
   X(CompareTriangles, compare_triangles)             \

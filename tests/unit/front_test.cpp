@@ -143,7 +143,7 @@ TEST(Front, RemembersHowFarApartLeavesAreThatWereCompared) {
   for (int frame = 0; frame < 100; ++frame) {
     const Placed a{sheet}, b{ball, {{}, {0.3 + 1e-6 * frame, 0.4, 2.5 + 1e-6 * frame}}};
     const DistanceResult found = distance(a, b, {.cache = &cache}), wanted = distance(a, b);
-    ASSERT_EQ(found.upper, wanted.upper) << frame;
+    ASSERT_DOUBLE_EQ(found.upper, wanted.upper) << frame;  // of pairs that tie, another may have come first
     if (frame == 0) continue;
     node_tests += found.stats.node_tests, node_tests_without += wanted.stats.node_tests;
   }
@@ -221,7 +221,7 @@ TEST(Front, LetsAnInterruptedTraversalGoOnOnlyWhereItStoppedAndIfNoMoreIsAsked) 
     front.begin(here, a_from_b(here));
     const std::uint16_t record = front.add({1, 2}, Side::b);
     front.state().clear();
-    front.state().queue.push({16, {3, 4}, record, 2});
+    front.state().queue.push({16, {3, 4}, record, 2, false});
     front.suspend(5, std::nullopt);
   };
   interrupt();

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/frames.h"
 #include "pair/placed_pair.h"
@@ -73,7 +74,7 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
 
 TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   Rng rng(202);
-  int not_candidates = 0, beyond = 0;
+  int not_candidates = 0, beyond = 0, candidates = 0, tight = 0;
   for (int i = 0; i < 3000; ++i) {
     const KernelCase c(rng);
     const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
@@ -94,6 +95,9 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
     simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
                                     pruning.of(Side::a), nullptr, true, found);
     const double apart = static_cast<double>(found.pruned_bound) / found.scale;
+    simd::Candidates refined = found;
+    simd::kernels().refine_candidates(refined);
+    ASSERT_EQ(refined.count, found.count);
     for (std::uint8_t s = 0; s < bvh::width; ++s) {
       for (std::uint8_t t = 0; t < bvh::width; ++t) {
         const double true_distance = closest_points(c.world_a[la.triangle[s]], c.world_b[lb.triangle[t]]).distance;
@@ -107,13 +111,58 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
           beyond += apart > cutoff ? 1 : 0;
         } else {
           const double least = std::sqrt(static_cast<double>(it->bound_sq)) - static_cast<double>(found.error);
-          ASSERT_LE(least, true_distance * found.scale * (1 + 1e-6)) << "case " << i;
+          const simd::Candidate& better = refined.pairs[it - begin];
+          ASSERT_TRUE(better.slot_a == s && better.slot_b == t && better.bound_sq >= it->bound_sq) << "case " << i;
+          const double more = std::sqrt(static_cast<double>(better.bound_sq)) - static_cast<double>(found.error);
+          ASSERT_LE(std::max(least, more), true_distance * found.scale * (1 + 1e-6)) << "case " << i;
+          ++candidates;
+          tight += more >= true_distance * found.scale * (1 - 1e-3) - 3 * static_cast<double>(found.error) ? 1 : 0;
         }
       }
     }
   }
   EXPECT_GT(not_candidates, 50000);
   EXPECT_GT(beyond, 10000);
+  EXPECT_GT(candidates, 10000);
+  EXPECT_GT(tight, 0.999 * candidates);
+}
+
+// A leaf of triangles as large as the scene, and a small part of another model among them.
+TEST(Kernels, BoundsOfALeafAreThoseOfItsTriangles) {
+  Rng rng(208);
+  int far_cases = 0, tight = 0, told_apart_by_triangles_only = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const double size = std::exp2(rng.uniform(-8, 0));
+    std::vector<Vec3> corners;
+    for (int k = 0; k < 24; ++k) corners.push_back(uniform_point(rng));
+    if (rng.below(8) == 0) corners[1] = corners[2] = corners[0];  // a triangle that is a point
+    std::vector<Corners> triangles;
+    for (VertexId k = 0; k < 24; k += 3) triangles.push_back({k, k + 1, k + 2});
+    const Model a(Mesh::create(std::move(corners), triangles).value());
+    std::vector<Vec3> small;
+    for (int k = 0; k < 24; ++k) small.push_back(size * uniform_point(rng));
+    const Model b(Mesh::create(std::move(small), triangles).value());
+    const Transform pose_a{random_rotation(rng), 2 * uniform_point(rng)};
+    const Transform pose_b{random_rotation(rng), pose_a.translation + uniform_point(rng)};
+    const PlacedPair placed({a, pose_a}, {b, pose_b});
+    Frames frames(placed);
+    const simd::SlotRef leaf = at_slot(a, 0, true), other = at_slot(b, 0, rng.below(2) == 0);
+    const double unit = tree_of(a).unit;
+    const double bound = std::sqrt(static_cast<double>(simd::kernels().bound_leaf(leaf, other, frames.of(Side::a))));
+    const double true_distance = distance({a, pose_a}, {b, pose_b}).upper;
+    ASSERT_LE(bound * unit, true_distance) << "case " << i;
+    if (true_distance < 4 * size) continue;
+    ++far_cases;
+    tight += bound * unit >= true_distance - 2 * size ? 1 : 0;
+    alignas(32) float order[bvh::width];
+    const Pruning pruning = pruning_along(placed, 1, {});
+    simd::kernels().bound_children(*other.node, leaf, frames.of(Side::b), pruning.of(Side::b), no_limit_sq, order,
+                                   nullptr);
+    told_apart_by_triangles_only += order[0] <= 0 && bound > 0 ? 1 : 0;
+  }
+  EXPECT_GT(far_cases, 1000);
+  EXPECT_GT(tight, 0.99 * far_cases);
+  EXPECT_GT(told_apart_by_triangles_only, 0.5 * far_cases);
 }
 
 template <typename T>
@@ -168,6 +217,15 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
         ASSERT_EQ(found.pairs[k].slot_a, found0.pairs[k].slot_a) << set.name;
         ASSERT_EQ(found.pairs[k].slot_b, found0.pairs[k].slot_b) << set.name;
       }
+      simd::Candidates refined0 = found0;
+      first.refine_candidates(refined0);
+      set.refine_candidates(found);
+      for (std::uint32_t k = 0; k < found0.count; ++k) {
+        ASSERT_TRUE(is_same_to_the_bit(found.pairs[k].bound_sq, refined0.pairs[k].bound_sq)) << set.name;
+      }
+      ASSERT_TRUE(is_same_to_the_bit(set.bound_leaf(leaf_a, at_slot(c.b, 0, false), in_a),
+                                     first.bound_leaf(leaf_a, at_slot(c.b, 0, false), in_a)))
+          << set.name;
     }
   }
 }
