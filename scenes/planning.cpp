@@ -15,7 +15,7 @@
 namespace limber::scenes {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::uint64_t house_seed = 0x5EED0020, flat_seed = 0x5EED0021;
 
 /// A number of segments of which a surface has two factors.

@@ -15,7 +15,7 @@
 namespace limber::scenes {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::uint64_t pose_seed = 0x5EED0001;
 constexpr std::uint64_t dent_seed = 0x5EED0003;
 constexpr std::uint64_t linked_ring_seed = 0x5EED0004;

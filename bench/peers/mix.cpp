@@ -178,6 +178,9 @@ void measure_path(Contest& contest, const std::vector<Transform>& path, int roun
 
 /// A number, or an empty cell where there is nothing to say.
 std::string cell(const Ratios& ratios, double value) { return ratios.all.empty() ? "" : fmt::format("{:.3g}", value); }
+std::string count_cell(const std::vector<double>& counts) {
+  return counts.empty() ? "" : fmt::format("{}", median(counts));
+}
 std::string median_cell(const Ratios& ratios) { return cell(ratios, median(ratios.all)); }
 std::string sums_cell(const Ratios& ratios) { return cell(ratios, ratios.of_sums()); }
 std::string least_cell(const Ratios& ratios) { return cell(ratios, summarize(ratios.all).min); }
@@ -200,8 +203,8 @@ void report(const Row& row, Table& table) {
   table.line("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |", row.scene, row.situation,
              to_text(row.question), poses, median_cell(row.fcl), sums_cell(row.fcl), least_cell(row.fcl),
              median_cell(row.coal), sums_cell(row.coal), least_cell(row.long_ones), cell(row.fcl, median(row.ours_us)),
-             cell(row.fcl, median(row.fcl_us)), cell(row.coal, median(row.coal_us)),
-             cell(row.fcl, median(row.node_tests)), cell(row.fcl, median(row.triangle_tests)));
+             cell(row.fcl, median(row.fcl_us)), cell(row.coal, median(row.coal_us)), count_cell(row.node_tests),
+             count_cell(row.triangle_tests));
 }
 
 /// One line for each query: what the rows say together.
