@@ -80,8 +80,8 @@ LIMBER_KERNEL float bound_leaf(const SlotRef& leaf, const SlotRef& other, const 
   const std::uint32_t k = leaf.slot;
   const float step = n.radius[k] * (1 / bvh::max_quantized);
   const float magnitude = std::abs(p.center[0]) + std::abs(p.center[1]) + std::abs(p.center[2]) + leaf.node->radius;
-  const Packet error =
-      Packet::set(step * static_cast<float>(base::quantization_error) + (magnitude + p.radius) * base::projection_error);
+  const Packet error = Packet::set(step * static_cast<float>(base::quantization_error) +
+                                   (magnitude + p.radius) * base::projection_error);
   const Packet3 shift{Packet::set(n.center_x[k] - p.center[0]), Packet::set(n.center_y[k] - p.center[1]),
                       Packet::set(n.center_z[k] - p.center[2])};
   const Packet3 half = broadcast(p.half);
