@@ -18,7 +18,8 @@ namespace {
 using std::numbers::pi;
 constexpr std::uint64_t house_seed = 0x5EED0020, flat_seed = 0x5EED0021;
 
-/// A number of segments of which a surface has two factors.
+/// A number of segments. A surface has segments in two directions: both numbers grow by the root of the detail, so the
+/// triangles by the detail.
 std::uint32_t scaled(double count, double detail) {
   return static_cast<std::uint32_t>(std::lround(count * std::sqrt(detail)));
 }

@@ -7,9 +7,9 @@
 //           a cache, and 200 along a path with one. Collision, exact distance, distance within 10 %.
 // Metric    Their time over ours, pose by pose: median, ratio of the sums, least. All libraries have their turn in
 //           every round; the median of the rounds counts. A turn repeats the query until it takes 30 us; along a path
-//           it is one query, without Coal. No other library has a cache. FCL's error is forced in distances within
-//           10 %, which Coal answers exactly. The faster of both is, at a pose, the one that takes less there; for a
-//           sum over poses it is one library.
+//           it is one query, without Coal. No other library has a cache. FCL ignores the error it is given, so
+//           within 10 % an FCL is measured that is made to stop there; Coal answers exactly. "Faster" is at a pose
+//           the library that takes less there, in a sum the one with the smaller sum.
 // Checked   Answers agree, within the error asked for. Where they do not, the classic engine decides: FCL's wrong poses
 //           are counted and not timed, and so is Coal at poses that it answers wrongly; a wrong answer of ours ends the
 //           table, and the exit code is 1.

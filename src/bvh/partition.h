@@ -30,11 +30,13 @@ struct PrimitiveRef {
 };
 
 /// What primitives are made from: the triangles of a mesh, relative to `origin`, in units. `half_per_unit` is 0.5 /
-/// unit.
+/// unit, the factor from the sum of two coordinates to their middle in units.
 struct PrimitiveSource {
   MeshView mesh;
   Vec3 origin;
   double half_per_unit;
+
+  double per_unit() const { return 2 * half_per_unit; }
 
   /// The primitive of a triangle. Its center is (low + high) / 2; the quotients by 2 and by the unit are one factor.
   PrimitiveRef primitive_of(TriangleId triangle) const {

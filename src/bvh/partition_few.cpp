@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// The surface area heuristic over the medians along the axes and of the sizes; see partition_few.h.
 #include "bvh/partition_few.h"
 
 #include <algorithm>
@@ -31,13 +33,14 @@ BoxRow box_of(const PrimitiveSource& source, TriangleId triangle) {
   const Corners& corners = source.mesh.triangles[triangle];
   const Vec3 &u = source.mesh.positions[corners[0]], &v = source.mesh.positions[corners[1]],
              &w = source.mesh.positions[corners[2]];
-  const Vec3 low = (min(min(u, v), w) - source.origin) * (2 * source.half_per_unit);
-  const Vec3 high = (max(max(u, v), w) - source.origin) * (2 * source.half_per_unit);
+  const Vec3 low = (min(min(u, v), w) - source.origin) * source.per_unit();
+  const Vec3 high = (max(max(u, v), w) - source.origin) * source.per_unit();
   return {{static_cast<float>(low.x), static_cast<float>(low.y), static_cast<float>(low.z), 0,
            static_cast<float>(-high.x), static_cast<float>(-high.y), static_cast<float>(-high.z), 0}};
 }
 
-/// Primitives with their boxes and sizes, in one order.
+/// Primitives with their boxes and sizes, in one order. In `by_size_` the squared diagonal of a triangle's box takes
+/// the place of the first coordinate, so that least_of_few() can sort by it.
 class FewPrimitives {
  public:
   FewPrimitives(std::span<const PrimitiveRef> primitives, const PrimitiveSource& source) {
@@ -50,7 +53,8 @@ class FewPrimitives {
     }
   }
 
-  /// Moves the better half of a range to its front: `rank` primitives.
+  /// Splits a range into its first `rank` primitives and the others: of the medians along the long axes and of the
+  /// sizes, the one of least cost.
   void split(std::size_t begin, std::size_t end, std::size_t rank) {
     const std::span<const PrimitiveRef> centers = std::span(by_center_).subspan(begin, end - begin);
     simd::PointBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
@@ -112,7 +116,7 @@ class FewPrimitives {
     std::copy_n(others.begin(), other_count, all.begin() + static_cast<std::ptrdiff_t>(to));
   }
 
-  Few<PrimitiveRef> by_center_, by_size_;  // the first coordinate of `by_size_` is the squared diagonal of the box
+  Few<PrimitiveRef> by_center_, by_size_;
   Few<BoxRow> boxes_;
 };
 

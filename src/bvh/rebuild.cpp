@@ -35,7 +35,7 @@ constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
 // Costs in ns (docs/design/real_time.md); that of a split is for each triangle in the range.
 constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 16;
-constexpr double ns_per_written_leaf = 60, ns_per_enlisted_node = 2;
+constexpr double ns_per_written_leaf = 60, ns_per_node_of_round = 2;
 
 // While the second tree catches up, the moves of each commit mark some of its nodes. For each node that was marked the
 // commit may exceed its budget by the time of this many refits. With 1 or less, nodes might be marked as fast as they
@@ -217,7 +217,7 @@ void Rebuild::catch_up(MeshView mesh, base::WorkBudget& budget) {
       refit_at(*level, second_dirty_->take_node(*level), mesh);
     } else if (!second_dirty_->nodes(lowest).empty()) {
       second_dirty_->take_lowest(round_);
-      budget.spend(ns_per_enlisted_node * static_cast<double>(round_.size()));
+      budget.spend(ns_per_node_of_round * static_cast<double>(round_.size()));
     } else {
       return;
     }

@@ -14,10 +14,9 @@
 // Node 0, the header, has one slot, the root slot, for the whole mesh. The child in it is node 1, the top node, which
 // other libraries call the root (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle
 // answers queries for all of them.
-//
-// A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
-// corner, too. So origins are near what is relative to them: the difference of a position and an origin is off by 2^-53
-// of itself, not of the position.
+//  A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
+// corner, too. So origins are near what is relative to them: the difference of a position and an origin is small, and
+// so is its rounding.
 #include "bvh/refit.h"
 
 #include <algorithm>
@@ -122,7 +121,8 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& vol
   n.low[slot] = -grown(-(volume.low - error)), n.high[slot] = grown(volume.high + error);
 }
 
-/// Sets the radius of a node: that of a sphere about its origin which contains the spheres of all its slots (I6).
+/// Sets the radius of a node: that of a sphere about its origin which contains the spheres of all its slots (invariant
+/// I6 of bvh/tree.h).
 void set_radius(Node& node) {
   double radius = 0;
   for (std::uint32_t k = 0; k < node.child_count; ++k) {

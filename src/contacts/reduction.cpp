@@ -83,10 +83,11 @@ Vec3 offset(const Contact& from, const Contact& to, double radius) {
 class AxisCells {
  public:
   /// Pre      near > 0.
-  explicit AxisCells(double near) : reach_(near * (1 + 0x1p-10)), per_unit_(1 / std::max(2 * reach_, 0x1p-1020)) {}
+  explicit AxisCells(double near)
+      : reach_(near * (1 + 0x1p-10)), cells_per_length_(1 / std::max(2 * reach_, 0x1p-1020)) {}
 
   double cell_of(double x) const {
-    const double at = x * per_unit_;
+    const double at = x * cells_per_length_;
     return std::abs(at) < most ? std::floor(at) : x;
   }
 
@@ -96,15 +97,15 @@ class AxisCells {
     double first, last;
   };
   Range around(double x) const {
-    if (!(std::abs(x * per_unit_) < most)) return {x, x};
+    if (!(std::abs(x * cells_per_length_) < most)) return {x, x};
     constexpr double largest = std::numeric_limits<double>::max();
     const double low = std::max(x - reach_, -largest), high = std::min(x + reach_, largest);
-    return {std::floor(low * per_unit_), std::floor(high * per_unit_)};
+    return {std::floor(low * cells_per_length_), std::floor(high * cells_per_length_)};
   }
 
  private:
   static constexpr double most = 0x1p53;
-  double reach_, per_unit_;
+  double reach_, cells_per_length_;
 };
 
 /// A point of the grid: position and normal of a contact.

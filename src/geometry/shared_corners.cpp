@@ -126,8 +126,8 @@ bool meet_beyond_edge_exactly(const Vec3& v, const Vec3& w, const Vec3& a, const
   using geometry::lexicographically_less;
   if (v == w) return meet_beyond_corner_exactly(v, v, a, v, b);  // the edge is a point, the triangles are segments
   if (geometry::orient3d(v, w, a, b) != 0) return false;         // different planes meet in the line vw only
-  // In one plane: are a and b strictly on one side of the line vw? No coordinate plane is faithful if and only if a is
-  // on the line.
+  // In one plane: are a and b strictly on one side of the line vw? faithful_axis() gives an
+  // axis to drop so that v, w and a do not become collinear; there is none if and only if a is on the line.
   if (const std::optional<std::size_t> axis = geometry::faithful_axis(v, w, a)) {
     return geometry::orient2d(v, w, a, *axis) * geometry::orient2d(v, w, b, *axis) > 0;
   }

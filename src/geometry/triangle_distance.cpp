@@ -215,7 +215,7 @@ class Comparison {
  public:
   Comparison(const LocalFrame& frame, const Triangle& a, const Triangle& b)
       : frame_(frame), a_(a), b_(b), local_a_(frame.to_local(a)), local_b_(frame.to_local(b)) {
-    // A local variable: a member would be written to memory before each call.
+    // A local variable: a member would be written to memory before is_separated() and intersects() are called.
     const Best best = closest_pair(local_a_, local_b_);
     are_proven_apart_ = is_separated(local_a_.corner, local_b_.corner, best.a_to_b, frame.extent());
     intersect_ = !are_proven_apart_ && geometry::intersects(a, b);

@@ -37,10 +37,9 @@ LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& dire
   const Packet3 crossed = cross(p.normal, n);
   const Packet sphere_support =
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
-  // By `deficit` the gap along n, errors subtracted, falls short of the prune distance P; pruned_support contains the
-  // place and extent of the other node. The gap of the spheres across n may make up for it: a child is pruned where (P
-  // - deficit)^2 + across^2 >= P^2. A gap below 0 counts as 0, so no more than P is `missing`, and across^2 has to be
-  // `needed` = P^2 - (P - missing)^2.
+  // P is the prune distance, G the gap along n less all errors, and deficit = P - G; pruned_support contains P, the
+  // errors, and the place and extent of the other node. Across n, the spheres are apart by `across`. A child is pruned
+  // where max(G, 0)^2 + across^2 >= P^2, that is, where across^2 >= P^2 - (P - missing)^2 = `needed`.
   const Packet deficit =
       dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
@@ -84,8 +83,10 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
   s.height_o = dot(p.d, normal_o), s.height = dot(p.d, p.normal);
   s.height_o_abs = abs(s.height_o), s.height_abs = abs(s.height);
   // One comparison, of each height and of the cosine, decides both on which side the other node is and which cap faces
-  // it. With two, a height of 0 or a product that underflows could give one answer here and the other there. The upper
-  // cap of one faces the other's upper side where is_above differs from is_acute.
+  // it. With two, a height of 0 or a product that underflows could give one answer here and the other there. From the
+  // child, the other node is along +normal_o where is_above_o. So the child's upper cap faces it where is_above_o
+  // equals is_acute. From the other node the direction is reversed: its upper cap faces the child where is_above
+  // differs from is_acute.
   const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
   s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
   const Packet support_of_child = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);

@@ -61,6 +61,11 @@ LIMBER_KERNEL Packet support(const CenteredVolume& v, const Packet3& direction) 
   return min(of_box, of_sphere);
 }
 
+/// The least height of the corners of each triangle along a direction.
+LIMBER_KERNEL Packet lowest_along(const PointTriangles& t, const Packet3& direction) {
+  return dot(t.to_corner, direction) + min(min(dot(t.edge_b, direction), dot(t.edge_c, direction)), zero());
+}
+
 /// The gap between triangles and a volume that extends from -`low` to `high` along a direction of length 1.
 LIMBER_KERNEL Packet gap_along(const PointTriangles& t, const Packet3& direction, Packet low, Packet high) {
   const Packet a = dot(t.to_corner, direction), b = dot(t.edge_b, direction), c = dot(t.edge_c, direction);
@@ -99,11 +104,12 @@ LIMBER_KERNEL float bound_leaf(const SlotRef& leaf, const SlotRef& other, const 
     };
     const Packet best = max(length_of_gaps_sq(boxes), length_of_gaps_sq(Packet3{own(0), own(1), own(2)}));
     const Packet of_slab = gap_along(t, volume.normal, volume.lower.height, volume.upper.height);
-    const Packet3 out = unit_vector(nearly_closest(t)), flat = unit_vector(cross(t.edge_b, t.edge_c));
-    const Packet out_of = support(volume, out), above = support(volume, flat),
-                 below = support(volume, Packet3{zero() - flat.x, zero() - flat.y, zero() - flat.z});
-    const Packet of_point = gap_along(t, out, out_of, out_of);
-    const Packet gap = max(max(of_slab, gap_along(t, flat, below, above)), of_point) - error;
+    const Packet3 normal = unit_vector(cross(t.edge_b, t.edge_c)), towards = unit_vector(nearly_closest(t));
+    const Packet3 opposite{zero() - normal.x, zero() - normal.y, zero() - normal.z};
+    const Packet of_normal = gap_along(t, normal, support(volume, opposite), support(volume, normal));
+    // Only on this side: the triangle has a point at a positive height along `towards`.
+    const Packet of_point = lowest_along(t, towards) - support(volume, towards);
+    const Packet gap = max(max(of_slab, of_normal), of_point) - error;
     least = min(least, max(best, gap_sq(gap, zero())));
   }
   return -largest(zero() - least) * base::squares_down;

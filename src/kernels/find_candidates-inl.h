@@ -263,7 +263,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     if (wanted == 0) return;
   }
   LeafCorners &ca = candidates.corners_a, &cb = candidates.corners_b;
-  LeafCorners own_b;  // relative to the center of b: no offset is rounded
+  LeafCorners own_b;  // relative to the center of b, for remove_separated_neighbors(): no offset is rounded
   unpack(*a.triangles, pair.step_a, ca);
   if (is_self) {
     unpack(*b.triangles, pair.step_b, own_b);

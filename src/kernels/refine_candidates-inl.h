@@ -50,8 +50,8 @@ LIMBER_KERNEL Packet3 between_edges(const Packet3 (&a)[3], const Packet3 (&b)[3]
     const Packet3 edge_a = edge(a, i);
     const Packet aa = dot(edge_a, edge_a), per_aa = one / max(aa, least);
     for (int j = 0; j < 3; ++j) {
-      // The closest points are a[i] + s edge_a and b[j] + t edge_b. Of the lines they are where s is `on_line`; then t
-      // is clamped to the edge, and s follows from t.
+      // The closest points are a[i] + s edge_a and b[j] + t edge_b. Those of the whole lines have s = `on_line`. Then t
+      // is clamped to its edge, and s is found anew from t.
       const Packet3 apart = a[i] - b[j];
       const Packet ab = dot(edge_a, edge_b[j]), along_a = dot(edge_a, apart), along_b = dot(edge_b[j], apart);
       const Packet on_line = clamped((ab * along_b - along_a * bb[j]) / max(aa * bb[j] - ab * ab, least));

@@ -212,8 +212,9 @@ Result<void> Model::validate() const {
   const MeshView fitted = impl.updater->fitted_mesh(impl.mesh);
   for (VertexId v = 0; v < fitted.positions.size(); ++v) {
     if (length(impl.mesh.positions()[v] - fitted.positions[v]) <= impl.tree.slack) continue;
-    return Error{ErrorCode::broken_invariant,
-                 "I4: vertex " + std::to_string(v) + " is farther than the motion margin from where it was fitted", v};
+    return Error{
+        ErrorCode::broken_invariant,
+        "invariant I4: vertex " + std::to_string(v) + " is farther than the motion margin from where it was fitted", v};
   }
   return bvh::validate(impl.tree, fitted);
 }

@@ -129,7 +129,7 @@ class BestFirst {
     if constexpr (looks_for_closest) {
       // This pair is among the nearest. If it is pruned, the query is nearly over, and a seed would come too late.
       if (state_.seed.is_due() && e.pair.bound_sq < limits_.of(Side::a)) compare_seed();
-      // A pair that overlaps is followed down to its leaves anyway.
+      // While a pair that overlaps is queued, it is followed down to its leaves anyway.
       if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_or_postpone();
     }
     if (process(e)) {
@@ -354,8 +354,8 @@ class BestFirst {
       state_.least_sq = std::min(state_.least_sq, bound_sq);
       state_.queue.push({bound_sq, {0, 0}, static_cast<std::uint16_t>(i), NodePair::whole_record, false});
     }
-    // What the last traversal has left open is new work in any case. At most one record for each open pair is counted
-    // for its sake, so the difference never overstates what is compared again.
+    // What the last traversal has left open is new work in any case. Each open pair brings back at most one
+    // record, so subtracting all of them can only make the number too small.
     const double compared_again = static_cast<double>(count) - static_cast<double>(front.open_count());
     return !records.empty() && compared_again < worth_resuming * static_cast<double>(records.size());
   }

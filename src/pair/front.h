@@ -40,8 +40,8 @@ namespace limber::pair {
 ///          again.
 class Front {
  public:
-  /// Why children are not expanded. All children of one kind in a record share one bound and are compared again at
-  /// once. Those of `near` have a bound of their own, so that little motion brings back only them.
+  /// Why children are not expanded. All children of one kind in a record share one bound and are compared again
+  /// together. Those of `near` have a bound of their own, so that little motion brings back only them.
   enum Kind {
     settled,  ///< pruned, or leaves that were compared
     near,     ///< as settled, but at a distance hardly beyond the cutoff

@@ -20,7 +20,7 @@ class OpenPairs {
   OpenPairs(TraversalState& state, SquaredLimits& limits) : state_(state), limits_(limits) {}
 
   /// Updates the squared limits. When the range of bounds that matter has halved, spreads the buckets of the queue over
-  /// what is left of it.
+  /// what is left of it: from TraversalState::least_sq to focus_sq.
   void update_limits(double distance) {
     if (!limits_.update(distance)) return;
     const float limit_sq = limits_.of(Side::a);

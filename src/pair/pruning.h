@@ -125,10 +125,12 @@ class Pruning {
   /// In all of them a gap of no more than its rounding may hide a contact, and prunes nothing.
   std::optional<bool> prunes_gap(double gap) const {
     const double rounding = base::local_gap_error * placed_.error();
-    // Where ties are compared, what is pruned must not even be computed to be nearer.
+    // Where ties are compared, what is pruned must not even be computed to be nearer: comparing the placed triangles
+    // may be off by as much again.
     if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
-    // The rounding up to which a pair counts as a tie.
+    // The rounding up to which a pair counts as a tie: a small part of the distance, or all of it if the error of
+    // placing is close to what rounding can do. Rounding is usually a part of its bound (`usual_part`).
     const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, base::tie_error * distance());
     if (skips_ties_ && rounding <= tolerated && gap >= distance() - base::usual_part * rounding) return gap > rounding;
     return std::nullopt;

@@ -161,16 +161,16 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
 
   if (top == 0) return visit_leaf(leaf) && visit_found();
   // Depth first, children in order. Left out are children whose leaves all come before `leaf`: those pairs are visited
-  // from the other leaf. In nodes that are not above `leaf`, such children were left out with their parents.
+  // from the other leaf. A node that is visited and not above `leaf` comes after it, and so do all its children.
   constexpr int bits_of_width = std::countr_zero(unsigned{width});
   std::uint32_t node[max_levels];
   unsigned waiting[max_levels];
   const auto enter = [&](std::size_t level, std::uint32_t i) {
-    const std::uint32_t first =
-        leaf >> (bits_of_width * (level - 1));  // of all nodes a level below: `leaf` or the one above it
+    // The node a level below that is `leaf` or above it; those before it come before `leaf`.
+    const std::uint32_t on_path = leaf >> (bits_of_width * (level - 1));
     node[level] = i;
     waiting[level] = boxes_near(boxes(level, i), around, margin);
-    if (first / width == i) waiting[level] &= ~0U << (first % width);
+    if (on_path / width == i) waiting[level] &= ~0U << (on_path % width);
   };
   enter(top, 0);
   std::size_t level = top;
