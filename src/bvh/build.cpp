@@ -95,10 +95,13 @@ Tree build(MeshView mesh) {
   const std::size_t count = mesh.triangles.size();
   const auto memory = std::make_unique_for_overwrite<PrimitiveRef[]>(count);
   const std::span<PrimitiveRef> primitives(memory.get(), count);
+  const auto memory_of_sides = std::make_unique_for_overwrite<HalfSides[]>(count);
+  const std::span<HalfSides> half_sides(memory_of_sides.get(), count);
   const PrimitiveSource source{mesh, box.center(), 0.5 / tree.unit};
-  base::parallel_for(count, primitives_per_task,
-                     [&](std::size_t t) { primitives[t] = source.primitive_of(static_cast<TriangleId>(t)); });
-  partition_into_leaves(primitives, build_range(0, count), source);
+  base::parallel_for(count, primitives_per_task, [&](std::size_t t) {
+    primitives[t] = source.primitive_of(static_cast<TriangleId>(t), half_sides[t]);
+  });
+  partition_into_leaves(primitives, build_range(0, count), half_sides);
   const std::uint32_t leaves = leaf_count(count);
   create_nodes(tree, leaves);
   tree.leaves.resize(leaves);

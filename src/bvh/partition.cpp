@@ -308,13 +308,14 @@ std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildR
   return splitting.halves();
 }
 
-void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source) {
+void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range,
+                           std::span<const HalfSides> half_sides) {
   if (range.children <= 1) return;
-  if (range.end - range.begin <= simd::few_points) return partition_few(primitives, range, source);
+  if (range.end - range.begin <= simd::few_points) return partition_few(primitives, range, half_sides);
   const std::array<BuildRange, 2> halves = split(primitives, range);
   base::parallel_invoke(
-      range.end - range.begin > worth_a_task, [&] { partition_into_leaves(primitives, halves[0], source); },
-      [&] { partition_into_leaves(primitives, halves[1], source); });
+      range.end - range.begin > worth_a_task, [&] { partition_into_leaves(primitives, halves[0], half_sides); },
+      [&] { partition_into_leaves(primitives, halves[1], half_sides); });
 }
 
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives) {

@@ -29,6 +29,9 @@ struct PrimitiveRef {
   TriangleId triangle;
 };
 
+/// Half the sides of the bounding box of a triangle, in units.
+using HalfSides = std::array<float, 3>;
+
 /// What primitives are made from: the triangles of a mesh, relative to `origin`, in units. `half_per_unit` is 0.5 /
 /// unit, the factor from the sum of two coordinates to their middle in units.
 struct PrimitiveSource {
@@ -36,18 +39,18 @@ struct PrimitiveSource {
   Vec3 origin;
   double half_per_unit;
 
-  double per_unit() const { return 2 * half_per_unit; }
-
-  /// The primitive of a triangle. Its center is (low + high) / 2; the quotients by 2 and by the unit are one factor.
-  PrimitiveRef primitive_of(TriangleId triangle) const {
+  /// The primitive of a triangle. Sets the half sides of its box.
+  PrimitiveRef primitive_of(TriangleId triangle, HalfSides& half_sides) const {
     const Corners& corners = mesh.triangles[triangle];
     const Vec3 &u = mesh.positions[corners[0]], &v = mesh.positions[corners[1]], &w = mesh.positions[corners[2]];
-    const auto center = [&](double a, double b, double c, double from) {
+    PrimitiveRef primitive{{}, triangle};
+    const auto set = [&](std::size_t axis, double a, double b, double c, double from) {
       const double low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
-      return static_cast<float>(((low - from) + (high - from)) * half_per_unit);
+      primitive.center[axis] = static_cast<float>(((low - from) + (high - from)) * half_per_unit);
+      half_sides[axis] = static_cast<float>((high - low) * half_per_unit);
     };
-    return {{center(u.x, v.x, w.x, origin.x), center(u.y, v.y, w.y, origin.y), center(u.z, v.z, w.z, origin.z)},
-            triangle};
+    set(0, u.x, v.x, w.x, origin.x), set(1, u.y, v.y, w.y, origin.y), set(2, u.z, v.z, w.z, origin.z);
+    return primitive;
   }
 };
 
@@ -126,10 +129,12 @@ std::array<BuildRange, 2> split(std::span<PrimitiveRef> primitives, const BuildR
 /// A range of primitives that are all those below one node, to be partitioned among its children; or a single leaf.
 BuildRange build_range(std::size_t begin, std::size_t end);
 
-/// Partitions a range down to leaves, on the threads of the calling oneTBB arena.
+/// Partitions a range down to leaves, on the threads of the calling oneTBB arena. `half_sides` are those of all
+/// triangles of the mesh, by id.
 ///
 /// Cost     O(n log n).
-void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source);
+void partition_into_leaves(std::span<PrimitiveRef> primitives, const BuildRange& range,
+                           std::span<const HalfSides> half_sides);
 
 /// Writes primitives, one to `width`, into a leaf, the triangles in ascending order; slots beyond the last repeat it.
 void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primitives);

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
@@ -29,26 +30,28 @@ float diagonal_sq(const BoxRow& box) {
   return x * x + y * y + z * z;
 }
 
-BoxRow box_of(const PrimitiveSource& source, TriangleId triangle) {
-  const Corners& corners = source.mesh.triangles[triangle];
-  const Vec3 &u = source.mesh.positions[corners[0]], &v = source.mesh.positions[corners[1]],
-             &w = source.mesh.positions[corners[2]];
-  const Vec3 low = (min(min(u, v), w) - source.origin) * source.per_unit();
-  const Vec3 high = (max(max(u, v), w) - source.origin) * source.per_unit();
-  return {{static_cast<float>(low.x), static_cast<float>(low.y), static_cast<float>(low.z), 0,
-           static_cast<float>(-high.x), static_cast<float>(-high.y), static_cast<float>(-high.z), 0}};
+/// The box of a triangle. A model that grows beyond float32 while it is rebuilt has infinite numbers: they are made
+/// finite, so that no difference of them is NaN.
+BoxRow box_of(const PrimitiveRef& primitive, const HalfSides& half_sides) {
+  constexpr auto most = static_cast<float>(base::max_units);
+  BoxRow box{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float center = std::clamp(primitive.center[axis], -most, most), half = std::min(half_sides[axis], most);
+    box.least[axis] = center - half, box.least[4 + axis] = -(center + half);
+  }
+  return box;
 }
 
 /// Primitives with their boxes and sizes, in one order. In `by_size_` the squared diagonal of a triangle's box takes
 /// the place of the first coordinate, so that least_of_few() can sort by it.
 class FewPrimitives {
  public:
-  FewPrimitives(std::span<const PrimitiveRef> primitives, const PrimitiveSource& source) {
+  FewPrimitives(std::span<const PrimitiveRef> primitives, std::span<const HalfSides> half_sides) {
     LIMBER_ASSERT(primitives.size() <= simd::few_points);
     std::copy(primitives.begin(), primitives.end(), by_center_.begin());
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const TriangleId triangle = primitives[i].triangle;
-      boxes_[i] = box_of(source, triangle);
+      boxes_[i] = box_of(primitives[i], half_sides[triangle]);
       by_size_[i] = {{diagonal_sq(boxes_[i]), 0, 0}, triangle};
     }
   }
@@ -141,12 +144,13 @@ std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t
     }
     found.greatest &= ~(std::uint64_t{1} << last), found.least &= ~(std::uint64_t{1} << last);
   }
+  LIMBER_ASSERT(static_cast<std::size_t>(std::popcount(found.least)) == n);
   return found.least;
 }
 
-void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source) {
+void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, std::span<const HalfSides> half_sides) {
   const std::span<PrimitiveRef> used = primitives.subspan(range.begin, range.end - range.begin);
-  FewPrimitives few(used, source);
+  FewPrimitives few(used, half_sides);
   partition(few, {0, used.size(), range.children});
   std::copy_n(few.first(used.size()).begin(), used.size(), used.begin());
 }

@@ -27,6 +27,6 @@ std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t
 ///
 /// Cost     O(n log n); about as much for each triangle as partitioning it down to here.
 /// Pre      There are at most simd::few_points primitives in the range.
-void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, const PrimitiveSource& source);
+void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, std::span<const HalfSides> half_sides);
 
 }  // namespace limber::bvh

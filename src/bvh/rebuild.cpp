@@ -53,6 +53,7 @@ double ns_of_fitting(const Tree& tree, std::uint32_t n) {
 /// Allocates what has not been allocated yet, except for the vertex index.
 void Rebuild::allocate(const Tree& tree, MeshView mesh) {
   primitives_.reserve(mesh.triangles.size());
+  half_sides_.resize(mesh.triangles.size());
   ranges_.reserve(max_ranges);
   if (second_dirty_) return;
   second_ = tree;
@@ -108,7 +109,7 @@ void Rebuild::gather(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
     budget.spend(ns_per_gathered_triangle * static_cast<double>(until - next_));
     for (; next_ < until; ++next_) {
       const TriangleId triangle = tree.leaves[next_ / width].triangle[next_ % width];
-      primitives_.push_back(source.primitive_of(triangle));
+      primitives_.push_back(source.primitive_of(triangle, half_sides_[triangle]));
     }
   }
   ranges_.push_back(build_range(0, primitives_.size()));
@@ -119,7 +120,7 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
   while (!budget.is_spent()) {
     switch (step_) {
       case Step::partitioning:
-        partition(mesh, budget);
+        partition(budget);
         if (!ranges_.empty()) break;
         step_ = Step::writing;
         next_ = 0;
@@ -140,14 +141,14 @@ void Rebuild::assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget) 
   }
 }
 
-void Rebuild::partition(MeshView mesh, base::WorkBudget& budget) {
+void Rebuild::partition(base::WorkBudget& budget) {
   while (!ranges_.empty() && !budget.is_spent()) {
     const BuildRange range = ranges_.back();
     const std::size_t size = range.end - range.begin;
     if (size <= small_range) {
       const auto most_splits = std::bit_width(size / width);  // that a triangle goes through
       budget.spend(ns_per_split_triangle * static_cast<double>(size * most_splits));
-      partition_into_leaves(primitives_, range, {mesh, origin_, 0.5 / unit_});
+      partition_into_leaves(primitives_, range, half_sides_);
       ranges_.pop_back();
       continue;
     }

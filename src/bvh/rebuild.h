@@ -84,7 +84,7 @@ class Rebuild {
   void assign(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void fit_bounds(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   // Their steps.
-  void partition(MeshView mesh, base::WorkBudget& budget);
+  void partition(base::WorkBudget& budget);
   void write_leaves(const Tree& tree, MeshView mesh, base::WorkBudget& budget);
   void catch_up(MeshView mesh, base::WorkBudget& budget);
   /// The lowest level above that of the lowest nodes that has a dirty node.
@@ -101,8 +101,9 @@ class Rebuild {
   double unit_ = 1;       // of all primitives
 
   std::vector<PrimitiveRef> primitives_;
-  std::vector<BuildRange> ranges_;  // still to be partitioned
-  std::optional<Split> split_;      // of the last of them
+  std::vector<HalfSides> half_sides_;  // by triangle id; set for those of the subtree
+  std::vector<BuildRange> ranges_;     // still to be partitioned
+  std::optional<Split> split_;         // of the last of them
 
   Tree second_;                           // after take_over(): the tree as it was
   std::optional<DirtySet> second_dirty_;  // nullopt until allocate()

@@ -65,9 +65,14 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
     const nlohmann::json still = json_of("distance " + waves[f] + " scene:ball --pose-b 2,2,1.5,1,0,0,0");
-    EXPECT_EQ(rows[f]["upper"], still["upper"]) << f;
+    EXPECT_DOUBLE_EQ(rows[f]["upper"].get<double>(), still["upper"].get<double>()) << f;
     EXPECT_EQ(rows[f]["lower"], rows[f]["upper"]);
-    EXPECT_EQ(rows[f]["witness"], still["witness"]);
+    // Of triangles that share the closest point, another may come first.
+    for (const char* const point : {"point_a", "point_b"}) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(rows[f]["witness"][point][k].get<double>(), still["witness"][point][k].get<double>(), 1e-14);
+      }
+    }
     EXPECT_TRUE(rows[f]["witness"]["face_b"].is_number());
   }
 }
