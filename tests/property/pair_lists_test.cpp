@@ -187,7 +187,7 @@ void check_elements(const Scene& s, double margin, Totals& totals) {
 TEST(ContactsProperty, AreThoseOfBruteForceInRandomScenes) {
   Rng rng(1301);
   Totals totals;
-  for (int i = 0; i < 80 && !HasFailure(); ++i) {
+  for (int i = 0; i < 200 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
     const Scene s = arbitrary_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b);

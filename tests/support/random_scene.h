@@ -48,7 +48,20 @@ inline Mesh dented_sheet(Rng& rng) {
 
 /// A mesh of one kind, moved far from its origin or scaled by a power of two now and then.
 inline Mesh arbitrary_mesh(Rng& rng, std::size_t most, const Vec3& offset, double scale) {
-  const std::uint64_t kind = rng.below(8);
+  const std::uint64_t kind = rng.below(10);
+  if (kind == 8) {  // walls: triangles as large as the scene
+    std::vector<Triangle> walls;
+    for (std::uint32_t i = 0, count = some(rng, 1, 24); i < count; ++i) {
+      const Vec3 at = uniform_point(rng, -4, 4);
+      walls.push_back({at, uniform_point(rng, -4, 4), uniform_point(rng, -4, 4)});
+    }
+    return moved(soup(walls), offset, scale);
+  }
+  if (kind == 9) {  // small and fine
+    const std::uint32_t rings = some(rng, 3, 8), segments = some(rng, 4, 12);
+    const double size = std::ldexp(1.0, -static_cast<int>(rng.below(8)));
+    return moved(moved(scenes::ball(segments, rings), uniform_point(rng, -4, 4) * (1 / size), size), offset, scale);
+  }
   if (kind == 6) {
     const std::uint32_t rings = some(rng, 2, 5), segments = some(rng, 3, 8);
     return moved(scenes::ball(segments, rings), offset, scale);
