@@ -34,7 +34,7 @@ constexpr std::size_t small_range = 64;
 constexpr std::size_t triangles_at_once = 128, leaves_at_once = 64;
 
 // Costs in ns (docs/design/real_time.md); that of a split is for each triangle in the range.
-constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 16;
+constexpr double ns_per_gathered_triangle = 30, ns_per_split_triangle = 22;
 constexpr double ns_per_written_leaf = 60, ns_per_node_of_round = 2;
 
 // While the second tree catches up, the moves of each commit mark some of its nodes. For each node that was marked the
