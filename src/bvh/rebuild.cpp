@@ -5,7 +5,8 @@
 // result is a second tree, which replaces the first in take_over(). Meanwhile moves make nodes of both dirty: the
 // second tree's DirtySet follows the first's. The stages go in small steps of some microseconds, and a call may end
 // after any:
-//   gathering  reads the centers of the subtree's triangles.
+//   gathering  reads the centers and the sides of the subtree's triangles. Later stages that a worker may do need no
+//              positions.
 //   assigning  partitions them, range by range; writes the leaves of the second tree; indexes its vertices.
 //   fitting    sweeps over all nodes above the lowest level, from the last to the first, and fits the slots of each.
 //              Then catches up: refits what has become dirty since, in rounds. A round refits the lowest nodes that are

@@ -14,7 +14,8 @@
 // Node 0, the header, has one slot, the root slot, for the whole mesh. The child in it is node 1, the top node, which
 // other libraries call the root (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle
 // answers queries for all of them.
-//  A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
+//
+// A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
 // corner, too. So origins are near what is relative to them: the difference of a position and an origin is small, and
 // so is its rounding.
 #include "bvh/refit.h"

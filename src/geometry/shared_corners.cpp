@@ -23,16 +23,16 @@ namespace limber {
 namespace {
 
 // With u = 2^-53, an inner product x . y of rounded differences is off by 5 u |x| |y|: 2 u for the differences, 3 u for
-// a product and two additions. In (e x p) . (e x q) = (e.e) (p.q) - (e.p) (e.q) each of two products is off by 5 + 5 +
-// 1 = 11 u, and the difference by 2 u more: 24 u |e|^2 |p| |q| in all, so by 12 u |e|^2 (|p|^2 + |q|^2). The rest is
+// a product and two additions. In (e x p) . (e x q) = (e.e) (p.q) - (e.p) (e.q) each of two products is off by 11 u
+// (5 + 5 + 1), and the difference by 2 u more: 24 u |e|^2 |p| |q| in all, so by 12 u |e|^2 (|p|^2 + |q|^2). The rest is
 // room.
 constexpr double edge_filter_error = 16 * 0x1p-53;
 // Let x be one of p1, p2, q1, q2 and S the sum of their squares. In x . p1 + x . p2 - x . q1 - x . q2 the products
 // |x| |y| <= (|x|^2 + |y|^2) / 2 are together at most 2.5 S; 5 u each, and 2 u for two levels of sums, make 17.5 u S.
 constexpr double corner_filter_error = 32 * 0x1p-53;
 // A product that underflows is off by 2^-1075. In (e x p) . (e x q) a dozen such errors are multiplied by squares below
-// 2^404, because coordinates are at most 2^200 in size: below 2^-667 in all. In
-// the corner filter, sums of inner products, nothing multiplies them, so 2^-1000 is ample.
+// 2^404, because coordinates are at most 2^200 in size: below 2^-667 in all. In the corner filter, of sums of inner
+// products, nothing multiplies them, so 2^-1000 is ample.
 constexpr double edge_filter_underflow = 0x1p-660, corner_filter_underflow = 0x1p-1000;
 
 /// Whether p and q, which start where the edge vector e does, are certainly on different sides, strictly, of the plane

@@ -106,11 +106,12 @@ LIMBER_KERNEL float smallest_lane(Packet p) {
 }
 
 /// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
-///  The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
+///
+/// The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
 /// c - support_a - support_b, where c is the distance of the leaves' centers along the direction. The pair is pruned if
-/// that is at least the prune distance p and all errors e. So it is pruned where support_a + support_b is at most c - p
-/// - e, which is `pruned_support` (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of how
-/// much the gaps of all pruned pairs exceed the prune distance.
+/// that is at least the prune distance p and all errors e. So it is pruned where support_a + support_b is at most
+/// c - p - e, which is `pruned_support` (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of
+/// how much the gaps of all pruned pairs exceed the prune distance.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                                  const ProjectedLeaves& pair, const PruneLimits& pruning,

@@ -69,7 +69,8 @@ class Pruning {
 
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
   /// pruned.
-  ///  Triangles that share the corner or edge at which the best pair was found, or lie in the plane of its face, are as
+  ///
+  /// Triangles that share the corner or edge at which the best pair was found, or lie in the plane of its face, are as
   /// far apart as the best up to rounding. They are many, and can improve the answer by no more than that, so where the
   /// distance itself is looked for they are pruned. A pair that may be within a limit is always compared.
   bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
@@ -129,8 +130,8 @@ class Pruning {
     // may be off by as much again.
     if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
-    // The rounding up to which a pair counts as a tie: a small part of the distance, or all of it if the error of
-    // placing is close to what rounding can do. Rounding is usually a part of its bound (`usual_part`).
+    // The rounding up to which a pair counts as a tie: a small part of the distance; or its bound, where placing may
+    // round by about that much. Most gaps are off by less: by a small part of the bound, `usual_part`.
     const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, base::tie_error * distance());
     if (skips_ties_ && rounding <= tolerated && gap >= distance() - base::usual_part * rounding) return gap > rounding;
     return std::nullopt;

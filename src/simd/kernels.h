@@ -212,7 +212,6 @@ struct ElementCandidates {
 ///           pruning.distance in units, squared and rounded up (pair::SquaredLimits).
 /// order     For each slot the bound without the search direction, if positive. Otherwise minus the depth of the
 ///           overlap of the spheres, as a fraction of the sum of their radii: so the deepest overlap is the least.
-///           (Positive ones are lengths, not squares, where only overlap is asked for; see below.)
 /// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
 ///
 /// Slots without a child get numbers that mean nothing. If pruning.distance is smallest_prune_distance and bound_sq is
