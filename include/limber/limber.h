@@ -12,5 +12,6 @@
 #include "limber/math.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
+#include "limber/motion.h"
 #include "limber/points.h"
 #include "limber/scene.h"

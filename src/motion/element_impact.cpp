@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The public functions of motion.h for elements.
+#include <algorithm>
+
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "motion/exact_impact.h"
+#include "motion/impact_filter.h"
+#include "motion/moving_elements.h"
+
+namespace limber {
+namespace motion {
+namespace {
+
+bool are_in_range(const MovingElements& e) {
+  const auto is_in_range = [](const Vec3& p) { return is_finite(p) && max_abs(p) <= max_coordinate; };
+  return std::all_of(std::begin(e.corners[0]), std::end(e.corners[0]), is_in_range) &&
+         std::all_of(std::begin(e.corners[1]), std::end(e.corners[1]), is_in_range);
+}
+
+ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options) {
+  FilterResult found = filter_impact(elements, options);
+  switch (found.verdict) {
+    case FilterResult::Verdict::clear:
+      return {};
+    case FilterResult::Verdict::contact:
+      if (found.upper - found.lower > std::max(options.time_error, 0x1p-53)) {
+        narrow_exactly(elements, options.time_error, found.lower, found.upper);
+      }
+      return {ImpactStatus::contact, found.lower, found.upper};
+    case FilterResult::Verdict::unknown:
+      break;
+  }
+  return exact_impact(elements, options);
+}
+
+ElementImpact checked_impact(const MovingElements& elements, const ElementImpactOptions& options) {
+  LIMBER_REQUIRE(are_in_range(elements), "limber::time_of_impact: a coordinate is not finite, or above 2^200");
+  LIMBER_REQUIRE(options.max_time >= 0 && options.max_time <= 1, "limber::time_of_impact: max_time is not in [0, 1]");
+  LIMBER_REQUIRE(options.time_error >= 0, "limber::time_of_impact: time_error is negative or not a number");
+  return impact_of(elements, options);
+}
+
+}  // namespace
+}  // namespace motion
+
+ElementImpact time_of_impact(const MovingPoint& point, const MovingTriangle& triangle,
+                             const ElementImpactOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return environment.computed_before_restore(
+      motion::checked_impact(motion::MovingElements::of(point, triangle), options));
+}
+
+ElementImpact time_of_impact(const MovingSegment& a, const MovingSegment& b, const ElementImpactOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return environment.computed_before_restore(motion::checked_impact(motion::MovingElements::of(a, b), options));
+}
+
+}  // namespace limber

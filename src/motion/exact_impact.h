@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "motion/moving_elements.h"
+
+/// Continuous collision of two elements without any rounding: what time_of_impact() falls back on where its filter
+/// cannot decide. docs/algorithms/impact.md proves it.
+namespace limber::motion {
+
+/// What time_of_impact() promises. Pre: the preconditions of time_of_impact().
+ElementImpact exact_impact(const MovingElements& elements, const ElementImpactOptions& options);
+
+/// Narrows an interval in which the elements come to be in one plane, once, until it is as short as time_of_impact()
+/// promises. Pre: lower < upper; the coplanarity polynomial has opposite signs at both, and one root between them.
+void narrow_exactly(const MovingElements& elements, double time_error, double& lower, double& upper);
+
+}  // namespace limber::motion

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Pieces of the time are decided one after the other, in order. A piece that cannot be decided is halved.
+//
+// All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
+// Polynomials are in Bernstein form, whose coefficients bound them. With u = 2^-53, the vectors u, v and w of
+// MovingElements at a time are off by 8 u of their largest coordinate, products and sums of them by what `error` says
+// (docs/algorithms/impact.md).
+#include "motion/impact_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber::motion {
+namespace {
+
+using Kind = MovingElements::Kind;
+
+/// The three vectors of MovingElements at a time.
+struct Vectors {
+  Vec3 u, v, w;
+};
+
+Vectors operator+(const Vectors& a, const Vectors& b) { return {a.u + b.u, a.v + b.v, a.w + b.w}; }
+Vectors operator*(double s, const Vectors& a) { return {s * a.u, s * a.v, s * a.w}; }
+
+double volume(const Vec3& a, const Vec3& b, const Vec3& c) { return dot(a, cross(b, c)); }
+
+Vectors vectors_of(Kind kind, const Vec3 (&p)[4]) {
+  if (kind == Kind::vertex_face) return {p[2] - p[1], p[3] - p[1], p[0] - p[1]};
+  return {p[1] - p[0], p[2] - p[3], p[2] - p[0]};
+}
+
+/// Whether one element is on one side of the other along an axis, all the time. Comparisons do not round.
+bool are_apart_along_an_axis(const MovingElements& e) {
+  const bool is_face = e.kind == Kind::vertex_face;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bool is_below = true, is_above = true;
+    for (const auto& p : e.corners) {
+      const double a = p[0][axis], b = p[1][axis], c = p[2][axis], d = p[3][axis];
+      const double low_a = is_face ? a : std::min(a, b), high_a = is_face ? a : std::max(a, b);
+      const double low_c = std::min(c, d), high_c = std::max(c, d);
+      const double low_b = is_face ? std::min(b, low_c) : low_c, high_b = is_face ? std::max(b, high_c) : high_c;
+      is_below = is_below && high_a < low_b, is_above = is_above && low_a > high_b;
+    }
+    if (is_below || is_above) return true;
+  }
+  return false;
+}
+
+/// A quadratic in Bernstein form over a piece of time.
+struct BernsteinQuadratic {
+  double c[3];
+
+  bool is_above(double x) const { return c[0] > x && c[1] > x && c[2] > x; }
+  bool is_below(double x) const { return c[0] < x && c[1] < x && c[2] < x; }
+};
+
+BernsteinQuadratic operator-(const BernsteinQuadratic& a, const BernsteinQuadratic& b) {
+  return {{a.c[0] - b.c[0], a.c[1] - b.c[1], a.c[2] - b.c[2]}};
+}
+BernsteinQuadratic operator*(double s, const BernsteinQuadratic& a) { return {{s * a.c[0], s * a.c[1], s * a.c[2]}}; }
+
+double cross_along(const Vec3& a, const Vec3& b, std::size_t axis) {
+  const std::size_t i = axis == 2 ? 0 : axis + 1, k = axis == 0 ? 2 : axis - 1;
+  return a[i] * b[k] - a[k] * b[i];
+}
+/// Coordinate `axis` of the cross product of two vectors.
+BernsteinQuadratic cross_along(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1, std::size_t axis) {
+  return {{cross_along(a0, b0, axis), 0.5 * (cross_along(a0, b1, axis) + cross_along(a1, b0, axis)),
+           cross_along(a1, b1, axis)}};
+}
+
+class Filter {
+ public:
+  Filter(const MovingElements& e, const ElementImpactOptions& options) : kind_(e.kind), options_(options) {
+    start_ = vectors_of(kind_, e.corners[0]);
+    const Vectors end = vectors_of(kind_, e.corners[1]);
+    double most = std::max(largest(start_), largest(end));
+    is_in_range_ = most > 0;
+    if (!is_in_range_) return;
+    const double scale = std::ldexp(1.0, -std::ilogb(most));
+    start_ = scale * start_;
+    motion_ = scale * end + -1.0 * start_;
+    const double u = std::max(max_abs(start_.u), scale * max_abs(end.u));
+    const double v = std::max(max_abs(start_.v), scale * max_abs(end.v));
+    const double w = std::max(max_abs(start_.w), scale * max_abs(end.w));
+    // Smaller products could underflow.
+    is_in_range_ = std::min({u, v, w}) > 0x1p-200;
+    volume_error_ = volume_error * u * v * w;
+    area_error_ = area_error * (u * v + v * w + w * u);
+  }
+
+  FilterResult run() const {
+    FilterResult result;
+    if (!is_in_range_) return result;
+    double ends[most_halvings + 1];
+    std::size_t open = 0, pieces = 0;
+    ends[open++] = options_.max_time;
+    Piece piece{0, 0, start_, start_};
+    while (open > 0) {
+      piece.end = ends[open - 1];
+      piece.at_end = at(piece.end);
+      switch (decide(piece)) {
+        case Decision::no_contact:
+          piece.begin = piece.end, piece.at_begin = piece.at_end, --open;
+          break;
+        case Decision::contact:
+          narrow(piece);
+          return {FilterResult::Verdict::contact, piece.begin, piece.end};
+        case Decision::unknown:
+          if (open > most_halvings || ++pieces > most_pieces) return result;
+          ends[open++] = 0.5 * (piece.begin + piece.end);
+          break;
+      }
+    }
+    result.verdict = FilterResult::Verdict::clear;
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t most_halvings = 12, most_pieces = 24;
+  // A volume is a sum of 6 products of three coordinates. Each is off by 3 * 8 u and 2 u, sums by 5 u, coefficients in
+  // Bernstein form by 3 u: 6 * 34 u < 2^-45. An area has 2 products, each off by 17 u, and sums by 6 u: 40 u < 2^-47.
+  static constexpr double volume_error = 0x1p-45, area_error = 0x1p-47;
+
+  enum class Decision { no_contact, contact, unknown };
+
+  struct Piece {
+    double begin, end;
+    Vectors at_begin, at_end;
+  };
+
+  static double largest(const Vectors& x) { return std::max({max_abs(x.u), max_abs(x.v), max_abs(x.w)}); }
+
+  Vectors at(double t) const { return start_ + t * motion_; }
+
+  double volume_at(const Vectors& x) const { return volume(x.u, x.v, x.w); }
+
+  Decision decide(const Piece& piece) const {
+    const Vectors &a = piece.at_begin, &b = piece.at_end;
+    const Vec3 cross_a = cross(a.v, a.w), cross_b = cross(b.v, b.w);
+    const double at_begin = dot(a.u, cross_a), at_end = dot(b.u, cross_b);
+    const Vec3 mixed = cross(a.v, b.w) + cross(b.v, a.w);
+    const double c[4] = {at_begin, (dot(b.u, cross_a) + dot(a.u, mixed)) / 3, (dot(a.u, cross_b) + dot(b.u, mixed)) / 3,
+                         at_end};
+    const double e = volume_error_;
+    if (c[0] > e && c[1] > e && c[2] > e && c[3] > e) return Decision::no_contact;
+    if (c[0] < -e && c[1] < -e && c[2] < -e && c[3] < -e) return Decision::no_contact;
+
+    const Vec3 middle = cross(a.u + b.u, a.v + b.v);
+    const Vec3 size = abs(middle);
+    const std::size_t axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : size.y > size.z ? 1 : 2;
+    const double side = middle[axis] < 0 ? -1 : 1;
+    const BernsteinQuadratic normal = side * cross_along(a.u, b.u, a.v, b.v, axis);
+    if (!normal.is_above(area_error_)) return Decision::unknown;
+    // Where the elements are in one plane, w = s u + r v with s = of_u / normal and r = of_v / normal.
+    const BernsteinQuadratic of_u = side * cross_along(a.w, b.w, a.v, b.v, axis);
+    const BernsteinQuadratic of_v = side * cross_along(a.u, b.u, a.w, b.w, axis);
+    const bool is_face = kind_ == Kind::vertex_face;
+    const BernsteinQuadratic limits[4] = {of_u, of_v, is_face ? normal - of_u - of_v : normal - of_u, normal - of_v};
+    bool is_inside = true;
+    for (std::size_t i = 0; i < (is_face ? 3U : 4U); ++i) {
+      if (limits[i].is_below(-area_error_)) return Decision::no_contact;
+      is_inside = is_inside && limits[i].is_above(area_error_);
+    }
+    if (!is_inside || !(std::min(c[0], c[3]) < -e && std::max(c[0], c[3]) > e)) return Decision::unknown;
+    const double rise[3] = {c[1] - c[0], c[2] - c[1], c[3] - c[2]};
+    const bool is_monotone =
+        c[0] < 0 ? std::min({rise[0], rise[1], rise[2]}) > 2 * e : std::max({rise[0], rise[1], rise[2]}) < -2 * e;
+    return is_monotone ? Decision::contact : Decision::unknown;
+  }
+
+  /// Narrows a piece with one contact as far as float64 can tell the signs of volumes at its ends.
+  void narrow(Piece& piece) const {
+    double begin = piece.begin, end = piece.end;
+    double at_begin = volume_at(piece.at_begin), at_end = volume_at(piece.at_end);
+    const double side = at_end > 0 ? 1 : -1;
+    // Puts an end of the interval at t, if the sign there is certain.
+    const auto narrow_to = [&](double t) {
+      const double volume = volume_at(at(t));
+      if (!(begin < t && t < end) || std::abs(volume) <= volume_error_) return;
+      (side * volume > 0 ? end : begin) = t, (side * volume > 0 ? at_end : at_begin) = volume;
+    };
+    const double wanted = std::max(options_.time_error, 0x1p-53);
+    for (double before = 2; end - begin > wanted && end - begin < 0.9 * before;) {
+      before = end - begin;
+      const double slope = (at_end - at_begin) / before, guess = begin - at_begin / slope;
+      const double away = 2 * volume_error_ / std::abs(slope) + 0.02 * std::min(guess - begin, end - guess);
+      narrow_to(guess - away);
+      narrow_to(guess + away);
+      if (end - begin > 0.5 * before) narrow_to(0.5 * (begin + end));
+    }
+    piece.begin = begin, piece.end = end;
+  }
+
+  Kind kind_;
+  ElementImpactOptions options_;
+  bool is_in_range_;
+  Vectors start_, motion_;
+  double volume_error_ = 0, area_error_ = 0;
+};
+
+}  // namespace
+
+FilterResult filter_impact(const MovingElements& elements, const ElementImpactOptions& options) {
+  if (are_apart_along_an_axis(elements)) return {FilterResult::Verdict::clear, 0, 0};
+  return Filter(elements, options).run();
+}
+
+}  // namespace limber::motion

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "limber/motion.h"
+
+namespace limber::motion {
+
+/// Two moving elements: a vertex and a face, or two edges.
+///
+/// Both kinds touch where w = s u + r v has a solution within limits, for three vectors that move linearly:
+///   vertex and face  u = b - a, v = c - a, w = p - a, with s >= 0, r >= 0, s + r <= 1
+///   two edges        u = a1 - a0, v = b0 - b1, w = b0 - a0, with s and r in [0, 1]
+struct MovingElements {
+  enum class Kind { vertex_face, edge_edge };
+
+  Kind kind;
+  /// At both ends of time: the vertex and the corners of the face, or the ends of a and of b.
+  Vec3 corners[2][4];
+
+  static MovingElements of(const MovingPoint& p, const MovingTriangle& t) {
+    return {Kind::vertex_face, {{p.start, t.start.v0, t.start.v1, t.start.v2}, {p.end, t.end.v0, t.end.v1, t.end.v2}}};
+  }
+  static MovingElements of(const MovingSegment& a, const MovingSegment& b) {
+    return {Kind::edge_edge,
+            {{a.start.p0, a.start.p1, b.start.p0, b.start.p1}, {a.end.p0, a.end.p1, b.end.p0, b.end.p1}}};
+  }
+};
+
+}  // namespace limber::motion

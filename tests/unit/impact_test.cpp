@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+
+#include "limber/motion.h"
+#include "motion/exact_impact.h"
+#include "motion/impact_filter.h"
+#include "support/random_motion.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+const Triangle floor_triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+ElementImpact impact_on_floor(const Vec3& start, const Vec3& end, const ElementImpactOptions& options = {}) {
+  return time_of_impact(MovingPoint{start, end}, MovingTriangle{floor_triangle, floor_triangle}, options);
+}
+
+ElementImpact impact_of(const MovingCorners& m, bool is_face, const ElementImpactOptions& options = {}) {
+  const auto& [s, e] = m;
+  if (is_face) {
+    return time_of_impact(MovingPoint{s[0], e[0]}, MovingTriangle{{s[1], s[2], s[3]}, {e[1], e[2], e[3]}}, options);
+  }
+  return time_of_impact(MovingSegment{{s[0], s[1]}, {e[0], e[1]}}, MovingSegment{{s[2], s[3]}, {e[2], e[3]}}, options);
+}
+
+motion::MovingElements elements_of(const MovingCorners& m, bool is_face) {
+  motion::MovingElements e{
+      is_face ? motion::MovingElements::Kind::vertex_face : motion::MovingElements::Kind::edge_edge, {}};
+  for (int i = 0; i < 4; ++i) e.corners[0][i] = m.start[i], e.corners[1][i] = m.end[i];
+  return e;
+}
+
+MotionKind some_kind(Rng& rng) {
+  return static_cast<MotionKind>(rng.below(static_cast<std::uint64_t>(MotionKind::count)));
+}
+
+/// That of elements that touch at `time`, which float64 can hold.
+void expect_contact_at(const ElementImpact& found, double time) {
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_EQ(found.lower, time);
+  EXPECT_EQ(found.upper, time);
+}
+void expect_clear(const ElementImpact& found) {
+  EXPECT_EQ(found.status, ImpactStatus::clear);
+  EXPECT_EQ(found.lower, never);
+  EXPECT_EQ(found.upper, never);
+}
+
+TEST(Impact, OfAVertexThatFallsThroughAFace) {
+  expect_contact_at(impact_on_floor({0.25, 0.25, 1}, {0.25, 0.25, -1}), 0.5);
+  expect_contact_at(impact_on_floor({0.25, 0.25, 1}, {0.25, 0.25, -3}), 0.25);
+  const ElementImpact third = impact_on_floor({0.25, 0.25, 1}, {0.25, 0.25, -2});
+  EXPECT_EQ(third.status, ImpactStatus::contact);
+  EXPECT_EQ(third.upper, third.lower + 0x1p-53);
+  EXPECT_LT(third.lower * 3, 1);
+  EXPECT_GT(third.upper, 1.0 / 3);
+}
+
+TEST(Impact, ReachesEveryPartOfAClosedFace) {
+  for (const Vec3& place : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0.5, 0, 0}, Vec3{0.5, 0.5, 0}, Vec3{0, 0.25, 0}}) {
+    expect_contact_at(impact_on_floor(place + Vec3{0, 0, 1}, place - Vec3{0, 0, 1}), 0.5);
+    expect_contact_at(impact_on_floor(place + Vec3{0, 0, 1}, place), 1);
+  }
+  const double above = std::nextafter(0.5, 1);
+  expect_clear(impact_on_floor({0.5, above, 1}, {0.5, above, -1}));
+  expect_clear(impact_on_floor({0.25, 0.25, 1}, {0.25, 0.25, 0x1p-1074}));
+}
+
+TEST(Impact, AtTheStartIsSaidSo) {
+  for (const Vec3& end : {Vec3{0.25, 0.25, 1}, Vec3{5, 5, 0}, Vec3{0, 0, 0}}) {
+    const ElementImpact found = impact_on_floor({0, 0, 0}, end);
+    EXPECT_EQ(found.status, ImpactStatus::initial_contact);
+    EXPECT_EQ(found.lower, 0);
+    EXPECT_EQ(found.upper, 0);
+  }
+}
+
+TEST(Impact, InAPlaneIsThroughAnEdge) {
+  expect_contact_at(impact_on_floor({-1, 0.25, 0}, {1, 0.25, 0}), 0.5);
+  expect_contact_at(impact_on_floor({3, 0, 0}, {-1, 0, 0}), 0.5);
+  expect_clear(impact_on_floor({2, 2, 0}, {0.75, 0.75, 0}));
+}
+
+TEST(Impact, OfTwoEdges) {
+  const Segment across{{0, -1, 0}, {0, 1, 0}}, above{{-1, 0, 1}, {1, 0, 1}}, below{{-1, 0, -1}, {1, 0, -1}};
+  expect_contact_at(time_of_impact(MovingSegment{above, below}, MovingSegment{across, across}), 0.5);
+  // Parallel ones, side by side, in one plane; and along their line.
+  const Segment aside{{2, -1, 0}, {2, 1, 0}}, beyond{{0, 3, 0}, {0, 5, 0}};
+  expect_contact_at(time_of_impact(MovingSegment{aside, across}, MovingSegment{across, across}), 1);
+  expect_contact_at(time_of_impact(MovingSegment{beyond, across}, MovingSegment{across, across}), 0.5);
+}
+
+TEST(Impact, OfPointsIsWhereTheyAreAtOnce) {
+  const Triangle before{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, after{{-1, -1, -1}, {-1, -1, -1}, {-1, -1, -1}};
+  expect_contact_at(time_of_impact(MovingPoint{{0, 0, 0}, {0, 0, 0}}, MovingTriangle{before, after}), 0.5);
+  expect_contact_at(time_of_impact(MovingPoint{{-1, 1, 1}, {1, -1, -1}}, MovingTriangle{before, after}), 0.5);
+  expect_clear(time_of_impact(MovingPoint{{-1, 1, 1}, {1, -1, 0}}, MovingTriangle{before, after}));
+}
+
+TEST(Impact, AfterTheLargestTimeIsNotLookedFor) {
+  const Vec3 start{0.25, 0.25, 1}, end{0.25, 0.25, -1};
+  expect_contact_at(impact_on_floor(start, end, {.max_time = 0.5}), 0.5);
+  expect_clear(impact_on_floor(start, end, {.max_time = std::nextafter(0.5, 0)}));
+  expect_clear(impact_on_floor(start, end, {.max_time = 0}));
+  // At 1/3: no double is that time.
+  const Vec3 lower{0.25, 0.25, -2};
+  EXPECT_EQ(impact_on_floor(start, lower, {.max_time = 1.0 / 3 + 0x1p-54}).status, ImpactStatus::contact);
+  expect_clear(impact_on_floor(start, lower, {.max_time = 1.0 / 3}));
+}
+
+TEST(Impact, UpToATimeIsWhatItIsWithoutALimit) {
+  Rng rng(31);
+  for (int i = 0; i < 4000; ++i) {
+    const bool is_face = rng.below(2) == 0;
+    const MovingCorners m = random_motion(rng, some_kind(rng), is_face);
+    const ElementImpact whole = impact_of(m, is_face);
+    const double limit = rng.below(2) == 0 ? rng.uniform(0, 1) : static_cast<double>(rng.below(5)) / 4;
+    const ElementImpact limited = impact_of(m, is_face, {.max_time = limit});
+    if (limited.status == ImpactStatus::clear) {
+      EXPECT_GE(whole.upper, limit) << i;
+    } else {
+      EXPECT_EQ(limited.status, whole.status) << i;
+      EXPECT_LE(limited.lower, limit) << i;
+    }
+  }
+}
+
+TEST(Impact, IsInAnIntervalAsWideAsAskedFor) {
+  Rng rng(32);
+  int touching = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const bool is_face = rng.below(2) == 0;
+    const MovingCorners m = random_motion(rng, some_kind(rng), is_face);
+    const ElementImpact best = impact_of(m, is_face);
+    const double error = std::ldexp(1.0, -static_cast<int>(rng.below(60)));
+    const ElementImpact rough = impact_of(m, is_face, {.time_error = error});
+    ASSERT_EQ(rough.status, best.status) << i;
+    if (best.status == ImpactStatus::clear) continue;
+    ++touching;
+    EXPECT_LE(rough.lower, best.upper) << i;
+    EXPECT_GE(rough.upper, best.lower) << i;
+    EXPECT_LE(best.upper - best.lower, 0x1p-53) << i;
+    EXPECT_LE(rough.upper - rough.lower, std::max(error, 0x1p-53)) << i;
+  }
+  EXPECT_GT(touching, 1000);
+}
+
+TEST(Impact, IsTheSameInEveryUnit) {
+  Rng rng(33);
+  for (int i = 0; i < 4000; ++i) {
+    const bool is_face = rng.below(2) == 0;
+    const MotionKind kind = some_kind(rng);
+    if (kind == MotionKind::tiny_coordinates || kind == MotionKind::all_scales) continue;
+    MovingCorners m = random_motion(rng, kind, is_face);
+    const double error = rng.below(2) == 0 ? 0 : 1e-6;
+    const ElementImpact before = impact_of(m, is_face, {.time_error = error});
+    bool rounds = false;
+    const double factor = std::ldexp(1.0, static_cast<int>(rng.below(1000)) - 850);
+    const MovingCorners original = m;
+    scale_by(m, factor);
+    for (int k = 0; k < 4; ++k) {
+      rounds =
+          rounds || !(m.start[k] * (1 / factor) == original.start[k]) || !(m.end[k] * (1 / factor) == original.end[k]);
+    }
+    if (rounds) continue;
+    const ElementImpact after = impact_of(m, is_face, {.time_error = error});
+    ASSERT_EQ(before.status, after.status) << i;
+    ASSERT_EQ(before.lower, after.lower) << i << " factor " << factor;
+    ASSERT_EQ(before.upper, after.upper) << i << " factor " << factor;
+  }
+}
+
+TEST(Impact, OfTheFilterIsThatOfExactArithmetic) {
+  Rng rng(34);
+  int decided = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const bool is_face = rng.below(2) == 0;
+    const motion::MovingElements e = elements_of(random_motion(rng, some_kind(rng), is_face), is_face);
+    const ElementImpactOptions options{.max_time = rng.below(2) == 0 ? 1 : rng.uniform(0, 1)};
+    const motion::FilterResult filtered = motion::filter_impact(e, options);
+    if (filtered.verdict == motion::FilterResult::Verdict::unknown) continue;
+    ++decided;
+    const ElementImpact exact = motion::exact_impact(e, options);
+    const bool touches = filtered.verdict == motion::FilterResult::Verdict::contact;
+    ASSERT_EQ(exact.status, touches ? ImpactStatus::contact : ImpactStatus::clear) << i;
+    if (!touches) continue;
+    ASSERT_LE(filtered.lower, exact.upper) << i;
+    ASSERT_GE(filtered.upper, exact.lower) << i;
+  }
+  EXPECT_GT(decided, 2000);
+}
+
+TEST(Impact, OfWhatIsOutOfRangeIsRefused) {
+  const Vec3 bad[] = {{std::nan(""), 0, 0}, {0, never, 0}, {0, 0, 2 * max_coordinate}};
+  for (const Vec3& p : bad) {
+    EXPECT_THROW(impact_on_floor(p, {0, 0, 1}), std::invalid_argument);
+    EXPECT_THROW(impact_on_floor({0, 0, 1}, p), std::invalid_argument);
+    const Segment s{{0, 0, 0}, p}, t{{0, 0, 0}, {1, 0, 0}};
+    EXPECT_THROW(time_of_impact(MovingSegment{t, t}, MovingSegment{t, s}), std::invalid_argument);
+  }
+  for (const double time : {-0x1p-1074, 1.5, std::nan("")}) {
+    EXPECT_THROW(impact_on_floor({0, 0, 1}, {0, 0, 2}, {.max_time = time}), std::invalid_argument);
+  }
+  for (const double error : {-1.0, std::nan("")}) {
+    EXPECT_THROW(impact_on_floor({0, 0, 1}, {0, 0, 2}, {.time_error = error}), std::invalid_argument);
+  }
+  expect_contact_at(impact_on_floor({0.25, 0.25, max_coordinate}, {0.25, 0.25, -max_coordinate}), 0.5);
+}
+
+}  // namespace
+}  // namespace limber::testing
