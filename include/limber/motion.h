@@ -14,7 +14,8 @@
 /// Two triangles that are apart at the start touch first where a vertex of one touches the other's face, or where two
 /// of their edges touch.
 ///
-/// All functions are pure, reentrant and do not allocate; none depends on the caller's floating-point environment.
+/// All functions are pure and reentrant; none depends on the caller's floating-point environment. Few pairs of elements
+/// are left to exact arithmetic, which allocates where its numbers are long.
 namespace limber {
 
 struct MovingPoint {
@@ -30,7 +31,7 @@ struct MovingTriangle {
 };
 
 enum class ImpactStatus : std::uint8_t {
-  clear,            ///< they do not touch until the largest time
+  clear,            ///< they do not touch up to and including the largest time
   contact,          ///< they are apart at the start and touch later
   initial_contact,  ///< they touch at the start
 };
@@ -38,25 +39,31 @@ enum class ImpactStatus : std::uint8_t {
 /// When two elements touch first.
 struct ElementImpact {
   ImpactStatus status = ImpactStatus::clear;
-  /// The first time at which they touch is in [lower, upper]; they are apart at all times before `lower`. Both are 0
-  /// for `initial_contact`, and infinite for `clear`.
+  /// The first time at which they touch is in [lower, upper]. Both are 0 for `initial_contact`, and infinite for
+  /// `clear`.
   double lower = std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
 };
 
 struct ElementImpactOptions {
-  double max_time = 1;    ///< contacts after this time are not looked for; from 0 to 1
-  double time_error = 0;  ///< how far `upper` may be above `lower`; 0 for about the rounding of a time, 2^-53
+  double max_time = 1;    ///< a first contact after this time is none; from 0 to 1. `upper` may be after it
+  double time_error = 0;  ///< how far `upper` may be above `lower`; never less than the rounding of a time, 2^-53
+  /// Elements that are this far apart, or less, touch. 0 asks for exact contact. A greater number is rounded, up to
+  /// 2^-44 of the largest coordinate relative to a corner; more only for elements that turn about each other while
+  /// their distance stays within a billionth of the separation.
+  double min_separation = 0;
 };
 
 /// The first time at which a vertex touches a face.
 ///
-/// Promise  The status is exact, for every input: nothing touches unnoticed, not even for a moment, and whatever is
-///          reported touches. lower <= time <= upper, and upper - lower <= max(time_error, 2^-53). Coordinates that are
+/// Promise  The status is exact, for every input: no contact is missed, not even one of a moment, and a reported one is
+///          real. lower <= time <= upper, and upper - lower <= max(time_error, 2^-53). Coordinates that are
 ///          all multiplied by one power of two give the same bits, as long as that rounds none of them.
-/// Throws   std::invalid_argument if a coordinate is not finite or above `max_coordinate` in size, if max_time is not
-///          in [0, 1], or time_error is negative or not a number.
-/// Cost     Some 0.1 us where a filter in float64 decides, some 10 us where exact arithmetic has to.
+/// Throws   std::invalid_argument if a coordinate is not finite or above `max_coordinate`, 2^200, in size, if max_time
+///          is not in [0, 1], time_error is negative or not a number, or min_separation is not in [0, 2^200].
+///          std::bad_alloc from exact arithmetic.
+/// Cost     Some 0.1 us where a filter in float64 decides, some 10 us where exact arithmetic has to. Far more, up to a
+///          second, for coordinates made so that two times differ in a thousandth binary digit only.
 /// Source   docs/algorithms/impact.md; compare [WangFerguson2021].
 LIMBER_API ElementImpact time_of_impact(const MovingPoint& point, const MovingTriangle& triangle,
                                         const ElementImpactOptions& options = {});

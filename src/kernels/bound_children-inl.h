@@ -26,7 +26,7 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// Against divisions by 0. A divisor that is too large only lowers a bound.
+// Against divisions by 0. A divisor that is too large only lowers what is divided.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
 
 /// Returns the children that the search direction does not prune. Sets `bound_sq`, for all children, to the squared gap
@@ -37,17 +37,18 @@ LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& dire
   const Packet3 crossed = cross(p.normal, n);
   const Packet sphere_support =
       support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
-  // P is the prune distance, G the gap along n less all errors, and deficit = P - G; pruned_support contains P, the
-  // errors, and the place and extent of the other node. Across n, the spheres are apart by `across`. A child is pruned
-  // where max(G, 0)^2 + across^2 >= P^2, that is, where across^2 >= P^2 - (P - missing)^2 = `needed`.
+  // P is the prune distance, G the gap along n less all errors, deficit = P - G, and missing = P - max(G, 0);
+  // pruned_support contains P, the errors, and the place and extent of the other node. Across n, the spheres are apart
+  // by `across`. A child is pruned where max(G, 0)^2 + across^2 >= P^2, that is, where across^2 is at least P^2 - (P -
+  // missing)^2, `needed_sq`.
   const Packet deficit =
       dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(base::squares_down) - p.radius_sum, zero());
   const Packet prune_distance = Packet::set(direction.prune_distance), missing = min(deficit, prune_distance);
-  const Packet needed = missing * (prune_distance + (prune_distance - missing));
+  const Packet needed_sq = missing * (prune_distance + (prune_distance - missing));
   bound_sq = gap_sq(prune_distance * Packet::set(base::squares_down) - deficit, across);
-  return (deficit > zero()) & (needed >= across * across * Packet::set(base::squares_down));
+  return (deficit > zero()) & (needed_sq >= across * across * Packet::set(base::squares_down));
 }
 
 /// Gaps along three axes, negative where the boxes overlap.
@@ -82,11 +83,11 @@ LIMBER_KERNEL Slabs compare_slabs(const NodePairs& p, const ProjectedNode& other
   Slabs s;
   s.height_o = dot(p.d, normal_o), s.height = dot(p.d, p.normal);
   s.height_o_abs = abs(s.height_o), s.height_abs = abs(s.height);
-  // One comparison, of each height and of the cosine, decides both on which side the other node is and which cap faces
-  // it. With two, a height of 0 or a product that underflows could give one answer here and the other there. From the
-  // child, the other node is along +normal_o where is_above_o. So the child's upper cap faces it where is_above_o
-  // equals is_acute. From the other node the direction is reversed: its upper cap faces the child where is_above
-  // differs from is_acute.
+  // The sign of each height and of the cosine is decided once. It tells both on which side the other node is and which
+  // cap faces it. With two comparisons, a height of 0 or a product that underflows could give one answer here and the
+  // other there. From the child, the other node is along +normal_o where is_above_o. So the child's upper cap faces it
+  // where is_above_o equals is_acute. From the other node the direction is reversed: its upper cap faces the child
+  // where is_above differs from is_acute.
   const Mask is_above_o = s.height_o > zero(), is_above = s.height > zero(), is_acute = cosine > zero();
   s.near_o = select(is_above_o, lower_o, upper_o), s.near = select(is_above, p.upper, p.lower);
   const Packet support_of_child = support(p.radius, select(is_above_o ^ is_acute, p.lower, p.upper), cosine_abs, sine);
@@ -104,10 +105,10 @@ LIMBER_KERNEL Packet slab_sq(const NodePairs& p, const ProjectedNode& other) {
   const Packet across_o = sqrt(max(p.d_sq - s.height_o * s.height_o - rounding, zero()));
   const Packet across = sqrt(max(p.d_sq - s.height * s.height - rounding, zero()));
   const Packet best = max(gap_sq(s.gap_o, across_o - p.radius_sum), gap_sq(s.gap, across - p.radius_sum));
-  // Bound 4, as support() along d / distance, but all times the distance, which saves divisions: the cosine to a normal
-  // is height / distance, the sine across / distance. A sphere's farthest point is inside its slab, and counts, where
-  // radius * cosine <= height of the cap; else the rim does. The sines are rounded down above; here they have to be
-  // rounded up.
+  // Bound 4, as support() along d / distance, but with everything multiplied by the distance, which saves divisions:
+  // the cosine to a normal is height / distance, the sine across / distance. A sphere's farthest point is inside its
+  // slab, and counts, where radius * cosine <= height of the cap; else the rim does. The sines are rounded down above;
+  // here they have to be rounded up.
   const Packet radius_o = Packet::set(other.radius);
   const Packet sine_rounding = p.distance * Packet::set(base::sine_error);
   const Packet support_times_d =
@@ -147,7 +148,8 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
     best = max(max(gap_sq(p.sphere_gap, zero()), of_boxes), slab_sq(p, other)) * down;
   }
   const Packet overlap = p.sphere_gap / max(p.radius_sum, Packet::set(smallest_radius_sum));
-  select(best > zero(), best, min(overlap, zero())).store(order + i);
+  select(best > zero(), best, min(overlap, zero())).store(order + i);  // the bound, or minus the depth of the overlap
+  // With `overlap_only` the limit is next to 0, so it does not matter that a gap is not squared.
   unsigned kept = bits(best < limit);
   Packet along_sq = zero();
   if (direction != nullptr) kept &= bits(near_along(p, *direction, along_sq));

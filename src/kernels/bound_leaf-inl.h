@@ -5,8 +5,8 @@
 //
 // The volume of a leaf of a few large triangles, as of a wall and a floor, contains much space that none of them is in.
 // So each triangle is compared with the other volume on its own, by the gap along: the axes of either box, the normal
-// of the slab, the normal of the triangle, and the line from the volume's center to about the closest point of the
-// triangle.
+// of the slab, the normal of the triangle, and the line from the volume's center to the closest point of the triangle,
+// approximately.
 
 #if defined(LIMBER_SIMD_BOUND_LEAF_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_LEAF_INL_H
@@ -72,6 +72,7 @@ LIMBER_KERNEL Packet gap_along(const PointTriangles& t, const Packet3& direction
   return max(a + min(min(b, c), zero()) - high, zero() - a - max(max(b, c), zero()) - low);
 }
 
+/// A vector of length 1, or shorter for tiny vectors, as those of degenerate triangles: bounds only get lower.
 LIMBER_KERNEL Packet3 unit_vector(const Packet3& v) {
   return v * (Packet::set(1) / max(sqrt(dot(v, v)), Packet::set(shortest_divisor)));
 }
@@ -83,7 +84,7 @@ LIMBER_KERNEL float bound_leaf(const SlotRef& leaf, const SlotRef& other, const 
   const CenteredVolume volume = centered(p, transform);
   const bvh::ChildBounds& n = leaf.node->bounds;
   const std::uint32_t k = leaf.slot;
-  const float step = n.radius[k] * (1 / bvh::max_quantized);
+  const float step = n.radius[k] * (1 / bvh::max_quantized);  // of quantized corners
   const float magnitude = std::abs(p.center[0]) + std::abs(p.center[1]) + std::abs(p.center[2]) + leaf.node->radius;
   const Packet error = Packet::set(step * static_cast<float>(base::quantization_error) +
                                    (magnitude + p.radius) * base::projection_error);
@@ -107,7 +108,7 @@ LIMBER_KERNEL float bound_leaf(const SlotRef& leaf, const SlotRef& other, const 
     const Packet3 normal = unit_vector(cross(t.edge_b, t.edge_c)), towards = unit_vector(nearly_closest(t));
     const Packet3 opposite{zero() - normal.x, zero() - normal.y, zero() - normal.z};
     const Packet of_normal = gap_along(t, normal, support(volume, opposite), support(volume, normal));
-    // Only on this side: the triangle has a point at a positive height along `towards`.
+    // One side suffices: the triangle has a point at a positive height along `towards`.
     const Packet of_point = lowest_along(t, towards) - support(volume, towards);
     const Packet gap = max(max(of_slab, of_normal), of_point) - error;
     least = min(least, max(best, gap_sq(gap, zero())));

@@ -3,12 +3,14 @@
 
 // The public functions of motion.h for elements.
 #include <algorithm>
+#include <iterator>
 
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "motion/exact_impact.h"
 #include "motion/impact_filter.h"
 #include "motion/moving_elements.h"
+#include "motion/separation_search.h"
 
 namespace limber {
 namespace motion {
@@ -21,6 +23,7 @@ bool are_in_range(const MovingElements& e) {
 }
 
 ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options) {
+  if (options.min_separation > 0) return separation_impact(elements, options);
   FilterResult found = filter_impact(elements, options);
   switch (found.verdict) {
     case FilterResult::Verdict::clear:
@@ -37,9 +40,11 @@ ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptio
 }
 
 ElementImpact checked_impact(const MovingElements& elements, const ElementImpactOptions& options) {
-  LIMBER_REQUIRE(are_in_range(elements), "limber::time_of_impact: a coordinate is not finite, or above 2^200");
+  LIMBER_REQUIRE(are_in_range(elements), "limber::time_of_impact: a coordinate is not finite, or above 2^200 in size");
   LIMBER_REQUIRE(options.max_time >= 0 && options.max_time <= 1, "limber::time_of_impact: max_time is not in [0, 1]");
   LIMBER_REQUIRE(options.time_error >= 0, "limber::time_of_impact: time_error is negative or not a number");
+  LIMBER_REQUIRE(options.min_separation >= 0 && options.min_separation <= max_coordinate,
+                 "limber::time_of_impact: min_separation is not in [0, 2^200]");
   return impact_of(elements, options);
 }
 

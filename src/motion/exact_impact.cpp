@@ -40,11 +40,12 @@ struct Decoded {
     m = bits >> 63 != 0 ? -static_cast<std::int64_t>(size) : static_cast<std::int64_t>(size);
     exponent = std::max(biased, 1) - 1075 + zeros;
   }
-  /// Pre: it is a multiple of 2^unit.
+  /// Pre: the number is a multiple of 2^unit.
   Integer in(int unit) const { return m == 0 ? Integer(0) : Integer(m) << static_cast<unsigned>(exponent - unit); }
 };
 
 DyadicTime dyadic(double t) {
+  if (t == 0) return {0, 0};
   const Decoded d(t);
   const int unit = std::min(d.exponent, 0);
   return {d.in(unit), static_cast<unsigned>(-unit)};
@@ -67,7 +68,8 @@ double as_time(std::int64_t multiple) {
   return std::ldexp(static_cast<double>(multiple), -static_cast<int>(time_bits));
 }
 
-/// A simple root of a polynomial, and an interval in which there is no other.
+/// A root of a polynomial, and an interval in which there is no other. It is simple, or it is the end of the interval.
+/// Refers to the polynomial.
 class IsolatedRoot {
  public:
   IsolatedRoot(const Cubic& f, const Interval& interval)
@@ -76,24 +78,23 @@ class IsolatedRoot {
   bool is_after(const DyadicTime& t) const {
     if (!(t < interval_.high)) return false;
     if (!(interval_.low < t)) return true;
-    const int sign = f_.sign_at(t);
-    return is_end() ? sign != 0 : sign * sign_at_end_ < 0;
+    return is_end() || f_.sign_at(t) * sign_at_end_ < 0;
   }
 
-  /// The sign of another polynomial at the root. Pre: its degree is at most 2.
+  /// The sign of another polynomial at the root.
   int sign_of(const Quadratic& g) {
-    if (g.is_zero()) return 0;
-    for (bool may_share_root = true;; split_at(interval_.middle())) {
-      if (is_end()) return g.sign_at(interval_.high);
-      if (const int sign = sign_within(g, interval_); sign != 0) return sign;
-      if (!std::exchange(may_share_root, false)) continue;
-      // f has one root in the interval, so a common divisor has that one or none.
-      if (SturmSequence(common_divisor(f_, as_cubic(g))).count(interval_) > 0) return 0;
+    if (const int sign = sign_here(g); sign != 0 || is_end() || g.is_zero()) return sign;
+    // f has one root in the interval, so a common divisor has that one or none. If it has none, g is not 0 at the root,
+    // so halving makes the signs agree.
+    if (SturmSequence(squarefree(common_divisor(f_, as_cubic(g)))).count(interval_) > 0) return 0;
+    for (;;) {
+      split_at(interval_.middle());
+      if (const int sign = sign_here(g); sign != 0 || is_end()) return sign;
     }
   }
 
-  /// Narrows the interval to two neighboring multiples of 2^-53, or to the root if it is one; less far, if the ends are
-  /// at most `time_error` apart. Guesses in float64 save most steps.
+  /// Narrows the interval to two neighboring multiples of 2^-53, or to the root if it is one. Stops early once its ends
+  /// are at most `time_error` apart. Tries a guess in float64 and what is 1, 16, 256 ... beside it, then halves.
   void narrow(double time_error) {
     const auto most = static_cast<std::int64_t>(std::max(std::ldexp(std::min(time_error, 1.0), time_bits), 1.0));
     for (std::int64_t reach = 1;;) {
@@ -119,6 +120,9 @@ class IsolatedRoot {
   /// Whether the root is the end of the interval; otherwise it is in the interior.
   bool is_end() const { return sign_at_end_ == 0; }
 
+  /// The sign of another polynomial at the root, or 0 if the interval is too long to tell.
+  int sign_here(const Quadratic& g) const { return is_end() ? g.sign_at(interval_.high) : sign_within(g, interval_); }
+
   /// Makes t an end of the interval, if it is inside.
   void split_at(const DyadicTime& t) {
     if (is_end() || !(interval_.low < t && t < interval_.high)) return;
@@ -134,7 +138,7 @@ class IsolatedRoot {
   std::int64_t guess(std::int64_t from, std::int64_t to) const {
     unsigned bits = 0;
     for (const Integer& x : f_.c) bits = std::max(bits, x.is_zero() ? 0U : static_cast<unsigned>(msb(abs(x))));
-    const unsigned dropped = bits > 1000 ? bits - 1000 : 0;
+    const unsigned dropped = bits > 1000 ? bits - 1000 : 0;  // doubles end at 2^1024
     double c[4];
     for (std::size_t k = 0; k < 4; ++k) c[k] = static_cast<double>(Integer(f_.c[k] >> dropped));
     const auto f = [&](double t) { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); };
@@ -250,9 +254,9 @@ class OriginInPolygon {
   std::size_t next(std::size_t i) const { return i + 1 == size_ ? 0 : i + 1; }
 
   /// Visits the first polynomial that is not zero. False if there is none.
-  template <std::size_t most, typename Visit>
-  static bool visit_first(const std::array<Polynomial<most>, 3>& polynomials, const Visit& visit) {
-    for (const Polynomial<most>& p : polynomials) {
+  template <std::size_t max_degree, typename Visit>
+  static bool visit_first(const std::array<Polynomial<max_degree>, 3>& polynomials, const Visit& visit) {
+    for (const Polynomial<max_degree>& p : polynomials) {
       if (p.is_zero()) continue;
       visit(as_cubic(p));
       return true;
@@ -264,18 +268,19 @@ class OriginInPolygon {
   Vector corner_[4];
 };
 
-/// Whether the elements touch at the start. A vertex is a segment of length 0, an edge a triangle of height 0.
+/// Whether the elements touch at the start. A vertex is a segment whose ends are equal, an edge a triangle with two
+/// equal corners: intersects() takes both.
 bool touch_at_start(const MovingElements& e) {
   const auto& [a, b, c, d] = e.corners[0];
   if (e.kind == MovingElements::Kind::vertex_face) return geometry::intersects(Segment{a, a}, Triangle{b, c, d});
   return geometry::intersects(Segment{a, b}, Triangle{c, d, d});
 }
 
-/// Calls visit() with the roots of p in an interval, in order, until it returns false. Returns whether it has not.
-/// Pre: p is not zero.
+/// Calls visit() with the roots of p in an interval, in order. Stops when visit() returns false, and then returns
+/// false. Pre: p is not zero.
 template <typename Visit>
 bool visit_roots(const Cubic& p, const Interval& interval, int halvings, const Visit& visit) {
-  const int at_most = most_roots(p, interval);
+  const int at_most = descartes_bound(p, interval);
   if (at_most == 0) return true;
   if (at_most == 1) return visit(IsolatedRoot(p, interval));
   if (halvings > 0) {
@@ -303,12 +308,12 @@ bool visit_roots(const Cubic& p, const Interval& interval, int halvings, const V
 
 /// The first root of p after the start, up to max_time, at which the polygon contains the origin. Pre: p is not zero.
 ElementImpact first_contact(const OriginInPolygon& polygon, const Cubic& p, const ElementImpactOptions& options) {
-  constexpr int halvings = 16;
+  constexpr int halvings = 16;  // most roots that are not equal are farther apart
   const DyadicTime max_time = dyadic(options.max_time);
   ElementImpact found;
   visit_roots(p, {{0, 0}, {1, 0}}, halvings, [&](IsolatedRoot root) {
     if (root.is_after(max_time)) return false;
-    root.narrow(options.time_error);
+    root.narrow(options.time_error);  // signs at the root are then seldom open
     if (!polygon.contains_origin([&](const Quadratic& g) { return root.sign_of(g); })) return true;
     found = root.as_impact(options.time_error);
     return false;

@@ -11,8 +11,8 @@ namespace limber::motion {
 /// What time_of_impact() promises. Pre: the preconditions of time_of_impact().
 ElementImpact exact_impact(const MovingElements& elements, const ElementImpactOptions& options);
 
-/// Narrows an interval in which the elements come to be in one plane, once, until it is as short as time_of_impact()
-/// promises. Pre: lower < upper; the coplanarity polynomial has opposite signs at both, and one root between them.
+/// Narrows [lower, upper] around the one time between them at which the elements are in one plane, to the width that
+/// time_of_impact() promises. Pre: lower < upper; the coplanarity polynomial has opposite signs at both.
 void narrow_exactly(const MovingElements& elements, double time_error, double& lower, double& upper);
 
 }  // namespace limber::motion

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Pieces of the time are decided one after the other, in order. A piece that cannot be decided is halved.
-//
-// All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
-// Polynomials are in Bernstein form, whose coefficients bound them. With u = 2^-53, the vectors u, v and w of
-// MovingElements at a time are off by 8 u of their largest coordinate, products and sums of them by what `error` says
+//  All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
+// Polynomials are in Bernstein form, whose coefficients bound them. The vectors u, v and w of MovingElements at a time
+// are off by 8 eps of their largest coordinate, where eps = 2^-53; volumes and areas of them by what the constants say
 // (docs/algorithms/impact.md).
 #include "motion/impact_filter.h"
 
@@ -23,9 +22,8 @@ struct Vectors {
 };
 
 Vectors operator+(const Vectors& a, const Vectors& b) { return {a.u + b.u, a.v + b.v, a.w + b.w}; }
+Vectors operator-(const Vectors& a, const Vectors& b) { return {a.u - b.u, a.v - b.v, a.w - b.w}; }
 Vectors operator*(double s, const Vectors& a) { return {s * a.u, s * a.v, s * a.w}; }
-
-double volume(const Vec3& a, const Vec3& b, const Vec3& c) { return dot(a, cross(b, c)); }
 
 Vectors vectors_of(Kind kind, const Vec3 (&p)[4]) {
   if (kind == Kind::vertex_face) return {p[2] - p[1], p[3] - p[1], p[0] - p[1]};
@@ -77,16 +75,18 @@ class Filter {
   Filter(const MovingElements& e, const ElementImpactOptions& options) : kind_(e.kind), options_(options) {
     start_ = vectors_of(kind_, e.corners[0]);
     const Vectors end = vectors_of(kind_, e.corners[1]);
-    double most = std::max(largest(start_), largest(end));
-    is_in_range_ = most > 0;
-    if (!is_in_range_) return;
-    const double scale = std::ldexp(1.0, -std::ilogb(most));
-    start_ = scale * start_;
-    motion_ = scale * end + -1.0 * start_;
-    const double u = std::max(max_abs(start_.u), scale * max_abs(end.u));
-    const double v = std::max(max_abs(start_.v), scale * max_abs(end.v));
-    const double w = std::max(max_abs(start_.w), scale * max_abs(end.w));
-    // Smaller products could underflow.
+    const double most = std::max(largest(start_), largest(end));
+    if (most == 0) return;  // all corners are in one place
+    // In two steps, because one factor may be out of range.
+    const int exponent = std::ilogb(most), half = exponent / 2;
+    const double scale = std::ldexp(1.0, -half), rest = std::ldexp(1.0, half - exponent);
+    start_ = rest * (scale * start_);
+    const Vectors scaled_end = rest * (scale * end);
+    motion_ = scaled_end - start_;
+    const double u = std::max(max_abs(start_.u), max_abs(scaled_end.u));
+    const double v = std::max(max_abs(start_.v), max_abs(scaled_end.v));
+    const double w = std::max(max_abs(start_.w), max_abs(scaled_end.w));
+    // What underflows in products is then far below their errors, 2^-645.
     is_in_range_ = std::min({u, v, w}) > 0x1p-200;
     volume_error_ = volume_error * u * v * w;
     area_error_ = area_error * (u * v + v * w + w * u);
@@ -95,8 +95,8 @@ class Filter {
   FilterResult run() const {
     FilterResult result;
     if (!is_in_range_) return result;
-    double ends[most_halvings + 1];
-    std::size_t open = 0, pieces = 0;
+    double ends[most_halvings + 1];  // of the pieces that are left, the next one on top
+    std::size_t open = 0, halvings = 0;
     ends[open++] = options_.max_time;
     Piece piece{0, 0, start_, start_};
     while (open > 0) {
@@ -110,7 +110,7 @@ class Filter {
           narrow(piece);
           return {FilterResult::Verdict::contact, piece.begin, piece.end};
         case Decision::unknown:
-          if (open > most_halvings || ++pieces > most_pieces) return result;
+          if (open > most_halvings || ++halvings > most_in_all) return result;
           ends[open++] = 0.5 * (piece.begin + piece.end);
           break;
       }
@@ -120,9 +120,10 @@ class Filter {
   }
 
  private:
-  static constexpr std::size_t most_halvings = 12, most_pieces = 24;
-  // A volume is a sum of 6 products of three coordinates. Each is off by 3 * 8 u and 2 u, sums by 5 u, coefficients in
-  // Bernstein form by 3 u: 6 * 34 u < 2^-45. An area has 2 products, each off by 17 u, and sums by 6 u: 40 u < 2^-47.
+  static constexpr std::size_t most_halvings = 12, most_in_all = 24;
+  // A volume is a sum of 6 products of three coordinates. Each is off by 3 * 8 eps and 2 eps, sums by 5 eps,
+  // coefficients in Bernstein form by 3 eps: 6 * 34 eps < 2^-45. An area has 2 products, each off by 17 eps, and sums
+  // by 6 eps; sums of three areas add 4 eps: 44 eps < 2^-47.
   static constexpr double volume_error = 0x1p-45, area_error = 0x1p-47;
 
   enum class Decision { no_contact, contact, unknown };
@@ -136,7 +137,7 @@ class Filter {
 
   Vectors at(double t) const { return start_ + t * motion_; }
 
-  double volume_at(const Vectors& x) const { return volume(x.u, x.v, x.w); }
+  static double volume(const Vectors& x) { return dot(x.u, cross(x.v, x.w)); }
 
   Decision decide(const Piece& piece) const {
     const Vectors &a = piece.at_begin, &b = piece.at_end;
@@ -166,6 +167,7 @@ class Filter {
       is_inside = is_inside && limits[i].is_above(area_error_);
     }
     if (!is_inside || !(std::min(c[0], c[3]) < -e && std::max(c[0], c[3]) > e)) return Decision::unknown;
+    // Differences of coefficients, each off by the error.
     const double rise[3] = {c[1] - c[0], c[2] - c[1], c[3] - c[2]};
     const bool is_monotone =
         c[0] < 0 ? std::min({rise[0], rise[1], rise[2]}) > 2 * e : std::max({rise[0], rise[1], rise[2]}) < -2 * e;
@@ -175,14 +177,15 @@ class Filter {
   /// Narrows a piece with one contact as far as float64 can tell the signs of volumes at its ends.
   void narrow(Piece& piece) const {
     double begin = piece.begin, end = piece.end;
-    double at_begin = volume_at(piece.at_begin), at_end = volume_at(piece.at_end);
+    double at_begin = volume(piece.at_begin), at_end = volume(piece.at_end);
     const double side = at_end > 0 ? 1 : -1;
     // Puts an end of the interval at t, if the sign there is certain.
     const auto narrow_to = [&](double t) {
-      const double volume = volume_at(at(t));
-      if (!(begin < t && t < end) || std::abs(volume) <= volume_error_) return;
-      (side * volume > 0 ? end : begin) = t, (side * volume > 0 ? at_end : at_begin) = volume;
+      const double there = volume(at(t));
+      if (!(begin < t && t < end) || std::abs(there) <= volume_error_) return;
+      (side * there > 0 ? end : begin) = t, (side * there > 0 ? at_end : at_begin) = there;
     };
+    // The factors below matter for speed only.
     const double wanted = std::max(options_.time_error, 0x1p-53);
     for (double before = 2; end - begin > wanted && end - begin < 0.9 * before;) {
       before = end - begin;
@@ -197,7 +200,7 @@ class Filter {
 
   Kind kind_;
   ElementImpactOptions options_;
-  bool is_in_range_;
+  bool is_in_range_ = false;
   Vectors start_, motion_;
   double volume_error_ = 0, area_error_ = 0;
 };

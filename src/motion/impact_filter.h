@@ -9,9 +9,10 @@ namespace limber::motion {
 /// What a filter in float64 knows about the first contact.
 struct FilterResult {
   enum class Verdict {
-    clear,    ///< the elements do not touch until the largest time
-    contact,  ///< they touch first in [lower, upper]; they come to be in one plane once between these times
-    unknown,  ///< the filter cannot tell
+    clear,    ///< the elements do not touch up to the largest time
+    contact,  ///< the first contact, not at the start, is in [lower, upper]; between these times the coplanarity
+              ///< polynomial has one root, and opposite signs at both
+    unknown,  ///< the filter cannot tell; lower and upper mean nothing
   };
   Verdict verdict = Verdict::unknown;
   double lower = 0, upper = 0;

@@ -2,22 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-
 #include "limber/motion.h"
 
 namespace limber::motion {
 
 /// Two moving elements: a vertex and a face, or two edges.
 ///
-/// Both kinds touch where w = s u + r v has a solution within limits, for three vectors that move linearly:
-///   vertex and face  u = b - a, v = c - a, w = p - a, with s >= 0, r >= 0, s + r <= 1
-///   two edges        u = a1 - a0, v = b0 - b1, w = b0 - a0, with s and r in [0, 1]
+/// Both kinds touch where w = s u + r v has a solution with parameters s and r within limits. The three vectors move
+/// linearly. With corners 0 to 3:
+///   vertex p and face a, b, c    u = b - a, v = c - a, w = p - a; s >= 0, r >= 0, s + r <= 1
+///   edges from a to b, c to d    u = b - a, v = c - d (so that c - r v is on the second), w = c - a; s and r in [0, 1]
 struct MovingElements {
   enum class Kind { vertex_face, edge_edge };
 
   Kind kind;
-  /// At both ends of time: the vertex and the corners of the face, or the ends of a and of b.
+  /// At the start and at the end: the vertex and the corners of the face, or the ends of both edges.
   Vec3 corners[2][4];
 
   static MovingElements of(const MovingPoint& p, const MovingTriangle& t) {

@@ -30,7 +30,8 @@ Cubic remainder(const Cubic& p, const Cubic& q) {
   const Integer size = abs(lead);
   Cubic rest = p;
   for (int d = degree(rest); d >= dq; d = degree(rest)) {
-    // |lead| rest - sign(lead) r t^(d - dq) q, where r is the leading coefficient of rest: the power d cancels.
+    // |lead| rest - sign(lead) r t^(d - dq) q, where r is the leading coefficient of rest: the term of degree d
+    // cancels.
     const Integer factor = lead.sign() > 0 ? at(rest, d) : Integer(-at(rest, d));
     for (int k = 0; k <= d; ++k) at(rest, k) *= size;
     for (int k = 0; k <= dq; ++k) at(rest, d - dq + k) -= factor * at(q, k);
@@ -70,7 +71,8 @@ class SignChanges {
 }  // namespace
 
 int sign_within(const Quadratic& p, const Interval& interval) {
-  // The coefficients in Bernstein form: p(low), p(high), and between them the polar form of both.
+  // The coefficients in Bernstein form: p(low), p(high), and between them the blossom at (low, high), here doubled. The
+  // sign is theirs if they are not all zero, and none has the opposite sign.
   const int first = p.sign_at(interval.low), last = p.sign_at(interval.high);
   if (first * last < 0) return 0;
   const unsigned shift = std::max(interval.low.shift, interval.high.shift);
@@ -80,9 +82,9 @@ int sign_within(const Quadratic& p, const Interval& interval) {
   return sign * polar.sign() >= 0 ? sign : 0;
 }
 
-int most_roots(const Cubic& p, const Interval& interval) {
-  // Descartes' rule in Bernstein form: inside there are as many as changes of sign, or an even number less. The inner
-  // coefficients are polar forms of the ends, here three times as large.
+int descartes_bound(const Cubic& p, const Interval& interval) {
+  // In Bernstein form there are inside as many roots as changes of sign, or an even number less. A root at the end is
+  // added. The inner coefficients are the blossom at (twice, twice, once), here three times as large.
   const unsigned shift = std::max(interval.low.shift, interval.high.shift);
   const Integer low = interval.low.n_at(shift), high = interval.high.n_at(shift);
   const auto inner = [&](const Integer& twice, const Integer& once) {
@@ -100,7 +102,7 @@ int most_roots(const Cubic& p, const Interval& interval) {
 
 Cubic common_divisor(Cubic p, Cubic q) {
   while (!q.is_zero()) p = std::exchange(q, remainder(p, q));
-  // Without common factors of the coefficients.
+  // Makes the result primitive.
   Integer common = 0;
   for (const Integer& x : p.c) common = gcd(common, x);
   for (Integer& x : p.c) x /= common;

@@ -11,8 +11,8 @@
 /// Polynomials in time with integer coefficients: how many roots lie in an interval, and signs, all exact.
 namespace limber::motion {
 
-/// Up to 512 bits are stored in place; more are allocated. Coordinates of 60 bits make a determinant of 190, and some
-/// 350 where that is multiplied by times.
+/// Up to 512 bits are stored in place; more are allocated. Coordinates that are multiples of one unit, up to 2^60 of
+/// it, make a determinant of 190 bits, and of 350 where that is multiplied by times of 53 bits. Remainders are longer.
 using Integer = boost::multiprecision::number<
     boost::multiprecision::cpp_int_backend<512, 0, boost::multiprecision::signed_magnitude,
                                            boost::multiprecision::unchecked>,
@@ -23,7 +23,7 @@ struct DyadicTime {
   Integer n;
   unsigned shift;
 
-  /// n, if the time is written with a larger shift.
+  /// The numerator over 2^larger. Pre: larger >= shift.
   Integer n_at(unsigned larger) const { return n << (larger - shift); }
   friend bool operator<(const DyadicTime& a, const DyadicTime& b) {
     const unsigned larger = std::max(a.shift, b.shift);
@@ -41,29 +41,30 @@ struct Interval {
   }
 };
 
-/// A polynomial of degree `most` or less, by its coefficients.
-template <std::size_t most>
+/// A polynomial of degree `max_degree` or less, by its coefficients.
+template <std::size_t max_degree>
 struct Polynomial {
-  std::array<Integer, most + 1> c{};
+  std::array<Integer, max_degree + 1> c{};
 
   bool is_zero() const {
     return std::all_of(c.begin(), c.end(), [](const Integer& x) { return x.is_zero(); });
   }
 
   int sign_at(const DyadicTime& t) const {
-    Integer sum = c[most];
-    for (std::size_t k = most; k-- > 0;) sum = sum * t.n + (c[k] << (t.shift * static_cast<unsigned>(most - k)));
+    Integer sum = c[max_degree];
+    for (std::size_t k = max_degree; k-- > 0;)
+      sum = sum * t.n + (c[k] << (t.shift * static_cast<unsigned>(max_degree - k)));
     return sum.sign();
   }
 
   friend Polynomial operator+(const Polynomial& p, const Polynomial& q) {
     Polynomial sum;
-    for (std::size_t k = 0; k <= most; ++k) sum.c[k] = p.c[k] + q.c[k];
+    for (std::size_t k = 0; k <= max_degree; ++k) sum.c[k] = p.c[k] + q.c[k];
     return sum;
   }
   friend Polynomial operator-(const Polynomial& p, const Polynomial& q) {
     Polynomial difference;
-    for (std::size_t k = 0; k <= most; ++k) difference.c[k] = p.c[k] - q.c[k];
+    for (std::size_t k = 0; k <= max_degree; ++k) difference.c[k] = p.c[k] - q.c[k];
     return difference;
   }
 };
@@ -81,21 +82,21 @@ Polynomial<m + n> operator*(const Polynomial<m>& p, const Polynomial<n>& q) {
   return product;
 }
 
-template <std::size_t most>
-Cubic as_cubic(const Polynomial<most>& p) {
+template <std::size_t max_degree>
+Cubic as_cubic(const Polynomial<max_degree>& p) {
   Cubic cubic;
   std::copy(p.c.begin(), p.c.end(), cubic.c.begin());
   return cubic;
 }
 
-/// The sign of a polynomial in the interior of an interval, or 0 if its Bernstein form cannot tell.
+/// The sign of a polynomial in the interior of an interval; 0 if its Bernstein form cannot tell, or if it is zero.
 int sign_within(const Quadratic& p, const Interval& interval);
 
-/// At least the number of roots in an interval, with their multiplicities, but that of its end counts once; exact if it
-/// is 0 or 1.
-int most_roots(const Cubic& p, const Interval& interval);
+/// An upper bound of the number of roots in an interval, by Descartes' rule. Roots inside count with multiplicity, a
+/// root at its end once. 0 and 1 are exact.
+int descartes_bound(const Cubic& p, const Interval& interval);
 
-/// A greatest common divisor: it has the common roots of both. Pre: neither is zero.
+/// A greatest common divisor: it has the common roots of both. Pre: p or q is not zero.
 Cubic common_divisor(Cubic p, Cubic q);
 /// A polynomial with the roots of p, each of them once. Pre: p is not zero.
 Cubic squarefree(const Cubic& p);
@@ -103,11 +104,11 @@ Cubic squarefree(const Cubic& p);
 /// The Sturm sequence of a polynomial. [BasuPollackRoy2006]
 class SturmSequence {
  public:
-  /// Pre: p is not zero, and none of its multiple roots is an end of an interval that count() is asked for.
+  /// Pre: p is not zero and has no multiple roots.
   explicit SturmSequence(const Cubic& p);
 
-  /// The number of different roots in an interval.
-  int count(const Interval& i) const { return changes_at(i.low) - changes_at(i.high); }
+  /// The number of roots in an interval.
+  int count(const Interval& interval) const { return changes_at(interval.low) - changes_at(interval.high); }
 
  private:
   int changes_at(const DyadicTime& t) const;

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <ostream>
-#include <span>
+
+#include "limber/motion.h"
 
 #include "support/random_geometry.h"
 
@@ -52,7 +53,7 @@ inline void scale_by(MovingCorners& m, double factor) {
   for (Vec3& p : m.end) p *= factor;
 }
 
-/// Some point in the face or on the first edge; weights are multiples of 1/4, so sums of lattice points are exact.
+/// Some point in the face or on the first edge; weights are multiples of 1/16, so sums of lattice points are exact.
 inline Vec3 point_of_element(Rng& rng, const Vec3 (&p)[4], bool is_face) {
   const double s = static_cast<double>(rng.below(5)) / 4;
   if (!is_face) return p[0] + s * (p[1] - p[0]);
@@ -92,7 +93,7 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       uniform();
       break;
     case MotionKind::crossing: {
-      // Small elements that pass each other, so that about half of them touch.
+      // One element flies by the other, and both change little.
       uniform();
       const Vec3 travel = 4 * uniform_point(rng);
       for (int i = 0; i < 4; ++i) {
@@ -144,18 +145,24 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       make_touch(rng, m.end, is_face);
       break;
     case MotionKind::touch_and_leave: {
-      // The mean of start and end touches, and both are on one side, mirrored: the volume has a double root at 1/2.
-      lattice(4);
-      Vec3 middle[4];
-      for (int i = 0; i < 4; ++i) middle[i] = 4 * m.start[i];
-      make_touch(rng, middle, is_face);
-      const Vec3 motion = lattice_point(rng, 4) - Vec3{1, 1, 1};
-      const Vec3 along = middle[3] - middle[is_face ? 1 : 2];
-      const double turn = static_cast<double>(rng.below(3)) - 1;
-      for (int i = 0; i < 4; ++i) {
-        const Vec3 way = i == 3 ? motion + cross(along, motion) * turn : i == 0 ? along * turn : motion;
-        m.start[i] = middle[i] - way, m.end[i] = middle[i] + way;
-      }
+      // With t from -1 to 1, for a vertex at (m t, 0, 0) and a face that tilts, with the corners (x, 0, k x t) and others:
+      // the height of the vertex over the face is -k m t^2. For an edge from (-1 + p t, q t) to (1 + r t, -q t), and one
+      // that stands upright at the origin: the determinant is proportional to -q (p + r) t^2. Then a common linear map.
+      const auto some = [&] { return static_cast<double>(rng.below(5)) - 2; };
+      const Vec3 x{some(), some(), some()}, y{some(), some(), some()}, z{some(), some(), some()},
+          at{some(), some(), some()};
+      const double k = some(), p = some(), q = some(), r = some();
+      const auto place = [&](double t, Vec3(&to)[4]) {
+        const auto map = [&](double a, double b, double c) { return 8 * at + a * x + b * y + c * z; };
+        if (is_face) {
+          to[0] = map(p * t, 0, 0);
+          to[1] = map(-4, -4, -4 * k * t), to[2] = map(4, -4, 4 * k * t), to[3] = map(q, 4, q * k * t);
+        } else {
+          to[0] = map(-4 + p * t, q * t, 0), to[1] = map(4 + r * t, -q * t, 0);
+          to[2] = map(0, 0, -4), to[3] = map(0, 0, 4);
+        }
+      };
+      place(-1, m.start), place(1, m.end);
       break;
     }
     case MotionKind::common_vertex:
@@ -164,8 +171,11 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       } else {
         uniform();
       }
-      m.start[0] = m.start[3];
-      if (rng.below(2) == 0) m.end[0] = m.end[3];
+      if (rng.below(2) == 0) {
+        m.start[0] = m.start[3];
+      } else {
+        m.end[0] = m.end[3];
+      }
       break;
     case MotionKind::parallel_edges: {
       lattice(5);
@@ -216,6 +226,14 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       break;
   }
   return m;
+}
+
+inline ElementImpact impact_of(const MovingCorners& m, bool is_face, const ElementImpactOptions& options = {}) {
+  const auto& [s, e] = m;
+  if (is_face) {
+    return time_of_impact(MovingPoint{s[0], e[0]}, MovingTriangle{{s[1], s[2], s[3]}, {e[1], e[2], e[3]}}, options);
+  }
+  return time_of_impact(MovingSegment{{s[0], s[1]}, {e[0], e[1]}}, MovingSegment{{s[2], s[3]}, {e[2], e[3]}}, options);
 }
 
 }  // namespace limber::testing
