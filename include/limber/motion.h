@@ -46,24 +46,27 @@ struct ElementImpact {
 };
 
 struct ElementImpactOptions {
-  double max_time = 1;    ///< a first contact after this time is none; from 0 to 1. `upper` may be after it
+  double max_time = 1;    ///< a first contact after this time does not count; from 0 to 1. `upper` may be after it
   double time_error = 0;  ///< how far `upper` may be above `lower`; never less than the rounding of a time, 2^-53
-  /// Elements that are this far apart, or less, touch. 0 asks for exact contact. A greater number is rounded, up to
-  /// 2^-44 of the largest coordinate relative to a corner; more only for elements that turn about each other while
-  /// their distance stays within a billionth of the separation.
+  /// Elements that are this far apart, or less, touch. 0 asks for exact contact. A greater number may be rounded up, at
+  /// each time in another way: by up to 2^-44 of the extent, the largest coordinate of a corner relative to the first
+  /// corner at the start. By more, up to some 2^-28, only for slivers, short edges and nearly
+  /// parallel edges that are that near.
   double min_separation = 0;
 };
 
 /// The first time at which a vertex touches a face.
 ///
-/// Promise  The status is exact, for every input: no contact is missed, not even one of a moment, and a reported one is
-///          real. lower <= time <= upper, and upper - lower <= max(time_error, 2^-53). Coordinates that are
-///          all multiplied by one power of two give the same bits, as long as that rounds none of them.
+/// Promise  With min_separation 0 the status is exact, for every input: no contact is missed, not even one at a single
+///          instant, and a reported one is real. Otherwise nothing nearer than the separation is missed. lower <= time
+///          <= upper, and upper - lower <= max(time_error, 2^-53). Coordinates and min_separation that are all
+///          multiplied by one power of two give the same bits, as long as that rounds none of them.
 /// Throws   std::invalid_argument if a coordinate is not finite or above `max_coordinate`, 2^200, in size, if max_time
 ///          is not in [0, 1], time_error is negative or not a number, or min_separation is not in [0, 2^200].
 ///          std::bad_alloc from exact arithmetic.
-/// Cost     Some 0.1 us where a filter in float64 decides, some 10 us where exact arithmetic has to. Far more, up to a
-///          second, for coordinates made so that two times differ in a thousandth binary digit only.
+/// Cost     Some 0.1 us where a filter in float64 decides; some 10 us where exact arithmetic has to, and with a
+///          min_separation. Far more, up to a second, for coordinates made so that two times differ in a thousandth
+///          binary digit only, and for a distance that stays within rounding of min_separation while the elements turn.
 /// Source   docs/algorithms/impact.md; compare [WangFerguson2021].
 LIMBER_API ElementImpact time_of_impact(const MovingPoint& point, const MovingTriangle& triangle,
                                         const ElementImpactOptions& options = {});

@@ -10,6 +10,7 @@
 #include "motion/exact_impact.h"
 #include "motion/impact_filter.h"
 #include "motion/moving_elements.h"
+#include "motion/moving_vectors.h"
 #include "motion/separation_search.h"
 
 namespace limber {
@@ -29,7 +30,7 @@ ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptio
     case FilterResult::Verdict::clear:
       return {};
     case FilterResult::Verdict::contact:
-      if (found.upper - found.lower > std::max(options.time_error, 0x1p-53)) {
+      if (found.upper - found.lower > std::max(options.time_error, time_resolution)) {
         narrow_exactly(elements, options.time_error, found.lower, found.upper);
       }
       return {ImpactStatus::contact, found.lower, found.upper};

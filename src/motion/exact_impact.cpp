@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Coordinates become integers, so that everything below is a polynomial in time with integer coefficients. Seen from
-// one element, the other one is a polygon whose corners move linearly, and the two touch where the polygon contains the
+// Coordinates become integers, so that everything below is a polynomial in time with integer coefficients. The
+// Minkowski difference of the elements is a polygon whose corners move linearly, and they touch where it contains the
 // origin: for a vertex and a face the triangle of the corners less the vertex, for two edges the parallelogram of the
 // differences of their ends.
 //
@@ -94,7 +94,8 @@ class IsolatedRoot {
   }
 
   /// Narrows the interval to two neighboring multiples of 2^-53, or to the root if it is one. Stops early once its ends
-  /// are at most `time_error` apart. Tries a guess in float64 and what is 1, 16, 256 ... beside it, then halves.
+  /// are at most `time_error` apart. Splits at a guess in float64, then beside it, by 1, 16, 256 ... on the side of the
+  /// root; at last halves.
   void narrow(double time_error) {
     const auto most = static_cast<std::int64_t>(std::max(std::ldexp(std::min(time_error, 1.0), time_bits), 1.0));
     for (std::int64_t reach = 1;;) {
@@ -112,8 +113,8 @@ class IsolatedRoot {
   /// The root as time_of_impact() gives it.
   ElementImpact as_impact(double time_error) {
     narrow(time_error);
-    const DyadicTime& first = is_end() ? interval_.high : interval_.low;
-    return {ImpactStatus::contact, as_time(rounded_down(first)), as_time(rounded_up(interval_.high))};
+    const DyadicTime& earliest = is_end() ? interval_.high : interval_.low;
+    return {ImpactStatus::contact, as_time(rounded_down(earliest)), as_time(rounded_up(interval_.high))};
   }
 
  private:
@@ -165,7 +166,7 @@ class IsolatedRoot {
 using Vector = std::array<Linear, 3>;
 Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-/// The corners of the polygon that touches the origin where the elements touch, in cyclic order, and the polynomials
+/// The corners of the polygon that contains the origin when the elements touch, in cyclic order, and the polynomials
 /// that say when.
 class OriginInPolygon {
  public:
@@ -294,11 +295,11 @@ bool visit_roots(const Cubic& p, const Interval& interval, int halvings, const V
   Interval rest = interval;
   for (int count = sturm.count(rest); count > 0; --count) {
     Interval first = rest;
-    for (int in_first = count; in_first > 1;) {
+    for (int count_in_first = count; count_in_first > 1;) {
       const DyadicTime middle = first.middle();
       const int in_half = sturm.count({first.low, middle});
       (in_half > 0 ? first.high : first.low) = middle;
-      if (in_half > 0) in_first = in_half;
+      if (in_half > 0) count_in_first = in_half;
     }
     if (!visit(IsolatedRoot(f, first))) return false;
     rest.low = first.high;
@@ -313,7 +314,7 @@ ElementImpact first_contact(const OriginInPolygon& polygon, const Cubic& p, cons
   ElementImpact found;
   visit_roots(p, {{0, 0}, {1, 0}}, halvings, [&](IsolatedRoot root) {
     if (root.is_after(max_time)) return false;
-    root.narrow(options.time_error);  // signs at the root are then seldom open
+    root.narrow(options.time_error);  // afterwards signs at the root are rarely undecided
     if (!polygon.contains_origin([&](const Quadratic& g) { return root.sign_of(g); })) return true;
     found = root.as_impact(options.time_error);
     return false;

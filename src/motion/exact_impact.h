@@ -12,7 +12,8 @@ namespace limber::motion {
 ElementImpact exact_impact(const MovingElements& elements, const ElementImpactOptions& options);
 
 /// Narrows [lower, upper] around the one time between them at which the elements are in one plane, to the width that
-/// time_of_impact() promises. Pre: lower < upper; the coplanarity polynomial has opposite signs at both.
+/// time_of_impact() promises. Pre: lower < upper; the coplanarity polynomial has
+/// opposite signs at both, and one root between them.
 void narrow_exactly(const MovingElements& elements, double time_error, double& lower, double& upper);
 
 }  // namespace limber::motion

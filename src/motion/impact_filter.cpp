@@ -10,25 +10,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+
+#include "motion/moving_vectors.h"
 
 namespace limber::motion {
 namespace {
 
 using Kind = MovingElements::Kind;
-
-/// The three vectors of MovingElements at a time.
-struct Vectors {
-  Vec3 u, v, w;
-};
-
-Vectors operator+(const Vectors& a, const Vectors& b) { return {a.u + b.u, a.v + b.v, a.w + b.w}; }
-Vectors operator-(const Vectors& a, const Vectors& b) { return {a.u - b.u, a.v - b.v, a.w - b.w}; }
-Vectors operator*(double s, const Vectors& a) { return {s * a.u, s * a.v, s * a.w}; }
-
-Vectors vectors_of(Kind kind, const Vec3 (&p)[4]) {
-  if (kind == Kind::vertex_face) return {p[2] - p[1], p[3] - p[1], p[0] - p[1]};
-  return {p[1] - p[0], p[2] - p[3], p[2] - p[0]};
-}
 
 /// Whether one element is on one side of the other along an axis, all the time. Comparisons do not round.
 bool are_apart_along_an_axis(const MovingElements& e) {
@@ -86,7 +75,7 @@ class Filter {
     const double u = std::max(max_abs(start_.u), max_abs(scaled_end.u));
     const double v = std::max(max_abs(start_.v), max_abs(scaled_end.v));
     const double w = std::max(max_abs(start_.w), max_abs(scaled_end.w));
-    // What underflows in products is then far below their errors, 2^-645.
+    // Errors are then above 2^-645, far above what underflow in products loses.
     is_in_range_ = std::min({u, v, w}) > 0x1p-200;
     volume_error_ = volume_error * u * v * w;
     area_error_ = area_error * (u * v + v * w + w * u);
@@ -95,7 +84,7 @@ class Filter {
   FilterResult run() const {
     FilterResult result;
     if (!is_in_range_) return result;
-    double ends[most_halvings + 1];  // of the pieces that are left, the next one on top
+    double ends[most_nested_halvings + 1];  // of the pieces that are left, the next one on top
     std::size_t open = 0, halvings = 0;
     ends[open++] = options_.max_time;
     Piece piece{0, 0, start_, start_};
@@ -110,7 +99,7 @@ class Filter {
           narrow(piece);
           return {FilterResult::Verdict::contact, piece.begin, piece.end};
         case Decision::unknown:
-          if (open > most_halvings || ++halvings > most_in_all) return result;
+          if (open > most_nested_halvings || ++halvings > most_halvings_in_all) return result;
           ends[open++] = 0.5 * (piece.begin + piece.end);
           break;
       }
@@ -120,12 +109,7 @@ class Filter {
   }
 
  private:
-  static constexpr std::size_t most_halvings = 12, most_in_all = 24;
-  // A volume is a sum of 6 products of three coordinates. Each is off by 3 * 8 eps and 2 eps, sums by 5 eps,
-  // coefficients in Bernstein form by 3 eps: 6 * 34 eps < 2^-45. An area has 2 products, each off by 17 eps, and sums
-  // by 6 eps; sums of three areas add 4 eps: 44 eps < 2^-47.
-  static constexpr double volume_error = 0x1p-45, area_error = 0x1p-47;
-
+  static constexpr std::size_t most_nested_halvings = 12, most_halvings_in_all = 24;
   enum class Decision { no_contact, contact, unknown };
 
   struct Piece {
@@ -137,18 +121,14 @@ class Filter {
 
   Vectors at(double t) const { return start_ + t * motion_; }
 
-  static double volume(const Vectors& x) { return dot(x.u, cross(x.v, x.w)); }
+  static double volume_at(const Vectors& x) { return dot(x.u, cross(x.v, x.w)); }
 
   Decision decide(const Piece& piece) const {
     const Vectors &a = piece.at_begin, &b = piece.at_end;
-    const Vec3 cross_a = cross(a.v, a.w), cross_b = cross(b.v, b.w);
-    const double at_begin = dot(a.u, cross_a), at_end = dot(b.u, cross_b);
-    const Vec3 mixed = cross(a.v, b.w) + cross(b.v, a.w);
-    const double c[4] = {at_begin, (dot(b.u, cross_a) + dot(a.u, mixed)) / 3, (dot(a.u, cross_b) + dot(b.u, mixed)) / 3,
-                         at_end};
+    const BernsteinVolume volume(a, b);
+    const double(&c)[4] = volume.c;
     const double e = volume_error_;
-    if (c[0] > e && c[1] > e && c[2] > e && c[3] > e) return Decision::no_contact;
-    if (c[0] < -e && c[1] < -e && c[2] < -e && c[3] < -e) return Decision::no_contact;
+    if (volume.least_size() > e) return Decision::no_contact;
 
     const Vec3 middle = cross(a.u + b.u, a.v + b.v);
     const Vec3 size = abs(middle);
@@ -156,11 +136,13 @@ class Filter {
     const double side = middle[axis] < 0 ? -1 : 1;
     const BernsteinQuadratic normal = side * cross_along(a.u, b.u, a.v, b.v, axis);
     if (!normal.is_above(area_error_)) return Decision::unknown;
-    // Where the elements are in one plane, w = s u + r v with s = of_u / normal and r = of_v / normal.
-    const BernsteinQuadratic of_u = side * cross_along(a.w, b.w, a.v, b.v, axis);
-    const BernsteinQuadratic of_v = side * cross_along(a.u, b.u, a.w, b.w, axis);
+    // Where the elements are in one plane, w = s u + r v with s = s_numerator / normal and r = r_numerator / normal.
+    const BernsteinQuadratic s_numerator = side * cross_along(a.w, b.w, a.v, b.v, axis);
+    const BernsteinQuadratic r_numerator = side * cross_along(a.u, b.u, a.w, b.w, axis);
     const bool is_face = kind_ == Kind::vertex_face;
-    const BernsteinQuadratic limits[4] = {of_u, of_v, is_face ? normal - of_u - of_v : normal - of_u, normal - of_v};
+    const BernsteinQuadratic limits[4] = {s_numerator, r_numerator,
+                                          is_face ? normal - s_numerator - r_numerator : normal - s_numerator,
+                                          normal - r_numerator};
     bool is_inside = true;
     for (std::size_t i = 0; i < (is_face ? 3U : 4U); ++i) {
       if (limits[i].is_below(-area_error_)) return Decision::no_contact;
@@ -177,16 +159,16 @@ class Filter {
   /// Narrows a piece with one contact as far as float64 can tell the signs of volumes at its ends.
   void narrow(Piece& piece) const {
     double begin = piece.begin, end = piece.end;
-    double at_begin = volume(piece.at_begin), at_end = volume(piece.at_end);
+    double at_begin = volume_at(piece.at_begin), at_end = volume_at(piece.at_end);
     const double side = at_end > 0 ? 1 : -1;
     // Puts an end of the interval at t, if the sign there is certain.
     const auto narrow_to = [&](double t) {
-      const double there = volume(at(t));
+      const double there = volume_at(at(t));
       if (!(begin < t && t < end) || std::abs(there) <= volume_error_) return;
       (side * there > 0 ? end : begin) = t, (side * there > 0 ? at_end : at_begin) = there;
     };
     // The factors below matter for speed only.
-    const double wanted = std::max(options_.time_error, 0x1p-53);
+    const double wanted = std::max(options_.time_error, time_resolution);
     for (double before = 2; end - begin > wanted && end - begin < 0.9 * before;) {
       before = end - begin;
       const double slope = (at_end - at_begin) / before, guess = begin - at_begin / slope;

@@ -12,7 +12,7 @@ struct FilterResult {
     clear,    ///< the elements do not touch up to the largest time
     contact,  ///< the first contact, not at the start, is in [lower, upper]; between these times the coplanarity
               ///< polynomial has one root, and opposite signs at both
-    unknown,  ///< the filter cannot tell; lower and upper mean nothing
+    unknown,  ///< the filter cannot tell. Now, and for `clear`, lower and upper mean nothing
   };
   Verdict verdict = Verdict::unknown;
   double lower = 0, upper = 0;

@@ -10,13 +10,13 @@ namespace limber::motion {
 ///
 /// Both kinds touch where w = s u + r v has a solution with parameters s and r within limits. The three vectors move
 /// linearly. With corners 0 to 3:
-///   vertex p and face a, b, c    u = b - a, v = c - a, w = p - a; s >= 0, r >= 0, s + r <= 1
-///   edges from a to b, c to d    u = b - a, v = c - d (so that c - r v is on the second), w = c - a; s and r in [0, 1]
+///   vertex p and face a, b, c    u = b - a, v = c - a, w = p - a; s >= 0, r >= 0, s + r <= 1 edges from a to b, c to d
+///   u = b - a, v = c - d (so c - r v is a point of the second edge), w = c - a; s and r in [0, 1]
 struct MovingElements {
   enum class Kind { vertex_face, edge_edge };
 
   Kind kind;
-  /// At the start and at the end: the vertex and the corners of the face, or the ends of both edges.
+  /// [time][corner], at the start and at the end: the vertex and the corners of the face, or the ends of both edges.
   Vec3 corners[2][4];
 
   static MovingElements of(const MovingPoint& p, const MovingTriangle& t) {

@@ -71,8 +71,8 @@ class SignChanges {
 }  // namespace
 
 int sign_within(const Quadratic& p, const Interval& interval) {
-  // The coefficients in Bernstein form: p(low), p(high), and between them the blossom at (low, high), here doubled. The
-  // sign is theirs if they are not all zero, and none has the opposite sign.
+  // The coefficients in Bernstein form: p(low), p(high), and between them the blossom at (low, high), here doubled. In
+  // the interior the polynomial has their sign if none is opposite and not all are 0.
   const int first = p.sign_at(interval.low), last = p.sign_at(interval.high);
   if (first * last < 0) return 0;
   const unsigned shift = std::max(interval.low.shift, interval.high.shift);
@@ -84,13 +84,13 @@ int sign_within(const Quadratic& p, const Interval& interval) {
 
 int descartes_bound(const Cubic& p, const Interval& interval) {
   // In Bernstein form there are inside as many roots as changes of sign, or an even number less. A root at the end is
-  // added. The inner coefficients are the blossom at (twice, twice, once), here three times as large.
+  // added. The inner coefficients are the blossom at (a, a, b), here three times as large.
   const unsigned shift = std::max(interval.low.shift, interval.high.shift);
   const Integer low = interval.low.n_at(shift), high = interval.high.n_at(shift);
-  const auto inner = [&](const Integer& twice, const Integer& once) {
-    const Integer square = twice * twice, product = twice * once;
-    return Integer(((3 * p.c[0]) << (3 * shift)) + ((p.c[1] * (2 * twice + once)) << (2 * shift)) +
-                   ((p.c[2] * (square + 2 * product)) << shift) + 3 * p.c[3] * square * once);
+  const auto inner = [&](const Integer& a, const Integer& b) {
+    const Integer square = a * a, product = a * b;
+    return Integer(((3 * p.c[0]) << (3 * shift)) + ((p.c[1] * (2 * a + b)) << (2 * shift)) +
+                   ((p.c[2] * (square + 2 * product)) << shift) + 3 * p.c[3] * square * b);
   };
   const int at_end = p.sign_at(interval.high);
   SignChanges changes;

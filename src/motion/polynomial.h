@@ -31,7 +31,7 @@ struct DyadicTime {
   }
 };
 
-/// The times after `low` up to `high`.
+/// The times after `low` up to `high`: (low, high].
 struct Interval {
   DyadicTime low, high;
 
@@ -51,6 +51,7 @@ struct Polynomial {
   }
 
   int sign_at(const DyadicTime& t) const {
+    // Horner's scheme, times 2^(shift * max_degree).
     Integer sum = c[max_degree];
     for (std::size_t k = max_degree; k-- > 0;)
       sum = sum * t.n + (c[k] << (t.shift * static_cast<unsigned>(max_degree - k)));

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pieces of the time are decided one after the other, in order. Take a direction in which the elements are apart at the
-// begin of a piece, one at its end, and in between what moves linearly from one to the other. Along it the difference
-// of two corners is a quadratic in time, whose Bernstein coefficients bound it. So they bound the gap of the elements,
-// which is at most their distance. If that bound is above the separation, so is the distance at all times of the piece;
-// otherwise the piece is halved. The error of the bound falls with the square of the piece's length.
+// Pieces of the time are decided one after the other, in order. A piece that no bound can show to be clear is halved.
+// Bounds of the distance over a piece, the cheapest first (docs/algorithms/impact.md):
+//   1. the distance at the beginning, less what the elements move relative to each other;
+//   2. the gap along a direction that moves linearly, from one that separates the elements at the beginning to one that
+//      separates them at the end;
+//   3. the distance of the vertex from the plane of the face, or of the lines of the edges.
+// The errors of the last two fall with the square of the piece's length.
 #include "motion/separation_search.h"
 
 #include <algorithm>
@@ -13,9 +15,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "base/check.h"
 #include "geometry/primitives.h"
+#include "motion/moving_vectors.h"
 
 namespace limber::motion {
 namespace {
@@ -23,7 +27,7 @@ namespace {
 class SeparationSearch {
  public:
   SeparationSearch(const MovingElements& e, const ElementImpactOptions& options)
-      : kind_(e.kind), max_time_(options.max_time), time_error_(std::max(options.time_error, shortest_piece)) {
+      : kind_(e.kind), max_time_(options.max_time), time_error_(std::max(options.time_error, time_resolution)) {
     const Vec3& origin = e.corners[0][0];
     double extent = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -39,33 +43,48 @@ class SeparationSearch {
       motion_[i] = scaled(e.corners[1][i] - origin) - start_[i];
     }
     separation_ = std::ldexp(options.min_separation, -exponent);
+    for_each_difference(at(0), at(1), [&](const Vec3& x0, const Vec3& x1) {
+      relative_motion_ = std::max(relative_motion_, length(x1 - x0));
+    });
+    // From corners as they are given, so that each vector is as exact as its own size allows.
+    const auto scaled_vectors = [&](const Vec3(&corners)[4]) {
+      const Vectors x = vectors_of(kind_, corners);
+      return Vectors{scaled(x.u), scaled(x.v), scaled(x.w)};
+    };
+    start_vectors_ = scaled_vectors(e.corners[0]);
+    const Vectors end = scaled_vectors(e.corners[1]);
+    motion_of_vectors_ = end - start_vectors_;
+    const auto largest = [](const Vec3& x, const Vec3& y) { return std::max(max_abs(x), max_abs(y)); };
+    const double u = largest(start_vectors_.u, end.u), v = largest(start_vectors_.v, end.v);
+    normal_error_ = area_error * u * v, volume_error_ = volume_error * u * v * largest(start_vectors_.w, end.w);
   }
 
   ElementImpact run() {
     if (is_within(at(0))) return {ImpactStatus::initial_contact, 0, 0};
-    End ends[most_halvings + 1];
+    End ends[most_halvings + 1];  // of the pieces that are left, the next one on top
     std::size_t open = 0;
     ends[open++] = {max_time_, is_within(at(max_time_))};
     double begin = 0;
-    for (std::uint64_t pieces = 1; open > 0; ++pieces) {
-      if (pieces % many_pieces == 0) tolerance_ *= 2;
+    for (std::uint64_t steps = 1; open > 0; ++steps) {
+      if (steps % many_steps == 0) tolerance_ *= 2;
       End& end = ends[open - 1];
       if (end.time - begin <= time_error_ && end.is_within) return {ImpactStatus::contact, begin, end.time};
-      bool is_clear = end.time - begin <= shortest_piece;
+      bool is_clear = end.time - begin <= time_resolution;  // nothing moves by more than the rounding of positions
       if (!is_clear) {
         const double middle = begin + 0.5 * (end.time - begin);
         if (is_within(at(middle))) {
           end = {middle, true};
           continue;
         }
-        is_clear = are_apart(at(begin), at(end.time));
+        is_clear = are_apart(begin, end.time);
         if (!is_clear) {
           LIMBER_ASSERT(open <= most_halvings);
           ends[open++] = {middle, false};
           continue;
         }
       }
-      // The elements are within the separation at the end of a piece that is clear, if they are so by rounding alone.
+      // The piece may be clear although its end counts as within the separation: the distance there exceeds the
+      // separation by less than the tolerance. Then the end is the answer.
       if (end.is_within) return {ImpactStatus::contact, end.time, end.time};
       begin = end.time, --open;
     }
@@ -73,15 +92,17 @@ class SeparationSearch {
   }
 
  private:
-  // In a shorter piece nothing moves by more than the rounding of positions. It is reached by halving.
-  static constexpr double shortest_piece = 0x1p-53;
+  // Halving ends at pieces of time_resolution.
   static constexpr std::size_t most_halvings = 54;
-  // Where the distance stays hardly above the separation while elements turn, pieces may be without number: after every
-  // so many of them the tolerance doubles.
-  static constexpr std::uint64_t many_pieces = 1 << 14;
-  // As a part of the extent, the largest coordinate relative to a corner at the start, with u = 2^-53: a placed corner
-  // is off by 8 u in each coordinate, a difference of two by 28 u, a distance by 16 u more, a gap by 34 u more.
-  static constexpr double error = 2 * 0x1p-47;
+  // Elements that turn while they stay hardly beyond the separation need any number of pieces: after every so many
+  // steps the tolerance doubles.
+  static constexpr std::uint64_t many_steps = 1 << 14;
+  // As a part of the extent, the largest coordinate relative to the first corner at the start, with eps = 2^-53: a
+  // placed corner is off by 8 eps in each coordinate, the difference of two by 28 eps, a gap by 34 eps more: 62 eps <
+  // 2^-47. A distance is off by less. The extent is up to 2 here.
+  static constexpr double gap_error = 2 * 0x1p-47;
+  // Shorter vectors have no squared length in float64.
+  static constexpr double least_length_sq = 0x1p-900;
 
   /// The end of a piece of time, and whether the elements are within the separation there.
   struct End {
@@ -106,34 +127,10 @@ class SeparationSearch {
                      : geometry::closest_points(Segment{a, b}, Segment{c, d});
   }
 
-  /// Then they are within the separation, up to rounding.
+  /// Whether the elements are within the separation, or above it by no more than the tolerance.
   bool is_within(const Placed& placed) const { return closest_points(placed).distance <= separation_ + tolerance_; }
 
-  /// Directions in which elements may be apart: that of the closest points, and others that are perpendicular to an
-  /// edge or a face up to the rounding of a product, however near the elements are.
-  static constexpr std::size_t direction_count = 6;
-  Vec3 direction(const Placed& placed, std::size_t which) const {
-    const auto& [a, b, c, d] = placed.corners;
-    const auto across = [](const Vec3& edge, const Vec3& way) { return cross(cross(edge, way), edge); };
-    switch (which) {
-      case 0: {
-        const ClosestPoints closest = closest_points(placed);
-        return closest.point_b - closest.point_a;
-      }
-      case 1:
-        return is_face() ? cross(c - b, d - b) : cross(b - a, d - c);
-      case 2:
-        return is_face() ? across(c - b, b - a) : across(b - a, c - a);
-      case 3:
-        return is_face() ? across(d - c, c - a) : across(b - a, d - a);
-      case 4:
-        return is_face() ? across(b - d, d - a) : across(d - c, c - a);
-      default:
-        return is_face() ? Vec3{} : across(d - c, c - b);
-    }
-  }
-
-  /// Calls use() with all differences of a corner of the second element and one of the first.
+  /// Calls use() with all differences of a corner of the second element and one of the first, at two times.
   template <typename Use>
   void for_each_difference(const Placed& begin, const Placed& end, const Use& use) const {
     const std::size_t first_count = is_face() ? 1 : 2;
@@ -144,35 +141,76 @@ class SeparationSearch {
     }
   }
 
-  /// Of length 1, and on the side of the second element. Not finite if the direction is 0.
-  Vec3 unit_direction(const Placed& placed, std::size_t which) const {
-    const Vec3 n = direction(placed, which);
-    double sum = 0;
-    for_each_difference(placed, placed, [&](const Vec3& x, const Vec3&) { sum += dot(n, x); });
-    return ((sum < 0 ? -1 : 1) / length(n)) * n;
-  }
-
-  /// Whether some direction shows that the elements are farther apart than the separation from one time to another.
-  bool are_apart(const Placed& begin, const Placed& end) const {
-    for (std::size_t which = 0; which < direction_count; ++which) {
-      const Vec3 n0 = unit_direction(begin, which), n1 = unit_direction(end, which);
-      double least = std::numeric_limits<double>::infinity();
-      bool is_number = true;
-      for_each_difference(begin, end, [&](const Vec3& x0, const Vec3& x1) {
-        const double at_begin = dot(n0, x0), at_end = dot(n1, x1), between = 0.5 * (dot(n0, x1) + dot(n1, x0));
-        least = std::min({least, at_begin, at_end, between});
-        is_number = is_number && !std::isnan(between);
-      });
-      // In between the direction is not longer than 1.
-      if (is_number && least - error > separation_) return true;
+  /// Whether a bound shows that the elements are farther apart than the separation from one time to another.
+  bool are_apart(double from, double to) const {
+    const Placed begin = at(from), end = at(to);
+    const ClosestPoints first = closest_points(begin);
+    if (first.distance - relative_motion_ * (to - from) - gap_error > separation_) return true;
+    const ClosestPoints last = closest_points(end);
+    if (are_apart_along(begin, first.point_b - first.point_a, end, last.point_b - last.point_a)) return true;
+    const Vectors a = start_vectors_ + from * motion_of_vectors_, b = start_vectors_ + to * motion_of_vectors_;
+    if (are_planes_apart(a, b) || are_apart_along(begin, cross(a.u, a.v), end, cross(b.u, b.v))) return true;
+    for (std::size_t which = 0; which < edge_direction_count; ++which) {
+      if (are_apart_along(begin, edge_direction(begin, which), end, edge_direction(end, which))) return true;
     }
     return false;
   }
 
+  /// Bound 3: det(u, v, w) / |u x v|. The length of a quadratic in Bernstein form is at most the largest length of its
+  /// coefficients.
+  bool are_planes_apart(const Vectors& a, const Vectors& b) const {
+    const Vec3 normals[3] = {cross(a.u, a.v), 0.5 * (cross(a.u, b.v) + cross(b.u, a.v)), cross(b.u, b.v)};
+    const double longest = std::max({length(normals[0]), length(normals[1]), length(normals[2])});
+    if (!(longest * longest > least_length_sq)) return false;
+    const double least_size = BernsteinVolume(a, b).least_size() - volume_error_;
+    return least_size > (separation_ + gap_error) * (longest + 2 * normal_error_);
+  }
+
+  /// Directions that are perpendicular to an edge up to the rounding of a product, however near the elements are, and
+  /// lead to a corner.
+  static constexpr std::size_t edge_direction_count = 4;
+  Vec3 edge_direction(const Placed& placed, std::size_t which) const {
+    const auto& [a, b, c, d] = placed.corners;
+    const auto across = [](const Vec3& edge, const Vec3& way) { return cross(cross(edge, way), edge); };
+    switch (which) {
+      case 0:
+        return is_face() ? across(c - b, b - a) : across(b - a, c - a);
+      case 1:
+        return is_face() ? across(d - c, c - a) : across(b - a, d - a);
+      case 2:
+        return is_face() ? across(b - d, d - a) : across(d - c, c - a);
+      default:
+        return is_face() ? Vec3{} : across(d - c, c - b);
+    }
+  }
+
+  /// The direction with length 1, on the side of the second element.
+  std::optional<Vec3> unit_direction(const Placed& placed, const Vec3& direction) const {
+    if (!(length_sq(direction) > least_length_sq)) return {};
+    double side = 0;
+    for_each_difference(placed, placed, [&](const Vec3& x, const Vec3&) { side += dot(direction, x); });
+    return ((side < 0 ? -1 : 1) / length(direction)) * direction;
+  }
+
+  /// Bound 2. Along a direction that moves linearly the difference of two corners is a quadratic in time, so its
+  /// Bernstein coefficients bound it; and between two directions of length 1 it is not longer than 1.
+  bool are_apart_along(const Placed& begin, const Vec3& first, const Placed& end, const Vec3& last) const {
+    const std::optional<Vec3> n0 = unit_direction(begin, first), n1 = unit_direction(end, last);
+    if (!n0 || !n1) return false;
+    double least = std::numeric_limits<double>::infinity();
+    for_each_difference(begin, end, [&](const Vec3& x0, const Vec3& x1) {
+      least = std::min({least, dot(*n0, x0), dot(*n1, x1), 0.5 * (dot(*n0, x1) + dot(*n1, x0))});
+    });
+    return least - gap_error > separation_;
+  }
+
   MovingElements::Kind kind_;
   double max_time_, time_error_, separation_;
-  double tolerance_ = 2 * error;
-  Vec3 start_[4], motion_[4];
+  double tolerance_ = 2 * gap_error;
+  Vec3 start_[4], motion_[4];  // of the corners
+  double relative_motion_ = 0;
+  Vectors start_vectors_, motion_of_vectors_;
+  double normal_error_, volume_error_;
 };
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST(Separation, HoldsAtAllTimesBeforeAndIsReachedAtTheEnd) {
   int statuses[3] = {};
   for (int i = 0; i < 20'000; ++i) {
     const bool is_face = rng.below(2) == 0;
-    const auto kind = static_cast<MotionKind>(rng.below(static_cast<std::uint64_t>(MotionKind::all_scales)));
+    const auto kind = static_cast<MotionKind>(rng.below(static_cast<std::uint64_t>(MotionKind::count)));
     const MovingCorners m = random_motion(rng, kind, is_face);
     const double extent = extent_of(m);
     const double separation = std::max(extent * std::pow(2, rng.uniform(-60, 0)), 0x1p-1074);
@@ -70,7 +70,7 @@ TEST(Separation, HoldsAtAllTimesBeforeAndIsReachedAtTheEnd) {
     const bool touches = found.status == ImpactStatus::contact;
     for (int k = 0; k < 20; ++k) {
       const double t = std::min(found.lower, 1.0) * (k == 0 ? 1 : rng.uniform(0, 1));
-      ASSERT_GE(distance_at(m, is_face, t), separation - tolerance) << t;
+      ASSERT_GE(distance_at(m, is_face, t), separation - tolerance / 4) << t;
     }
     if (!touches) continue;
     ASSERT_LE(distance_at(m, is_face, found.upper), separation + tolerance);
@@ -83,7 +83,7 @@ TEST(Separation, ComesNoLaterThanContact) {
   Rng rng(42);
   for (int i = 0; i < 4000; ++i) {
     const bool is_face = rng.below(2) == 0;
-    const auto kind = static_cast<MotionKind>(rng.below(static_cast<std::uint64_t>(MotionKind::all_scales)));
+    const auto kind = static_cast<MotionKind>(rng.below(static_cast<std::uint64_t>(MotionKind::count)));
     const MovingCorners m = random_motion(rng, kind, is_face);
     const ElementImpact contact = impact_of(m, is_face, {});
     const ElementImpact near = impact_of(m, is_face, {.min_separation = 0x1p-20 * extent_of(m) + 0x1p-1074});
@@ -101,6 +101,37 @@ TEST(Separation, OfElementsThatSlideAtThatDistanceIsDecidedAtOnce) {
     const ElementImpact found = time_of_impact(sliding, MovingTriangle{floor, floor}, {.min_separation = 0.1});
     EXPECT_EQ(found.status, height < 0.1 + 1e-12 ? ImpactStatus::initial_contact : ImpactStatus::clear) << height;
   }
+}
+
+/// The status if one of two edges is at rest and the other moves.
+ImpactStatus status_of(const Segment& still, const Segment& start, const Segment& end, double separation) {
+  return time_of_impact(MovingSegment{still, still}, MovingSegment{start, end}, {.min_separation = separation}).status;
+}
+
+TEST(Separation, OfTinyEdgesIsNotMissed) {
+  // Vectors perpendicular to the short edge have no squared length in float64.
+  const Segment point_like{{0, 0, 0}, {0, 0x1p-300, -0x1p-300}};
+  const Segment start{{1, 0.0625, 0.0625}, {1, 0.0625, 0.0625}}, end{{0.0625, 0.5, 0.0625}, {0.0625, 0.5, 0.0625}};
+  EXPECT_EQ(status_of(point_like, start, end, 0.495), ImpactStatus::contact);
+  EXPECT_EQ(status_of(point_like, start, end, 0.48), ImpactStatus::clear);
+}
+
+TEST(Separation, HoldsBesideAFaceThatTilts) {
+  // The vertex rises as the face below it tilts: their distance is h / sqrt(1 + t^2).
+  for (const double h : {0x1p-30, 0x1p-38}) {
+    const MovingPoint rising{{0, 0.5, h}, {0, 0.5, 0.5 + h}};
+    const MovingTriangle tilting{{{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{-1, 0, 0}, {1, 0, 0}, {0, 1, 1}}};
+    EXPECT_EQ(time_of_impact(rising, tilting, {.min_separation = 0.5 * h}).status, ImpactStatus::clear) << h;
+    EXPECT_EQ(time_of_impact(rising, tilting, {.min_separation = 0.8 * h}).status, ImpactStatus::contact) << h;
+  }
+}
+
+TEST(Separation, OfNearlyParallelEdgesAtRestIsTheirDistance) {
+  const Vec3 along{0.3, 0.7, 0.9}, across{0.7, -0.3, 0}, up = cross(along, across);
+  const Vec3 turned = along + 0x1p-24 * across, lift = 0x1p-34 * up;
+  const Segment low{-along, along}, high{lift - turned, lift + turned};
+  EXPECT_EQ(status_of(low, high, high, 0x1p-60), ImpactStatus::clear);
+  EXPECT_EQ(status_of(low, high, high, 0x1p-33), ImpactStatus::initial_contact);
 }
 
 TEST(Separation, OutOfRangeIsRefused) {

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+
+#include "motion/moving_elements.h"
+
+namespace limber::motion {
+
+/// Two times that are nearer each other are one: what rounding does to a time between 1/2 and 1.
+inline constexpr double time_resolution = 0x1p-53;
+
+/// The three vectors of MovingElements at a time. Where det(u, v, w) is 0 the elements are in one plane; divided by
+/// |u x v| it is the distance of the vertex from the plane of the face, or that of the lines of the edges.
+struct Vectors {
+  Vec3 u, v, w;
+};
+
+inline Vectors operator+(const Vectors& a, const Vectors& b) { return {a.u + b.u, a.v + b.v, a.w + b.w}; }
+inline Vectors operator-(const Vectors& a, const Vectors& b) { return {a.u - b.u, a.v - b.v, a.w - b.w}; }
+inline Vectors operator*(double s, const Vectors& a) { return {s * a.u, s * a.v, s * a.w}; }
+
+inline Vectors vectors_of(MovingElements::Kind kind, const Vec3 (&p)[4]) {
+  if (kind == MovingElements::Kind::vertex_face) return {p[2] - p[1], p[3] - p[1], p[0] - p[1]};
+  return {p[1] - p[0], p[2] - p[3], p[2] - p[0]};
+}
+
+/// The coefficients of det(u, v, w) in Bernstein form over a piece of time.
+struct BernsteinVolume {
+  double c[4];
+
+  BernsteinVolume(const Vectors& begin, const Vectors& end) {
+    const Vec3 at_begin = cross(begin.v, begin.w), at_end = cross(end.v, end.w);
+    const Vec3 mixed = cross(begin.v, end.w) + cross(end.v, begin.w);
+    c[0] = dot(begin.u, at_begin), c[1] = (dot(end.u, at_begin) + dot(begin.u, mixed)) / 3;
+    c[2] = (dot(begin.u, at_end) + dot(end.u, mixed)) / 3, c[3] = dot(end.u, at_end);
+  }
+
+  /// If all have one sign, the least of their sizes; else 0 or less.
+  double least_size() const {
+    const double least = std::min({c[0], c[1], c[2], c[3]}), most = std::max({c[0], c[1], c[2], c[3]});
+    return std::max(least, -most);
+  }
+};
+
+/// What rounding makes of these coefficients and of volumes, as a part of the product of the largest coordinates of u,
+/// v and w at both ends of time. They are sums of 6 products of three coordinates. Each is off by 3 * 8 eps and 2 eps,
+/// sums by 5 eps, coefficients by 3 eps more, where eps = 2^-53: 6 * 34 eps < 2^-45.
+inline constexpr double volume_error = 0x1p-45;
+
+/// The same of a coordinate of the cross product of two of them, as a part of the product of their largest coordinates.
+/// It has 2 products, each off by 17 eps, and sums by 6 eps; sums of three such coordinates add 4 eps: 44 eps < 2^-47.
+inline constexpr double area_error = 0x1p-47;
+
+}  // namespace limber::motion
