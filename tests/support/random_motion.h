@@ -145,9 +145,10 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       make_touch(rng, m.end, is_face);
       break;
     case MotionKind::touch_and_leave: {
-      // With t from -1 to 1, for a vertex at (m t, 0, 0) and a face that tilts, with the corners (x, 0, k x t) and others:
-      // the height of the vertex over the face is -k m t^2. For an edge from (-1 + p t, q t) to (1 + r t, -q t), and one
-      // that stands upright at the origin: the determinant is proportional to -q (p + r) t^2. Then a common linear map.
+      // With t from -1 to 1, for a vertex at (m t, 0, 0) and a face that tilts, with the corners (x, 0, k x t) and
+      // others: the height of the vertex over the face is -k m t^2. For an edge from (-1 + p t, q t) to (1 + r t, -q
+      // t), and one that stands upright at the origin: the determinant is proportional to -q (p + r) t^2. Then a common
+      // linear map.
       const auto some = [&] { return static_cast<double>(rng.below(5)) - 2; };
       const Vec3 x{some(), some(), some()}, y{some(), some(), some()}, z{some(), some(), some()},
           at{some(), some(), some()};
