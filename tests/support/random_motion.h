@@ -145,9 +145,9 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       make_touch(rng, m.end, is_face);
       break;
     case MotionKind::touch_and_leave: {
-      // Let t go from -1 to 1. A vertex at (p t, 0, 0) is -k p t^2 above a face that tilts, whose corners are
-      // (x, y, k x t). The determinant of an edge from (-4 + p t, q t) to (4 + r t, -q t) and one that stands upright at
-      // the origin is proportional to -q (p + r) t^2. Both are mapped by a linear map.
+      // Let t go from -1 to 1. A vertex at (p t, 0, 0) is -k p t^2 above a face that tilts, with corners (x, y, k x t).
+      // The determinant of an edge from (-4 + p t, q t) to (4 + r t, -q t), and one that stands upright at the origin,
+      // is proportional to -q (p + r) t^2. Both are mapped by a linear map.
       const auto some = [&] { return static_cast<double>(rng.below(5)) - 2; };
       const Vec3 x{some(), some(), some()}, y{some(), some(), some()}, z{some(), some(), some()},
           at{some(), some(), some()};
