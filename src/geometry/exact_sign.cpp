@@ -19,6 +19,7 @@
 #include <limits>
 
 #include "base/check.h"
+#include "base/decoded.h"
 
 namespace limber::geometry {
 namespace {
@@ -137,20 +138,12 @@ using Integer = boost::multiprecision::number<
 class Integers {
  public:
   Integers(std::initializer_list<double> values) {
-    for (const double value : values) {
-      int exponent = 0;
-      if (std::frexp(value, &exponent) != 0) lowest_ = std::min(lowest_, exponent);
-    }
+    for (const double value : values) lowest_ = std::min(lowest_, base::Decoded(value).exponent);
   }
-  Integer operator()(double value) const {
-    int exponent = 0;
-    const double mantissa = std::frexp(value, &exponent);
-    if (mantissa == 0) return 0;
-    return Integer(static_cast<std::int64_t>(std::ldexp(mantissa, 53))) << static_cast<unsigned>(exponent - lowest_);
-  }
+  Integer operator()(double value) const { return base::Decoded(value).in<Integer>(lowest_); }
 
  private:
-  int lowest_ = 1100;
+  int lowest_ = std::numeric_limits<int>::max();
 };
 
 }  // namespace

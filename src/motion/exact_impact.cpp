@@ -13,42 +13,25 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/decoded.h"
 #include "geometry/primitives.h"
 #include "motion/polynomial.h"
 
 namespace limber::motion {
 namespace {
 
-/// A number as m 2^exponent; m is odd, or 0.
-struct Decoded {
-  std::int64_t m;
-  int exponent;
-
-  explicit Decoded(double x) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const auto biased = static_cast<int>(bits >> 52 & 0x7ff);
-    std::uint64_t size = bits & (~std::uint64_t{0} >> 12);
-    if (biased != 0) size |= std::uint64_t{1} << 52;
-    const int zeros = size == 0 ? 0 : std::countr_zero(size);
-    size >>= zeros;
-    m = bits >> 63 != 0 ? -static_cast<std::int64_t>(size) : static_cast<std::int64_t>(size);
-    exponent = std::max(biased, 1) - 1075 + zeros;
-  }
-  /// Pre: the number is a multiple of 2^unit.
-  Integer in(int unit) const { return m == 0 ? Integer(0) : Integer(m) << static_cast<unsigned>(exponent - unit); }
-};
+using base::Decoded;
 
 DyadicTime dyadic(double t) {
-  if (t == 0) return {0, 0};
   const Decoded d(t);
   const int unit = std::min(d.exponent, 0);
-  return {d.in(unit), static_cast<unsigned>(-unit)};
+  return {d.in<Integer>(unit), static_cast<unsigned>(-unit)};
 }
 
 // Times are rounded to multiples of 2^-53.
@@ -175,7 +158,7 @@ class OriginInPolygon {
     const int unit = common_unit(elements);
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto at = [&](std::size_t end) { return Decoded(elements.corners[end][i][axis]).in(unit); };
+        const auto at = [&](std::size_t end) { return Decoded(elements.corners[end][i][axis]).in<Integer>(unit); };
         const Integer start = at(0);
         v[i][axis] = {{start, at(1) - start}};
       }
@@ -244,8 +227,7 @@ class OriginInPolygon {
     for (const auto& corners : elements.corners) {
       for (const Vec3& p : corners) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          const Decoded d(p[axis]);
-          if (d.m != 0) unit = std::min(unit, d.exponent);
+          unit = std::min(unit, Decoded(p[axis]).exponent);
         }
       }
     }

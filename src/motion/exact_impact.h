@@ -8,12 +8,15 @@
 /// cannot decide. docs/algorithms/impact.md proves it.
 namespace limber::motion {
 
-/// What time_of_impact() promises. Pre: the preconditions of time_of_impact().
+/// The first contact, as time_of_impact() promises it for min_separation 0.
+///
+/// Pre: the coordinates and options are in range.
 ElementImpact exact_impact(const MovingElements& elements, const ElementImpactOptions& options);
 
 /// Narrows [lower, upper] around the one time between them at which the elements are in one plane, to the width that
-/// time_of_impact() promises. Pre: lower < upper; the coplanarity polynomial has
-/// opposite signs at both, and one root between them.
+/// time_of_impact() promises.
+///
+/// Pre: lower < upper; the coplanarity polynomial has opposite signs at both, and one root between them.
 void narrow_exactly(const MovingElements& elements, double time_error, double& lower, double& upper);
 
 }  // namespace limber::motion

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Pieces of the time are decided one after the other, in order. A piece that cannot be decided is halved.
-//  All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
+//
+// All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
 // Polynomials are in Bernstein form, whose coefficients bound them. The vectors u, v and w of MovingElements at a time
 // are off by 8 eps of their largest coordinate, where eps = 2^-53; volumes and areas of them by what the constants say
 // (docs/algorithms/impact.md).

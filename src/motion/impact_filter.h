@@ -6,16 +6,16 @@
 
 namespace limber::motion {
 
-/// What a filter in float64 knows about the first contact.
+/// The answer of filter_impact().
 struct FilterResult {
   enum class Verdict {
     clear,    ///< the elements do not touch up to the largest time
     contact,  ///< the first contact, not at the start, is in [lower, upper]; between these times the coplanarity
               ///< polynomial has one root, and opposite signs at both
-    unknown,  ///< the filter cannot tell. Now, and for `clear`, lower and upper mean nothing
+    unknown,  ///< the filter cannot tell
   };
   Verdict verdict = Verdict::unknown;
-  double lower = 0, upper = 0;
+  double lower = 0, upper = 0;  ///< mean something for `contact` only
 };
 
 /// Decides most pairs in float64 with bounds on all rounding: by axes along which the elements are apart, by signs of

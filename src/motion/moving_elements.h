@@ -9,9 +9,11 @@ namespace limber::motion {
 /// Two moving elements: a vertex and a face, or two edges.
 ///
 /// Both kinds touch where w = s u + r v has a solution with parameters s and r within limits. The three vectors move
-/// linearly. With corners 0 to 3:
-///   vertex p and face a, b, c    u = b - a, v = c - a, w = p - a; s >= 0, r >= 0, s + r <= 1 edges from a to b, c to d
-///   u = b - a, v = c - d (so c - r v is a point of the second edge), w = c - a; s and r in [0, 1]
+/// linearly. Let a, b, c, d be corners 0 to 3:
+///
+///   vertex a, face b, c, d       u = c - b, v = d - b, w = a - b; s >= 0, r >= 0, s + r <= 1
+///
+///   edges a to b and c to d      u = b - a, v = c - d, w = c - a; s and r in [0, 1], and c - r v is on the second edge
 struct MovingElements {
   enum class Kind { vertex_face, edge_edge };
 

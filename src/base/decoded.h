@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+namespace limber::base {
+
+/// A finite double as m 2^exponent, exact: m is odd, or 0.
+struct Decoded {
+  std::int64_t m;
+  int exponent;  ///< for 0 the largest int, so that minima ignore it
+
+  explicit Decoded(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto biased = static_cast<int>(bits >> 52 & 0x7ff);
+    std::uint64_t size = bits & (~std::uint64_t{0} >> 12);
+    if (biased != 0) size |= std::uint64_t{1} << 52;
+    const int zeros = std::countr_zero(size);
+    m = size == 0 ? 0 : static_cast<std::int64_t>(size >> zeros);
+    if (bits >> 63 != 0) m = -m;
+    exponent = m == 0 ? std::numeric_limits<int>::max() : std::max(biased, 1) - 1075 + zeros;
+  }
+
+  /// The number divided by 2^unit. Pre: it is a multiple of that.
+  template <typename Integer>
+  Integer in(int unit) const {
+    return m == 0 ? Integer(0) : Integer(Integer(m) << static_cast<unsigned>(exponent - unit));
+  }
+};
+
+}  // namespace limber::base
