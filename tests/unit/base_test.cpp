@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "base/check.h"
+#include "base/decoded.h"
 #include "base/rounding.h"
 
 namespace limber::testing {
@@ -66,6 +70,21 @@ TEST(Rounding, SumsAndDistancesErrOnTheirSide) {
   EXPECT_GE(base::distance_up({0, 0, 0}, {1e-200, 1e-200, 1e-200}), 1.7e-200);
   EXPECT_EQ(base::distance_down({0, 0, 0}, {1e-200, 0, 0}), 0);
   EXPECT_LE(base::distance_down({0, 0, 0}, {1.72e-162, 0, 0}), 1.72e-162);  // the square rounds up to a subnormal
+}
+
+TEST(Decoded, IsTheNumber) {
+  const double numbers[] = {
+      1, -1, 0.1, 6, 0x1p200, std::numeric_limits<double>::max(), 0x1p-1022, 0x1.8p-1023, 0x1p-1074, -0x1.fffp-1060};
+  for (const double x : numbers) {
+    const base::Decoded d(x);
+    EXPECT_EQ(std::ldexp(static_cast<double>(d.m), d.exponent), x);
+    EXPECT_NE(d.m % 2, 0) << x;
+    if (d.exponent < 8 && d.exponent > -8) {
+      EXPECT_EQ(d.in<std::int64_t>(-8), std::ldexp(x, 8)) << x;
+    }
+  }
+  EXPECT_EQ(base::Decoded(0).m, 0);
+  EXPECT_EQ(base::Decoded(-0.0).in<std::int64_t>(-8), 0);
 }
 
 }  // namespace
