@@ -4,18 +4,26 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <span>
 
+#include "limber/distance.h"
+#include "limber/elements.h"
 #include "limber/geometry.h"
+#include "limber/mesh.h"
+#include "limber/model.h"
 
-/// Continuous collision of two elements, a vertex and a face or two edges: whether, and when, they touch first.
+/// Continuous collision: whether, and when, two elements or two models touch first. An element is a vertex, an edge or
+/// a face; a vertex and a face may touch, or two edges.
 ///
 /// Time goes from 0, the start, to 1, the end. Vertices move on straight lines at constant speed: at time t a vertex is
 /// at (1 - t) start + t end, in exact arithmetic. Elements are closed sets. They may be degenerate or stand still.
 /// Two triangles that are apart at the start touch first where a vertex of one touches the other's face, or where two
 /// of their edges touch.
 ///
-/// All functions are pure and reentrant; none depends on the caller's floating-point environment. Few pairs of elements
-/// are left to exact arithmetic, which allocates where its numbers are long.
+/// No function depends on the caller's floating-point environment. Few pairs of elements are left to exact arithmetic,
+/// which allocates where its numbers are long.
 namespace limber {
 
 struct MovingPoint {
@@ -34,6 +42,7 @@ enum class ImpactStatus : std::uint8_t {
   clear,            ///< they do not touch up to and including the largest time
   contact,          ///< they are apart at the start and touch later
   initial_contact,  ///< they touch at the start
+  undecided,        ///< a query of models has spent its budget before it could tell; never without a budget
 };
 
 /// When two elements touch first.
@@ -74,5 +83,135 @@ LIMBER_API ElementImpact time_of_impact(const MovingPoint& point, const MovingTr
 /// The first time at which two edges touch. All else as above.
 LIMBER_API ElementImpact time_of_impact(const MovingSegment& a, const MovingSegment& b,
                                         const ElementImpactOptions& options = {});
+
+/// A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
+/// placed by one pose, to another position, placed by another pose.
+///
+/// Keeps pointers: the model and its edges must outlive it. Changing them, moving the model's vertices included, ends
+/// the motion: it has to be set again.
+///
+/// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion.
+/// Threads  Const functions, queries included, may run concurrently on one object.
+class MovingModel {
+ public:
+  /// Pre      `edges` are those of the model's mesh.
+  /// Throws   std::invalid_argument if they are those of a mesh of another size, or the model has been moved from.
+  LIMBER_API MovingModel(const Model& model, const MeshEdges& edges);
+  LIMBER_API MovingModel(MovingModel&&) noexcept;
+  LIMBER_API MovingModel& operator=(MovingModel&&) noexcept;
+  LIMBER_API ~MovingModel();
+
+  /// Sets the motion of one step.
+  ///
+  /// Frame    `end_positions` are in the model's own frame, one for each vertex.
+  /// Errors   `size_mismatch`, `non_finite`, `too_large` with the entry's index; the motion is then as before.
+  /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; std::bad_alloc, and then
+  ///          there is no motion.
+  /// Cost     O(n), on the threads of the calling oneTBB arena; about as much as moving and committing all vertices.
+  LIMBER_API Result<void> set_motion(std::span<const Vec3> end_positions, const Transform& start_pose = {},
+                                     const Transform& end_pose = {});
+
+  /// For the library's own use.
+  struct Impl;
+  LIMBER_API const Impl& impl() const;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Two elements, the first of model a and the second of model b, or two of one model.
+struct ElementPair {
+  enum class Kind : std::uint8_t {
+    vertex_face,  ///< a vertex of a and a face of b
+    face_vertex,  ///< a face of a and a vertex of b; never of one model
+    edge_edge,    ///< two edges; of one model, the one of smaller id first
+  };
+
+  Kind kind = Kind::vertex_face;
+  std::uint32_t a = no_id, b = no_id;  ///< a VertexId, a TriangleId or an EdgeId (MeshEdges), as the kind says
+
+  friend bool operator==(const ElementPair&, const ElementPair&) = default;
+};
+
+/// Which pairs count: called with pairs that may touch, before they are compared.
+using ElementPairFilter = FunctionRef<bool(const ElementPair&)>;
+
+/// Alias    Refers to the filter, which must live until the query returns: a variable, or a lambda in the call itself.
+struct ImpactOptions {
+  double max_time = 1;        ///< as in ElementImpactOptions
+  double time_error = 0;      ///< as in ElementImpactOptions
+  double min_separation = 0;  ///< as in ElementImpactOptions
+  /// Whether models that cross at the start may go on: only elements that touch count, a vertex and a face or two
+  /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start, or are
+  /// within the separation, are an `initial_contact`.
+  bool ignores_crossings = false;
+  /// Whether any contact up to max_time will do, not the first one: for "is it free until then?".
+  bool any_contact = false;
+  std::optional<ElementPairFilter> filter = std::nullopt;  ///< all pairs count without one
+  QueryBudget budget = {};                                 ///< when the query has to end
+};
+
+/// When two models touch first.
+struct ImpactResult {
+  ImpactStatus status = ImpactStatus::undecided;
+  /// As in ElementImpact. With `undecided`, no contact is before `lower`. With any_contact, the contact that was found
+  /// is before `upper`, and the first one may be anywhere between the two.
+  double lower = 0;
+  double upper = std::numeric_limits<double>::infinity();
+  /// The elements that touch in that interval. None if nothing does, or if triangles cross at the start.
+  std::optional<ElementPair> elements;
+  /// The closest points of these elements at the time `upper`, in the world, and a triangle of each; or a point that
+  /// two triangles share at the start. None if nothing touches.
+  std::optional<Witness> witness;
+  /// Of length 1: perpendicular to the face, or to both edges, at that time, and along the way on which a comes nearer
+  /// to b. 0 where there is no such direction.
+  Vec3 normal;
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `undecided`
+  QueryStats stats{};                         ///< `triangle_tests` counts the pairs of elements that were compared
+};
+
+/// The first time at which two moving models touch.
+///
+/// Promise  As time_of_impact() of elements, for vertices as placed (distance.h): the first contact is in
+///          [lower, upper], and upper - lower <= max(time_error, 2^-53). No contact is missed.
+/// Throws   std::invalid_argument unless both models have a motion that is still valid, and the options are what those
+///          of elements have to be; std::bad_alloc from exact arithmetic; whatever the filter throws.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 60 kB of stack. Allocates only in exact arithmetic.
+/// Budget   If it is spent first, the status is `undecided`: nothing touches before `lower`, and if `upper` is finite,
+///          the elements do touch by then. The test of one model for crossings at the start has no budget.
+/// Threads  Reentrant; any number of calls may share models.
+/// Source   docs/algorithms/impact.md, "Models".
+LIMBER_API ImpactResult time_of_impact(const MovingModel& a, const MovingModel& b, const ImpactOptions& options = {});
+
+/// The first time at which a moving model touches itself: two of its elements that share no vertex, by id. What crosses
+/// at the start is what self_collide() finds. All else as above.
+LIMBER_API ImpactResult self_time_of_impact(const MovingModel& model, const ImpactOptions& options = {});
+
+/// Two elements that touch.
+struct Impact {
+  ElementPair elements;
+  ElementImpact time;
+};
+
+/// Called for each pair; returns whether to go on.
+using ImpactVisitor = FunctionRef<bool(const Impact&)>;
+
+struct ImpactCount {
+  std::size_t count = 0;
+  bool is_complete = true;  ///< false if the visitor or the budget has stopped the query: there may be more
+  StoppedBy stopped_by = StoppedBy::nothing;
+  QueryStats stats{};
+};
+
+/// All pairs of elements that touch up to max_time, each once, with the first time at which they do. Crossings do not
+/// count. They come in no particular order, which depends on the models and their history alone.
+///
+/// Promise  As time_of_impact(). `ignores_crossings` and `any_contact` make no difference.
+/// Throws   As time_of_impact(); whatever the visitor throws.
+/// Cost     As time_of_impact(), plus about 1 us for each contact.
+/// Threads  Reentrant.
+LIMBER_API ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
+                                     ImpactVisitor visit);
+LIMBER_API ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit);
 
 }  // namespace limber

@@ -92,6 +92,13 @@ inline constexpr double rigidity_error = 4e-8;
 /// difference.
 inline constexpr double fan_error = 0x1p-48;
 
+// --- float64: times of moving boxes ---
+
+/// At least what one operation rounds a number by, as a part of its size, with room.
+inline constexpr double rounding_error = 0x1p-52;
+/// Quotients below may have underflowed.
+inline constexpr double tiny_time = 0x1p-1000;
+
 // --- scenes: bounds of placed models ---
 
 /// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum

@@ -20,6 +20,8 @@
 #include "kernels/find_candidates-inl.h"
 #include "kernels/find_close_elements-inl.h"
 #include "kernels/find_crossed-inl.h"
+#include "kernels/find_impact_candidates-inl.h"
+#include "kernels/find_meeting_children-inl.h"
 #include "kernels/fit_leaves-inl.h"
 #include "kernels/least_of_few-inl.h"
 #include "kernels/max_displacement-inl.h"

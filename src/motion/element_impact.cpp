@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The public functions of motion.h for elements.
+#include "motion/element_impact.h"
+
 #include <algorithm>
 #include <iterator>
 
@@ -23,6 +25,8 @@ bool are_in_range(const MovingElements& e) {
          std::all_of(std::begin(e.corners[1]), std::end(e.corners[1]), is_in_range);
 }
 
+}  // namespace
+
 ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options) {
   if (options.min_separation > 0) return separation_impact(elements, options);
   FilterResult found = filter_impact(elements, options);
@@ -37,8 +41,12 @@ ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptio
     case FilterResult::Verdict::unknown:
       break;
   }
+  // The filter looks at signs of volumes, which say nothing of elements that stay in one plane.
+  if (are_certainly_apart(elements, options.max_time)) return {};
   return exact_impact(elements, options);
 }
+
+namespace {
 
 ElementImpact checked_impact(const MovingElements& elements, const ElementImpactOptions& options) {
   LIMBER_REQUIRE(are_in_range(elements), "limber::time_of_impact: a coordinate is not finite, or above 2^200 in size");

@@ -91,7 +91,29 @@ class SeparationSearch {
     return {};
   }
 
+  /// Whether a few pieces are enough to show that the elements are apart up to the largest time.
+  bool proves_apart() const {
+    if (is_within(at(0)) || is_within(at(max_time_))) return false;
+    double ends[most_pieces];  // of the pieces that are left, the next one on top
+    std::size_t open = 0;
+    ends[open++] = max_time_;
+    double begin = 0;
+    for (std::size_t pieces = 1; open > 0; ++pieces) {
+      const double end = ends[open - 1];
+      if (are_apart(begin, end)) {
+        begin = end, --open;
+        continue;
+      }
+      const double middle = 0.5 * (begin + end);
+      if (pieces >= most_pieces || !(middle > begin && middle < end) || is_within(at(middle))) return false;
+      ends[open++] = middle;
+    }
+    return true;
+  }
+
  private:
+  // Elements that do not touch are rarely left after so many.
+  static constexpr std::size_t most_pieces = 24;
   // Halving ends at pieces of time_resolution.
   static constexpr std::size_t most_halvings = 54;
   // Elements that turn while they stay hardly beyond the separation need any number of pieces: after every so many
@@ -217,6 +239,10 @@ class SeparationSearch {
 
 ElementImpact separation_impact(const MovingElements& elements, const ElementImpactOptions& options) {
   return SeparationSearch(elements, options).run();
+}
+
+bool are_certainly_apart(const MovingElements& elements, double max_time) {
+  return SeparationSearch(elements, {max_time, 0, 0}).proves_apart();
 }
 
 }  // namespace limber::motion

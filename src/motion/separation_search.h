@@ -12,4 +12,10 @@ namespace limber::motion {
 /// Source   docs/algorithms/impact.md, "With a separation".
 ElementImpact separation_impact(const MovingElements& elements, const ElementImpactOptions& options);
 
+/// Whether the same bounds show, with little effort, that two elements do not touch up to a time. Never true where they
+/// do.
+///
+/// Pre: those of time_of_impact().
+bool are_certainly_apart(const MovingElements& elements, double max_time);
+
 }  // namespace limber::motion

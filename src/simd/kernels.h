@@ -9,6 +9,7 @@
 #include <span>
 
 #include "bvh/boxes.h"
+#include "bvh/moving_node.h"
 #include "bvh/node.h"
 #include "limber/geometry.h"
 
@@ -203,6 +204,14 @@ struct ElementCandidates {
   List<9 * width * width> edge_edge;
 };
 
+/// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`.
+struct MotionLimits {
+  double max_time, separation;
+  double unit_a, unit_b;  ///< of the leaves (bvh::MovingTree)
+  double largest_scale;   ///< by which a length may be multiplied so that either unit still is below 2^100
+  double rounding;        ///< upper bound of how much float64 changes the difference of two coordinates
+};
+
 // --- kernels ---
 
 /// Compares the children of a node with one slot of the other tree, by lower bounds of squared distances in squared
@@ -244,6 +253,17 @@ using RefineCandidates = void (*)(Candidates& candidates);
 using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                    const SelfPair* self, ElementCandidates& found);
+
+/// The children of a moving node, as a bit mask, that may come within a separation of a moving box up to a time. For
+/// each slot `first_time` becomes a lower bound of the time at which they do; above 1 if they never do.
+using FindMeetingChildren = unsigned (*)(const bvh::MovingNode& node, const bvh::MovingBox& other, double separation,
+                                         double max_time, double* first_time);
+
+/// As find_close_elements(), for two moving leaves: finds the pairs of elements that may come within the separation up
+/// to the largest time.
+using FindImpactCandidates = void (*)(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, const MotionLimits& limits,
+                                      OwnedElements owned_by_a, OwnedElements owned_by_b, const SelfPair* self,
+                                      ElementCandidates& found);
 
 /// Bounds of the distances between a point and the children of a node, and the order of the children whose bound is at
 /// most `limit`, which is finite. The numbers that are bounds, and `limit`, depend on the kernel:
@@ -336,6 +356,8 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(FindCandidates, find_candidates)                 \
   X(RefineCandidates, refine_candidates)             \
   X(FindCloseElements, find_close_elements)          \
+  X(FindMeetingChildren, find_meeting_children)      \
+  X(FindImpactCandidates, find_impact_candidates)    \
   X(BoundChildrenToPoint, bound_children_to_point)   \
   X(BoundChildrenToPoint, bound_children_along)      \
   X(BoundTrianglesToPoint, bound_triangles_to_point) \

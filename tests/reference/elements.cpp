@@ -38,6 +38,10 @@ struct Elements {
     edges.assign(all_edges.begin(), all_edges.end());
     for (const Vec3& p : placed.mesh.positions) positions.push_back(placed.pose(p));
   }
+  static bool share(const EdgeVertices& p, const EdgeVertices& q) {
+    return p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
+  }
+  bool has(TriangleId t, VertexId v) const { return std::find(faces[t].begin(), faces[t].end(), v) != faces[t].end(); }
   Triangle face(TriangleId t) const { return {positions[faces[t][0]], positions[faces[t][1]], positions[faces[t][2]]}; }
   Segment edge(EdgeId e) const { return {positions[edges[e][0]], positions[edges[e][1]]}; }
 };
@@ -46,8 +50,7 @@ void add_vertex_face(const Elements& of_vertices, const Elements& of_faces, doub
                      bool is_self, std::vector<VertexFacePair>& found) {
   for (const VertexId v : of_vertices.vertices) {
     for (TriangleId t = 0; t < of_faces.faces.size(); ++t) {
-      const Corners& c = of_faces.faces[t];
-      if (is_self && std::find(c.begin(), c.end(), v) != c.end()) continue;
+      if (is_self && of_faces.has(t, v)) continue;
       const auto [distance, weights] = geometry::closest_on(of_faces.face(t), of_vertices.positions[v]);
       if (distance <= margin) found.push_back({v, t, is_vertex_of_b, distance, weights});
     }
@@ -58,10 +61,45 @@ void add_edge_edge(const Elements& a, const Elements& b, double margin, bool is_
                    std::vector<EdgeEdgePair>& found) {
   for (EdgeId i = 0; i < a.edges.size(); ++i) {
     for (EdgeId j = is_self ? i + 1 : 0; j < b.edges.size(); ++j) {
-      const EdgeVertices &p = a.edges[i], &q = b.edges[j];
-      if (is_self && (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1])) continue;
+      if (is_self && Elements::share(a.edges[i], b.edges[j])) continue;
       const auto [distance, s, t] = geometry::closest_on(a.edge(i), b.edge(j));
       if (distance <= margin) found.push_back({i, j, distance, s, t});
+    }
+  }
+}
+
+/// Elements at the start and at the end of a motion.
+struct MotionOfElements {
+  Elements start, end;
+
+  explicit MotionOfElements(const MovingMesh& m)
+      : start({m.mesh, m.start_pose}), end({{m.end_positions, m.mesh.triangles}, m.end_pose}) {}
+  MovingPoint vertex(VertexId v) const { return {start.positions[v], end.positions[v]}; }
+  MovingTriangle face(TriangleId t) const { return {start.face(t), end.face(t)}; }
+  MovingSegment edge(EdgeId e) const { return {start.edge(e), end.edge(e)}; }
+};
+
+void add_vertex_face(const MotionOfElements& of_vertices, const MotionOfElements& of_faces, bool is_face_first,
+                     bool is_self, const ElementImpactOptions& options, std::vector<Impact>& found) {
+  for (const VertexId v : of_vertices.start.vertices) {
+    for (TriangleId t = 0; t < of_faces.start.faces.size(); ++t) {
+      if (is_self && of_faces.start.has(t, v)) continue;
+      const ElementImpact time = time_of_impact(of_vertices.vertex(v), of_faces.face(t), options);
+      if (time.status == ImpactStatus::clear) continue;
+      found.push_back({is_face_first ? ElementPair{ElementPair::Kind::face_vertex, t, v}
+                                     : ElementPair{ElementPair::Kind::vertex_face, v, t},
+                       time});
+    }
+  }
+}
+
+void add_edge_edge(const MotionOfElements& a, const MotionOfElements& b, bool is_self,
+                   const ElementImpactOptions& options, std::vector<Impact>& found) {
+  for (EdgeId i = 0; i < a.start.edges.size(); ++i) {
+    for (EdgeId j = is_self ? i + 1 : 0; j < b.start.edges.size(); ++j) {
+      if (is_self && Elements::share(a.start.edges[i], b.start.edges[j])) continue;
+      const ElementImpact time = time_of_impact(a.edge(i), b.edge(j), options);
+      if (time.status != ImpactStatus::clear) found.push_back({{ElementPair::Kind::edge_edge, i, j}, time});
     }
   }
 }
@@ -92,6 +130,23 @@ ElementPairs self_element_pairs(MeshView mesh, double margin) {
   ElementPairs found;
   add_vertex_face(elements, elements, margin, false, true, found.vertex_face);
   add_edge_edge(elements, elements, margin, true, found.edge_edge);
+  return found;
+}
+
+std::vector<Impact> impacts(const MovingMesh& a, const MovingMesh& b, const ElementImpactOptions& options) {
+  const MotionOfElements of_a(a), of_b(b);
+  std::vector<Impact> found;
+  add_vertex_face(of_a, of_b, false, false, options, found);
+  add_vertex_face(of_b, of_a, true, false, options, found);
+  add_edge_edge(of_a, of_b, false, options, found);
+  return found;
+}
+
+std::vector<Impact> self_impacts(const MovingMesh& mesh, const ElementImpactOptions& options) {
+  const MotionOfElements elements(mesh);
+  std::vector<Impact> found;
+  add_vertex_face(elements, elements, false, true, options, found);
+  add_edge_edge(elements, elements, true, options, found);
   return found;
 }
 

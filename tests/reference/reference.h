@@ -10,6 +10,7 @@
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/mesh.h"
+#include "limber/motion.h"
 #include "limber/points.h"
 #include "limber/scene.h"
 
@@ -82,6 +83,21 @@ struct ElementPairs {
 /// Cost     O(n m); O(n^2) for a mesh with itself.
 ElementPairs element_pairs(const Placed& a, const Placed& b, double margin);
 ElementPairs self_element_pairs(MeshView mesh, double margin);
+
+/// A mesh whose vertices move from their positions, placed by one pose, to others, placed by another.
+struct MovingMesh {
+  MeshView mesh;
+  std::span<const Vec3> end_positions;
+  Transform start_pose{}, end_pose{};
+};
+
+/// All pairs of elements that touch, as visit_impacts() says: vertices of a with faces of b, faces of a with vertices
+/// of b, edges, each in the order of ids.
+///
+/// Throws   As time_of_impact().
+/// Cost     O(n m); O(n^2) for a mesh with itself.
+std::vector<Impact> impacts(const MovingMesh& a, const MovingMesh& b, const ElementImpactOptions& options);
+std::vector<Impact> self_impacts(const MovingMesh& mesh, const ElementImpactOptions& options);
 
 /// The point of the mesh that is closest to a point of the world; of several triangles that are equally close, to the
 /// bit, it is that of the lowest id.

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/check.h"
+#include "bvh/tree.h"
+#include "limber/distance.h"
+#include "motion/moving_pair.h"
+#include "pair/budget_meter.h"
+#include "simd/kernels.h"
+
+namespace limber::motion {
+
+/// Offers a collector the pairs of elements of two moving models, or of one, that may touch.
+///
+/// Depth first over pairs of nodes, those that may meet first before the others. So a collector of the first impact
+/// soon knows a time after which nothing matters. A node is compared with another by their boxes at both ends of the
+/// motion; one of the two is expanded at a time. One model is compared with itself from the root down: a node with
+/// itself becomes its children with themselves and with each other.
+///
+/// Needs of a collector:
+///          double max_time() const;   // what touches later does not matter
+///          bool is_done() const;      // nothing else matters
+///          void compare(const ElementPair& pair, const MovingElements& elements);
+template <typename Collector>
+class ImpactSearch {
+ public:
+  ImpactSearch(const MovingPair& models, double separation, Collector& collector)
+      : models_(models), collector_(collector), kernels_(simd::kernels()), limits_(models.limits(separation)) {}
+
+  void run(pair::BudgetMeter& meter) {
+    push({{bvh::root_slot, bvh::root_slot}, 0});
+    for (std::uint64_t steps = 0; size_ > 0 && !collector_.is_done() && !meter.is_spent(steps); ++steps) {
+      visited_ = stack_[--size_];
+      visit(visited_);
+    }
+  }
+
+  /// A time before which none of the pairs that are left touches. A collector that is done may have left pairs of the
+  /// leaves that were compared last.
+  double first_open_time() const {
+    double first = collector_.is_done() ? std::min(collector_.max_time(), visited_.first_time) : collector_.max_time();
+    for (std::uint32_t i = 0; i < size_; ++i) first = std::min(first, stack_[i].first_time);
+    return first;
+  }
+
+  QueryStats stats{};
+
+ private:
+  struct SlotPair {
+    bvh::SlotId slot[2];
+    double first_time;  ///< a lower bound of the time at which the boxes of both meet
+  };
+
+  void push(const SlotPair& pair) {
+    LIMBER_ASSERT(size_ < capacity);
+    stack_[size_++] = pair;
+  }
+
+  void visit(const SlotPair& pair) {
+    if (pair.first_time > collector_.max_time()) return;
+    const bool is_leaf_a = bvh::has_leaf(models_.tree(Side::a), pair.slot[0]);
+    const bool is_leaf_b = bvh::has_leaf(models_.tree(Side::b), pair.slot[1]);
+    if (is_leaf_a && is_leaf_b) return compare_leaves(pair);
+    if (models_.is_self() && pair.slot[0] == pair.slot[1]) return expand_with_itself(pair.slot[0]);
+    const bool is_a_larger = models_.size_of(Side::a, pair.slot[0]) >= models_.size_of(Side::b, pair.slot[1]);
+    expand(pair, is_leaf_b || (!is_leaf_a && is_a_larger) ? Side::a : Side::b);
+  }
+
+  /// Pushes the children of one node of a pair, compared with the other node.
+  void expand(const SlotPair& pair, Side side) {
+    const std::size_t own = index(side), other = 1 - own;
+    const std::uint32_t node = bvh::child_of(models_.tree(side), pair.slot[own]);
+    const std::uint32_t begin = size_;
+    push_meeting(side, node, models_.box(pair::other(side), pair.slot[other]), ~0U, [&](bvh::SlotId child) {
+      SlotPair of_child = pair;
+      of_child.slot[own] = child;
+      return of_child;
+    });
+    earliest_last(begin);
+  }
+
+  void expand_with_itself(bvh::SlotId slot) {
+    LIMBER_ASSERT(!bvh::has_leaf(models_.tree(Side::a), slot));
+    const std::uint32_t node = bvh::child_of(models_.tree(Side::a), slot), first = node * bvh::width;
+    const std::uint32_t count = models_.tree(Side::a).nodes[node].child_count;
+    for (std::uint32_t k = 0; k < count; ++k) push({{first + k, first + k}, 0});
+    const std::uint32_t begin = size_;
+    for (std::uint32_t k = 0; k + 1 < count; ++k) {
+      const unsigned after = ~0U << (k + 1);
+      push_meeting(Side::a, node, models_.box(Side::a, first + k), after, [&](bvh::SlotId child) {
+        return SlotPair{{first + k, child}, 0};
+      });
+    }
+    earliest_last(begin);
+  }
+
+  /// Pushes pair_of(slot) for the child slots of a node, out of `which`, that may meet a box in time.
+  template <typename PairOf>
+  void push_meeting(Side side, std::uint32_t node, const bvh::MovingBox& box, unsigned which, const PairOf& pair_of) {
+    double first_time[bvh::width];
+    unsigned found = kernels_.find_meeting_children(models_.node(side, node), box, limits_.separation,
+                                                    collector_.max_time(), first_time);
+    const std::uint32_t count = models_.tree(side).nodes[node].child_count;
+    stats.node_tests += count;
+    found &= which & ((1U << count) - 1);
+    for (; found != 0; found &= found - 1) {
+      const auto k = static_cast<std::uint32_t>(std::countr_zero(found));
+      SlotPair pair = pair_of(node * bvh::width + k);
+      pair.first_time = std::max(pair.first_time, first_time[k]);
+      push(pair);
+    }
+  }
+
+  /// Sorts the pairs pushed since `begin`, so that the one that may meet first is taken first.
+  void earliest_last(std::uint32_t begin) {
+    for (std::uint32_t i = begin + 1; i < size_; ++i) {
+      const SlotPair pair = stack_[i];
+      std::uint32_t at = i;
+      for (; at > begin && stack_[at - 1].first_time < pair.first_time; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = pair;
+    }
+  }
+
+  void compare_leaves(const SlotPair& pair) {
+    const MovingLeafOf a = models_.leaf(Side::a, pair.slot[0]), b = models_.leaf(Side::b, pair.slot[1]);
+    const simd::SelfPair self{a.leaf, b.leaf};
+    limits_.max_time = collector_.max_time();
+    simd::ElementCandidates found;
+    kernels_.find_impact_candidates(a.moving, b.moving, limits_, a.owned, b.owned, models_.is_self() ? &self : nullptr,
+                                    found);
+    for_each(found.vertex_face, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
+    for_each(found.face_vertex, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
+    for_each(found.edge_edge, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+  }
+
+  template <typename Candidates, typename ElementsOf>
+  void for_each(const Candidates& candidates, const ElementsOf& elements_of) {
+    for (std::uint32_t i = 0; i < candidates.count && !collector_.is_done(); ++i) {
+      ++stats.triangle_tests;  // pairs of elements count as pairs of triangles
+      const IdentifiedElements found = elements_of(candidates.pairs[i]);
+      collector_.compare(found.pair, found.elements);
+    }
+  }
+
+  // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
+  // (2^32 triangles): 2 * 11 * 7 = 154. A node with itself adds at most 8 and 28 pairs, on each of 11 levels.
+  static constexpr std::uint32_t capacity = 154 + 11 * 36;
+
+  const MovingPair& models_;
+  Collector& collector_;
+  const simd::Kernels& kernels_;
+  simd::MotionLimits limits_;
+  SlotPair visited_{};  // last
+  SlotPair stack_[capacity];
+  std::uint32_t size_ = 0;
+};
+
+}  // namespace limber::motion

@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The public functions of motion.h for models.
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "geometry/local_frame.h"
+#include "geometry/primitives.h"
+#include "limber/contacts.h"
+#include "motion/element_impact.h"
+#include "motion/impact_search.h"
+#include "motion/moving_pair.h"
+
+namespace limber {
+namespace motion {
+namespace {
+
+ElementImpactOptions of_elements(const ImpactOptions& options) {
+  return {options.max_time, options.time_error, options.min_separation};
+}
+
+/// The collector of time_of_impact(): the first impact, or any.
+class FirstImpact {
+ public:
+  explicit FirstImpact(const ImpactOptions& options)
+      : options_(of_elements(options)), filter_(options.filter), any_(options.any_contact) {}
+
+  double max_time() const { return options_.max_time; }
+  bool is_done() const { return upper == 0 || (any_ && best); }
+
+  void compare(const ElementPair& pair, const MovingElements& elements) {
+    if (filter_ && !(*filter_)(pair)) return;
+    const ElementImpact impact = impact_of(elements, options_);
+    if (impact.status == ImpactStatus::clear) return;
+    lower = std::min(lower, impact.lower);
+    if (best && impact.upper >= upper) return;
+    upper = impact.upper, status = impact.status;
+    best = IdentifiedElements{pair, elements};
+    // What touches later than the first time at which these may touch cannot change `lower`.
+    options_.max_time = lower;
+  }
+
+  ImpactStatus status = ImpactStatus::clear;
+  double lower = std::numeric_limits<double>::infinity(), upper = lower;
+  std::optional<IdentifiedElements> best;
+
+ private:
+  ElementImpactOptions options_;
+  std::optional<ElementPairFilter> filter_;
+  bool any_;
+};
+
+/// The collector of visit_impacts().
+class AllImpacts {
+ public:
+  AllImpacts(const ImpactOptions& options, ImpactVisitor visit)
+      : options_(of_elements(options)), filter_(options.filter), visit_(visit) {}
+
+  double max_time() const { return options_.max_time; }
+  bool is_done() const { return is_stopped_; }
+
+  void compare(const ElementPair& pair, const MovingElements& elements) {
+    if (filter_ && !(*filter_)(pair)) return;
+    const ElementImpact impact = impact_of(elements, options_);
+    if (impact.status == ImpactStatus::clear) return;
+    ++count;
+    is_stopped_ = !visit_({pair, impact});
+  }
+
+  std::size_t count = 0;
+
+ private:
+  ElementImpactOptions options_;
+  std::optional<ElementPairFilter> filter_;
+  ImpactVisitor visit_;
+  bool is_stopped_ = false;
+};
+
+/// Sets elements, witness and normal of a contact, as they are at the time `upper`.
+void set_place(const MovingPair& models, const IdentifiedElements& found, bool are_separate, ImpactResult& result) {
+  Vec3 at[4], way[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 &start = found.elements.corners[0][i], &end = found.elements.corners[1][i];
+    at[i] = (1 - result.upper) * start + result.upper * end, way[i] = end - start;
+  }
+  ClosestPoints closest;
+  Vec3 normal, approach;  // of the first element to the second
+  if (found.elements.kind == MovingElements::Kind::vertex_face) {
+    const Triangle face{at[1], at[2], at[3]};
+    const Vec3 weights = geometry::closest_on(face, at[0]).weights;
+    closest = geometry::closest_points(at[0], face);
+    normal = cross(at[2] - at[1], at[3] - at[1]);
+    approach = way[0] - (weights.x * way[1] + weights.y * way[2] + weights.z * way[3]);
+  } else {
+    const Segment a{at[0], at[1]}, b{at[2], at[3]};
+    const auto [distance, s, t] = geometry::closest_on(a, b);
+    closest = geometry::closest_points(a, b);
+    normal = cross(at[1] - at[0], at[3] - at[2]);
+    approach = (1 - s) * way[0] + s * way[1] - ((1 - t) * way[2] + t * way[3]);
+  }
+  if (dot(normal, approach) < 0) normal = -normal;
+  if (are_separate && closest.distance > 0) normal = closest.point_b - closest.point_a;
+  if (found.pair.kind == ElementPair::Kind::face_vertex) {
+    std::swap(closest.point_a, closest.point_b);
+    normal = -normal;
+  }
+  const double size = geometry::safe_length(normal);
+  if (size > 0) result.normal = (1 / size) * normal;
+  result.elements = found.pair;
+  result.witness = {closest.point_a, closest.point_b, models.triangle_a(found.pair), models.triangle_b(found.pair)};
+}
+
+void check(const ImpactOptions& options, const std::string& function) {
+  LIMBER_REQUIRE(options.max_time >= 0 && options.max_time <= 1, (function + ": max_time is not in [0, 1]").c_str());
+  LIMBER_REQUIRE(options.time_error >= 0, (function + ": time_error is negative or not a number").c_str());
+  LIMBER_REQUIRE(options.min_separation >= 0 && options.min_separation <= max_coordinate,
+                 (function + ": min_separation is not in [0, 2^200]").c_str());
+}
+
+/// What is known of models that cross at the start, or may: the budget was spent before that was clear.
+ImpactResult crossing(const CollideResult& found) {
+  ImpactResult result;
+  result.stopped_by = found.stopped_by;
+  if (!found.is_yes()) return result;
+  result.status = ImpactStatus::initial_contact, result.upper = 0;
+  result.witness = found.witness;
+  return result;
+}
+
+CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& options) {
+  const MovingModel::Impl &a = models.model(Side::a), &b = models.model(Side::b);
+  if (models.is_self()) return self_collide(*a.model);
+  return collide({*a.model, a.start_pose}, {*b.model, b.start_pose}, {nullptr, options.budget});
+}
+
+ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
+  FirstImpact collector(options);
+  ImpactSearch<FirstImpact> search(models, options.min_separation, collector);
+  pair::BudgetMeter meter(options.budget);
+  search.run(meter);
+  ImpactResult result;
+  result.stats = search.stats, result.stopped_by = meter.stopped_by();
+  const bool is_undecided = result.stopped_by != StoppedBy::nothing;
+  result.status = is_undecided ? ImpactStatus::undecided : collector.status;
+  result.lower = collector.lower, result.upper = collector.upper;
+  if (is_undecided || collector.is_done()) result.lower = search.first_open_time();
+  if (collector.best) set_place(models, *collector.best, options.min_separation > 0, result);
+  return result;
+}
+
+ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options) {
+  if (options.ignores_crossings) return first_touch(models, options);
+  const CollideResult at_start = collide_at_start(models, options);
+  ImpactResult result = at_start.is_no() ? first_touch(models, options) : crossing(at_start);
+  result.stats.node_tests += at_start.stats.node_tests, result.stats.triangle_tests += at_start.stats.triangle_tests;
+  return result;
+}
+
+ImpactCount all_impacts(const MovingPair& models, const ImpactOptions& options, ImpactVisitor visit) {
+  AllImpacts collector(options, visit);
+  ImpactSearch<AllImpacts> search(models, options.min_separation, collector);
+  pair::BudgetMeter meter(options.budget);
+  search.run(meter);
+  const bool is_complete = !collector.is_done() && meter.stopped_by() == StoppedBy::nothing;
+  return {collector.count, is_complete, meter.stopped_by(), search.stats};
+}
+
+}  // namespace
+}  // namespace motion
+
+ImpactResult time_of_impact(const MovingModel& a, const MovingModel& b, const ImpactOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::time_of_impact");
+  return motion::first_impact({a, b, "limber::time_of_impact"}, options);
+}
+
+ImpactResult self_time_of_impact(const MovingModel& model, const ImpactOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::self_time_of_impact");
+  return motion::first_impact({model, model, "limber::self_time_of_impact"}, options);
+}
+
+ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
+                          ImpactVisitor visit) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::visit_impacts");
+  return motion::all_impacts({a, b, "limber::visit_impacts"}, options, visit);
+}
+
+ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::visit_self_impacts");
+  return motion::all_impacts({model, model, "limber::visit_self_impacts"}, options, visit);
+}
+
+}  // namespace limber

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion/moving_pair.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "base/check.h"
+#include "model/model_impl.h"
+
+namespace limber::motion {
+namespace {
+
+/// The tree of a moving model. Throws std::invalid_argument unless its motion is valid.
+const bvh::Tree& checked_tree(const MovingModel& moving, const char* function) {
+  const MovingModel::Impl& impl = moving.impl();
+  const bool is_valid = impl.has_motion && impl.model->is_committed() &&
+                        impl.model->impl().tree.build_id == impl.build_id &&
+                        impl.model->impl().tree.displacement == impl.displacement;
+  LIMBER_REQUIRE(is_valid,
+                 (std::string(function) + ": a model has no motion, or has changed since it was set").c_str());
+  return impl.model->impl().tree;
+}
+
+/// Where codes of simd::ElementCandidate point to.
+std::uint32_t slot_of(std::uint32_t code) { return code % bvh::width; }
+std::uint32_t corner_of(std::uint32_t code) { return code / bvh::width; }
+
+}  // namespace
+
+MovingPair::MovingPair(const MovingModel& a, const MovingModel& b, const char* function)
+    : models_{&a.impl(), &b.impl()}, trees_{&checked_tree(a, function), &checked_tree(b, function)} {}
+
+double MovingPair::size_of(Side s, bvh::SlotId slot) const {
+  const bvh::MovingNode& boxes = node(s, bvh::node_of(slot));
+  const std::uint32_t k = bvh::slot_of(slot);
+  double sum = 0;
+  for (std::uint32_t end = 0; end < bvh::motion_ends; ++end) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) sum += boxes.high[end][axis][k] - boxes.low[end][axis][k];
+  }
+  return sum;
+}
+
+MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
+  LIMBER_ASSERT(bvh::has_leaf(tree(s), slot));
+  const std::uint32_t i = bvh::child_of(tree(s), slot);
+  const bvh::Leaf& leaf = tree(s).leaves[i];
+  std::uint64_t of_slots = 0;
+  for (std::uint32_t k = 0; k < bvh::width; ++k) {
+    if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) break;  // the others repeat it
+    of_slots |= (simd::OwnedElements::is_in_use | model(s).edges->represented_by(leaf.triangle[k])) << (8 * k);
+  }
+  return {leaf, model(s).tree.leaves[i], {of_slots}};
+}
+
+simd::MotionLimits MovingPair::limits(double separation) const {
+  const bvh::MovingTree &a = models_[0]->tree, &b = models_[1]->tree;
+  const double unit = std::max(a.unit, b.unit);
+  simd::MotionLimits limits{};
+  limits.separation = separation;
+  limits.unit_a = a.unit, limits.unit_b = b.unit;
+  limits.largest_scale = 0x1p100 / unit;
+  // Corners are off by what underflows in float32, too.
+  limits.rounding = std::max(a.magnitude, b.magnitude) * 0x1p-50 + unit * 0x1p-120;
+  return limits;
+}
+
+IdentifiedElements MovingPair::vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
+                                           const MovingLeafOf& of_face, std::uint32_t face_code) const {
+  const VertexId vertex = of_vertex.leaf.vertices[slot_of(vertex_code)][corner_of(vertex_code)];
+  const TriangleId face = of_face.leaf.triangle[slot_of(face_code)];
+  IdentifiedElements found{{ElementPair::Kind::vertex_face, vertex, face}, {MovingElements::Kind::vertex_face, {}}};
+  if (!is_self() && s == Side::b) found.pair = {ElementPair::Kind::face_vertex, face, vertex};
+  set_corner(found.elements, 0, s, vertex);
+  for (std::size_t k = 0; k < 3; ++k) {
+    set_corner(found.elements, 1 + k, pair::other(s), of_face.leaf.vertices[slot_of(face_code)][k]);
+  }
+  return found;
+}
+
+IdentifiedElements MovingPair::edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
+                                         std::uint32_t code_b) const {
+  const MeshEdges &edges_a = *models_[0]->edges, &edges_b = *models_[1]->edges;
+  EdgeId id_a = edges_a.of_triangles()[a.leaf.triangle[slot_of(code_a)]][corner_of(code_a)];
+  EdgeId id_b = edges_b.of_triangles()[b.leaf.triangle[slot_of(code_b)]][corner_of(code_b)];
+  // In one model the edge of smaller id comes first, wherever the leaves are.
+  if (is_self() && id_b < id_a) std::swap(id_a, id_b);
+  IdentifiedElements found{{ElementPair::Kind::edge_edge, id_a, id_b}, {MovingElements::Kind::edge_edge, {}}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    set_corner(found.elements, k, Side::a, edges_a.vertices()[id_a][k]);
+    set_corner(found.elements, 2 + k, Side::b, edges_b.vertices()[id_b][k]);
+  }
+  return found;
+}
+
+TriangleId MovingPair::triangle_a(const ElementPair& pair) const {
+  const MeshEdges& edges = *models_[0]->edges;
+  switch (pair.kind) {
+    case ElementPair::Kind::vertex_face:
+      return edges.vertex_representatives()[pair.a];
+    case ElementPair::Kind::face_vertex:
+      return pair.a;
+    case ElementPair::Kind::edge_edge:
+      break;
+  }
+  return edges.representatives()[pair.a];
+}
+
+TriangleId MovingPair::triangle_b(const ElementPair& pair) const {
+  const MeshEdges& edges = *models_[1]->edges;
+  switch (pair.kind) {
+    case ElementPair::Kind::vertex_face:
+      return pair.b;
+    case ElementPair::Kind::face_vertex:
+      return edges.vertex_representatives()[pair.b];
+    case ElementPair::Kind::edge_edge:
+      break;
+  }
+  return edges.representatives()[pair.b];
+}
+
+}  // namespace limber::motion

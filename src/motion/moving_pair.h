@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "bvh/moving_node.h"
+#include "bvh/tree.h"
+#include "limber/motion.h"
+#include "motion/moving_elements.h"
+#include "motion/moving_model_impl.h"
+#include "pair/placed_pair.h"
+#include "simd/kernels.h"
+
+namespace limber::motion {
+
+using pair::index;
+using pair::Side;
+
+/// A leaf of a moving model, and what its triangles represent.
+struct MovingLeafOf {
+  const bvh::Leaf& leaf;
+  const bvh::MovingLeaf& moving;
+  simd::OwnedElements owned;
+};
+
+/// Two elements, by their ids and by their corners.
+struct IdentifiedElements {
+  ElementPair pair;
+  MovingElements elements;
+};
+
+/// The two moving models of a query, or one with itself. Constant while the query runs.
+class MovingPair {
+ public:
+  /// Throws   std::invalid_argument unless both models have a valid motion; `function` is named.
+  MovingPair(const MovingModel& a, const MovingModel& b, const char* function);
+
+  bool is_self() const { return models_[0] == models_[1]; }
+  const MovingModel::Impl& model(Side s) const { return *models_[index(s)]; }
+  const bvh::Tree& tree(Side s) const { return *trees_[index(s)]; }
+  const bvh::MovingNode& node(Side s, std::uint32_t i) const { return models_[index(s)]->tree.nodes[i]; }
+
+  bvh::MovingBox box(Side s, bvh::SlotId slot) const { return node(s, bvh::node_of(slot)).box(bvh::slot_of(slot)); }
+  /// The lengths of all sides of the box of a slot, at both ends. Of two nodes, the one of larger size is expanded.
+  double size_of(Side s, bvh::SlotId slot) const;
+
+  /// Pre: the slot has a leaf.
+  MovingLeafOf leaf(Side s, bvh::SlotId slot) const;
+  /// What the kernels prune; max_time is to be set.
+  simd::MotionLimits limits(double separation) const;
+
+  /// Pairs of elements of two leaves, by the codes of simd::ElementCandidate. `s` is the side of the vertex.
+  IdentifiedElements vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
+                                 const MovingLeafOf& of_face, std::uint32_t face_code) const;
+  IdentifiedElements edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
+                               std::uint32_t code_b) const;
+
+  /// A triangle that has the first element of a pair, and one that has the second.
+  TriangleId triangle_a(const ElementPair& pair) const;
+  TriangleId triangle_b(const ElementPair& pair) const;
+
+ private:
+  /// Sets a corner of two elements to a vertex of a model.
+  void set_corner(MovingElements& elements, std::size_t corner, Side s, VertexId vertex) const {
+    const MovingModel::Impl& model = *models_[index(s)];
+    elements.corners[0][corner] = model.start[vertex], elements.corners[1][corner] = model.end[vertex];
+  }
+
+  const MovingModel::Impl* models_[2];
+  const bvh::Tree* trees_[2];
+};
+
+}  // namespace limber::motion

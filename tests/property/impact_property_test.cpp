@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Times of impact of moving models against brute force over all pairs of elements: in random scenes, of two models and
+// of one with itself, on every instruction set, with separations and with budgets.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "limber/motion.h"
+#include "reference/reference.h"
+#include "simd/kernels.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+auto ids_of(const Impact& i) { return std::tuple(i.elements.kind, i.elements.a, i.elements.b); }
+auto values_of(const Impact& i) { return std::tuple(i.time.status, i.time.lower, i.time.upper); }
+auto values_of(const ImpactResult& r) {
+  const auto pair = r.elements.value_or(ElementPair{});
+  return std::tuple(r.status, r.lower, r.upper, pair.kind, pair.a, pair.b, r.stats.node_tests, r.stats.triangle_tests);
+}
+
+std::vector<Impact> in_order(std::vector<Impact> impacts) {
+  std::sort(impacts.begin(), impacts.end(), [](const Impact& p, const Impact& q) { return ids_of(p) < ids_of(q); });
+  return impacts;
+}
+
+/// Two meshes, or one that counts twice, and where they go.
+struct MovingScene {
+  Mesh mesh_a, mesh_b;
+  std::vector<Vec3> end_a, end_b;
+  Transform start_pose_a, start_pose_b, end_pose_a, end_pose_b;
+  double size;  // a length that is not small next to the meshes
+  ImpactOptions options;
+
+  ElementImpactOptions of_elements() const { return {options.max_time, options.time_error, options.min_separation}; }
+  std::vector<Impact> brute_force(const ElementImpactOptions& of_pairs) const {
+    return reference::impacts({mesh_a, end_a, start_pose_a, end_pose_a}, {mesh_b, end_b, start_pose_b, end_pose_b},
+                              of_pairs);
+  }
+  std::vector<Impact> self_brute_force(const ElementImpactOptions& of_pairs) const {
+    return reference::self_impacts({mesh_a, end_a, start_pose_a, end_pose_a}, of_pairs);
+  }
+};
+
+/// Where vertices go: far, hardly, as a whole, to lattice points, into a plane, some of them, inside out.
+std::vector<Vec3> arbitrary_motion(Rng& rng, const Mesh& mesh, double scale) {
+  const std::uint64_t kind = rng.below(9);
+  const Vec3 common = uniform_point(rng, -4, 4);
+  const double little = std::ldexp(1.0, -static_cast<int>(rng.below(40)));
+  std::vector<Vec3> end;
+  for (const Vec3& from : mesh.positions()) {
+    const Vec3 p = from * (1 / scale), own = uniform_point(rng);
+    const bool is_some = rng.below(4) == 0;
+    const auto to = [&]() -> Vec3 {
+      switch (kind) {
+        case 0:
+          return p + 4 * own;
+        case 1:
+          return p + little * own;
+        case 2:
+          return p + common;
+        case 3:  // along an axis: faces that are parallel to a plane of coordinates touch all at once
+          return p + Vec3{0, 0, std::round(common.z)};
+        case 4:
+          return {std::round(p.x + own.x), std::round(p.y + own.y), std::round(p.z + own.z)};
+        case 5:
+          return {p.x, p.y, common.z};
+        case 6:
+          return is_some ? p + own : p;
+        case 7:
+          return -p;
+        default:
+          return p;
+      }
+    };
+    end.push_back(scale * to());
+  }
+  return end;
+}
+
+MovingScene arbitrary_moving_scene(Rng& rng) {
+  const double scale = rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1;
+  const Vec3 offset = rng.below(4) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{};
+  const std::size_t most = rng.below(8) == 0 ? 100 : 20;
+  Mesh mesh_a = arbitrary_mesh(rng, most, offset, scale), mesh_b = arbitrary_mesh(rng, most, offset, scale);
+  std::vector<Vec3> end_a = arbitrary_motion(rng, mesh_a, scale), end_b = arbitrary_motion(rng, mesh_b, scale);
+  Transform poses[4];
+  for (Transform& pose : poses) {
+    if (offset == Vec3{} && rng.below(3) == 0) pose = random_pose(rng, 3);
+    pose.translation *= scale;
+  }
+  ImpactOptions options;
+  if (rng.below(3) == 0) options.max_time = rng.below(2) == 0 ? rng.uniform() : std::ldexp(1.0, -20);
+  if (rng.below(3) == 0) options.time_error = std::ldexp(1.0, -static_cast<int>(rng.below(50)));
+  return {std::move(mesh_a),
+          std::move(mesh_b),
+          std::move(end_a),
+          std::move(end_b),
+          poses[0],
+          poses[1],
+          poses[2],
+          poses[3],
+          scale,
+          options};
+}
+
+/// The queries of two models, or of one with itself.
+struct Queries {
+  Model model_a, model_b;
+  MeshEdges edges_a, edges_b;
+  MovingModel a, b;
+  bool is_self;
+
+  Queries(const MovingScene& s, bool self)
+      : model_a(s.mesh_a),
+        model_b(s.mesh_b),
+        edges_a(s.mesh_a),
+        edges_b(s.mesh_b),
+        a(model_a, edges_a),
+        b(model_b, edges_b),
+        is_self(self) {
+    a.set_motion(s.end_a, s.start_pose_a, s.end_pose_a).value();
+    b.set_motion(s.end_b, s.start_pose_b, s.end_pose_b).value();
+  }
+  ImpactResult first(const ImpactOptions& options) const {
+    return is_self ? self_time_of_impact(a, options) : time_of_impact(a, b, options);
+  }
+  std::vector<Impact> all(const ImpactOptions& options) const {
+    std::vector<Impact> found;
+    const auto visit = [&](const Impact& i) { return found.push_back(i), true; };
+    const ImpactCount count = is_self ? visit_self_impacts(a, options, visit) : visit_impacts(a, b, options, visit);
+    EXPECT_EQ(count.count, found.size());
+    EXPECT_TRUE(count.is_complete);
+    return found;
+  }
+};
+
+/// Whether the first impact is right, where all impacts are those of `truth`.
+void expect_first(const ImpactResult& found, const std::vector<Impact>& truth, double time_error) {
+  if (truth.empty()) {
+    EXPECT_EQ(found.status, ImpactStatus::clear);
+    EXPECT_EQ(found.lower, infinity);
+    EXPECT_EQ(found.upper, infinity);
+    EXPECT_FALSE(found.elements || found.witness);
+    return;
+  }
+  // The first time is at least the least lower end, and at most the least upper end.
+  double lower = infinity, upper = infinity;
+  for (const Impact& i : truth) lower = std::min(lower, i.time.lower), upper = std::min(upper, i.time.upper);
+  EXPECT_EQ(found.status, upper == 0 ? ImpactStatus::initial_contact : ImpactStatus::contact);
+  EXPECT_LE(found.lower, upper);
+  EXPECT_GE(found.upper, lower);
+  EXPECT_LE(found.upper - found.lower, std::max(time_error, 0x1p-53));
+  ASSERT_TRUE(found.elements && found.witness);
+  const auto is_found = [&](const Impact& i) { return i.elements == *found.elements; };
+  EXPECT_TRUE(std::any_of(truth.begin(), truth.end(), is_found)) << "these elements do not touch";
+}
+
+/// Whether a query that has spent its budget is right.
+void expect_interrupted(const ImpactResult& found, const std::vector<Impact>& truth) {
+  double lower = infinity, upper = infinity;
+  for (const Impact& i : truth) lower = std::min(lower, i.time.lower), upper = std::min(upper, i.time.upper);
+  EXPECT_EQ(found.stopped_by, StoppedBy::max_steps);
+  EXPECT_LE(found.lower, upper);
+  EXPECT_GE(found.upper, lower);
+  EXPECT_LE(found.lower, found.upper);
+}
+
+/// How many scenes were compared, and what they were.
+struct Totals {
+  std::size_t scenes = 0, impacts = 0, initial = 0, clear = 0, interrupted = 0;
+
+  void expect_many() const {
+    EXPECT_GT(impacts, 10 * scenes);
+    EXPECT_GT(initial, scenes / 100);
+    EXPECT_GT(clear, scenes / 10);
+    EXPECT_GT(interrupted, scenes / 20);
+  }
+};
+
+void check(Rng& rng, const MovingScene& s, const Queries& queries, const std::vector<Impact>& truth, Totals& totals) {
+  ImpactOptions options = s.options;
+  options.ignores_crossings = true;
+  const std::vector<Impact> all = queries.all(options);
+  simd::use_kernels(&simd::scalar_kernels);
+  const ImpactResult first = queries.first(options);
+  for (const simd::Kernels& set : simd::all_kernels()) {
+    simd::use_kernels(&set);
+    EXPECT_EQ(values_of(queries.first(options)), values_of(first)) << set.name;
+    EXPECT_EQ(queries.first(options).stats.triangle_tests, first.stats.triangle_tests) << set.name;
+  }
+  simd::use_kernels(nullptr);
+  const std::vector<Impact> sorted = in_order(all), expected = in_order(truth);
+  ASSERT_EQ(sorted.size(), expected.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    EXPECT_EQ(ids_of(sorted[i]), ids_of(expected[i]));
+    EXPECT_EQ(values_of(sorted[i]), values_of(expected[i]));
+  }
+  expect_first(first, truth, options.time_error);
+  options.any_contact = true;
+  const ImpactResult any = queries.first(options);
+  EXPECT_EQ(any.status == ImpactStatus::clear, truth.empty());
+  EXPECT_LE(any.lower, first.upper);
+  EXPECT_GE(any.upper, first.lower);
+  options.any_contact = false;
+  options.budget.max_steps = rng.below(40);
+  const ImpactResult short_of_steps = queries.first(options);
+  if (short_of_steps.status == ImpactStatus::undecided) {
+    expect_interrupted(short_of_steps, truth);
+    ++totals.interrupted;
+  } else {
+    EXPECT_EQ(values_of(short_of_steps), values_of(first));
+  }
+  ++totals.scenes, totals.impacts += truth.size();
+  totals.initial += first.status == ImpactStatus::initial_contact ? 1 : 0;
+  totals.clear += truth.empty() ? 1 : 0;
+}
+
+/// With a separation all impacts are those of brute force, but for elements that just come that near, up to rounding.
+void check_separation(const MovingScene& s, const Queries& queries, double separation) {
+  ImpactOptions options = s.options;
+  options.min_separation = separation;
+  ElementImpactOptions of_pairs{options.max_time, options.time_error, separation};
+  const auto brute_force = [&] { return queries.is_self ? s.self_brute_force(of_pairs) : s.brute_force(of_pairs); };
+  const std::vector<Impact> found = in_order(queries.all(options)), truth = in_order(brute_force());
+  of_pairs.min_separation = separation * (1 - 0x1p-20);
+  const std::vector<Impact> nearer = in_order(brute_force());
+  const auto by_ids = [](const Impact& p, const Impact& q) { return ids_of(p) < ids_of(q); };
+  EXPECT_TRUE(std::includes(truth.begin(), truth.end(), found.begin(), found.end(), by_ids)) << "no impact";
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), nearer.begin(), nearer.end(), by_ids)) << "one is missing";
+}
+
+void check_scenes(std::uint64_t seed, bool is_self) {
+  const char* const wanted = std::getenv("LIMBER_IMPACT_SCENES");  // more by hand than with all other tests
+  const int count = wanted == nullptr ? 100 : std::stoi(wanted);
+  Rng rng(seed);
+  Totals totals;
+  for (int i = 0; i < count && !::testing::Test::HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const MovingScene s = arbitrary_moving_scene(rng);
+    const Queries queries(s, is_self);
+    check(rng, s, queries, is_self ? s.self_brute_force(s.of_elements()) : s.brute_force(s.of_elements()), totals);
+    if (i % 8 == 0) check_separation(s, queries, s.size * std::ldexp(1.0, -static_cast<int>(rng.below(12))));
+  }
+  totals.expect_many();
+}
+
+TEST(ImpactProperty, OfTwoModelsIsThatOfBruteForce) { check_scenes(3201, false); }
+TEST(ImpactProperty, OfOneModelIsThatOfBruteForce) { check_scenes(3202, true); }
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Bounds of moving models: boxes contain what they should at both ends, and the time at which two boxes meet is never
+// overstated, next to rational arithmetic.
+#include <gmpxx.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "bvh/moving_tree.h"
+#include "bvh/tree.h"
+#include "simd/kernels.h"
+#include "support/random_scene.h"
+
+namespace limber::testing {
+namespace {
+
+/// Numbers of one kind: integers, with their last bits changed, any, or of any size.
+double some_number(Rng& rng, std::uint64_t kind) {
+  const double integer = static_cast<double>(rng.below(8)) - 4;
+  switch (kind) {
+    case 0:
+      return integer;
+    case 1:
+      return integer * (1 + static_cast<double>(rng.below(5)) * 0x1p-52);
+    case 2:
+      return rng.uniform(-4, 4);
+    default:
+      return std::ldexp(rng.uniform(-4, 4), -static_cast<int>(rng.below(1060)));
+  }
+}
+
+struct Intervals {
+  double low[2], high[2];
+};
+
+Intervals some_intervals(Rng& rng, std::uint64_t kind) {
+  Intervals i{};
+  for (int end = 0; end < 2; ++end) {
+    const double x = some_number(rng, kind), y = rng.below(3) == 0 ? x : some_number(rng, kind);
+    i.low[end] = std::min(x, y), i.high[end] = std::max(x, y);
+  }
+  return i;
+}
+
+/// The first time at which two intervals are within a separation; nothing if a gap stays open from the start on.
+std::optional<mpq_class> exact_time(const Intervals& a, const Intervals& b, double separation) {
+  mpq_class gap[2] = {mpq_class(a.low[0]) - b.high[0] - separation, mpq_class(a.low[1]) - b.high[1] - separation};
+  if (gap[0] <= 0) {
+    gap[0] = mpq_class(b.low[0]) - a.high[0] - separation, gap[1] = mpq_class(b.low[1]) - a.high[1] - separation;
+  }
+  if (gap[0] <= 0) return mpq_class(0);
+  if (gap[1] > 0) return std::nullopt;
+  return mpq_class(gap[0] / (gap[0] - gap[1]));
+}
+
+TEST(MovingBoxes, NeverMeetBeforeTheyAreSaidTo) {
+  Rng rng(3210);
+  std::size_t met = 0, tight = 0;
+  for (int i = 0; i < 20000 && !HasFailure(); ++i) {
+    const std::uint64_t kind = rng.below(4);
+    bvh::MovingNode node{};
+    bvh::MovingBox other{};
+    std::vector<std::optional<mpq_class>> exact(bvh::width, mpq_class(0));
+    const double separation = rng.below(2) == 0 ? 0 : std::abs(some_number(rng, kind));
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const Intervals b = some_intervals(rng, kind);
+      for (int end = 0; end < 2; ++end) other.low[end][axis] = b.low[end], other.high[end][axis] = b.high[end];
+      for (std::uint32_t k = 0; k < bvh::width; ++k) {
+        const Intervals a = some_intervals(rng, kind);
+        for (int end = 0; end < 2; ++end) node.low[end][axis][k] = a.low[end], node.high[end][axis][k] = a.high[end];
+        const std::optional<mpq_class> time = exact_time(a, b, separation);
+        if (!time || !exact[k]) {
+          exact[k].reset();
+        } else {
+          exact[k] = std::max(*exact[k], *time);
+        }
+      }
+    }
+    double first[bvh::width];
+    const unsigned found = simd::scalar_kernels.find_meeting_children(node, other, separation, 1, first);
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      double again[bvh::width];
+      EXPECT_EQ(set.find_meeting_children(node, other, separation, 1, again), found) << set.name;
+      EXPECT_TRUE(std::equal(first, first + bvh::width, again)) << set.name;
+    }
+    for (std::uint32_t k = 0; k < bvh::width; ++k) {
+      EXPECT_EQ((found >> k & 1) != 0, first[k] <= 1);
+      if (!exact[k]) continue;
+      EXPECT_LE(mpq_class(first[k]), *exact[k]);
+      EXPECT_GE(first[k], 0);
+      ++met, tight += first[k] >= exact[k]->get_d() * (1 - 1e-12) - 1e-300 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met, 20000U);
+  EXPECT_GT(tight * 100, met * 99);
+}
+
+TEST(MovingTree, ContainsTheModelAtBothEnds) {
+  Rng rng(3211);
+  for (int i = 0; i < 60 && !HasFailure(); ++i) {
+    const double scale = std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150);
+    const Mesh mesh = arbitrary_mesh(rng, 300, rng.below(2) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{}, scale);
+    std::vector<Vec3> end;
+    for (const Vec3& p : mesh.positions()) end.push_back(p + scale * uniform_point(rng));
+    const bvh::Tree tree = bvh::build(mesh);
+    bvh::MovingTree moving;
+    bvh::fit(moving, tree, mesh.positions(), end);
+    const std::span<const Vec3> positions[2] = {mesh.positions(), end};
+    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) {
+      for (std::uint32_t k = 0; k < tree.nodes[n].child_count; ++k) {
+        const bvh::MovingBox box = moving.nodes[n].box(k);
+        const bvh::SlotId slot = n * bvh::width + k;
+        if (!bvh::has_leaf(tree, slot)) {
+          const bvh::MovingNode& child = moving.nodes[bvh::child_of(tree, slot)];
+          for (std::uint32_t j = 0; j < bvh::width; ++j) {
+            for (int side = 0; side < 2; ++side) {
+              for (std::uint32_t axis = 0; axis < 3; ++axis) {
+                EXPECT_LE(box.low[side][axis], child.low[side][axis][j]);
+                EXPECT_GE(box.high[side][axis], child.high[side][axis][j]);
+              }
+            }
+          }
+          continue;
+        }
+        const bvh::Leaf& leaf = bvh::leaf_of(tree, slot);
+        const bvh::MovingLeaf& corners = moving.leaves[bvh::child_of(tree, slot)];
+        for (int side = 0; side < 2; ++side) {
+          for (std::uint32_t j = 0; j < bvh::width * 3; ++j) {
+            const Vec3& p = positions[side][leaf.vertices[j / 3][j % 3]];
+            for (std::uint32_t axis = 0; axis < 3; ++axis) {
+              EXPECT_TRUE(box.low[side][axis] <= p[axis] && p[axis] <= box.high[side][axis]);
+              const float corner = corners.corner[side][3 * (j % 3) + axis][j / 3];
+              EXPECT_LE(std::abs(corner), corners.extent);
+              EXPECT_NEAR(corners.center[side][axis] + moving.unit * static_cast<double>(corner), p[axis],
+                          moving.unit * static_cast<double>(corners.extent) * 0x1p-24 + moving.magnitude * 0x1p-51);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,310 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Times of impact of models: known answers, options, budgets, visitors and mistakes of callers. Random scenes are in
+// tests/property.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "limber/motion.h"
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+#include "unit/refusals.h"
+#include "unit/shapes.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+Transform shifted(const Vec3& by) { return {{}, by}; }
+
+/// A model with what its motion needs.
+struct Body {
+  Model model;
+  MeshEdges edges;
+  MovingModel moving;
+
+  explicit Body(const Mesh& mesh, const ModelOptions& options = {})
+      : model(mesh, options), edges(mesh), moving(model, edges) {
+    shift({}, {});
+  }
+  /// Goes from one place to another without a change of shape.
+  void shift(const Vec3& from, const Vec3& to) {
+    moving.set_motion(model.mesh().positions(), shifted(from), shifted(to)).value();
+  }
+};
+
+/// A cube of side 1 about the origin, and a plate of size 4 in the plane z = 0.
+Mesh cube() { return box_mesh({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}); }
+Mesh plate() { return scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3); }
+
+TEST(MovingModel, FallsOnAPlate) {
+  Body box(cube()), floor(plate());
+  box.shift({0.1, 0.2, 2.5}, {0.1, 0.2, -1.5});  // the lower face is at 2 - 4 t
+  const ImpactResult found = time_of_impact(box.moving, floor.moving);
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_LE(found.lower, 0.5);
+  EXPECT_GE(found.upper, 0.5);
+  EXPECT_LE(found.upper - found.lower, 0x1p-53);
+  ASSERT_TRUE(found.elements && found.witness);
+  EXPECT_EQ(found.normal, (Vec3{0, 0, -1}));
+  EXPECT_NEAR(length(found.witness->point_a - found.witness->point_b), 0, 1e-15);
+  EXPECT_EQ(found.witness->point_a.z, 0);
+  EXPECT_EQ(found.stopped_by, StoppedBy::nothing);
+  const ImpactResult other_way = time_of_impact(floor.moving, box.moving);
+  EXPECT_EQ(other_way.status, ImpactStatus::contact);
+  EXPECT_LE(other_way.lower, 0.5);
+  EXPECT_GE(other_way.upper, 0.5);
+  EXPECT_EQ(other_way.normal, (Vec3{0, 0, 1}));
+}
+
+TEST(MovingModel, DoesNotTunnel) {
+  Body box(scaled(cube(), 0x1p-20)), floor(plate());
+  box.shift({0.1, 0.2, 1}, {0.1, 0.2, -1e6});
+  const ImpactResult found = time_of_impact(box.moving, floor.moving);
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.upper, 1 / (1e6 + 1), 1e-9);
+}
+
+TEST(MovingModel, PassesBeside) {
+  Body box(cube()), floor(plate());
+  box.shift({2.75, 0, 2}, {2.75, 0, -2});
+  const ImpactResult found = time_of_impact(box.moving, floor.moving);
+  EXPECT_EQ(found.status, ImpactStatus::clear);
+  EXPECT_EQ(found.lower, never);
+  EXPECT_EQ(found.upper, never);
+  EXPECT_FALSE(found.elements || found.witness);
+  EXPECT_EQ(found.normal, Vec3{});
+}
+
+TEST(MovingModel, ThatCrossesAtTheStartIsSaidSo) {
+  Body needle(small_mesh({{0.1, 0.2, 1}, {0.15, 0.2, 1}, {0.1, 0.2, -1}}, {{0, 1, 2}})), floor(plate());
+  needle.shift({}, {0, 0, 1.5});
+  const ImpactResult found = time_of_impact(needle.moving, floor.moving);
+  EXPECT_EQ(found.status, ImpactStatus::initial_contact);
+  EXPECT_EQ(found.lower, 0);
+  EXPECT_EQ(found.upper, 0);
+  EXPECT_FALSE(found.elements);
+  ASSERT_TRUE(found.witness);
+  EXPECT_EQ(found.witness->point_a, found.witness->point_b);
+  // No edge of the plate is crossed: an element touches another where the tip leaves the plate.
+  const ImpactResult later = time_of_impact(needle.moving, floor.moving, {.ignores_crossings = true});
+  EXPECT_EQ(later.status, ImpactStatus::contact);
+  EXPECT_NEAR(later.upper, 2.0 / 3, 1e-15);
+  ASSERT_TRUE(later.elements);
+  EXPECT_EQ(later.elements->kind, ElementPair::Kind::vertex_face);
+  EXPECT_EQ(later.elements->a, 2U);
+  needle.shift({}, {0, 0, 0.5});
+  EXPECT_EQ(time_of_impact(needle.moving, floor.moving, {.ignores_crossings = true}).status, ImpactStatus::clear);
+}
+
+TEST(MovingModel, ThatTouchesAtTheStartIsSaidSo) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 0.5}, {0, 0, 1});
+  for (const bool ignores_crossings : {false, true}) {
+    const ImpactResult found = time_of_impact(box.moving, floor.moving, {.ignores_crossings = ignores_crossings});
+    EXPECT_EQ(found.status, ImpactStatus::initial_contact);
+    EXPECT_EQ(found.upper, 0);
+  }
+}
+
+TEST(MovingModel, KeepsASeparation) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 2.5}, {0, 0, -1.5});
+  const ImpactResult found = time_of_impact(box.moving, floor.moving, {.min_separation = 0.5});
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.upper, 0.375, 1e-12);
+  ASSERT_TRUE(found.witness);
+  EXPECT_NEAR(found.witness->point_a.z, 0.5, 1e-11);
+  EXPECT_EQ(found.witness->point_b.z, 0);
+  EXPECT_NEAR(found.normal.z, -1, 1e-14);
+  box.shift({0, 0, 0.9}, {0, 0, 2});
+  EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.min_separation = 0.5}).status, ImpactStatus::initial_contact);
+}
+
+TEST(MovingModel, IsAskedUpToATime) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 2.5}, {0, 0, -1.5});
+  EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.max_time = std::nextafter(0.5, 0)}).status, ImpactStatus::clear);
+  EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.max_time = 0.5}).status, ImpactStatus::contact);
+  const ImpactResult any = time_of_impact(box.moving, floor.moving, {.any_contact = true});
+  EXPECT_EQ(any.status, ImpactStatus::contact);
+  EXPECT_LE(any.lower, 0.5);
+  EXPECT_GE(any.upper, 0.5);
+  ASSERT_TRUE(any.elements);
+}
+
+TEST(MovingModel, TurnsByItsPoses) {
+  // Vertices move on straight lines: a rod that turns by half a turn shrinks to a point in the middle, and passes over
+  // whatever is beside that point.
+  Body rod(small_mesh({{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}));
+  Body post(small_mesh({{0, 0, -1}, {0, 0, 1}, {0, 0, 1}}, {{0, 1, 2}}));
+  const Mat3 half_turn{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+  rod.moving.set_motion(rod.model.mesh().positions(), shifted({0, 1, 0}), {half_turn, {0, -1, 0}}).value();
+  const ImpactResult found = time_of_impact(rod.moving, post.moving);
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_EQ(found.upper, 0.5);
+}
+
+TEST(MovingModel, FoldsOnItself) {
+  // Two triangles with a common edge, one of which folds over onto the other.
+  Body book(small_mesh({{0, 0, 0}, {0, 1, 0}, {1, 0.25, 0}, {-1, 0.25, 0}}, {{0, 1, 2}, {1, 0, 3}}));
+  std::vector<Vec3> end(book.model.mesh().positions().begin(), book.model.mesh().positions().end());
+  end[3] = {0.5, 0.25, 0};
+  EXPECT_EQ(self_time_of_impact(book.moving).status, ImpactStatus::clear);
+  book.moving.set_motion(end).value();
+  const ImpactResult found = self_time_of_impact(book.moving);
+  EXPECT_EQ(found.status, ImpactStatus::contact);  // where the third vertex reaches the common edge
+  EXPECT_LE(found.lower, 2.0 / 3);
+  EXPECT_GE(found.upper, 2.0 / 3);
+  EXPECT_EQ(found.elements, (ElementPair{ElementPair::Kind::vertex_face, 3, 0}));
+}
+
+TEST(MovingModel, CountsWhatAFilterLetsPass) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 2.5}, {0, 0, -1.5});
+  const auto no_edges = [](const ElementPair& p) { return p.kind != ElementPair::Kind::edge_edge; };
+  const auto found = time_of_impact(box.moving, floor.moving, {.filter = no_edges});
+  ASSERT_TRUE(found.elements);
+  EXPECT_NE(found.elements->kind, ElementPair::Kind::edge_edge);
+  const auto nothing = [](const ElementPair&) { return false; };
+  EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.filter = nothing}).status, ImpactStatus::clear);
+  EXPECT_EQ(visit_impacts(box.moving, floor.moving, {.filter = nothing}, [](const Impact&) { return true; }).count, 0U);
+}
+
+TEST(MovingModel, IsVisitedUntilTheVisitorStops) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 2.5}, {0, 0, -1.5});
+  std::vector<Impact> all;
+  const ImpactCount count =
+      visit_impacts(box.moving, floor.moving, {}, [&](const Impact& i) { return all.push_back(i), true; });
+  EXPECT_TRUE(count.is_complete);
+  EXPECT_EQ(count.count, all.size());
+  EXPECT_GT(all.size(), 8U);  // each vertex passes through the plate, and vertical edges cross the plate's edges or not
+  const ImpactCount few = visit_impacts(box.moving, floor.moving, {}, [](const Impact&) { return false; });
+  EXPECT_EQ(few.count, 1U);
+  EXPECT_FALSE(few.is_complete);
+}
+
+TEST(MovingModel, StopsWhenItsBudgetIsSpent) {
+  Body box(cube()), floor(plate());
+  box.shift({0, 0, 2.5}, {0, 0, -1.5});
+  const std::atomic<bool> cancelled{true};
+  for (const QueryBudget& budget : {QueryBudget{.max_steps = 0}, QueryBudget{.cancel = &cancelled}}) {
+    for (const bool ignores_crossings : {false, true}) {
+      const ImpactResult found =
+          time_of_impact(box.moving, floor.moving, {.ignores_crossings = ignores_crossings, .budget = budget});
+      EXPECT_EQ(found.status, ImpactStatus::undecided);
+      EXPECT_EQ(found.stopped_by, budget.cancel != nullptr ? StoppedBy::cancel : StoppedBy::max_steps);
+      EXPECT_EQ(found.lower, 0);
+      EXPECT_EQ(found.upper, never);
+    }
+    const ImpactCount count =
+        visit_impacts(box.moving, floor.moving, {.budget = budget}, [](const Impact&) { return true; });
+    EXPECT_FALSE(count.is_complete);
+    EXPECT_NE(count.stopped_by, StoppedBy::nothing);
+  }
+}
+
+TEST(MovingModel, ThatStandsStillTouchesNothing) {
+  Body a(scenes::ball(8, 6)), b(scenes::ball(8, 6));
+  a.shift({3, 0, 0}, {3, 0, 0});
+  EXPECT_EQ(time_of_impact(a.moving, b.moving).status, ImpactStatus::clear);
+  EXPECT_EQ(self_time_of_impact(a.moving).status, ImpactStatus::clear);
+}
+
+class MovingModelMisuse : public ::testing::Test {
+ protected:
+  Body box_{cube()}, floor_{plate()};
+};
+
+TEST_F(MovingModelMisuse, OfPositionsIsAnError) {
+  box_.shift({0, 0, 2.5}, {0, 0, -1.5});
+  std::vector<Vec3> end(8);
+  end[5].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(box_.moving.set_motion(end).error().code, ErrorCode::non_finite);
+  EXPECT_EQ(box_.moving.set_motion(end).error().where, 5U);
+  end[5].y = 0x1p201;
+  EXPECT_EQ(box_.moving.set_motion(end).error().code, ErrorCode::too_large);
+  end.pop_back();
+  EXPECT_EQ(box_.moving.set_motion(end).error().code, ErrorCode::size_mismatch);
+  EXPECT_EQ(time_of_impact(box_.moving, floor_.moving).status, ImpactStatus::contact);  // the motion is as before
+}
+
+TEST_F(MovingModelMisuse, OfPosesAndEdgesIsRefused) {
+  const Transform bad{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+  const auto positions = box_.model.mesh().positions();
+  for (const auto& [start, end] : {std::pair(bad, Transform{}), std::pair(Transform{}, bad)}) {
+    EXPECT_TRUE(is_refused([&, s = start, e = end] { static_cast<void>(box_.moving.set_motion(positions, s, e)); },
+                           {"limber::MovingModel::set_motion", "rigid"}));
+  }
+  EXPECT_TRUE(is_refused([&] { MovingModel(box_.model, floor_.edges); }, {"limber::MovingModel", "edges"}));
+}
+
+TEST_F(MovingModelMisuse, OfAMotionThatHasEndedIsRefused) {
+  const auto ask = [&] { static_cast<void>(time_of_impact(box_.moving, floor_.moving)); };
+  const auto visit = [](const Impact&) { return true; };
+  const VertexId moved[] = {0};
+  const Vec3 to[] = {{-0.6, -0.6, -0.6}};
+  box_.model.move_vertices(moved, to).value();
+  EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(box_.moving.set_motion(box_.model.mesh().positions())); },
+                         {"limber::MovingModel::set_motion", "commit"}));
+  box_.model.commit();
+  EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(box_.moving)); },
+                         {"limber::self_time_of_impact", "motion"}));
+  EXPECT_TRUE(is_refused([&] { visit_impacts(floor_.moving, box_.moving, {}, visit); }, {"limber::visit_impacts"}));
+  EXPECT_TRUE(is_refused([&] { visit_self_impacts(box_.moving, {}, visit); }, {"limber::visit_self_impacts"}));
+  box_.shift({}, {});
+  ask();
+  box_.model.rebuild();
+  EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
+  box_.model.reset(plate());
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(box_.moving.set_motion(box_.model.mesh().positions())); },
+                         {"limber::MovingModel::set_motion", "mesh"}));
+}
+
+TEST_F(MovingModelMisuse, OfNoMotionIsRefused) {
+  const MovingModel still(box_.model, box_.edges);
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(still)); }, {"motion"}));
+  MovingModel gone(box_.model, box_.edges);
+  const MovingModel here = std::move(gone);
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(gone)); }, {"moved from"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(gone.set_motion({})); }, {"moved from"}));
+}
+
+TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::pair<const char*, ImpactOptions> bad[] = {{"max_time", {.max_time = -0x1p-60}},
+                                                       {"max_time", {.max_time = std::nextafter(1.0, 2)}},
+                                                       {"max_time", {.max_time = nan}},
+                                                       {"time_error", {.time_error = -1}},
+                                                       {"time_error", {.time_error = nan}},
+                                                       {"min_separation", {.min_separation = -1}},
+                                                       {"min_separation", {.min_separation = nan}},
+                                                       {"min_separation", {.min_separation = never}}};
+  const auto visit = [](const Impact&) { return true; };
+  for (const auto& [what, options] : bad) {
+    const ImpactOptions& o = options;
+    const MovingModel &a = box_.moving, &b = floor_.moving;
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(a, b, o)); }, {"limber::time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(a, o)); }, {"self_time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { visit_impacts(a, b, o, visit); }, {"limber::visit_impacts", what}));
+    EXPECT_TRUE(is_refused([&] { visit_self_impacts(a, o, visit); }, {"limber::visit_self_impacts", what}));
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
