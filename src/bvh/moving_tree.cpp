@@ -16,7 +16,7 @@ namespace limber::bvh {
 namespace {
 
 // Fewer nodes are not worth a task.
-constexpr std::size_t nodes_per_task = 16;
+constexpr std::size_t moving_nodes_per_task = 16;
 
 /// What positions span along the axes, at both ends.
 struct Range {
@@ -45,7 +45,7 @@ class MovingFit {
     for (std::size_t level = tree_.lowest_level() + 1; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       const bool is_lowest = level == tree_.lowest_level();
-      base::parallel_for(end - begin, nodes_per_task, [&](std::size_t i) {
+      base::parallel_for(end - begin, moving_nodes_per_task, [&](std::size_t i) {
         const auto node = static_cast<std::uint32_t>(begin + i);
         is_lowest ? fit_lowest(node) : fit_upper(node);
       });

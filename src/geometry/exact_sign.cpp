@@ -20,33 +20,12 @@
 
 #include "base/check.h"
 #include "base/decoded.h"
+#include "base/error_free.h"
 
 namespace limber::geometry {
 namespace {
 
-struct Pair {
-  double high, low;  // high + low is exact, high is the rounded result
-};
-
-Pair two_sum(double a, double b) {
-  const double sum = a + b;
-  const double b_virtual = sum - a;
-  const double a_virtual = sum - b_virtual;
-  return {sum, (a - a_virtual) + (b - b_virtual)};
-}
-
-Pair split(double a) {
-  const double c = 0x1.0000002p27 * a;  // 2^27 + 1
-  const double high = c - (c - a);
-  return {high, a - high};
-}
-
-Pair two_product(double a, double b) {
-  const double product = a * b;
-  const Pair x = split(a), y = split(b);
-  const double error = ((x.high * y.high - product) + x.high * y.low + x.low * y.high) + x.low * y.low;
-  return {product, error};
-}
+using base::DoublePair;
 
 /// A sum of at most `capacity` non-overlapping doubles in increasing magnitude; none of them is zero.
 template <std::size_t capacity>
@@ -55,7 +34,7 @@ class Expansion {
   void add(double value) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < size_; ++i) {
-      const Pair s = two_sum(value, terms_[i]);
+      const DoublePair s = base::two_sum(value, terms_[i]);
       value = s.high;
       if (s.low != 0) terms_[kept++] = s.low;
     }
@@ -75,7 +54,7 @@ class Expansion {
   void add_product(const Expansion<left>& a, const Expansion<right>& b, double sign = 1) {
     for (std::size_t i = 0; i < a.size(); ++i) {
       for (std::size_t j = 0; j < b.size(); ++j) {
-        const Pair p = two_product(a[i], b[j]);
+        const DoublePair p = base::two_product(a[i], b[j]);
         if (p.low != 0) add(sign * p.low);
         add(sign * p.high);
       }
@@ -93,7 +72,7 @@ class Expansion {
 
 Expansion<2> difference(double a, double b) {
   Expansion<2> e;
-  const Pair d = two_sum(a, -b);
+  const DoublePair d = base::two_sum(a, -b);
   if (d.low != 0) e.add(d.low);
   e.add(d.high);
   return e;

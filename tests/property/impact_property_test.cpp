@@ -22,7 +22,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double no_time = std::numeric_limits<double>::infinity();
 
 auto ids_of(const Impact& i) { return std::tuple(i.elements.kind, i.elements.a, i.elements.b); }
 auto values_of(const Impact& i) { return std::tuple(i.time.status, i.time.lower, i.time.upper); }
@@ -117,13 +117,13 @@ MovingScene arbitrary_moving_scene(Rng& rng) {
 }
 
 /// The queries of two models, or of one with itself.
-struct Queries {
+struct ImpactQueries {
   Model model_a, model_b;
   MeshEdges edges_a, edges_b;
   MovingModel a, b;
   bool is_self;
 
-  Queries(const MovingScene& s, bool self)
+  ImpactQueries(const MovingScene& s, bool self)
       : model_a(s.mesh_a),
         model_b(s.mesh_b),
         edges_a(s.mesh_a),
@@ -151,13 +151,13 @@ struct Queries {
 void expect_first(const ImpactResult& found, const std::vector<Impact>& truth, double time_error) {
   if (truth.empty()) {
     EXPECT_EQ(found.status, ImpactStatus::clear);
-    EXPECT_EQ(found.lower, infinity);
-    EXPECT_EQ(found.upper, infinity);
+    EXPECT_EQ(found.lower, no_time);
+    EXPECT_EQ(found.upper, no_time);
     EXPECT_FALSE(found.elements || found.witness);
     return;
   }
   // The first time is at least the least lower end, and at most the least upper end.
-  double lower = infinity, upper = infinity;
+  double lower = no_time, upper = no_time;
   for (const Impact& i : truth) lower = std::min(lower, i.time.lower), upper = std::min(upper, i.time.upper);
   EXPECT_EQ(found.status, upper == 0 ? ImpactStatus::initial_contact : ImpactStatus::contact);
   EXPECT_LE(found.lower, upper);
@@ -170,7 +170,7 @@ void expect_first(const ImpactResult& found, const std::vector<Impact>& truth, d
 
 /// Whether a query that has spent its budget is right.
 void expect_interrupted(const ImpactResult& found, const std::vector<Impact>& truth) {
-  double lower = infinity, upper = infinity;
+  double lower = no_time, upper = no_time;
   for (const Impact& i : truth) lower = std::min(lower, i.time.lower), upper = std::min(upper, i.time.upper);
   EXPECT_EQ(found.stopped_by, StoppedBy::max_steps);
   EXPECT_LE(found.lower, upper);
@@ -179,7 +179,7 @@ void expect_interrupted(const ImpactResult& found, const std::vector<Impact>& tr
 }
 
 /// How many scenes were compared, and what they were.
-struct Totals {
+struct ImpactTotals {
   std::size_t scenes = 0, impacts = 0, initial = 0, clear = 0, interrupted = 0;
 
   void expect_many() const {
@@ -190,7 +190,8 @@ struct Totals {
   }
 };
 
-void check(Rng& rng, const MovingScene& s, const Queries& queries, const std::vector<Impact>& truth, Totals& totals) {
+void check(Rng& rng, const MovingScene& s, const ImpactQueries& queries, const std::vector<Impact>& truth,
+           ImpactTotals& totals) {
   ImpactOptions options = s.options;
   options.ignores_crossings = true;
   const std::vector<Impact> all = queries.all(options);
@@ -229,7 +230,7 @@ void check(Rng& rng, const MovingScene& s, const Queries& queries, const std::ve
 }
 
 /// With a separation all impacts are those of brute force, but for elements that just come that near, up to rounding.
-void check_separation(const MovingScene& s, const Queries& queries, double separation) {
+void check_separation(const MovingScene& s, const ImpactQueries& queries, double separation) {
   ImpactOptions options = s.options;
   options.min_separation = separation;
   ElementImpactOptions of_pairs{options.max_time, options.time_error, separation};
@@ -244,13 +245,13 @@ void check_separation(const MovingScene& s, const Queries& queries, double separ
 
 void check_scenes(std::uint64_t seed, bool is_self) {
   const char* const wanted = std::getenv("LIMBER_IMPACT_SCENES");  // more by hand than with all other tests
-  const int count = wanted == nullptr ? 100 : std::stoi(wanted);
+  const int count = wanted == nullptr ? 60 : std::stoi(wanted);
   Rng rng(seed);
-  Totals totals;
+  ImpactTotals totals;
   for (int i = 0; i < count && !::testing::Test::HasFailure(); ++i) {
     SCOPED_TRACE(i);
     const MovingScene s = arbitrary_moving_scene(rng);
-    const Queries queries(s, is_self);
+    const ImpactQueries queries(s, is_self);
     check(rng, s, queries, is_self ? s.self_brute_force(s.of_elements()) : s.brute_force(s.of_elements()), totals);
     if (i % 8 == 0) check_separation(s, queries, s.size * std::ldexp(1.0, -static_cast<int>(rng.below(12))));
   }

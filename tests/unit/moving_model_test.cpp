@@ -21,7 +21,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double no_time = std::numeric_limits<double>::infinity();
 
 Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
   return Mesh::create(std::move(positions), std::move(triangles)).value();
@@ -82,8 +82,8 @@ TEST(MovingModel, PassesBeside) {
   box.shift({2.75, 0, 2}, {2.75, 0, -2});
   const ImpactResult found = time_of_impact(box.moving, floor.moving);
   EXPECT_EQ(found.status, ImpactStatus::clear);
-  EXPECT_EQ(found.lower, never);
-  EXPECT_EQ(found.upper, never);
+  EXPECT_EQ(found.lower, no_time);
+  EXPECT_EQ(found.upper, no_time);
   EXPECT_FALSE(found.elements || found.witness);
   EXPECT_EQ(found.normal, Vec3{});
 }
@@ -208,7 +208,7 @@ TEST(MovingModel, StopsWhenItsBudgetIsSpent) {
       EXPECT_EQ(found.status, ImpactStatus::undecided);
       EXPECT_EQ(found.stopped_by, budget.cancel != nullptr ? StoppedBy::cancel : StoppedBy::max_steps);
       EXPECT_EQ(found.lower, 0);
-      EXPECT_EQ(found.upper, never);
+      EXPECT_EQ(found.upper, no_time);
     }
     const ImpactCount count =
         visit_impacts(box.moving, floor.moving, {.budget = budget}, [](const Impact&) { return true; });
@@ -294,7 +294,7 @@ TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
                                                        {"time_error", {.time_error = nan}},
                                                        {"min_separation", {.min_separation = -1}},
                                                        {"min_separation", {.min_separation = nan}},
-                                                       {"min_separation", {.min_separation = never}}};
+                                                       {"min_separation", {.min_separation = no_time}}};
   const auto visit = [](const Impact&) { return true; };
   for (const auto& [what, options] : bad) {
     const ImpactOptions& o = options;
