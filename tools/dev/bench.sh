@@ -17,6 +17,8 @@
 #:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj. MeshLib takes part with
 #:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
 #:                  accepts that license
+#: bench motion F   how far moving meshes can go, next to the IPC Toolkit from PyPI; F is a folder with cloth_ball_92.ply,
+#:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -166,6 +168,22 @@ bench_contacts() {
   run_bench contacts --meshes "$1" "${theirs[@]}" "${@:2}"
 }
 
+bench_motion() {
+  local theirs=()
+  (($#)) || die "bench motion: which folder has the meshes? See ./dev help"
+  need build io program points
+  build_benches motion
+  if (python_environment peers ../bench/contacts/requirements.txt); then
+    say "running the IPC Toolkit"
+    PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" "$root/bench/motion/ipc_steps.py" "$1" --out "$results" \
+      </dev/null
+    theirs=(--peers "$results/motion_peers.csv")
+  else
+    say "the IPC Toolkit is left out: PyPI's could not be installed"
+  fi
+  run_bench motion --meshes "$1" "${theirs[@]}" "${@:2}"
+}
+
 bench_scene() {
   need build io program peers
   build_benches scene
@@ -185,8 +203,9 @@ case $name in
   haptics) bench_haptics "${@:2}" ;;
   against) bench_against "${@:2}" ;;
   contacts) bench_contacts "${@:2}" ;;
+  motion) bench_motion "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, scene" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, scene" ;;
 esac
 say "results are in $results"
