@@ -4,9 +4,9 @@
 // A sheet sinks onto a ball and hangs down around it. It passes neither through the ball nor through itself: after
 // every step the program asks for all intersections, and fails if there is one.
 //
-// Each step asks for all pairs of triangles that are close. They bound how far each vertex may move: triangles that are
-// d apart, and whose vertices move by less than d / 2, cannot meet. These are the displacement bounds of Offset
-// Geometric Contact [Chen2025].
+// Each step limits how far each vertex may go: elements that are d apart, and of which one's vertices go no farther
+// than x and the other's no farther than d - x, cannot meet. These are the displacement bounds of Offset Geometric
+// Contact [Chen2025].
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,9 +20,8 @@ namespace {
 using limber::Vec3;
 
 constexpr std::uint32_t squares = 32;
-constexpr double margin = 0.06;  // pairs that are farther apart allow as much motion as those at this distance
-constexpr double gap = 0.02;     // at which the ball stops the sheet
-constexpr double share = 0.45;   // of a gap that either side may use up in a step
+constexpr double gap = 0.02;         // at which the ball stops the sheet
+constexpr double separation = 1e-4;  // that is always kept
 
 /// Where vertices would go without contacts: down, and to the distances that neighbors in the grid have in the flat
 /// sheet.
@@ -40,27 +39,26 @@ std::vector<Vec3> wanted_moves(const std::vector<Vec3>& flat, const std::vector<
   return moves;
 }
 
-/// Takes what goes into the body out of the moves, and shortens them until nothing can meet. Triangles that share a
-/// vertex are no pairs unless they meet: what keeps them apart here is that the sheet hardly folds.
-void limit(const limber::Model& sheet, const limber::Model& body, std::vector<Vec3>& moves) {
-  const limber::Mesh& mesh = sheet.mesh();
-  std::vector<double> reach(moves.size(), share * margin);
-  const auto bound = [&](limber::TriangleId triangle, double most) {
-    for (const limber::VertexId v : mesh.triangles()[triangle]) reach[v] = std::min(reach[v], most);
-  };
-  limber::visit_contacts({sheet}, {body}, margin, [&](const limber::Contact& contact) {
-    bound(contact.triangle_a, 2 * share * contact.distance);  // the body stands still
-    if (contact.distance > gap) return true;
-    for (const limber::VertexId v : mesh.triangles()[contact.triangle_a]) {
+/// A body and its edges.
+struct Body {
+  limber::Model model;
+  limber::MeshEdges edges;
+
+  explicit Body(const limber::Mesh& mesh) : model(mesh), edges(mesh) {}
+};
+
+/// Takes what goes into the ball out of the moves, and shortens them until nothing can meet.
+void limit(const Body& sheet, const Body& ball, std::vector<Vec3>& moves) {
+  limber::visit_contacts({sheet.model}, {ball.model}, gap, [&](const limber::Contact& contact) {
+    for (const limber::VertexId v : sheet.model.mesh().triangles()[contact.triangle_a]) {
       moves[v] -= std::max(0.0, dot(moves[v], contact.normal)) * contact.normal;
     }
     return true;
   });
-  limber::visit_self_contacts(sheet, margin, [&](const limber::Contact& contact) {
-    bound(contact.triangle_a, share * contact.distance);
-    bound(contact.triangle_b, share * contact.distance);
-    return true;
-  });
+  std::vector<double> reach;
+  for (const Vec3& move : moves) reach.push_back(length(move));
+  limber::limit_displacements({sheet.model}, sheet.edges, {ball.model}, ball.edges, separation, reach);
+  limber::limit_self_displacements(sheet.model, sheet.edges, separation, reach);
   for (std::size_t v = 0; v < moves.size(); ++v) {
     const double wanted = length(moves[v]);
     if (wanted > reach[v]) moves[v] *= reach[v] / wanted;
@@ -71,24 +69,26 @@ void limit(const limber::Model& sheet, const limber::Model& body, std::vector<Ve
 
 int main() {
   const limber::Mesh flat = shapes::sheet(squares, 3);
-  const limber::Model ball(shapes::ball(32));
+  const Body ball(shapes::ball(32));
   std::vector<Vec3> positions = flat.positions();
   for (Vec3& p : positions) p.z += 1.2;
-  limber::Model sheet(limber::Mesh::create(positions, flat.triangles()).value());
+  Body sheet(limber::Mesh::create(positions, flat.triangles()).value());
 
   std::size_t meeting = 0;
   for (int step = 1; step <= 400; ++step) {
     std::vector<Vec3> moves = wanted_moves(flat.positions(), positions);
     limit(sheet, ball, moves);
     for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += moves[v];
-    sheet.move_all(positions).value();
-    sheet.commit();
-    meeting += limber::intersections({sheet}, {ball}, {}).count + limber::self_intersections(sheet, {}).count;
+    sheet.model.move_all(positions).value();
+    sheet.model.commit();
+    meeting += limber::intersections({sheet.model}, {ball.model}, {}).count +
+               limber::self_intersections(sheet.model, {}).count;
     if (step % 100 == 0) {
       std::printf("step %d: a corner is %.3f high, %.4f above the ball, %zu intersections so far\n", step,
-                  positions.front().z, limber::distance({sheet}, {ball}).upper, meeting);
+                  positions.front().z, limber::distance({sheet.model}, {ball.model}).upper, meeting);
     }
   }
-  const bool lies_on_the_ball = limber::within({sheet}, {ball}, margin).is_yes() && positions.front().z < 0.5;
+  const bool lies_on_the_ball =
+      limber::within({sheet.model}, {ball.model}, 2 * gap).is_yes() && positions.front().z < 0.5;
   return meeting == 0 && lies_on_the_ball ? 0 : 1;
 }

@@ -214,4 +214,52 @@ LIMBER_API ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b,
                                      ImpactVisitor visit);
 LIMBER_API ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit);
 
+/// Called for each pair that may touch; returns whether to go on.
+using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
+
+/// The pairs of elements that may come within min_separation of each other up to max_time, each once, for solvers that
+/// compare elements themselves: all that do, and few others. Bounds follow each vertex on its way, so it does not
+/// matter how far others go.
+///
+/// Promise  None that does is missed. time_error, `ignores_crossings` and `any_contact` make no difference.
+/// Throws   As visit_impacts().
+/// Cost     As time_of_impact() without comparing elements. Allocates nothing.
+/// Threads  Reentrant.
+LIMBER_API ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
+                                               ImpactCandidateVisitor visit);
+LIMBER_API ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
+                                                    ImpactCandidateVisitor visit);
+
+// --- steps for solvers ---
+
+/// How far a solver may go along a motion: a share of the way to the first contact, or all of it if nothing touches.
+/// The share is not a part of any answer: those have bounds of their own.
+///
+/// Pre      `found` is the answer for that max_time; `share` is below 1, so that nothing touches after the step.
+inline double conservative_step(const ImpactResult& found, double max_time = 1, double share = 0.9) {
+  return found.status == ImpactStatus::clear ? max_time : share * found.lower;
+}
+
+/// Limits how far each vertex may go, on whatever path, so that no two elements of a model that share no vertex come
+/// nearer than a separation.
+///
+/// Shape    `displacements` has a number for each vertex: how far it would like to go, finite and >= 0. Those that are
+///          too large for safety are made smaller, so calls for a model with itself and with others add up.
+/// Promise  If no vertex goes farther than its number says, elements that are at least the separation apart stay so all
+///          the way. Vertices of elements that are nearer get 0. Rounded down.
+/// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
+///          not what it should be, or the separation is not finite and >= 0.
+/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin. No allocation.
+/// Threads  Reentrant.
+/// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
+///          left to the other.
+LIMBER_API void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
+                                         std::span<double> displacements);
+
+/// The same for elements of two models. If there are no numbers for b, it stands still. All else as above; `of_a` and
+/// `of_b` must not overlap.
+LIMBER_API void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b,
+                                    const MeshEdges& edges_b, double separation, std::span<double> of_a,
+                                    std::span<double> of_b = {});
+
 }  // namespace limber

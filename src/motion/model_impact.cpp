@@ -83,6 +83,30 @@ class AllImpacts {
   bool is_stopped_ = false;
 };
 
+/// The collector of visit_impact_candidates().
+class ImpactCandidates {
+ public:
+  ImpactCandidates(const ImpactOptions& options, ImpactCandidateVisitor visit)
+      : max_time_(options.max_time), filter_(options.filter), visit_(visit) {}
+
+  double max_time() const { return max_time_; }
+  bool is_done() const { return is_stopped_; }
+
+  void compare(const ElementPair& pair, const MovingElements&) {
+    if (filter_ && !(*filter_)(pair)) return;
+    ++count;
+    is_stopped_ = !visit_(pair);
+  }
+
+  std::size_t count = 0;
+
+ private:
+  double max_time_;
+  std::optional<ElementPairFilter> filter_;
+  ImpactCandidateVisitor visit_;
+  bool is_stopped_ = false;
+};
+
 /// Sets elements, witness and normal of a contact, as they are at the time `upper`.
 void set_place(const MovingPair& models, const IdentifiedElements& found, bool are_separate, ImpactResult& result) {
   Vec3 at[4], way[4];
@@ -163,9 +187,11 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
   return result;
 }
 
-ImpactCount all_impacts(const MovingPair& models, const ImpactOptions& options, ImpactVisitor visit) {
-  AllImpacts collector(options, visit);
-  ImpactSearch<AllImpacts> search(models, options.min_separation, collector);
+/// Visits pairs with a collector of all of them.
+template <typename Collector, typename Visitor>
+ImpactCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
+  Collector collector(options, visit);
+  ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
   search.run(meter);
   const bool is_complete = !collector.is_done() && meter.stopped_by() == StoppedBy::nothing;
@@ -191,13 +217,28 @@ ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const Impa
                           ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
   motion::check(options, "limber::visit_impacts");
-  return motion::all_impacts({a, b, "limber::visit_impacts"}, options, visit);
+  return motion::visit_all<motion::AllImpacts>({a, b, "limber::visit_impacts"}, options, visit);
 }
 
 ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
   motion::check(options, "limber::visit_self_impacts");
-  return motion::all_impacts({model, model, "limber::visit_self_impacts"}, options, visit);
+  return motion::visit_all<motion::AllImpacts>({model, model, "limber::visit_self_impacts"}, options, visit);
+}
+
+ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
+                                    ImpactCandidateVisitor visit) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::visit_impact_candidates");
+  return motion::visit_all<motion::ImpactCandidates>({a, b, "limber::visit_impact_candidates"}, options, visit);
+}
+
+ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
+                                         ImpactCandidateVisitor visit) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check(options, "limber::visit_self_impact_candidates");
+  return motion::visit_all<motion::ImpactCandidates>({model, model, "limber::visit_self_impact_candidates"}, options,
+                                                     visit);
 }
 
 }  // namespace limber

@@ -243,6 +243,20 @@ void check_separation(const MovingScene& s, const ImpactQueries& queries, double
   EXPECT_TRUE(std::includes(found.begin(), found.end(), nearer.begin(), nearer.end(), by_ids)) << "one is missing";
 }
 
+/// All pairs that touch are candidates.
+void check_candidates(const MovingScene& s, const ImpactQueries& queries, const std::vector<Impact>& truth) {
+  std::vector<Impact> found;
+  const auto visit = [&](const ElementPair& pair) { return found.push_back({pair, {}}), true; };
+  const ImpactCount count = queries.is_self ? visit_self_impact_candidates(queries.a, s.options, visit)
+                                            : visit_impact_candidates(queries.a, queries.b, s.options, visit);
+  EXPECT_EQ(count.count, found.size());
+  const std::vector<Impact> sorted = in_order(found), expected = in_order(truth);
+  const auto by_ids = [](const Impact& p, const Impact& q) { return ids_of(p) < ids_of(q); };
+  const auto same_ids = [](const Impact& p, const Impact& q) { return ids_of(p) == ids_of(q); };
+  EXPECT_TRUE(std::includes(sorted.begin(), sorted.end(), expected.begin(), expected.end(), by_ids));
+  EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end(), same_ids), sorted.end()) << "a pair came twice";
+}
+
 void check_scenes(std::uint64_t seed, bool is_self) {
   const char* const wanted = std::getenv("LIMBER_IMPACT_SCENES");  // more by hand than with all other tests
   const int count = wanted == nullptr ? 60 : std::stoi(wanted);
@@ -252,7 +266,9 @@ void check_scenes(std::uint64_t seed, bool is_self) {
     SCOPED_TRACE(i);
     const MovingScene s = arbitrary_moving_scene(rng);
     const ImpactQueries queries(s, is_self);
-    check(rng, s, queries, is_self ? s.self_brute_force(s.of_elements()) : s.brute_force(s.of_elements()), totals);
+    const std::vector<Impact> truth = is_self ? s.self_brute_force(s.of_elements()) : s.brute_force(s.of_elements());
+    check(rng, s, queries, truth, totals);
+    check_candidates(s, queries, truth);
     if (i % 8 == 0) check_separation(s, queries, s.size * std::ldexp(1.0, -static_cast<int>(rng.below(12))));
   }
   totals.expect_many();

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Two elements at a distance d stay at least the separation s apart if the vertices of one go no farther than x and
+// those of the other no farther than y, with x + y = d - s: a point of an element goes no farther than its farthest
+// vertex. Pairs are taken one after the other. Numbers only become smaller, so what a pair has been given stays safe.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "limber/motion.h"
+#include "pair/placed_pair.h"
+
+namespace limber {
+namespace motion {
+namespace {
+
+// Covers the rounding of distances, as a part of the magnitude of the query and of the distance.
+constexpr double placements = 16;
+constexpr double inward = 1 - 0x1p-40;
+
+void check_displacements(std::span<const double> displacements, const Mesh& mesh, const std::string& function) {
+  LIMBER_REQUIRE(displacements.size() == mesh.positions().size(),
+                 (function + ": there must be a displacement for each vertex").c_str());
+  const bool are_lengths = std::all_of(displacements.begin(), displacements.end(), base::is_finite_and_not_negative);
+  LIMBER_REQUIRE(are_lengths, (function + ": displacements must be finite and at least 0").c_str());
+}
+
+void check_separation(double separation, const std::string& function) {
+  LIMBER_REQUIRE(base::is_finite_and_not_negative(separation),
+                 (function + ": the separation must be finite and at least 0").c_str());
+}
+
+double largest(std::span<const double> numbers) {
+  return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
+}
+
+/// The displacements of the vertices of one model; none if it stands still.
+class Displacements {
+ public:
+  explicit Displacements(std::span<double> of_vertices) : of_vertices_(of_vertices) {}
+
+  double largest_of(std::span<const VertexId> vertices) const {
+    double most = 0;
+    for (const VertexId v : vertices) most = std::max(most, of(v));
+    return most;
+  }
+  void limit(std::span<const VertexId> vertices, double most) {
+    for (const VertexId v : vertices) {
+      if (!of_vertices_.empty()) of_vertices_[v] = std::min(of_vertices_[v], most);
+    }
+  }
+
+ private:
+  double of(VertexId v) const { return of_vertices_.empty() ? 0 : of_vertices_[v]; }
+
+  std::span<double> of_vertices_;
+};
+
+/// Shares the room between two elements.
+void share(double room, Displacements& a, std::span<const VertexId> of_a, Displacements& b,
+           std::span<const VertexId> of_b) {
+  room = std::max(room, 0.0);
+  const double wants_a = a.largest_of(of_a), wants_b = b.largest_of(of_b);
+  if (wants_a + wants_b <= room) return;
+  // What one does not want of its half is left to the other.
+  const double half = 0.5 * room;
+  a.limit(of_a, wants_b < half ? (room - wants_b) * inward : half);
+  b.limit(of_b, wants_a < half ? (room - wants_a) * inward : half);
+}
+
+/// What the visitors of both queries do.
+class DisplacementLimits {
+ public:
+  DisplacementLimits(const pair::PlacedPair& placed, const Placed& a, const Placed& b, double separation)
+      : mesh_a_(a.model().mesh()),
+        mesh_b_(b.model().mesh()),
+        separation_(separation),
+        rounding_(placements * placed.error()) {}
+
+  double room(double distance) const { return (distance - separation_ - rounding_) * inward - distance * 0x1p-42; }
+  double margin(double wanted) const { return (separation_ + wanted + 2 * rounding_) * (1 + 0x1p-38); }
+
+  void limit_vertex_face(const VertexFacePair& pair, Displacements& a, Displacements& b) const {
+    const std::array<VertexId, 1> vertex{pair.vertex};
+    if (pair.is_vertex_of_b) {
+      share(room(pair.distance), a, mesh_a_.triangles()[pair.triangle], b, vertex);
+    } else {
+      share(room(pair.distance), a, vertex, b, mesh_b_.triangles()[pair.triangle]);
+    }
+  }
+
+ private:
+  const Mesh &mesh_a_, &mesh_b_;
+  double separation_, rounding_;
+};
+
+}  // namespace
+}  // namespace motion
+
+void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
+                              std::span<double> displacements) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check_separation(separation, "limber::limit_self_displacements");
+  motion::check_displacements(displacements, model.mesh(), "limber::limit_self_displacements");
+  const Placed here{model};
+  const motion::DisplacementLimits limits(pair::PlacedPair(here, here), here, here, separation);
+  motion::Displacements own(displacements);
+  visit_self_element_pairs(
+      model, edges, limits.margin(2 * motion::largest(displacements)),
+      [&](const VertexFacePair& pair) {
+        limits.limit_vertex_face(pair, own, own);
+        return true;
+      },
+      [&](const EdgeEdgePair& pair) {
+        motion::share(limits.room(pair.distance), own, edges.vertices()[pair.a], own, edges.vertices()[pair.b]);
+        return true;
+      });
+}
+
+void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
+                         double separation, std::span<double> of_a, std::span<double> of_b) {
+  const base::DefaultFloatEnvironment environment;
+  motion::check_separation(separation, "limber::limit_displacements");
+  motion::check_displacements(of_a, a.model().mesh(), "limber::limit_displacements");
+  if (!of_b.empty()) motion::check_displacements(of_b, b.model().mesh(), "limber::limit_displacements");
+  const motion::DisplacementLimits limits(pair::PlacedPair(a, b), a, b, separation);
+  motion::Displacements displacements_a(of_a), displacements_b(of_b);
+  visit_element_pairs(
+      a, edges_a, b, edges_b, limits.margin(motion::largest(of_a) + motion::largest(of_b)),
+      [&](const VertexFacePair& pair) {
+        limits.limit_vertex_face(pair, displacements_a, displacements_b);
+        return true;
+      },
+      [&](const EdgeEdgePair& pair) {
+        motion::share(limits.room(pair.distance), displacements_a, edges_a.vertices()[pair.a], displacements_b,
+                      edges_b.vertices()[pair.b]);
+        return true;
+      });
+}
+
+}  // namespace limber

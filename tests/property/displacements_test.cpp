@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Limits of displacements: whatever vertices do within them, no two elements come nearer than the separation.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "limber/motion.h"
+#include "reference/reference.h"
+#include "support/random_scene.h"
+#include "unit/refusals.h"
+
+namespace limber::testing {
+namespace {
+
+/// Moves each vertex by its displacement, rounded down, in some direction; of many towards the same point.
+std::vector<Vec3> moved_within(Rng& rng, const Mesh& mesh, const Transform& pose, std::span<const double> most) {
+  const Vec3 towards = uniform_point(rng);
+  const bool gathers = rng.below(2) == 0;
+  std::vector<Vec3> moved;
+  for (std::size_t v = 0; v < most.size(); ++v) {
+    const Vec3 p = pose(mesh.positions()[v]), way = gathers ? towards - p : uniform_point(rng);
+    const double size = length(way);
+    moved.push_back(size > 0 ? p + (most[v] * (1 - 0x1p-50) / size) * way : p);
+  }
+  return moved;
+}
+
+Mesh at(const Mesh& mesh, std::vector<Vec3> positions) {
+  return Mesh::create(std::move(positions), mesh.triangles()).value();
+}
+
+/// Distances of all pairs of elements that are at most a margin apart, in one order.
+std::vector<double> distances(const reference::ElementPairs& pairs) {
+  std::vector<double> all;
+  for (const VertexFacePair& p : pairs.vertex_face) all.push_back(p.distance);
+  for (const EdgeEdgePair& p : pairs.edge_edge) all.push_back(p.distance);
+  return all;
+}
+
+constexpr double any_distance = std::numeric_limits<double>::max();
+
+void expect_apart(const std::vector<double>& before, const std::vector<double>& after, double separation,
+                  double rounding) {
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_GE(after[i], std::min(before[i], separation) - rounding);
+  }
+}
+
+TEST(Displacements, KeepElementsApart) {
+  Rng rng(3230);
+  std::size_t limited = 0, free = 0;
+  for (int i = 0; i < 150 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const Scene s = arbitrary_scene(rng);
+    const bool b_moves = rng.below(2) == 0;
+    const double unit = s.size / 20, rounding = 10 * s.tolerance;
+    const double separation = rng.below(2) == 0 ? 0 : unit * std::ldexp(1.0, -static_cast<int>(rng.below(8)));
+    const auto wanted = [&](const Mesh& mesh) {
+      std::vector<double> all;
+      for (std::size_t v = 0; v < mesh.positions().size(); ++v) {
+        all.push_back(rng.below(4) == 0 ? 0 : unit * rng.uniform());
+      }
+      return all;
+    };
+    std::vector<double> of_a = wanted(s.mesh_a), of_b = b_moves ? wanted(s.mesh_b) : std::vector<double>();
+    const std::vector<double> wished = of_a;
+    const Model a(s.mesh_a), b(s.mesh_b);
+    const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
+    limit_self_displacements(a, edges_a, separation, of_a);
+    limit_displacements({a, s.pose_a}, edges_a, {b, s.pose_b}, edges_b, separation, of_a, of_b);
+    for (std::size_t v = 0; v < of_a.size(); ++v) {
+      EXPECT_TRUE(0 <= of_a[v] && of_a[v] <= wished[v]);
+      ++(of_a[v] < wished[v] ? limited : free);
+    }
+    const Mesh now_a = at(s.mesh_a, moved_within(rng, s.mesh_a, s.pose_a, of_a));
+    const std::vector<double> still(s.mesh_b.positions().size(), 0.0);
+    const Mesh now_b = at(s.mesh_b, moved_within(rng, s.mesh_b, s.pose_b, b_moves ? of_b : still));
+    expect_apart(distances(reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, any_distance)),
+                 distances(reference::element_pairs({now_a}, {now_b}, any_distance)), separation, rounding);
+    expect_apart(distances(reference::self_element_pairs(s.mesh_a, any_distance)),
+                 distances(reference::self_element_pairs(now_a, any_distance)), separation, rounding);
+  }
+  EXPECT_GT(limited, 500U);
+  EXPECT_GT(free, 500U);
+}
+
+TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
+  const Model low(scenes::grid(1, 1, 0, 0, 1, 1));
+  const Model high(mapped(low.mesh(), [](const Vec3& p) { return p + Vec3{0, 0, 1}; }));
+  const MeshEdges edges(low.mesh());
+  const auto limited = [&](double of_low, double of_high) {
+    std::vector<double> a(4, of_low), b(4, of_high);
+    limit_displacements({low}, edges, {high}, edges, 0.25, a, b);
+    return std::pair(a[0], b[0]);
+  };
+  const auto expect_near = [](const std::pair<double, double>& found, double a, double b) {
+    EXPECT_LE(found.first, a);
+    EXPECT_LE(found.second, b);
+    EXPECT_NEAR(found.first, a, 1e-10);
+    EXPECT_NEAR(found.second, b, 1e-10);
+  };
+  expect_near(limited(2, 3), 0.375, 0.375);
+  expect_near(limited(2, 0.125), 0.625, 0.125);
+  expect_near(limited(0.125, 2), 0.125, 0.625);
+  expect_near(limited(0.25, 0.5), 0.25, 0.5);
+  std::vector<double> alone(4, 2.0);
+  limit_displacements({low}, edges, {high}, edges, 0.25, alone);
+  EXPECT_NEAR(alone[3], 0.75, 1e-10);
+  limit_displacements({low}, edges, {high}, edges, 1.5, alone);
+  EXPECT_EQ(alone, std::vector<double>(4));
+}
+
+TEST(Displacements, MistakesAreRefused) {
+  const Model model(scenes::grid(1, 1, 0, 0, 1, 1));
+  const MeshEdges edges(model.mesh());
+  std::vector<double> good(4, 1.0), few(3), bad(4, -1.0), infinite(4, std::numeric_limits<double>::infinity());
+  for (auto* wrong : {&few, &bad, &infinite}) {
+    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, edges, 0, *wrong); },
+                           {"limber::limit_self_displacements", "displacement"}));
+    EXPECT_TRUE(is_refused([&] { limit_displacements({model}, edges, {model}, edges, 0, good, *wrong); },
+                           {"limber::limit_displacements", "displacement"}));
+  }
+  for (const double separation : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, edges, separation, good); }, {"separation"}));
+    EXPECT_TRUE(
+        is_refused([&] { limit_displacements({model}, edges, {model}, edges, separation, good); }, {"separation"}));
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
