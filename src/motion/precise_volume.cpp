@@ -34,20 +34,22 @@ DoublePair operator*(const DoublePair& x, const DoublePair& y) {
   return quick_sum(p.high, p.low + (x.high * y.low + x.low * y.high));
 }
 
-struct Vector {
+struct PreciseVector {
   DoublePair x, y, z;
 };
-Vector cross(const Vector& a, const Vector& b) {
+PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
   return {a.y * b.z + -(a.z * b.y), a.z * b.x + -(a.x * b.z), a.x * b.y + -(a.y * b.x)};
 }
-Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-DoublePair dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+DoublePair dot(const PreciseVector& a, const PreciseVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-double largest(const Vector& v) { return std::max({std::abs(v.x.high), std::abs(v.y.high), std::abs(v.z.high)}); }
+double largest(const PreciseVector& v) {
+  return std::max({std::abs(v.x.high), std::abs(v.y.high), std::abs(v.z.high)});
+}
 
 /// The three vectors of MovingElements at one end of the motion, without error.
 struct ExactVectors {
-  Vector u, v, w;
+  PreciseVector u, v, w;
 
   ExactVectors(MovingElements::Kind kind, const Vec3 (&p)[4]) {
     const bool is_face = kind == MovingElements::Kind::vertex_face;
@@ -55,13 +57,13 @@ struct ExactVectors {
     v = is_face ? difference(p[3], p[1]) : difference(p[2], p[3]);
     w = is_face ? difference(p[0], p[1]) : difference(p[2], p[0]);
   }
-  static Vector difference(const Vec3& a, const Vec3& b) {
+  static PreciseVector difference(const Vec3& a, const Vec3& b) {
     return {base::two_sum(a.x, -b.x), base::two_sum(a.y, -b.y), base::two_sum(a.z, -b.z)};
   }
   double largest_of_all() const { return std::max({largest(u), largest(v), largest(w)}); }
   /// Brings vectors to another unit.
   void scale(double factor) {
-    for (Vector* vector : {&u, &v, &w}) {
+    for (PreciseVector* vector : {&u, &v, &w}) {
       for (DoublePair* x : {&vector->x, &vector->y, &vector->z}) x->high *= factor, x->low *= factor;
     }
   }
@@ -78,8 +80,8 @@ PreciseVolume::PreciseVolume(const MovingElements& elements) : coefficient_{}, e
   for (const double factor : {std::ldexp(1.0, -half), std::ldexp(1.0, half - exponent)}) {
     start.scale(factor), end.scale(factor);
   }
-  const Vector at_start = cross(start.v, start.w), at_end = cross(end.v, end.w);
-  const Vector mixed = cross(start.v, end.w) + cross(end.v, start.w);
+  const PreciseVector at_start = cross(start.v, start.w), at_end = cross(end.v, end.w);
+  const PreciseVector mixed = cross(start.v, end.w) + cross(end.v, start.w);
   coefficient_[0] = dot(start.u, at_start), coefficient_[1] = dot(end.u, at_start) + dot(start.u, mixed);
   coefficient_[2] = dot(start.u, at_end) + dot(end.u, mixed), coefficient_[3] = dot(end.u, at_end);
   error_ = precise_volume_error;

@@ -17,16 +17,13 @@
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
 
 using Ends = std::array<VertexId, 2>;
 using EdgeIds = std::array<EdgeId, 3>;
-
-Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
-  return Mesh::create(std::move(positions), std::move(triangles)).value();
-}
 
 /// A square of two triangles in the plane z = 0.
 Mesh flat_square() { return scenes::grid(1, 1, -1, -1, 2, 2); }

@@ -23,10 +23,6 @@ namespace {
 
 constexpr double no_time = std::numeric_limits<double>::infinity();
 
-Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
-  return Mesh::create(std::move(positions), std::move(triangles)).value();
-}
-
 Transform shifted(const Vec3& by) { return {{}, by}; }
 
 /// A model with what its motion needs.

@@ -11,6 +11,10 @@
 /// Meshes that several tests use.
 namespace limber::testing {
 
+inline Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
 inline Mesh scaled(const Mesh& mesh, double factor) {
   return mapped(mesh, [factor](const Vec3& p) { return factor * p; });
 }
