@@ -13,5 +13,6 @@
 #include "limber/mesh.h"
 #include "limber/model.h"
 #include "limber/motion.h"
+#include "limber/path.h"
 #include "limber/points.h"
 #include "limber/scene.h"

@@ -147,15 +147,17 @@ struct ImpactOptions {
   bool ignores_crossings = false;
   /// Whether any contact up to max_time will do, not the first one: for "is it free until then?".
   bool any_contact = false;
-  std::optional<ElementPairFilter> filter = std::nullopt;  ///< all pairs count without one
-  QueryBudget budget = {};                                 ///< when the query has to end
+  /// All pairs of elements count without one. It has no say in what crosses at the start.
+  std::optional<ElementPairFilter> filter = std::nullopt;
+  /// When the query has to end. Its steps count for the test for crossings and for the rest, each.
+  QueryBudget budget = {};
 };
 
 /// When two models touch first.
 struct ImpactResult {
   ImpactStatus status = ImpactStatus::undecided;
   /// As in ElementImpact. With `undecided`, no contact is before `lower`. With any_contact, the contact that was found
-  /// is before `upper`, and the first one may be anywhere between the two.
+  /// is at `upper` or before, and the first one may be anywhere between the two.
   double lower = 0;
   double upper = std::numeric_limits<double>::infinity();
   /// The elements that touch in that interval. None if nothing does, or if triangles cross at the start.
@@ -167,13 +169,14 @@ struct ImpactResult {
   /// to b. 0 where there is no such direction.
   Vec3 normal;
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `undecided`
-  QueryStats stats{};                         ///< `triangle_tests` counts the pairs of elements that were compared
+  QueryStats stats{};                         ///< `triangle_tests` counts the pairs of elements that may touch
 };
 
 /// The first time at which two moving models touch.
 ///
 /// Promise  As time_of_impact() of elements, for vertices as placed (distance.h): the first contact is in
-///          [lower, upper], and upper - lower <= max(time_error, 2^-53). No contact is missed.
+///          [lower, upper], and upper - lower <= max(time_error, 2^-53) unless the budget was spent or any_contact is
+///          set. No contact is missed.
 /// Throws   std::invalid_argument unless both models have a motion that is still valid, and the options are what those
 ///          of elements have to be; std::bad_alloc from exact arithmetic; whatever the filter throws.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 60 kB of stack. Allocates only in exact arithmetic.
@@ -218,8 +221,8 @@ LIMBER_API ImpactCount visit_self_impacts(const MovingModel& model, const Impact
 using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 
 /// The pairs of elements that may come within min_separation of each other up to max_time, each once, for solvers that
-/// compare elements themselves: all that do, and few others. Bounds follow each vertex on its way, so it does not
-/// matter how far others go.
+/// compare elements themselves: all that do, and few others. Bounds follow each vertex on its own way, so one that goes
+/// far adds no pairs of others.
 ///
 /// Promise  None that does is missed. time_error, `ignores_crossings` and `any_contact` make no difference.
 /// Throws   As visit_impacts().
@@ -235,20 +238,23 @@ LIMBER_API ImpactCount visit_self_impact_candidates(const MovingModel& model, co
 /// How far a solver may go along a motion: a share of the way to the first contact, or all of it if nothing touches.
 /// The share is not a part of any answer: those have bounds of their own.
 ///
-/// Pre      `found` is the answer for that max_time; `share` is below 1, so that nothing touches after the step.
-inline double conservative_step(const ImpactResult& found, double max_time = 1, double share = 0.9) {
+/// Pre      `found` is the answer for that max_time. `share` is below 1, and by more than the rounding of the positions
+///          that the solver computes: then nothing touches after the step.
+inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
   return found.status == ImpactStatus::clear ? max_time : share * found.lower;
 }
 
 /// Limits how far each vertex may go, on whatever path, so that no two elements of a model that share no vertex come
 /// nearer than a separation.
 ///
-/// Shape    `displacements` has a number for each vertex: how far it would like to go, finite and >= 0. Those that are
-///          too large for safety are made smaller, so calls for a model with itself and with others add up.
+/// Shape    `displacements` has a number for each vertex: how far it would like to go, from 0 to 2^200. Those that are
+///          too large for safety are made smaller, so calls for a model with itself and with others add up. How two
+///          vertices share what room there is depends on the order of pairs, so on the model's history, but not on the
+///          processor or threads.
 /// Promise  If no vertex goes farther than its number says, elements that are at least the separation apart stay so all
 ///          the way. Vertices of elements that are nearer get 0. Rounded down.
 /// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
-///          not what it should be, or the separation is not finite and >= 0.
+///          not what it should be, or the separation is not from 0 to 2^200.
 /// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin. No allocation.
 /// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is

@@ -21,14 +21,16 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// At most x before it was rounded.
+/// At most what x was before one operation has rounded it.
 LIMBER_KERNEL Doubles rounded_down(Doubles x) { return x - abs(x) * Doubles::set(base::rounding_error); }
 
-/// A lower bound of the time at which two boxes, each between its ends, are within a separation along one axis; above 1
-/// if they never are. Gaps are linear in time, so it is where the gap that is there at the start closes.
+/// What boxes span along one axis, at both ends of the motion.
 struct MovingInterval {
   Doubles low[bvh::motion_ends], high[bvh::motion_ends];
 };
+
+/// A lower bound of the time at which two boxes are within a separation along one axis; above 1 if they never are. Gaps
+/// are linear in time, so it is where the gap that is there at the start closes. The quotient is not rounded down.
 LIMBER_KERNEL Doubles meeting_time(const MovingInterval& a, const MovingInterval& b, Doubles separation) {
   Doubles above[bvh::motion_ends], below[bvh::motion_ends];
   for (std::uint32_t end = 0; end < bvh::motion_ends; ++end) {
@@ -55,7 +57,7 @@ LIMBER_KERNEL unsigned find_meeting_children(const bvh::MovingNode& node, const 
       }
       time = max(time, meeting_time(child, whole, Doubles::set(separation)));
     }
-    // The quotient has four roundings; quotients that underflow are 0.
+    // The quotient has been rounded twice, and is once more; what may have underflowed becomes 0.
     const Doubles down = time * Doubles::set(1 - 8 * base::rounding_error) - Doubles::set(base::tiny_time);
     const Doubles earliest = max(down, Doubles::set(0));
     found |= bits(earliest <= Doubles::set(max_time)) << i;

@@ -20,20 +20,20 @@ namespace limber {
 namespace motion {
 namespace {
 
-// Covers the rounding of distances, as a part of the magnitude of the query and of the distance.
-constexpr double placements = 16;
+// Rounds numbers down that have been computed by a few operations.
 constexpr double inward = 1 - 0x1p-40;
 
-void check_displacements(std::span<const double> displacements, const Mesh& mesh, const std::string& function) {
+bool is_length(double x) { return x >= 0 && x <= max_coordinate; }
+
+void check_displacements(std::span<const double> displacements, const Mesh& mesh, const char* function) {
   LIMBER_REQUIRE(displacements.size() == mesh.positions().size(),
-                 (function + ": there must be a displacement for each vertex").c_str());
-  const bool are_lengths = std::all_of(displacements.begin(), displacements.end(), base::is_finite_and_not_negative);
-  LIMBER_REQUIRE(are_lengths, (function + ": displacements must be finite and at least 0").c_str());
+                 (std::string(function) + ": there must be a displacement for each vertex").c_str());
+  LIMBER_REQUIRE(std::all_of(displacements.begin(), displacements.end(), is_length),
+                 (std::string(function) + ": displacements must be from 0 to 2^200").c_str());
 }
 
-void check_separation(double separation, const std::string& function) {
-  LIMBER_REQUIRE(base::is_finite_and_not_negative(separation),
-                 (function + ": the separation must be finite and at least 0").c_str());
+void check_separation(double separation, const char* function) {
+  LIMBER_REQUIRE(is_length(separation), (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
 }
 
 double largest(std::span<const double> numbers) {
@@ -74,29 +74,36 @@ void share(double room, Displacements& a, std::span<const VertexId> of_a, Displa
   b.limit(of_b, wants_a < half ? (room - wants_a) * inward : half);
 }
 
-/// What the visitors of both queries do.
-class DisplacementLimits {
+/// How much room pairs of elements have beyond the separation.
+class Room {
  public:
-  DisplacementLimits(const pair::PlacedPair& placed, const Placed& a, const Placed& b, double separation)
+  Room(const pair::PlacedPair& placed, const Placed& a, const Placed& b, double separation)
       : mesh_a_(a.model().mesh()),
         mesh_b_(b.model().mesh()),
         separation_(separation),
-        rounding_(placements * placed.error()) {}
+        rounding_(distance_errors * placed.error()) {}
 
-  double room(double distance) const { return (distance - separation_ - rounding_) * inward - distance * 0x1p-42; }
-  double margin(double wanted) const { return (separation_ + wanted + 2 * rounding_) * (1 + 0x1p-38); }
+  /// That of elements at a distance, rounded down.
+  double at(double distance) const { return (distance * inward - separation_ - rounding_) * inward; }
+  /// Elements that are farther apart have more room than is wanted.
+  double margin(double wanted) const { return (separation_ + wanted + rounding_) / (inward * inward * inward); }
 
   void limit_vertex_face(const VertexFacePair& pair, Displacements& a, Displacements& b) const {
     const std::array<VertexId, 1> vertex{pair.vertex};
     if (pair.is_vertex_of_b) {
-      share(room(pair.distance), a, mesh_a_.triangles()[pair.triangle], b, vertex);
+      share(at(pair.distance), a, mesh_a_.triangles()[pair.triangle], b, vertex);
     } else {
-      share(room(pair.distance), a, vertex, b, mesh_b_.triangles()[pair.triangle]);
+      share(at(pair.distance), a, vertex, b, mesh_b_.triangles()[pair.triangle]);
     }
   }
 
  private:
   const Mesh &mesh_a_, &mesh_b_;
+  // The part of a distance's error that does not grow with it is at most that of placing vertices, 2^-45 of the
+  // magnitude of the query, and 2^-46 of an extent that is at most twice the magnitude. The other part is within
+  // `inward`.
+  static constexpr double distance_errors = 4;
+
   double separation_, rounding_;
 };
 
@@ -109,16 +116,16 @@ void limit_self_displacements(const Model& model, const MeshEdges& edges, double
   motion::check_separation(separation, "limber::limit_self_displacements");
   motion::check_displacements(displacements, model.mesh(), "limber::limit_self_displacements");
   const Placed here{model};
-  const motion::DisplacementLimits limits(pair::PlacedPair(here, here), here, here, separation);
+  const motion::Room room(pair::PlacedPair(here, here), here, here, separation);
   motion::Displacements own(displacements);
   visit_self_element_pairs(
-      model, edges, limits.margin(2 * motion::largest(displacements)),
+      model, edges, room.margin(2 * motion::largest(displacements)),
       [&](const VertexFacePair& pair) {
-        limits.limit_vertex_face(pair, own, own);
+        room.limit_vertex_face(pair, own, own);
         return true;
       },
       [&](const EdgeEdgePair& pair) {
-        motion::share(limits.room(pair.distance), own, edges.vertices()[pair.a], own, edges.vertices()[pair.b]);
+        motion::share(room.at(pair.distance), own, edges.vertices()[pair.a], own, edges.vertices()[pair.b]);
         return true;
       });
 }
@@ -129,16 +136,16 @@ void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed
   motion::check_separation(separation, "limber::limit_displacements");
   motion::check_displacements(of_a, a.model().mesh(), "limber::limit_displacements");
   if (!of_b.empty()) motion::check_displacements(of_b, b.model().mesh(), "limber::limit_displacements");
-  const motion::DisplacementLimits limits(pair::PlacedPair(a, b), a, b, separation);
+  const motion::Room room(pair::PlacedPair(a, b), a, b, separation);
   motion::Displacements displacements_a(of_a), displacements_b(of_b);
   visit_element_pairs(
-      a, edges_a, b, edges_b, limits.margin(motion::largest(of_a) + motion::largest(of_b)),
+      a, edges_a, b, edges_b, room.margin(motion::largest(of_a) + motion::largest(of_b)),
       [&](const VertexFacePair& pair) {
-        limits.limit_vertex_face(pair, displacements_a, displacements_b);
+        room.limit_vertex_face(pair, displacements_a, displacements_b);
         return true;
       },
       [&](const EdgeEdgePair& pair) {
-        motion::share(limits.room(pair.distance), displacements_a, edges_a.vertices()[pair.a], displacements_b,
+        motion::share(room.at(pair.distance), displacements_a, edges_a.vertices()[pair.a], displacements_b,
                       edges_b.vertices()[pair.b]);
         return true;
       });

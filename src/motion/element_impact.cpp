@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -27,13 +28,14 @@ bool are_in_range(const MovingElements& e) {
          std::all_of(std::begin(e.corners[1]), std::end(e.corners[1]), is_in_range);
 }
 
-/// narrow_exactly(), with as few digits as are needed.
+/// narrow_exactly(), with as few digits as are needed. Pre: as there, and both signs are certain in float64.
 void narrow(const MovingElements& elements, double time_error, double& lower, double& upper) {
   constexpr int most_guesses = 6;  // the first is nearly always right
   const double wanted = std::max(time_error, time_resolution);
   const PreciseVolume volume(elements);
   double at_lower = volume.at(lower), at_upper = volume.at(upper);
-  // Makes a time an end of the interval. Returns the step to the root's side; 0 if that is not certain.
+  LIMBER_ASSERT(at_lower * at_upper < 0);
+  // Makes a time between the ends one of them. Returns one step towards the root; 0 if its side is not certain.
   const auto split_at = [&](double time) {
     if (time <= lower) return time_resolution;
     if (time >= upper) return -time_resolution;
@@ -55,6 +57,16 @@ void narrow(const MovingElements& elements, double time_error, double& lower, do
 }
 
 }  // namespace
+
+void check(const ElementImpactOptions& options, const char* function) {
+  const auto require = [&](bool holds, const char* what) {
+    LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
+  };
+  require(options.max_time >= 0 && options.max_time <= 1, "max_time is not in [0, 1]");
+  require(options.time_error >= 0, "time_error is negative or not a number");
+  require(options.min_separation >= 0 && options.min_separation <= max_coordinate,
+          "min_separation is not in [0, 2^200]");
+}
 
 ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options) {
   if (options.min_separation > 0) return separation_impact(elements, options);
@@ -79,10 +91,7 @@ namespace {
 
 ElementImpact checked_impact(const MovingElements& elements, const ElementImpactOptions& options) {
   LIMBER_REQUIRE(are_in_range(elements), "limber::time_of_impact: a coordinate is not finite, or above 2^200 in size");
-  LIMBER_REQUIRE(options.max_time >= 0 && options.max_time <= 1, "limber::time_of_impact: max_time is not in [0, 1]");
-  LIMBER_REQUIRE(options.time_error >= 0, "limber::time_of_impact: time_error is negative or not a number");
-  LIMBER_REQUIRE(options.min_separation >= 0 && options.min_separation <= max_coordinate,
-                 "limber::time_of_impact: min_separation is not in [0, 2^200]");
+  check(options, "limber::time_of_impact");
   return impact_of(elements, options);
 }
 

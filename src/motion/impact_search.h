@@ -21,7 +21,7 @@ namespace limber::motion {
 /// Depth first over pairs of nodes, those that may meet first before the others. So a collector of the first impact
 /// soon knows a time after which nothing matters. A node is compared with another by their boxes at both ends of the
 /// motion; one of the two is expanded at a time. One model is compared with itself from the root down: a node with
-/// itself becomes its children with themselves and with each other.
+/// itself becomes its children with each other, and then each of them with itself.
 ///
 /// Needs of a collector:
 ///          double max_time() const;   // what touches later does not matter
@@ -31,7 +31,10 @@ template <typename Collector>
 class ImpactSearch {
  public:
   ImpactSearch(const MovingPair& models, double separation, Collector& collector)
-      : models_(models), collector_(collector), kernels_(simd::kernels()), limits_(models.limits(separation)) {}
+      : models_(models),
+        collector_(collector),
+        kernels_(simd::kernels()),
+        limits_(models.limits(separation, collector.max_time())) {}
 
   void run(pair::BudgetMeter& meter) {
     push({{bvh::root_slot, bvh::root_slot}, 0});
@@ -89,7 +92,7 @@ class ImpactSearch {
     LIMBER_ASSERT(!bvh::has_leaf(models_.tree(Side::a), slot));
     const std::uint32_t node = bvh::child_of(models_.tree(Side::a), slot), first = node * bvh::width;
     const std::uint32_t count = models_.tree(Side::a).nodes[node].child_count;
-    for (std::uint32_t k = 0; k < count; ++k) push({{first + k, first + k}, 0});
+    for (std::uint32_t k = 0; k < count; ++k) push({{first + k, first + k}, 0});  // below the others, so taken last
     const std::uint32_t begin = size_;
     for (std::uint32_t k = 0; k + 1 < count; ++k) {
       const unsigned after = ~0U << (k + 1);

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "base/check.h"
@@ -39,12 +38,11 @@ class FirstImpact {
     if (filter_ && !(*filter_)(pair)) return;
     const ElementImpact impact = impact_of(elements, options_);
     if (impact.status == ImpactStatus::clear) return;
-    lower = std::min(lower, impact.lower);
+    // What touches later than the first time at which these may touch cannot change `lower`.
+    options_.max_time = lower = std::min(lower, impact.lower);
     if (best && impact.upper >= upper) return;
     upper = impact.upper, status = impact.status;
     best = IdentifiedElements{pair, elements};
-    // What touches later than the first time at which these may touch cannot change `lower`.
-    options_.max_time = lower;
   }
 
   ImpactStatus status = ImpactStatus::clear;
@@ -107,8 +105,12 @@ class ImpactCandidates {
   bool is_stopped_ = false;
 };
 
-/// Sets elements, witness and normal of a contact, as they are at the time `upper`.
-void set_place(const MovingPair& models, const IdentifiedElements& found, bool are_separate, ImpactResult& result) {
+/// A vector of length about 1 in the same direction; 0 if there is none.
+Vec3 about_unit(const Vec3& v) { return v == Vec3{} ? v : geometry::near_unit(v); }
+
+/// Sets elements, witness and normal of a contact, as they are at the time `upper`. With a separation the elements are
+/// apart then, and the normal is the direction between them.
+void set_place(const MovingPair& models, const IdentifiedElements& found, bool has_separation, ImpactResult& result) {
   Vec3 at[4], way[4];
   for (std::size_t i = 0; i < 4; ++i) {
     const Vec3 &start = found.elements.corners[0][i], &end = found.elements.corners[1][i];
@@ -120,32 +122,26 @@ void set_place(const MovingPair& models, const IdentifiedElements& found, bool a
     const Triangle face{at[1], at[2], at[3]};
     const Vec3 weights = geometry::closest_on(face, at[0]).weights;
     closest = geometry::closest_points(at[0], face);
-    normal = cross(at[2] - at[1], at[3] - at[1]);
+    normal = cross(about_unit(at[2] - at[1]), about_unit(at[3] - at[1]));
     approach = way[0] - (weights.x * way[1] + weights.y * way[2] + weights.z * way[3]);
   } else {
     const Segment a{at[0], at[1]}, b{at[2], at[3]};
     const auto [distance, s, t] = geometry::closest_on(a, b);
     closest = geometry::closest_points(a, b);
-    normal = cross(at[1] - at[0], at[3] - at[2]);
+    normal = cross(about_unit(at[1] - at[0]), about_unit(at[3] - at[2]));
     approach = (1 - s) * way[0] + s * way[1] - ((1 - t) * way[2] + t * way[3]);
   }
-  if (dot(normal, approach) < 0) normal = -normal;
-  if (are_separate && closest.distance > 0) normal = closest.point_b - closest.point_a;
+  if (dot(normal, about_unit(approach)) < 0) normal = -normal;
+  if (has_separation && closest.distance > 0) normal = about_unit(closest.point_b - closest.point_a);
   if (found.pair.kind == ElementPair::Kind::face_vertex) {
     std::swap(closest.point_a, closest.point_b);
     normal = -normal;
   }
-  const double size = geometry::safe_length(normal);
+  const double size = length(normal);
   if (size > 0) result.normal = (1 / size) * normal;
   result.elements = found.pair;
-  result.witness = {closest.point_a, closest.point_b, models.triangle_a(found.pair), models.triangle_b(found.pair)};
-}
-
-void check(const ImpactOptions& options, const std::string& function) {
-  LIMBER_REQUIRE(options.max_time >= 0 && options.max_time <= 1, (function + ": max_time is not in [0, 1]").c_str());
-  LIMBER_REQUIRE(options.time_error >= 0, (function + ": time_error is negative or not a number").c_str());
-  LIMBER_REQUIRE(options.min_separation >= 0 && options.min_separation <= max_coordinate,
-                 (function + ": min_separation is not in [0, 2^200]").c_str());
+  result.witness = {closest.point_a, closest.point_b, models.triangle_of(Side::a, found.pair),
+                    models.triangle_of(Side::b, found.pair)};
 }
 
 /// What is known of models that cross at the start, or may: the budget was spent before that was clear.
@@ -174,7 +170,7 @@ ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options)
   const bool is_undecided = result.stopped_by != StoppedBy::nothing;
   result.status = is_undecided ? ImpactStatus::undecided : collector.status;
   result.lower = collector.lower, result.upper = collector.upper;
-  if (is_undecided || collector.is_done()) result.lower = search.first_open_time();
+  if (is_undecided || collector.is_done()) result.lower = std::min(result.lower, search.first_open_time());
   if (collector.best) set_place(models, *collector.best, options.min_separation > 0, result);
   return result;
 }
@@ -203,42 +199,41 @@ ImpactCount visit_all(const MovingPair& models, const ImpactOptions& options, Vi
 
 ImpactResult time_of_impact(const MovingModel& a, const MovingModel& b, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::time_of_impact");
+  motion::check(motion::of_elements(options), "limber::time_of_impact");
   return motion::first_impact({a, b, "limber::time_of_impact"}, options);
 }
 
 ImpactResult self_time_of_impact(const MovingModel& model, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::self_time_of_impact");
-  return motion::first_impact({model, model, "limber::self_time_of_impact"}, options);
+  motion::check(motion::of_elements(options), "limber::self_time_of_impact");
+  return motion::first_impact({model, "limber::self_time_of_impact"}, options);
 }
 
 ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
                           ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::visit_impacts");
+  motion::check(motion::of_elements(options), "limber::visit_impacts");
   return motion::visit_all<motion::AllImpacts>({a, b, "limber::visit_impacts"}, options, visit);
 }
 
 ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::visit_self_impacts");
-  return motion::visit_all<motion::AllImpacts>({model, model, "limber::visit_self_impacts"}, options, visit);
+  motion::check(motion::of_elements(options), "limber::visit_self_impacts");
+  return motion::visit_all<motion::AllImpacts>({model, "limber::visit_self_impacts"}, options, visit);
 }
 
 ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
                                     ImpactCandidateVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::visit_impact_candidates");
+  motion::check(motion::of_elements(options), "limber::visit_impact_candidates");
   return motion::visit_all<motion::ImpactCandidates>({a, b, "limber::visit_impact_candidates"}, options, visit);
 }
 
 ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
                                          ImpactCandidateVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(options, "limber::visit_self_impact_candidates");
-  return motion::visit_all<motion::ImpactCandidates>({model, model, "limber::visit_self_impact_candidates"}, options,
-                                                     visit);
+  motion::check(motion::of_elements(options), "limber::visit_self_impact_candidates");
+  return motion::visit_all<motion::ImpactCandidates>({model, "limber::visit_self_impact_candidates"}, options, visit);
 }
 
 }  // namespace limber

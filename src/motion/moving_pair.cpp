@@ -24,8 +24,8 @@ const bvh::Tree& checked_tree(const MovingModel& moving, const char* function) {
 }
 
 /// Where codes of simd::ElementCandidate point to.
-std::uint32_t slot_of(std::uint32_t code) { return code % bvh::width; }
-std::uint32_t corner_of(std::uint32_t code) { return code / bvh::width; }
+std::uint32_t slot_of_code(std::uint32_t code) { return code % bvh::width; }
+std::uint32_t corner_of_code(std::uint32_t code) { return code / bvh::width; }
 
 }  // namespace
 
@@ -54,11 +54,11 @@ MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
   return {leaf, model(s).tree.leaves[i], {of_slots}};
 }
 
-simd::MotionLimits MovingPair::limits(double separation) const {
+simd::MotionLimits MovingPair::limits(double separation, double max_time) const {
   const bvh::MovingTree &a = models_[0]->tree, &b = models_[1]->tree;
   const double unit = std::max(a.unit, b.unit);
   simd::MotionLimits limits{};
-  limits.separation = separation;
+  limits.max_time = max_time, limits.separation = separation;
   limits.unit_a = a.unit, limits.unit_b = b.unit;
   limits.largest_scale = 0x1p100 / unit;
   // Corners are off by what underflows in float32, too.
@@ -68,13 +68,13 @@ simd::MotionLimits MovingPair::limits(double separation) const {
 
 IdentifiedElements MovingPair::vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
                                            const MovingLeafOf& of_face, std::uint32_t face_code) const {
-  const VertexId vertex = of_vertex.leaf.vertices[slot_of(vertex_code)][corner_of(vertex_code)];
-  const TriangleId face = of_face.leaf.triangle[slot_of(face_code)];
+  const VertexId vertex = of_vertex.leaf.vertices[slot_of_code(vertex_code)][corner_of_code(vertex_code)];
+  const TriangleId face = of_face.leaf.triangle[slot_of_code(face_code)];
   IdentifiedElements found{{ElementPair::Kind::vertex_face, vertex, face}, {MovingElements::Kind::vertex_face, {}}};
   if (!is_self() && s == Side::b) found.pair = {ElementPair::Kind::face_vertex, face, vertex};
   set_corner(found.elements, 0, s, vertex);
   for (std::size_t k = 0; k < 3; ++k) {
-    set_corner(found.elements, 1 + k, pair::other(s), of_face.leaf.vertices[slot_of(face_code)][k]);
+    set_corner(found.elements, 1 + k, pair::other(s), of_face.leaf.vertices[slot_of_code(face_code)][k]);
   }
   return found;
 }
@@ -82,8 +82,8 @@ IdentifiedElements MovingPair::vertex_face(Side s, const MovingLeafOf& of_vertex
 IdentifiedElements MovingPair::edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
                                          std::uint32_t code_b) const {
   const MeshEdges &edges_a = *models_[0]->edges, &edges_b = *models_[1]->edges;
-  EdgeId id_a = edges_a.of_triangles()[a.leaf.triangle[slot_of(code_a)]][corner_of(code_a)];
-  EdgeId id_b = edges_b.of_triangles()[b.leaf.triangle[slot_of(code_b)]][corner_of(code_b)];
+  EdgeId id_a = edges_a.of_triangles()[a.leaf.triangle[slot_of_code(code_a)]][corner_of_code(code_a)];
+  EdgeId id_b = edges_b.of_triangles()[b.leaf.triangle[slot_of_code(code_b)]][corner_of_code(code_b)];
   // In one model the edge of smaller id comes first, wherever the leaves are.
   if (is_self() && id_b < id_a) std::swap(id_a, id_b);
   IdentifiedElements found{{ElementPair::Kind::edge_edge, id_a, id_b}, {MovingElements::Kind::edge_edge, {}}};
@@ -94,30 +94,13 @@ IdentifiedElements MovingPair::edge_edge(const MovingLeafOf& a, std::uint32_t co
   return found;
 }
 
-TriangleId MovingPair::triangle_a(const ElementPair& pair) const {
-  const MeshEdges& edges = *models_[0]->edges;
-  switch (pair.kind) {
-    case ElementPair::Kind::vertex_face:
-      return edges.vertex_representatives()[pair.a];
-    case ElementPair::Kind::face_vertex:
-      return pair.a;
-    case ElementPair::Kind::edge_edge:
-      break;
-  }
-  return edges.representatives()[pair.a];
-}
-
-TriangleId MovingPair::triangle_b(const ElementPair& pair) const {
-  const MeshEdges& edges = *models_[1]->edges;
-  switch (pair.kind) {
-    case ElementPair::Kind::vertex_face:
-      return pair.b;
-    case ElementPair::Kind::face_vertex:
-      return edges.vertex_representatives()[pair.b];
-    case ElementPair::Kind::edge_edge:
-      break;
-  }
-  return edges.representatives()[pair.b];
+TriangleId MovingPair::triangle_of(Side s, const ElementPair& pair) const {
+  using Kind = ElementPair::Kind;
+  const MeshEdges& edges = *model(s).edges;
+  const std::uint32_t id = s == Side::a ? pair.a : pair.b;
+  if (pair.kind == Kind::edge_edge) return edges.representatives()[id];
+  const bool is_vertex = (pair.kind == Kind::vertex_face) == (s == Side::a);
+  return is_vertex ? edges.vertex_representatives()[id] : id;
 }
 
 }  // namespace limber::motion

@@ -36,8 +36,10 @@ class MovingPair {
  public:
   /// Throws   std::invalid_argument unless both models have a valid motion; `function` is named.
   MovingPair(const MovingModel& a, const MovingModel& b, const char* function);
+  /// One model with itself.
+  MovingPair(const MovingModel& model, const char* function) : MovingPair(model, model, function) { is_self_ = true; }
 
-  bool is_self() const { return models_[0] == models_[1]; }
+  bool is_self() const { return is_self_; }
   const MovingModel::Impl& model(Side s) const { return *models_[index(s)]; }
   const bvh::Tree& tree(Side s) const { return *trees_[index(s)]; }
   const bvh::MovingNode& node(Side s, std::uint32_t i) const { return models_[index(s)]->tree.nodes[i]; }
@@ -48,8 +50,8 @@ class MovingPair {
 
   /// Pre: the slot has a leaf.
   MovingLeafOf leaf(Side s, bvh::SlotId slot) const;
-  /// What the kernels prune; max_time is to be set.
-  simd::MotionLimits limits(double separation) const;
+  /// What the kernels prune.
+  simd::MotionLimits limits(double separation, double max_time) const;
 
   /// Pairs of elements of two leaves, by the codes of simd::ElementCandidate. `s` is the side of the vertex.
   IdentifiedElements vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
@@ -57,9 +59,8 @@ class MovingPair {
   IdentifiedElements edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
                                std::uint32_t code_b) const;
 
-  /// A triangle that has the first element of a pair, and one that has the second.
-  TriangleId triangle_a(const ElementPair& pair) const;
-  TriangleId triangle_b(const ElementPair& pair) const;
+  /// A triangle that has the element of a pair that is of one model.
+  TriangleId triangle_of(Side s, const ElementPair& pair) const;
 
  private:
   /// Sets a corner of two elements to a vertex of a model.
@@ -70,6 +71,7 @@ class MovingPair {
 
   const MovingModel::Impl* models_[2];
   const bvh::Tree* trees_[2];
+  bool is_self_ = false;
 };
 
 }  // namespace limber::motion

@@ -9,6 +9,8 @@ namespace limber::motion {
 
 /// The coplanarity polynomial of two moving elements with twice the digits of a double: det(u, v, w) of MovingElements
 /// as a function of time.
+///
+/// Pre: of u, v and w none has a largest coordinate, at both ends, below 2^-200 of the largest; or nothing is certain.
 class PreciseVolume {
  public:
   explicit PreciseVolume(const MovingElements& elements);

@@ -175,6 +175,7 @@ TEST(MovingModel, CountsWhatAFilterLetsPass) {
   ASSERT_TRUE(found.elements);
   EXPECT_NE(found.elements->kind, ElementPair::Kind::edge_edge);
   const auto nothing = [](const ElementPair&) { return false; };
+  EXPECT_EQ(time_of_impact(box.moving, box.moving, {.filter = nothing}).status, ImpactStatus::initial_contact);
   EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.filter = nothing}).status, ImpactStatus::clear);
   EXPECT_EQ(visit_impacts(box.moving, floor.moving, {.filter = nothing}, [](const Impact&) { return true; }).count, 0U);
 }

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "limber/distance.h"
+#include "limber/geometry.h"
+#include "limber/math.h"
+#include "limber/model.h"
+#include "limber/motion.h"
+
+/// Models that move as rigid bodies along a path: when they come too near to each other first, and how near they come.
+/// Time goes from 0 to 1. Vertices that move by themselves are a matter of motion.h.
+///
+/// Answers come from distances at some times, and from how fast points can move in between. So they are certified for
+/// any path whose speed is known, however it turns.
+namespace limber {
+
+/// The motion of a rigid body from one pose to another: a point of it, the center, moves straight at constant speed,
+/// and the body turns about it at constant rate about one axis, the shorter way round.
+///
+/// Frame    The poses map from the model's frame to the world; the center is in the model's frame.
+class RigidMotion {
+ public:
+  /// Stands still at a pose.
+  RigidMotion(const Transform& pose = {}) : RigidMotion(pose, pose) {}
+  /// Throws   std::invalid_argument unless both poses are rigid and the center is finite and at most `max_coordinate`.
+  LIMBER_API RigidMotion(const Transform& start, const Transform& end, const Vec3& center = {});
+
+  /// A screw: the center is on the axis about which the body turns and along which it moves, where that is nearest to
+  /// the model's origin at the start. Where nothing turns, as the constructor.
+  ///
+  /// Throws   As the constructor.
+  LIMBER_API static RigidMotion screw(const Transform& start, const Transform& end);
+
+  /// The pose at a time; exactly that of the start and of the end at 0 and 1.
+  ///
+  /// Throws   std::invalid_argument unless the time is from 0 to 1.
+  LIMBER_API Transform at(double time) const;
+
+  /// An upper bound of the speed of a point that is at most `radius` away from the center.
+  LIMBER_API double speed(double radius) const;
+
+  const Transform& start() const { return start_; }
+  const Transform& end() const { return end_; }
+  const Vec3& center() const { return center_; }
+
+ private:
+  Transform start_, end_;
+  Vec3 center_, axis_;  // the axis has length 1, or 0 if nothing turns
+  double angle_;
+};
+
+/// Any path: the pose at each time from 0 to 1, and an upper bound of the speed of every point of the model on it.
+///
+/// Alias    Refers to the function, which must live until the query returns.
+struct RigidPath {
+  FunctionRef<Transform(double)> pose;
+  double speed = 0;  ///< finite and >= 0; lengths per unit of time
+};
+
+struct PathOptions {
+  double max_time = 1;        ///< from 0 to 1
+  double min_separation = 0;  ///< models that are this far apart, or less, touch; finite and >= 0
+  /// How much more than the separation may count as touching, and how far off a least distance may be: finite and above
+  /// 0, or 0 for 2^-20 of the sum of the radii of both models.
+  double distance_error = 0;
+  QueryCache* cache = nullptr;  ///< as in QueryOptions
+  QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances
+};
+
+/// When two models come too near to each other first.
+struct PathImpact {
+  ImpactStatus status = ImpactStatus::undecided;
+  /// They are farther apart than the separation before `time`. For `contact` and `initial_contact` they are at most
+  /// distance_error farther apart at `time`. Infinite for `clear`.
+  double time = 0;
+  std::optional<Witness> witness;  ///< the closest points at `time`; none for `clear`
+  std::uint64_t distances = 0;     ///< that were asked for
+  StoppedBy stopped_by = StoppedBy::nothing;
+  QueryStats stats{};
+};
+
+/// The first time at which two models that move are within a separation of each other. What crosses is found, however
+/// thin it is. A path that only just passes may count as a contact, by distance_error.
+///
+/// Promise  As the comments of PathImpact say, up to the rounding of distances (distance.h).
+/// Throws   std::invalid_argument unless both models are committed, the options are what their comments say and poses
+///          are rigid; whatever the functions of a path throw.
+/// Cost     Conservative advancement: a distance for each part of the gap that is certainly free. 3 to 30 for paths
+///          that hit or miss, more for those that pass by closely for long.
+/// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
+/// Threads  Reentrant.
+/// Source   [Mirtich1996], with certified lower bounds of distances; docs/algorithms/impact.md, "Rigid bodies".
+LIMBER_API PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b,
+                                     const RigidMotion& motion_b, const PathOptions& options = {});
+LIMBER_API PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+                                     const PathOptions& options = {});
+
+/// How near two models come to each other on their way.
+struct PathDistance {
+  double lower = 0;                                        ///< no nearer than this at any time up to max_time
+  double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
+  double time = 0;
+  std::optional<Witness> witness;  ///< the closest points at `time`
+  std::uint64_t distances = 0;     ///< that were asked for
+  StoppedBy stopped_by = StoppedBy::nothing;
+  QueryStats stats{};
+};
+
+/// The least distance of two models up to max_time, and when they are so near. `min_separation` makes no difference.
+///
+/// Promise  lower <= least distance <= upper, up to the rounding of distances; upper - lower <= distance_error, unless
+///          the budget was spent.
+/// Throws   As time_of_impact(); std::bad_alloc.
+/// Cost     A distance for each piece of time that the speed cannot exclude: 10 to some 100.
+/// Threads  Reentrant.
+/// Source   [Piyavskii1972].
+LIMBER_API PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b,
+                                       const RigidMotion& motion_b, const PathOptions& options = {});
+LIMBER_API PathDistance least_distance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+                                       const PathOptions& options = {});
+
+}  // namespace limber

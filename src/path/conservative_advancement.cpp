@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Both queries know the distance of the models at some times, and that it changes by at most `speed` times the time in
+// between.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "limber/path.h"
+
+namespace limber {
+namespace path {
+namespace {
+
+void check(const PathOptions& options, double speed_a, double speed_b, const std::string& function) {
+  const auto require = [&](bool holds, const char* what) { LIMBER_REQUIRE(holds, (function + ": " + what).c_str()); };
+  require(options.max_time >= 0 && options.max_time <= 1, "max_time is not in [0, 1]");
+  require(base::is_finite_and_not_negative(options.min_separation), "min_separation must be finite and at least 0");
+  require(base::is_finite_and_not_negative(options.distance_error), "distance_error must be finite and at least 0");
+  require(base::is_finite_and_not_negative(speed_a) && base::is_finite_and_not_negative(speed_b),
+          "the speed of a path must be finite and at least 0");
+}
+
+/// Distances of two models at times on their paths, until the budget is spent.
+class MovingDistance {
+ public:
+  MovingDistance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
+                 const PathOptions& options)
+      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed) {
+    const double radii = a.bounding_sphere().radius + b.bounding_sphere().radius;
+    error_ = options.distance_error > 0 ? options.distance_error
+                                        : std::max(default_error * radii, std::numeric_limits<double>::min());
+  }
+
+  /// The distance at a time. Nothing if the budget does not allow another one.
+  std::optional<DistanceResult> at(double time, const DistanceOptions& errors_and_limit) {
+    if (count >= options_.budget.max_steps) stopped_by = StoppedBy::max_steps;
+    if (stopped_by != StoppedBy::nothing) return std::nullopt;
+    DistanceOptions wanted = errors_and_limit;
+    wanted.cache = options_.cache, wanted.budget = options_.budget;
+    wanted.budget.max_steps = std::numeric_limits<std::uint64_t>::max();
+    const DistanceResult found = distance({a_, path_a_.pose(time)}, {b_, path_b_.pose(time)}, wanted);
+    ++count, stats.node_tests += found.stats.node_tests, stats.triangle_tests += found.stats.triangle_tests;
+    stopped_by = found.stopped_by;
+    return found;
+  }
+
+  /// How long the models are certainly apart by more than a gap that is given, rounded down. Infinite if they stand.
+  double time_for(double gap) const { return down * gap / speed_; }
+  double most_in(double time) const { return speed_ * time / down; }
+  double error() const { return error_; }
+
+  std::uint64_t count = 0;
+  StoppedBy stopped_by = StoppedBy::nothing;
+  QueryStats stats{};
+
+ private:
+  static constexpr double default_error = 0x1p-20, down = 1 - 0x1p-40;
+
+  const Model &a_, &b_;
+  const RigidPath &path_a_, &path_b_;
+  const PathOptions& options_;
+  double speed_, error_;
+};
+
+/// Conservative advancement.
+PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
+  const double separation = options.min_separation, touching = separation + moving.error();
+  PathImpact result;
+  const auto finish = [&](ImpactStatus status, double time) {
+    result.status = status, result.time = time;
+    result.distances = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
+    return result;
+  };
+  double gap = 0;
+  for (double time = 0;;) {
+    // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
+    const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
+    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * moving.error(), 0.1 * gap), limit};
+    std::optional<DistanceResult> found = moving.at(time, errors);
+    if (found && found->upper > touching && found->lower <= separation) {
+      errors.relative_error = 0, errors.absolute_error = 0.25 * moving.error();
+      found = moving.at(time, errors);
+    }
+    if (found) result.witness = found->witness;
+    if (found && found->upper <= touching) {
+      return finish(time == 0 ? ImpactStatus::initial_contact : ImpactStatus::contact, time);
+    }
+    if (moving.stopped_by != StoppedBy::nothing) return finish(ImpactStatus::undecided, time);
+    LIMBER_ASSERT(found->lower > separation);
+    gap = found->lower - separation;
+    const double next = time + moving.time_for(gap);
+    if (found->status == Status::beyond_limit || !(next <= options.max_time)) {
+      result.witness.reset();
+      return finish(ImpactStatus::clear, std::numeric_limits<double>::infinity());
+    }
+    // Below the rounding of a time nothing moves.
+    time = std::max(next, std::nextafter(time, 2));
+  }
+}
+
+/// A piece of time, and lower bounds of the distances at its ends and in between.
+struct Piece {
+  double begin, end, at_begin, at_end, bound;
+};
+
+PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
+  PathDistance result;
+  const DistanceOptions errors{0, 0.25 * moving.error()};
+  const auto lower_at = [&](double time) -> std::optional<double> {
+    const std::optional<DistanceResult> found = moving.at(time, errors);
+    if (!found) return std::nullopt;
+    if (found->upper < result.upper) {
+      result.upper = found->upper, result.time = time, result.witness = found->witness;
+    }
+    return found->lower;
+  };
+  const auto piece = [&](double begin, double end, double at_begin, double at_end) {
+    return Piece{begin, end, at_begin, at_end, std::max(0.0, 0.5 * (at_begin + at_end - moving.most_in(end - begin)))};
+  };
+  const auto has_larger_bound = [](const Piece& p, const Piece& q) { return p.bound > q.bound; };
+  std::vector<Piece> pieces;  // a heap with the least bound first
+  const auto add = [&](const Piece& p) {
+    pieces.push_back(p);
+    std::push_heap(pieces.begin(), pieces.end(), has_larger_bound);
+  };
+  const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
+  if (first && last) add(piece(0, options.max_time, *first, *last));
+  while (!pieces.empty() && result.upper - pieces.front().bound > moving.error()) {
+    const Piece p = pieces.front();
+    LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
+    // Where the bounds from both ends meet.
+    const double meets = p.begin + 0.5 * (p.end - p.begin) + 0.5 * (moving.time_for(p.at_begin - p.at_end));
+    const double middle = std::clamp(meets, p.begin, p.end);
+    const std::optional<double> there = p.begin < middle && middle < p.end ? lower_at(middle) : std::nullopt;
+    if (!there) break;  // the budget is spent; or nothing moves in so short a time
+    std::pop_heap(pieces.begin(), pieces.end(), has_larger_bound);
+    pieces.pop_back();
+    add(piece(p.begin, middle, p.at_begin, *there)), add(piece(middle, p.end, *there, p.at_end));
+  }
+  result.lower = pieces.empty() ? 0 : std::min(pieces.front().bound, result.upper);
+  result.distances = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
+  return result;
+}
+
+/// How fast points of two models move relative to each other at most: the centers move straight, each model turns.
+double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b) {
+  const auto turning = [](const Model& model, const RigidMotion& motion) {
+    const Sphere sphere = model.bounding_sphere();
+    const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
+    return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
+  };
+  const auto way = [](const RigidMotion& motion) {
+    return motion.end()(motion.center()) - motion.start()(motion.center());
+  };
+  return (length(way(motion_b) - way(motion_a)) + turning(a, motion_a) + turning(b, motion_b)) * (1 + 0x1p-40);
+}
+
+}  // namespace
+}  // namespace path
+
+PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  path::check(options, path_a.speed, path_b.speed, "limber::time_of_impact");
+  path::MovingDistance moving(a, path_a, b, path_b, path_a.speed + path_b.speed, options);
+  return path::first_impact(moving, options);
+}
+
+PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  path::check(options, 0, 0, "limber::time_of_impact");
+  const auto pose_a = [&](double time) { return motion_a.at(time); };
+  const auto pose_b = [&](double time) { return motion_b.at(time); };
+  const RigidPath path_a{pose_a}, path_b{pose_b};
+  path::MovingDistance moving(a, path_a, b, path_b, path::relative_speed(a, motion_a, b, motion_b), options);
+  return path::first_impact(moving, options);
+}
+
+PathDistance least_distance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+                            const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  path::check(options, path_a.speed, path_b.speed, "limber::least_distance");
+  path::MovingDistance moving(a, path_a, b, path_b, path_a.speed + path_b.speed, options);
+  return path::nearest(moving, options);
+}
+
+PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+                            const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  path::check(options, 0, 0, "limber::least_distance");
+  const auto pose_a = [&](double time) { return motion_a.at(time); };
+  const auto pose_b = [&](double time) { return motion_b.at(time); };
+  const RigidPath path_a{pose_a}, path_b{pose_b};
+  path::MovingDistance moving(a, path_a, b, path_b, path::relative_speed(a, motion_a, b, motion_b), options);
+  return path::nearest(moving, options);
+}
+
+}  // namespace limber

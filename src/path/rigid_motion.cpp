@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "geometry/rigid.h"
+#include "limber/path.h"
+
+namespace limber {
+namespace {
+
+// Poses may be orthonormal to 1e-9 only, and what is left of a turn then is no turn.
+constexpr double rigidity_error = 1e-8, speed_up = 1 + 1e-6;
+
+/// The turn about an axis of length 1.
+Mat3 turn(const Vec3& axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
+  const auto& [x, y, z] = axis;
+  return {{c + k * x * x, k * x * y - s * z, k * x * z + s * y},
+          {k * x * y + s * z, c + k * y * y, k * y * z - s * x},
+          {k * x * z - s * y, k * y * z + s * x, c + k * z * z}};
+}
+
+Mat3 operator*(double s, const Mat3& m) { return {s * m.row0, s * m.row1, s * m.row2}; }
+Mat3 operator+(const Mat3& a, const Mat3& b) { return {a.row0 + b.row0, a.row1 + b.row1, a.row2 + b.row2}; }
+
+/// The imaginary part of a quaternion of a rotation, times its real part's sign; `real` becomes that part's size.
+Vec3 quaternion_of(const Mat3& m, double& real) {
+  // From the largest of the four entries, so that nothing is divided by a small one.
+  const double xx = m.row0.x, yy = m.row1.y, zz = m.row2.z;
+  const double squares[4] = {1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz};
+  const auto largest = std::max_element(squares, squares + 4) - squares;
+  const double twice = std::sqrt(squares[largest]), part = 0.5 / twice;
+  const Vec3 odd{m.row2.y - m.row1.z, m.row0.z - m.row2.x, m.row1.x - m.row0.y};
+  const Vec3 even{m.row2.y + m.row1.z, m.row0.z + m.row2.x, m.row1.x + m.row0.y};
+  Vec3 v;
+  switch (largest) {
+    case 0:
+      real = 0.5 * twice, v = part * odd;
+      break;
+    case 1:
+      real = part * odd.x, v = {0.5 * twice, part * even.z, part * even.y};
+      break;
+    case 2:
+      real = part * odd.y, v = {part * even.z, 0.5 * twice, part * even.x};
+      break;
+    default:
+      real = part * odd.z, v = {part * even.y, part * even.x, 0.5 * twice};
+  }
+  if (real < 0) real = -real, v = -v;
+  return v;
+}
+
+}  // namespace
+
+RigidMotion::RigidMotion(const Transform& start, const Transform& end, const Vec3& center)
+    : start_(start), end_(end), center_(center) {
+  const base::DefaultFloatEnvironment environment;
+  LIMBER_REQUIRE(geometry::is_rigid(start) && geometry::is_rigid(end),
+                 "limber::RigidMotion: a pose is not rigid (see is_rigid())");
+  LIMBER_REQUIRE(is_finite(center) && max_abs(center) <= max_coordinate,
+                 "limber::RigidMotion: a coordinate of the center is not finite, or above 2^200");
+  double real = 1;
+  const Vec3 v = quaternion_of(end.rotation * transpose(start.rotation), real);
+  const double size = length(v);
+  angle_ = 2 * std::atan2(size, real);
+  if (size > 0) axis_ = (1 / size) * v;
+}
+
+RigidMotion RigidMotion::screw(const Transform& start, const Transform& end) {
+  const base::DefaultFloatEnvironment environment;
+  RigidMotion motion(start, end);
+  const double half = 0.5 * motion.angle_;
+  if (!(std::sin(half) > 1e-9)) return motion;
+  // What the turn about the axis through the point p brings to where it is found: in the world the turn about an axis
+  // through 0 misses it by d, of which the part across the axis is (1 - turn) p.
+  const Vec3 from = start.translation, axis = motion.axis_;
+  const Vec3 d = end.translation - turn(axis, motion.angle_) * from;
+  const Vec3 across = d - dot(d, axis) * axis;
+  const Vec3 on_axis = 0.5 * across + (0.5 * std::cos(half) / std::sin(half)) * cross(axis, across);
+  // The point of the axis that is nearest to the model's origin.
+  const Vec3 nearest = on_axis + dot(from - on_axis, axis) * axis;
+  return {start, end, transpose(start.rotation) * (nearest - from)};
+}
+
+Transform RigidMotion::at(double time) const {
+  const base::DefaultFloatEnvironment environment;
+  LIMBER_REQUIRE(time >= 0 && time <= 1, "limber::RigidMotion::at: the time is not in [0, 1]");
+  if (time == 0 || start_ == end_) return start_;
+  if (time == 1) return end_;
+  // What is left of the end's rotation without the turn is the start's, but for rounding.
+  const Mat3 unturned = transpose(turn(axis_, angle_)) * end_.rotation;
+  Mat3 rotation = turn(axis_, time * angle_) * ((1 - time) * start_.rotation + time * unturned);
+  if (!geometry::is_rigid({rotation, {}})) rotation = orthonormalized(rotation).value();
+  const Vec3 center = (1 - time) * start_(center_) + time * end_(center_);
+  return environment.computed_before_restore(Transform{rotation, center - rotation * center_});
+}
+
+double RigidMotion::speed(double radius) const {
+  const base::DefaultFloatEnvironment environment;
+  const double straight = length(end_(center_) - start_(center_));
+  if (start_ == end_) return 0;
+  return environment.computed_before_restore((straight + (angle_ + rigidity_error) * radius) * speed_up);
+}
+
+}  // namespace limber

@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Rigid motions, conservative advancement and least distances along paths: known answers, and distances at many times
+// of random motions.
+#include "limber/path.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "scenes/scenes.h"
+#include "support/random_geometry.h"
+#include "unit/refusals.h"
+#include "unit/shapes.h"
+
+namespace limber::testing {
+namespace {
+
+Mat3 about_z(double angle) {
+  return {{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
+}
+
+void expect_near(const Vec3& found, const Vec3& expected, double error) {
+  EXPECT_NEAR(found.x, expected.x, error);
+  EXPECT_NEAR(found.y, expected.y, error);
+  EXPECT_NEAR(found.z, expected.z, error);
+}
+
+TEST(RigidMotion, BeginsAndEndsExactly) {
+  Rng rng(3240);
+  for (int i = 0; i < 2000; ++i) {
+    const Transform start = random_pose(rng, 5), end = random_pose(rng, 5);
+    const RigidMotion motion =
+        i % 2 == 0 ? RigidMotion(start, end, uniform_point(rng)) : RigidMotion::screw(start, end);
+    EXPECT_EQ(motion.at(0), start);
+    EXPECT_EQ(motion.at(1), end);
+    expect_near(motion.at(0x1p-53)({1, 2, 3}), start({1, 2, 3}), 1e-14);
+    expect_near(motion.at(1 - 0x1p-53)({1, 2, 3}), end({1, 2, 3}), 1e-14);
+  }
+}
+
+TEST(RigidMotion, TurnsAtConstantRateTheShorterWay) {
+  const RigidMotion quarter({about_z(0.5), {}}, {about_z(0.5 + std::numbers::pi / 2), {4, 0, 0}}, {1, 0, 0});
+  expect_near(quarter.at(0.5).rotation.row0, about_z(0.5 + std::numbers::pi / 4).row0, 1e-15);
+  const Vec3 start = quarter.start()({1, 0, 0}), end = quarter.end()({1, 0, 0});
+  expect_near(quarter.at(0.25)({1, 0, 0}), 0.75 * start + 0.25 * end, 1e-15);
+  const RigidMotion back({about_z(3), {}}, {about_z(-3), {}});  // by 2 pi - 6, not by -6
+  expect_near(back.at(0.5).rotation.row0, about_z(std::numbers::pi).row0, 1e-15);
+  const RigidMotion half({}, {{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, {}});
+  expect_near(abs(half.at(0.5).rotation.row0), {0, 1, 0}, 1e-15);
+}
+
+TEST(RigidMotion, ScrewsKeepTheirAxis) {
+  // A quarter turn about the vertical line through (2, 1), with a lift of 3.
+  const Vec3 foot{2, 1, 0};
+  const Transform start{about_z(0.3), {5, -4, 7}};
+  const Mat3 quarter = about_z(std::numbers::pi / 2);
+  const Transform end{quarter * start.rotation, quarter * (start.translation - foot) + foot + Vec3{0, 0, 3}};
+  const RigidMotion screw = RigidMotion::screw(start, end);
+  for (const double t : {0.25, 0.5, 0.75}) {
+    const Vec3 p = screw.at(t).translation - foot, from = start.translation - foot;
+    EXPECT_NEAR(std::hypot(p.x, p.y), std::hypot(from.x, from.y), 1e-13);
+    EXPECT_NEAR(p.z, 7 + 3 * t, 1e-13);
+  }
+  expect_near(screw.at(0.5)(screw.center()), {2, 1, 8.5}, 1e-13);
+}
+
+TEST(RigidMotion, IsNeverFasterThanItSays) {
+  Rng rng(3241);
+  double greatest_part = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const RigidMotion motion(random_pose(rng, 2), random_pose(rng, 2), uniform_point(rng));
+    const Vec3 p = motion.center() + 2 * uniform_point(rng);
+    const double radius = length(p - motion.center());
+    const double from = rng.uniform(), to = std::min(1.0, from + std::ldexp(1.0, -static_cast<int>(rng.below(20))));
+    const double way = length(motion.at(to)(p) - motion.at(from)(p));
+    EXPECT_LE(way, motion.speed(radius) * (to - from) + 1e-15);
+    if (to - from > 1e-4) greatest_part = std::max(greatest_part, way / (motion.speed(radius) * (to - from)));
+  }
+  EXPECT_GT(greatest_part, 0.95);
+}
+
+TEST(PathImpact, OfABallThatFallsOnAPlate) {
+  const Model ball(scenes::ball(24, 16)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
+  // The poles of the ball are on the z axis, at a distance of 1.
+  const RigidMotion falls({{}, {0.1, 0.2, 5}}, {{}, {0.1, 0.2, -3}});
+  const PathImpact found = time_of_impact(ball, falls, plate, {});
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_LE(found.time, 0.5);
+  EXPECT_NEAR(found.time, 0.5, 1e-5);
+  ASSERT_TRUE(found.witness);
+  EXPECT_NEAR(length(found.witness->point_b - Vec3{0.1, 0.2, 0}), 0, 1e-5);
+  EXPECT_LE(found.distances, 16U);
+  const PathImpact apart = time_of_impact(ball, falls, plate, {}, {.min_separation = 1});
+  EXPECT_NEAR(apart.time, 0.375, 1e-5);
+  EXPECT_LE(apart.time, 0.375);
+  EXPECT_EQ(time_of_impact(ball, falls, plate, {}, {.max_time = 0.49}).status, ImpactStatus::clear);
+  const PathDistance nearest = least_distance(ball, falls, plate, {}, {.max_time = 0.25});
+  EXPECT_NEAR(nearest.upper, 2, 1e-12);
+  EXPECT_EQ(nearest.time, 0.25);
+  EXPECT_LE(nearest.lower, 2);
+  EXPECT_EQ(least_distance(ball, falls, plate, {}).upper, 0);
+}
+
+TEST(PathImpact, AtTheStartIsSaidSo) {
+  const Model ball(scenes::ball(8, 6));
+  const PathImpact found = time_of_impact(ball, {}, ball, RigidMotion({}, {{}, {9, 0, 0}}));
+  EXPECT_EQ(found.status, ImpactStatus::initial_contact);
+  EXPECT_EQ(found.time, 0);
+  const PathImpact still = time_of_impact(ball, {}, ball, Transform{{}, {3, 0, 0}});
+  EXPECT_EQ(still.status, ImpactStatus::clear);
+  EXPECT_EQ(still.distances, 1U);
+}
+
+TEST(PathImpact, DoesNotTunnel) {
+  const Model ball(scaled(scenes::ball(8, 6), 0x1p-10)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
+  const PathImpact found = time_of_impact(ball, {{{}, {0.1, 0.2, 1}}, {{}, {0.1, 0.2, -1e4}}}, plate, {});
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_LE(found.time, 1 / (1e4 + 1));
+}
+
+TEST(PathImpact, StopsWhenItsBudgetIsSpent) {
+  const Model ball(scenes::ball(8, 6));
+  const RigidMotion flies({{}, {9, 0.5, 0}}, {{}, {-9, 0.5, 0}});
+  const std::atomic<bool> cancelled{true};
+  const PathImpact none = time_of_impact(ball, flies, ball, {}, {.budget = {.max_steps = 0}});
+  EXPECT_EQ(none.status, ImpactStatus::undecided);
+  EXPECT_EQ(none.stopped_by, StoppedBy::max_steps);
+  EXPECT_EQ(none.time, 0);
+  const PathImpact one = time_of_impact(ball, flies, ball, {}, {.budget = {.max_steps = 1}});
+  EXPECT_EQ(one.status, ImpactStatus::undecided);
+  EXPECT_GT(one.time, 0.3);
+  EXPECT_LT(one.time, 0.4);
+  EXPECT_EQ(time_of_impact(ball, flies, ball, {}, {.budget = {.cancel = &cancelled}}).stopped_by, StoppedBy::cancel);
+  const RigidMotion passes({{}, {9, 3, 0}}, {{}, {-9, 3, 0}});
+  const PathDistance few = least_distance(ball, passes, ball, {}, {.budget = {.max_steps = 3}});
+  EXPECT_EQ(few.stopped_by, StoppedBy::max_steps);
+  EXPECT_EQ(few.distances, 3U);
+  EXPECT_GT(least_distance(ball, passes, ball, {}).lower, few.lower);
+}
+
+/// The least distance at many times, and the time before which it is never below a separation.
+struct Sampled {
+  double least = std::numeric_limits<double>::infinity(), first = least;
+
+  Sampled(const Model& a, const RigidMotion& of_a, const Model& b, const RigidMotion& of_b, double separation) {
+    constexpr int samples = 400;
+    for (int i = 0; i <= samples; ++i) {
+      const double time = static_cast<double>(i) / samples;
+      const double d = distance({a, of_a.at(time)}, {b, of_b.at(time)}).upper;
+      least = std::min(least, d);
+      if (d <= separation) first = std::min(first, time);
+    }
+  }
+};
+
+TEST(PathImpact, IsNotLaterThanSampledContacts) {
+  Rng rng(3242);
+  int contacts = 0, clear = 0;
+  std::uint64_t most = 0;
+  for (int i = 0; i < 120 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const Model a(i % 3 == 0 ? scenes::ring(24, 8, 0.2) : scenes::ball(10, 8)), b(scenes::ring(24, 8, 0.3));
+    const RigidMotion of_a(random_pose(rng, 4), random_pose(rng, 4), uniform_point(rng));
+    const RigidMotion of_b =
+        i % 2 == 0 ? RigidMotion(random_pose(rng, 4)) : RigidMotion::screw(random_pose(rng, 4), random_pose(rng, 4));
+    const double separation = i % 4 < 2 ? 0 : 0.3 * rng.uniform();
+    QueryCache cache;
+    const PathOptions options{.min_separation = separation, .distance_error = 1e-3, .cache = &cache};
+    const PathImpact found = time_of_impact(a, of_a, b, of_b, options);
+    const Sampled truth(a, of_a, b, of_b, separation);
+    EXPECT_LE(found.time, truth.first);
+    if (found.status == ImpactStatus::clear) {
+      ++clear;
+    } else {
+      ++contacts;
+      EXPECT_LE(distance({a, of_a.at(found.time)}, {b, of_b.at(found.time)}).upper, separation + 1e-3 + 1e-12);
+    }
+    const PathDistance nearest = least_distance(a, of_a, b, of_b, options);
+    EXPECT_LE(nearest.lower, truth.least + 1e-12);
+    EXPECT_LE(nearest.lower, nearest.upper);
+    EXPECT_LE(nearest.upper - nearest.lower, 1e-3);
+    EXPECT_NEAR(distance({a, of_a.at(nearest.time)}, {b, of_b.at(nearest.time)}).upper, nearest.upper, 1e-3);
+    most = std::max(most, found.distances);
+  }
+  EXPECT_GT(contacts, 15);
+  EXPECT_GT(clear, 20);
+  EXPECT_LT(most, 300U);
+}
+
+TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
+  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  // Falls like a stone: z = 9 - 10 t^2, at most 20 fast.
+  const auto fall = [](double t) { return Transform{{}, {0.3, 0.4, 9 - 10 * t * t}}; };
+  const auto stay = [](double) { return Transform{}; };
+  const RigidPath falling{fall, 20}, still{stay, 0};
+  const PathImpact found = time_of_impact(ball, falling, wall, still);
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.time, std::sqrt(0.8), 1e-5);
+  EXPECT_EQ(least_distance(ball, falling, wall, still).upper, 0);
+}
+
+TEST(PathMisuse, IsRefused) {
+  const Model ball(scenes::ball(8, 6));
+  const Transform bad{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(is_refused([&] { RigidMotion(bad, {}); }, {"limber::RigidMotion", "rigid"}));
+  EXPECT_TRUE(is_refused([&] { RigidMotion::screw({}, bad); }, {"limber::RigidMotion", "rigid"}));
+  EXPECT_TRUE(is_refused([&] { RigidMotion({}, {}, {nan, 0, 0}); }, {"center"}));
+  for (const double time : {-0x1p-60, 1 + 0x1p-52, nan}) {
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion().at(time)); }, {"limber::RigidMotion::at", "time"}));
+  }
+  const std::pair<const char*, PathOptions> options[] = {{"max_time", {.max_time = -1}},
+                                                         {"max_time", {.max_time = nan}},
+                                                         {"min_separation", {.min_separation = -1}},
+                                                         {"min_separation", {.min_separation = endless}},
+                                                         {"distance_error", {.distance_error = -1}},
+                                                         {"distance_error", {.distance_error = nan}}};
+  for (const auto& [what, o] : options) {
+    const PathOptions& wrong = o;
+    const RigidMotion still;
+    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, still, ball, still, wrong); }, {"limber::time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { least_distance(ball, still, ball, still, wrong); }, {"limber::least_distance", what}));
+  }
+  const auto stay = [](double) { return Transform{}; };
+  for (const double speed : {-1.0, nan, endless}) {
+    const RigidPath path{stay, speed};
+    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, path, ball, path); }, {"limber::time_of_impact", "speed"}));
+    EXPECT_TRUE(is_refused([&] { least_distance(ball, path, ball, path); }, {"limber::least_distance", "speed"}));
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing
