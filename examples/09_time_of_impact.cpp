@@ -27,26 +27,12 @@ struct Body {
   explicit Body(const limber::Mesh& mesh) : model(mesh), edges(mesh), moving(model, edges) {}
 };
 
-/// Stops the vertices of the sheet that are about to touch something.
-void stop_vertices(const Body& sheet, const limber::ElementPair& pair, bool is_a, std::vector<Vec3>& moves) {
-  using Kind = limber::ElementPair::Kind;
-  const std::uint32_t id = is_a ? pair.a : pair.b;
-  const Kind own_face = is_a ? Kind::face_vertex : Kind::vertex_face;
-  if (pair.kind == Kind::edge_edge) {
-    for (const limber::VertexId v : sheet.edges.vertices()[id]) moves[v] = {};
-  } else if (pair.kind == own_face) {
-    for (const limber::VertexId v : sheet.model.mesh().triangles()[id]) moves[v] = {};
-  } else {
-    moves[id] = {};
-  }
-}
-
 /// The largest part of the moves that keeps the separation from the ball, and within the sheet.
 double safe_part(Body& sheet, const Body& ball, const std::vector<Vec3>& moves) {
   std::vector<Vec3> end = sheet.model.mesh().positions();
   for (std::size_t v = 0; v < end.size(); ++v) end[v] += moves[v];
   sheet.moving.set_motion(end).value();
-  const limber::ImpactOptions options{.min_separation = separation};
+  const limber::ImpactOptions options{.min_separation = separation, .nearer_part = 0.5};
   return std::min(limber::conservative_step(limber::time_of_impact(sheet.moving, ball.moving, options), 1, share),
                   limber::conservative_step(limber::self_time_of_impact(sheet.moving, options), 1, share));
 }
@@ -71,17 +57,19 @@ int main() {
     meeting += limber::intersections({sheet.model}, {ball.model}, {}).count +
                limber::self_intersections(sheet.model, {}).count;
     if (part == 1) break;
-    // What is as good as in contact stops; the rest goes on.
+    // What is as good as in contact stops; the rest goes on. That is what is within twice the separation, so that the
+    // next step finds nothing at its own.
     std::vector<Vec3> end = positions;
     for (std::size_t v = 0; v < end.size(); ++v) end[v] += 0.01 * left[v];
     sheet.moving.set_motion(end).value();
     const limber::ImpactOptions near{.min_separation = 2 * separation};
     limber::visit_impact_candidates(sheet.moving, ball.moving, near, [&](const limber::ElementPair& pair) {
-      stop_vertices(sheet, pair, true, left);
+      const limber::ElementState state = limber::state_of(sheet.moving, ball.moving, pair, 0);
+      for (std::size_t i = 0; i < state.count_of_a; ++i) left[state.vertices[i]] = {};
       return true;
     });
     limber::visit_self_impact_candidates(sheet.moving, near, [&](const limber::ElementPair& pair) {
-      stop_vertices(sheet, pair, true, left), stop_vertices(sheet, pair, false, left);
+      for (const limber::VertexId v : limber::self_state_of(sheet.moving, pair, 0).vertices) left[v] = {};
       return true;
     });
     longest = 0;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -141,6 +143,10 @@ struct ImpactOptions {
   double max_time = 1;        ///< as in ElementImpactOptions
   double time_error = 0;      ///< as in ElementImpactOptions
   double min_separation = 0;  ///< as in ElementImpactOptions
+  /// Elements that are nearer than the separation at the start may come as near as this part of their distance then.
+  /// With 0 they touch at the start. From 0 to below 1; a solver that keeps a separation from step to step needs it, as
+  /// rounding and its own response bring elements nearer.
+  double nearer_part = 0;
   /// Whether models that cross at the start may go on: only elements that touch count, a vertex and a face or two
   /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start, or are
   /// within the separation, are an `initial_contact`.
@@ -165,8 +171,7 @@ struct ImpactResult {
   /// The closest points of these elements at the time `upper`, in the world, and a triangle of each; or a point that
   /// two triangles share at the start. None if nothing touches.
   std::optional<Witness> witness;
-  /// Of length 1: perpendicular to the face, or to both edges, at that time, and along the way on which a comes nearer
-  /// to b. 0 where there is no such direction.
+  /// As in ElementState.
   Vec3 normal;
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `undecided`
   QueryStats stats{};                         ///< `triangle_tests` counts the pairs of elements that may touch
@@ -195,6 +200,29 @@ struct Impact {
   ElementPair elements;
   ElementImpact time;
 };
+
+/// Two elements at a time of a motion, as the response of a solver takes them.
+///
+/// Frame    World.
+struct ElementState {
+  /// The vertices of the first element, then those of the second: 1 and 3, 3 and 1, or 2 and 2.
+  std::array<VertexId, 4> vertices{no_id, no_id, no_id, no_id};
+  std::size_t count_of_a = 0;       ///< how many of them are of the first
+  std::array<double, 4> weights{};  ///< of closest points: those of each element are >= 0, together 1 up to rounding
+  Vec3 point_a, point_b;            ///< closest points
+  /// Of length 1, from a to b. If the elements are apart, from one closest point to the other. If they touch, up to the
+  /// rounding of positions, perpendicular to the face or to both edges, against the motion of b seen from a. 0 where
+  /// there is no such direction.
+  Vec3 normal;
+};
+
+/// The state of a pair of elements, such as that of an Impact at its upper time.
+///
+/// Throws   std::invalid_argument unless both models have a motion that is still valid, the ids are those of elements,
+///          and the time is from 0 to 1.
+/// Cost     Some 200 ns.
+LIMBER_API ElementState state_of(const MovingModel& a, const MovingModel& b, const ElementPair& elements, double time);
+LIMBER_API ElementState self_state_of(const MovingModel& model, const ElementPair& elements, double time);
 
 /// Called for each pair; returns whether to go on.
 using ImpactVisitor = FunctionRef<bool(const Impact&)>;

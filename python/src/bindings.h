@@ -33,6 +33,7 @@ void bind_model(nb::module_& module);
 void bind_queries(nb::module_& module);
 void bind_contacts(nb::module_& module);
 void bind_elements(nb::module_& module);
+void bind_motion(nb::module_& module);
 void bind_points(nb::module_& module);
 void bind_scene(nb::module_& module);
 void bind_batch(nb::module_& module);

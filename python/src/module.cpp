@@ -88,6 +88,7 @@ NB_MODULE(_core, module) {
   python::bind_model(module);
   python::bind_queries(module);
   python::bind_elements(module);
+  python::bind_motion(module);
   python::bind_contacts(module);
   python::bind_points(module);
   python::bind_scene(module);

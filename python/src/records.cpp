@@ -93,6 +93,17 @@ nb::object edge_edge_dtype() {
                   p.parameter_b);
 }
 
+nb::object element_pair_dtype() {
+  const ElementPair p;
+  return dtype_of(p, {"kind", "a", "b"}, p.kind, p.a, p.b);
+}
+
+nb::object impact_dtype() {
+  const Impact i{};
+  return dtype_of(i, {"kind", "a", "b", "status", "lower", "upper"}, i.elements.kind, i.elements.a, i.elements.b,
+                  i.time.status, i.time.lower, i.time.upper);
+}
+
 /// The end of a docstring: fields and what they are.
 std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
   std::string text;
@@ -178,6 +189,13 @@ std::string edge_edge_fields() {
                  {"parameter_a, parameter_b", docs::EdgeEdgePair_parameter_a}});
 }
 
+std::string element_pair_fields() { return fields({{"kind", "an ElementPairKind"}, {"a, b", docs::ElementPair_a}}); }
+
+std::string impact_fields() {
+  return element_pair_fields() + fields({{"status", "an ImpactStatus: contact or initial_contact"},
+                                         {"lower, upper", docs::ElementImpact_lower}});
+}
+
 void bind_records(nb::module_& module) {
   const auto keep = [&module](const char* name, nb::object dtype) {
     module.attr(name) = dtype;
@@ -189,7 +207,9 @@ void bind_records(nb::module_& module) {
                 .signed_distance = keep("signed_distance_dtype", signed_distance_dtype()),
                 .contact = keep("contact_dtype", contact_dtype()),
                 .vertex_face = keep("vertex_face_dtype", vertex_face_dtype()),
-                .edge_edge = keep("edge_edge_dtype", edge_edge_dtype())};
+                .edge_edge = keep("edge_edge_dtype", edge_edge_dtype()),
+                .element_pair = keep("element_pair_dtype", element_pair_dtype()),
+                .impact = keep("impact_dtype", impact_dtype())};
 }
 
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape) {

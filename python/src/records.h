@@ -52,7 +52,7 @@ SurfacePointRecord record_of(const SignedDistance& signed_distance);
 
 /// The element types of such arrays, as NumPy describes them. They live as long as the process.
 struct Dtypes {
-  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge;
+  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge, element_pair, impact;
 };
 const Dtypes& dtypes();
 
@@ -62,6 +62,8 @@ std::string surface_point_fields();
 std::string distance_fields();
 std::string vertex_face_fields();
 std::string edge_edge_fields();
+std::string element_pair_fields();
+std::string impact_fields();
 
 /// A new array of that shape and element type, not initialised.
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape);

@@ -29,6 +29,11 @@ def results() -> list[Any]:
     closest = limber3d.closest_point(tetra, [3, 0, 0])
     beyond = limber3d.closest_point(tetra, [3, 0, 0], max_distance=1.0)
     assert closest.closest is not None and beyond.closest is None
+    moving, goes = limber3d.MovingModel(tetra), limber3d.RigidMotion(FAR, None)
+    moving.set_motion(TETRA_VERTICES)
+    other = limber3d.MovingModel(tetra)
+    other.set_motion(TETRA_VERTICES, FAR, ([1, 0, 0, 0], [0.5, 0.25, 0.25]))
+    hit, stands = limber3d.time_of_impact(moving, other), limber3d.RigidMotion()
     return [
         *(far, near, far.witness, near.witness, far.stats),
         *(limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, FAR)),
@@ -37,6 +42,8 @@ def results() -> list[Any]:
         *(closest, beyond, closest.closest, closest.closest.feature),
         *(surface.signed_distance(point) for point in ([0.1, 0.1, 0.1], [3, 0, 0])),
         *(scene.closest_objects(), scene.closest_objects(max_distance=0.5)),
+        *(hit, hit.elements, limber3d.time_of_impact(moving, moving)),
+        *(limber3d.time_of_impact(tetra, stands, tetra, goes), limber3d.least_distance(tetra, stands, tetra, goes)),
         *(tetra.tree_stats, tetra.maintenance_stats, tetra.bounding_box(), tetra.bounding_sphere()),
     ]
 
@@ -51,7 +58,7 @@ CLASSES = {type(value) for value in VALUES}
 
 def test_all_classes_of_results_are_here() -> None:
     classes = [member for name in limber3d.__all__ if isinstance(member := getattr(limber3d, name), type)]
-    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 13
+    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 17
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)

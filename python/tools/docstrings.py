@@ -19,7 +19,7 @@ from pathlib import Path
 WORDS = (
     (r"std::invalid_argument\b", "ValueError"),
     (r"std::bad_alloc\b", "MemoryError"),
-    (r"\bvisit_(?=self_|intersections|contacts|element_pairs|candidate_pairs)", ""),
+    (r"\bvisit_(?=self_|intersections|contacts|element_pairs|candidate_pairs|impact)", ""),
     (r"\bConst functions, queries included, may\b", "Queries may"),
     (r"\b[Cc]onst functions may\b", "Calls may"),
     (r"\b(allocate|filter|visitor) throws?\b", r"\1 raises"),
@@ -35,6 +35,7 @@ SENTENCES = (
     (" The second form writes the first `?[a-z]+\\.size\\(\\)`? of them; count says how many there are.", ""),
     (" The second form writes the first pairs that there is room for; the counts say how many there are.", ""),
     (" Keeps a pointer: the model must outlive it, and must not be reset\\(\\)\\.", " The model must not be reset()."),
+    ("Keeps pointers: the model and its edges must outlive it\\. Changing them", "Keeps its model alive. Changing it"),
     (" A (model|scene) that has been moved from may be .*", ""),
     ("; with the default ones if the model has been moved from", ""),
     (" if the mesh has been moved from; MemoryError", " MemoryError"),

@@ -99,6 +99,10 @@ inline constexpr double rounding_error = 0x1p-52;
 /// Quotients below may have underflowed.
 inline constexpr double tiny_time = 0x1p-1000;
 
+/// What placing elements at a time, and their closest points, change a distance by, as a part of their largest
+/// coordinate, with room: elements that are nearer are as good as touching.
+inline constexpr double placed_elements_error = 0x1p-44;
+
 // --- scenes: bounds of placed models ---
 
 /// What rounding makes of the bounds of a placed model, of its placed vertices and of distances, as a part of the sum

@@ -3,17 +3,15 @@
 
 // The public functions of motion.h for models.
 #include <algorithm>
-#include <cstddef>
 #include <limits>
 #include <optional>
-#include <utility>
+#include <string>
 
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "geometry/local_frame.h"
-#include "geometry/primitives.h"
 #include "limber/contacts.h"
 #include "motion/element_impact.h"
+#include "motion/element_state.h"
 #include "motion/impact_search.h"
 #include "motion/moving_pair.h"
 
@@ -25,18 +23,37 @@ ElementImpactOptions of_elements(const ImpactOptions& options) {
   return {options.max_time, options.time_error, options.min_separation};
 }
 
+void check_options(const ImpactOptions& options, const char* function) {
+  check(of_elements(options), function);
+  LIMBER_REQUIRE(options.nearer_part >= 0 && options.nearer_part < 1,
+                 (std::string(function) + ": nearer_part is not from 0 to below 1").c_str());
+}
+
+/// The impact of two elements; of those that are nearer than the separation at the start, with a part of their distance
+/// as separation.
+ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options, double nearer_part) {
+  const ElementImpact impact = impact_of(elements, options);
+  if (impact.status != ImpactStatus::initial_contact || nearer_part == 0 || options.min_separation == 0) return impact;
+  ElementImpactOptions nearer = options;
+  nearer.min_separation = nearer_part * start_distance(elements);
+  return impact_of(elements, nearer);
+}
+
 /// The collector of time_of_impact(): the first impact, or any.
 class FirstImpact {
  public:
   explicit FirstImpact(const ImpactOptions& options)
-      : options_(of_elements(options)), filter_(options.filter), any_(options.any_contact) {}
+      : options_(of_elements(options)),
+        nearer_part_(options.nearer_part),
+        filter_(options.filter),
+        any_(options.any_contact) {}
 
   double max_time() const { return options_.max_time; }
   bool is_done() const { return upper == 0 || (any_ && best); }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_);
+    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
     if (impact.status == ImpactStatus::clear) return;
     // What touches later than the first time at which these may touch cannot change `lower`.
     options_.max_time = lower = std::min(lower, impact.lower);
@@ -51,6 +68,7 @@ class FirstImpact {
 
  private:
   ElementImpactOptions options_;
+  double nearer_part_;
   std::optional<ElementPairFilter> filter_;
   bool any_;
 };
@@ -59,14 +77,14 @@ class FirstImpact {
 class AllImpacts {
  public:
   AllImpacts(const ImpactOptions& options, ImpactVisitor visit)
-      : options_(of_elements(options)), filter_(options.filter), visit_(visit) {}
+      : options_(of_elements(options)), nearer_part_(options.nearer_part), filter_(options.filter), visit_(visit) {}
 
   double max_time() const { return options_.max_time; }
   bool is_done() const { return is_stopped_; }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_);
+    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
     if (impact.status == ImpactStatus::clear) return;
     ++count;
     is_stopped_ = !visit_({pair, impact});
@@ -76,6 +94,7 @@ class AllImpacts {
 
  private:
   ElementImpactOptions options_;
+  double nearer_part_;
   std::optional<ElementPairFilter> filter_;
   ImpactVisitor visit_;
   bool is_stopped_ = false;
@@ -105,42 +124,11 @@ class ImpactCandidates {
   bool is_stopped_ = false;
 };
 
-/// A vector of length about 1 in the same direction; 0 if there is none.
-Vec3 about_unit(const Vec3& v) { return v == Vec3{} ? v : geometry::near_unit(v); }
-
-/// Sets elements, witness and normal of a contact, as they are at the time `upper`. With a separation the elements are
-/// apart then, and the normal is the direction between them.
-void set_place(const MovingPair& models, const IdentifiedElements& found, bool has_separation, ImpactResult& result) {
-  Vec3 at[4], way[4];
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 &start = found.elements.corners[0][i], &end = found.elements.corners[1][i];
-    at[i] = (1 - result.upper) * start + result.upper * end, way[i] = end - start;
-  }
-  ClosestPoints closest;
-  Vec3 normal, approach;  // of the first element to the second
-  if (found.elements.kind == MovingElements::Kind::vertex_face) {
-    const Triangle face{at[1], at[2], at[3]};
-    const Vec3 weights = geometry::closest_on(face, at[0]).weights;
-    closest = geometry::closest_points(at[0], face);
-    normal = cross(about_unit(at[2] - at[1]), about_unit(at[3] - at[1]));
-    approach = way[0] - (weights.x * way[1] + weights.y * way[2] + weights.z * way[3]);
-  } else {
-    const Segment a{at[0], at[1]}, b{at[2], at[3]};
-    const auto [distance, s, t] = geometry::closest_on(a, b);
-    closest = geometry::closest_points(a, b);
-    normal = cross(about_unit(at[1] - at[0]), about_unit(at[3] - at[2]));
-    approach = (1 - s) * way[0] + s * way[1] - ((1 - t) * way[2] + t * way[3]);
-  }
-  if (dot(normal, about_unit(approach)) < 0) normal = -normal;
-  if (has_separation && closest.distance > 0) normal = about_unit(closest.point_b - closest.point_a);
-  if (found.pair.kind == ElementPair::Kind::face_vertex) {
-    std::swap(closest.point_a, closest.point_b);
-    normal = -normal;
-  }
-  const double size = length(normal);
-  if (size > 0) result.normal = (1 / size) * normal;
-  result.elements = found.pair;
-  result.witness = {closest.point_a, closest.point_b, models.triangle_of(Side::a, found.pair),
+/// Sets elements, witness and normal of a contact, as they are at the time `upper`.
+void set_place(const MovingPair& models, const IdentifiedElements& found, ImpactResult& result) {
+  const ElementState state = state_at(models, found, result.upper);
+  result.elements = found.pair, result.normal = state.normal;
+  result.witness = {state.point_a, state.point_b, models.triangle_of(Side::a, found.pair),
                     models.triangle_of(Side::b, found.pair)};
 }
 
@@ -171,7 +159,7 @@ ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options)
   result.status = is_undecided ? ImpactStatus::undecided : collector.status;
   result.lower = collector.lower, result.upper = collector.upper;
   if (is_undecided || collector.is_done()) result.lower = std::min(result.lower, search.first_open_time());
-  if (collector.best) set_place(models, *collector.best, options.min_separation > 0, result);
+  if (collector.best) set_place(models, *collector.best, result);
   return result;
 }
 
@@ -199,40 +187,40 @@ ImpactCount visit_all(const MovingPair& models, const ImpactOptions& options, Vi
 
 ImpactResult time_of_impact(const MovingModel& a, const MovingModel& b, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::time_of_impact");
+  motion::check_options(options, "limber::time_of_impact");
   return motion::first_impact({a, b, "limber::time_of_impact"}, options);
 }
 
 ImpactResult self_time_of_impact(const MovingModel& model, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::self_time_of_impact");
+  motion::check_options(options, "limber::self_time_of_impact");
   return motion::first_impact({model, "limber::self_time_of_impact"}, options);
 }
 
 ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
                           ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::visit_impacts");
+  motion::check_options(options, "limber::visit_impacts");
   return motion::visit_all<motion::AllImpacts>({a, b, "limber::visit_impacts"}, options, visit);
 }
 
 ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::visit_self_impacts");
+  motion::check_options(options, "limber::visit_self_impacts");
   return motion::visit_all<motion::AllImpacts>({model, "limber::visit_self_impacts"}, options, visit);
 }
 
 ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
                                     ImpactCandidateVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::visit_impact_candidates");
+  motion::check_options(options, "limber::visit_impact_candidates");
   return motion::visit_all<motion::ImpactCandidates>({a, b, "limber::visit_impact_candidates"}, options, visit);
 }
 
 ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
                                          ImpactCandidateVisitor visit) {
   const base::DefaultFloatEnvironment environment;
-  motion::check(motion::of_elements(options), "limber::visit_self_impact_candidates");
+  motion::check_options(options, "limber::visit_self_impact_candidates");
   return motion::visit_all<motion::ImpactCandidates>({model, "limber::visit_self_impact_candidates"}, options, visit);
 }
 

@@ -70,28 +70,50 @@ IdentifiedElements MovingPair::vertex_face(Side s, const MovingLeafOf& of_vertex
                                            const MovingLeafOf& of_face, std::uint32_t face_code) const {
   const VertexId vertex = of_vertex.leaf.vertices[slot_of_code(vertex_code)][corner_of_code(vertex_code)];
   const TriangleId face = of_face.leaf.triangle[slot_of_code(face_code)];
-  IdentifiedElements found{{ElementPair::Kind::vertex_face, vertex, face}, {MovingElements::Kind::vertex_face, {}}};
-  if (!is_self() && s == Side::b) found.pair = {ElementPair::Kind::face_vertex, face, vertex};
-  set_corner(found.elements, 0, s, vertex);
-  for (std::size_t k = 0; k < 3; ++k) {
-    set_corner(found.elements, 1 + k, pair::other(s), of_face.leaf.vertices[slot_of_code(face_code)][k]);
-  }
-  return found;
+  if (is_self() || s == Side::a) return elements({ElementPair::Kind::vertex_face, vertex, face});
+  return elements({ElementPair::Kind::face_vertex, face, vertex});
 }
 
 IdentifiedElements MovingPair::edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
                                          std::uint32_t code_b) const {
-  const MeshEdges &edges_a = *models_[0]->edges, &edges_b = *models_[1]->edges;
-  EdgeId id_a = edges_a.of_triangles()[a.leaf.triangle[slot_of_code(code_a)]][corner_of_code(code_a)];
-  EdgeId id_b = edges_b.of_triangles()[b.leaf.triangle[slot_of_code(code_b)]][corner_of_code(code_b)];
+  const EdgeId id_a =
+      model(Side::a).edges->of_triangles()[a.leaf.triangle[slot_of_code(code_a)]][corner_of_code(code_a)];
+  const EdgeId id_b =
+      model(Side::b).edges->of_triangles()[b.leaf.triangle[slot_of_code(code_b)]][corner_of_code(code_b)];
   // In one model the edge of smaller id comes first, wherever the leaves are.
-  if (is_self() && id_b < id_a) std::swap(id_a, id_b);
-  IdentifiedElements found{{ElementPair::Kind::edge_edge, id_a, id_b}, {MovingElements::Kind::edge_edge, {}}};
-  for (std::size_t k = 0; k < 2; ++k) {
-    set_corner(found.elements, k, Side::a, edges_a.vertices()[id_a][k]);
-    set_corner(found.elements, 2 + k, Side::b, edges_b.vertices()[id_b][k]);
+  const bool swaps = is_self() && id_b < id_a;
+  return elements({ElementPair::Kind::edge_edge, swaps ? id_b : id_a, swaps ? id_a : id_b});
+}
+
+IdentifiedElements MovingPair::elements(const ElementPair& pair) const {
+  using Kind = ElementPair::Kind;
+  IdentifiedElements found{pair, {MovingElements::Kind::edge_edge, {}}};
+  if (pair.kind == Kind::edge_edge) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      set_corner(found.elements, k, Side::a, model(Side::a).edges->vertices()[pair.a][k]);
+      set_corner(found.elements, 2 + k, Side::b, model(Side::b).edges->vertices()[pair.b][k]);
+    }
+    return found;
   }
+  found.elements.kind = MovingElements::Kind::vertex_face;
+  const Side of_vertex = pair.kind == Kind::vertex_face ? Side::a : Side::b, of_face = pair::other(of_vertex);
+  const Corners& face = corners(of_face, of_face == Side::a ? pair.a : pair.b);
+  set_corner(found.elements, 0, of_vertex, of_vertex == Side::a ? pair.a : pair.b);
+  for (std::size_t k = 0; k < 3; ++k) set_corner(found.elements, 1 + k, of_face, face[k]);
   return found;
+}
+
+std::array<VertexId, 4> MovingPair::vertices(const ElementPair& pair) const {
+  if (pair.kind == ElementPair::Kind::edge_edge) {
+    const auto &a = model(Side::a).edges->vertices()[pair.a], &b = model(Side::b).edges->vertices()[pair.b];
+    return {a[0], a[1], b[0], b[1]};
+  }
+  if (pair.kind == ElementPair::Kind::vertex_face) {
+    const Corners& face = corners(Side::b, pair.b);
+    return {pair.a, face[0], face[1], face[2]};
+  }
+  const Corners& face = corners(Side::a, pair.a);
+  return {face[0], face[1], face[2], pair.b};
 }
 
 TriangleId MovingPair::triangle_of(Side s, const ElementPair& pair) const {

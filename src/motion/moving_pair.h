@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -59,8 +60,15 @@ class MovingPair {
   IdentifiedElements edge_edge(const MovingLeafOf& a, std::uint32_t code_a, const MovingLeafOf& b,
                                std::uint32_t code_b) const;
 
+  /// The elements of a pair by their ids, which must exist; and their vertices, those of the first element first.
+  IdentifiedElements elements(const ElementPair& pair) const;
+  std::array<VertexId, 4> vertices(const ElementPair& pair) const;
+
   /// A triangle that has the element of a pair that is of one model.
   TriangleId triangle_of(Side s, const ElementPair& pair) const;
+
+  /// The vertices of a triangle.
+  const Corners& corners(Side s, TriangleId triangle) const { return model(s).model->mesh().triangles()[triangle]; }
 
  private:
   /// Sets a corner of two elements to a vertex of a model.

@@ -129,6 +129,70 @@ TEST(MovingModel, KeepsASeparation) {
   EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.min_separation = 0.5}).status, ImpactStatus::initial_contact);
 }
 
+TEST(MovingModel, MayGoOnFromNearerThanTheSeparation) {
+  Body box(cube()), floor(plate());
+  box.shift({0.1, 0.2, 0.75}, {0.1, 0.2, 1.75});  // up, from 0.25 above the plate
+  const auto ask = [&](double part) {
+    return time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = part});
+  };
+  EXPECT_EQ(ask(0).status, ImpactStatus::initial_contact);
+  EXPECT_EQ(ask(0.5).status, ImpactStatus::clear);
+  box.shift({0.1, 0.2, 0.75}, {0.1, 0.2, -0.25});  // down
+  EXPECT_EQ(ask(0.5).status, ImpactStatus::contact);
+  EXPECT_LE(ask(0.5).upper, 0.125 + 1e-12);  // others, which are farther apart now, touch before
+  EXPECT_GT(ask(0.5).lower, 0);
+  const auto lowest = [](const ElementPair& p) { return p.kind == ElementPair::Kind::vertex_face && p.b == 8; };
+  const auto of_lowest =
+      time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = 0.5, .filter = lowest});
+  EXPECT_NEAR(of_lowest.upper, 0.125, 1e-12);
+  EXPECT_EQ(visit_impacts(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = 0.5},
+                          [](const Impact& i) { return i.time.status == ImpactStatus::contact; })
+                .is_complete,
+            true);
+  // Elements that touch at the start still do.
+  box.shift({0.1, 0.2, 0.5}, {0.1, 0.2, 1.5});
+  EXPECT_EQ(ask(0.5).status, ImpactStatus::initial_contact);
+}
+
+TEST(MovingModel, SaysHowElementsLie) {
+  Body point(small_mesh({{0, 0, 0}}, {{0, 0, 0}})),
+      face(small_mesh({{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, 1, 2}}));
+  point.shift({0, 0, 1}, {0, 0, -1});
+  const ElementPair down{ElementPair::Kind::vertex_face, 0, 0};
+  const ElementState apart = state_of(point.moving, face.moving, down, 0.25),
+                     touching = state_of(point.moving, face.moving, down, 0.5);
+  EXPECT_EQ(apart.vertices, (std::array<VertexId, 4>{0, 0, 1, 2}));
+  EXPECT_EQ(apart.count_of_a, 1U);
+  EXPECT_EQ(apart.weights, (std::array<double, 4>{1, 0.5, 0.25, 0.25}));
+  EXPECT_EQ(apart.point_a, (Vec3{0, 0, 0.5}));
+  EXPECT_EQ(apart.point_b, Vec3{});
+  EXPECT_EQ(apart.normal, (Vec3{0, 0, -1}));
+  EXPECT_EQ(touching.normal, (Vec3{0, 0, -1}));
+  EXPECT_EQ(state_of(point.moving, face.moving, down, 0.75).normal, (Vec3{0, 0, 1}));  // it has passed
+  const ElementPair up{ElementPair::Kind::face_vertex, 0, 0};
+  const ElementState other = state_of(face.moving, point.moving, up, 0.25);
+  EXPECT_EQ(other.vertices, (std::array<VertexId, 4>{0, 1, 2, 0}));
+  EXPECT_EQ(other.count_of_a, 3U);
+  EXPECT_EQ(other.weights, (std::array<double, 4>{0.5, 0.25, 0.25, 1}));
+  EXPECT_EQ(other.point_b, (Vec3{0, 0, 0.5}));
+  EXPECT_EQ(other.normal, (Vec3{0, 0, 1}));
+  Body rods(small_mesh({{-1, 0, 0}, {1, 0, 0}, {0, -1, 1}, {0, 3, 1}}, {{0, 1, 1}, {2, 3, 3}}));
+  const ElementState crossed = self_state_of(rods.moving, {ElementPair::Kind::edge_edge, 0, 1}, 0);
+  EXPECT_EQ(crossed.vertices, (std::array<VertexId, 4>{0, 1, 2, 3}));
+  EXPECT_EQ(crossed.count_of_a, 2U);
+  EXPECT_EQ(crossed.weights, (std::array<double, 4>{0.5, 0.5, 0.75, 0.25}));
+  EXPECT_EQ(crossed.normal, (Vec3{0, 0, 1}));
+}
+
+TEST(MovingModel, HasNormalsOfEveryScale) {
+  for (const int exponent : {-1000, -540, -365, 0, 150}) {
+    const double unit = std::ldexp(1.0, exponent);
+    Body box(scaled(cube(), unit)), floor(scaled(plate(), unit));
+    box.shift(unit * Vec3{0.1, 0.2, 2.5}, unit * Vec3{0.1, 0.2, -1.5});
+    EXPECT_EQ(time_of_impact(box.moving, floor.moving).normal, (Vec3{0, 0, -1})) << exponent;
+  }
+}
+
 TEST(MovingModel, IsAskedUpToATime) {
   Body box(cube()), floor(plate());
   box.shift({0, 0, 2.5}, {0, 0, -1.5});
@@ -282,6 +346,22 @@ TEST_F(MovingModelMisuse, OfNoMotionIsRefused) {
   EXPECT_TRUE(is_refused([&] { static_cast<void>(gone.set_motion({})); }, {"moved from"}));
 }
 
+TEST_F(MovingModelMisuse, OfElementsIsRefused) {
+  using Kind = ElementPair::Kind;
+  for (const ElementPair& wrong : {ElementPair{Kind::vertex_face, 8, 0}, ElementPair{Kind::vertex_face, 0, 18},
+                                   ElementPair{Kind::face_vertex, 12, 0}, ElementPair{Kind::face_vertex, 0, 16},
+                                   ElementPair{Kind::edge_edge, 18, 0}, ElementPair{Kind::edge_edge, 0, no_id}}) {
+    EXPECT_TRUE(is_refused([&] { state_of(box_.moving, floor_.moving, wrong, 0); }, {"limber::state_of", "id"}));
+  }
+  for (const double time : {-1.0, 1.5, std::nan("")}) {
+    EXPECT_TRUE(is_refused(
+        [&] {
+          self_state_of(box_.moving, {Kind::edge_edge, 0, 1}, time);
+        },
+        {"limber::self_state_of", "time"}));
+  }
+}
+
 TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const std::pair<const char*, ImpactOptions> bad[] = {{"max_time", {.max_time = -0x1p-60}},
@@ -290,6 +370,8 @@ TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
                                                        {"time_error", {.time_error = -1}},
                                                        {"time_error", {.time_error = nan}},
                                                        {"min_separation", {.min_separation = -1}},
+                                                       {"nearer_part", {.nearer_part = 1}},
+                                                       {"nearer_part", {.nearer_part = -0.5}},
                                                        {"min_separation", {.min_separation = nan}},
                                                        {"min_separation", {.min_separation = no_time}}};
   const auto visit = [](const Impact&) { return true; };

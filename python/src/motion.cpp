@@ -1,0 +1,368 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "bindings.h"
+#include "budget.h"
+#include "docstrings.h"
+#include "limber/limber.h"
+#include "records.h"
+#include "value_class.h"
+
+namespace limber::python {
+namespace {
+
+/// A moving model, which keeps its edges and shares its model with Python.
+class MovingModelObject {
+ public:
+  explicit MovingModelObject(ModelObject& model) : model_(model) {}
+
+  void set_motion(const ArrayLike& end_positions, const PoseLike& start_pose, const PoseLike& end_pose) {
+    const std::vector<Vec3> end = points_from(end_positions, "end_positions");
+    const Transform start = pose_from(start_pose, "start_pose"), finish = pose_from(end_pose, "end_pose");
+    const Changing own = users_.change("the moving model is in use by another thread");
+    const Reading guard = reading(model_);
+    value_or_raise(without_gil([&]() -> Result<void> {
+      if (const auto edges = edges_of(model_); edges != edges_) {
+        moving_.emplace(model_.model, *edges);
+        edges_ = edges;
+      }
+      return moving_->set_motion(end, start, finish);
+    }));
+  }
+
+  /// What a query reads.
+  struct InUse {
+    Reading own, model;
+    const MovingModel& moving;
+  };
+  InUse use() {
+    Reading own = users_.read("the motion is being set by another thread");
+    Reading model = reading(model_);
+    if (!moving_) throw nb::value_error("the moving model has no motion: call set_motion()");
+    return {std::move(own), std::move(model), *moving_};
+  }
+
+ private:
+  ModelObject& model_;
+  Users users_;
+  std::shared_ptr<const MeshEdges> edges_;
+  std::optional<MovingModel> moving_;
+};
+
+/// A filter as Python passes it: called with the kind of a pair and two ids.
+struct ElementFilter {
+  nb::object function;
+  bool operator()(const ElementPair& pair) const {
+    return nb::cast<bool>(nb::bool_(function(nb::cast(pair.kind), pair.a, pair.b)));
+  }
+};
+
+/// The options that all queries have, and whether they need the GIL.
+struct ImpactArguments {
+  ImpactArguments(double max_time, double time_error, double min_separation, double nearer_part, nb::handle filter,
+                  const BudgetObject* budget)
+      : options{max_time, time_error, min_separation, nearer_part} {
+    options.budget = budget_of(budget);
+    if (filter.is_none()) return;
+    if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
+    predicate = {nb::borrow(filter)};
+    options.filter.emplace(predicate);
+  }
+  ImpactArguments(const ImpactArguments&) = delete;
+  ImpactArguments& operator=(const ImpactArguments&) = delete;
+
+  bool needs_gil() const { return options.filter.has_value(); }
+
+  ElementFilter predicate;
+  ImpactOptions options;
+};
+
+ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
+                               double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,
+                               nb::handle filter, const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
+  given.options.ignores_crossings = ignores_crossings, given.options.any_contact = any_contact;
+  const auto use_a = a.use(), use_b = b.use();
+  return without_gil_unless(given.needs_gil(),
+                            [&] { return time_of_impact(use_a.moving, use_b.moving, given.options); });
+}
+
+ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
+                                    double nearer_part, bool ignores_crossings, bool any_contact, nb::handle filter,
+                                    const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
+  given.options.ignores_crossings = ignores_crossings, given.options.any_contact = any_contact;
+  const auto use = model.use();
+  return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
+}
+
+RecordArray impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
+                       double min_separation, double nearer_part) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), nullptr);
+  const auto use_a = a.use(), use_b = b.use();
+  std::vector<Impact> found;
+  without_gil([&] {
+    visit_impacts(use_a.moving, use_b.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+  });
+  return array_of(std::span<const Impact>(found), dtypes().impact);
+}
+
+RecordArray self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
+                            double nearer_part) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), nullptr);
+  const auto use = model.use();
+  std::vector<Impact> found;
+  without_gil([&] {
+    visit_self_impacts(use.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+  });
+  return array_of(std::span<const Impact>(found), dtypes().impact);
+}
+
+RecordArray impact_candidates_of(MovingModelObject& a, MovingModelObject& b, double max_time, double min_separation) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), nullptr);
+  const auto use_a = a.use(), use_b = b.use();
+  std::vector<ElementPair> found;
+  without_gil([&] {
+    visit_impact_candidates(use_a.moving, use_b.moving, given.options,
+                            [&](const ElementPair& pair) { return found.push_back(pair), true; });
+  });
+  return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
+}
+
+RecordArray self_impact_candidates_of(MovingModelObject& model, double max_time, double min_separation) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), nullptr);
+  const auto use = model.use();
+  std::vector<ElementPair> found;
+  without_gil([&] {
+    visit_self_impact_candidates(use.moving, given.options,
+                                 [&](const ElementPair& pair) { return found.push_back(pair), true; });
+  });
+  return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
+}
+
+ElementState state_of_pair(MovingModelObject& a, MovingModelObject& b, ElementPair::Kind kind, std::uint32_t id_a,
+                           std::uint32_t id_b, double time) {
+  const auto use_a = a.use(), use_b = b.use();
+  return state_of(use_a.moving, use_b.moving, {kind, id_a, id_b}, time);
+}
+
+ElementState self_state_of_pair(MovingModelObject& model, ElementPair::Kind kind, std::uint32_t id_a,
+                                std::uint32_t id_b, double time) {
+  const auto use = model.use();
+  return self_state_of(use.moving, {kind, id_a, id_b}, time);
+}
+
+/// Displacements as Python passes them: an array of one number for each vertex.
+std::vector<double> displacements_from(nb::handle object, const char* name) {
+  constexpr const char* expected = "shape (v,) and dtype float32 or float64";
+  const Array array(object, name, expected, Lists::floats);
+  if (!array.has_numbers({-1})) array.refuse();
+  return array.numbers();
+}
+
+FloatArray array_of_numbers(const std::vector<double>& numbers) {
+  return array_of(std::span<const double>(numbers), nb::str("float64"), {numbers.size()});
+}
+
+FloatArray limit_self_displacements_of(ModelObject& model, double separation, const ArrayLike& displacements) {
+  std::vector<double> limits = displacements_from(displacements, "displacements");
+  const Reading guard = reading(model);
+  without_gil([&] { limit_self_displacements(model.model, *edges_of(model), separation, limits); });
+  return array_of_numbers(limits);
+}
+
+std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObject& a, ModelObject& b,
+                                                                        double separation, const ArrayLike& of_a,
+                                                                        nb::handle of_b, const PoseLike& pose_a,
+                                                                        const PoseLike& pose_b) {
+  std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
+  if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
+  const PlacedPair pair(a, b, pose_a, pose_b);
+  without_gil(
+      [&] { limit_displacements(pair.a(), *edges_of(a), pair.b(), *edges_of(b), separation, limits_a, limits_b); });
+  return {array_of_numbers(limits_a),
+          of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b))};
+}
+
+// --- rigid bodies ---
+
+PathImpact path_impact_of(ModelObject& a, const RigidMotion& motion_a, ModelObject& b, const RigidMotion& motion_b,
+                          double max_time, double min_separation, double distance_error, const BudgetObject* budget,
+                          QueryCacheObject* cache) {
+  const Reading reading_a = reading(a), reading_b = reading(b);
+  const Used used(cache);
+  const PathOptions options{max_time, min_separation, distance_error, used.get(), budget_of(budget)};
+  return without_gil([&] { return time_of_impact(a.model, motion_a, b.model, motion_b, options); });
+}
+
+PathDistance least_distance_of(ModelObject& a, const RigidMotion& motion_a, ModelObject& b, const RigidMotion& motion_b,
+                               double max_time, double distance_error, const BudgetObject* budget,
+                               QueryCacheObject* cache) {
+  const Reading reading_a = reading(a), reading_b = reading(b);
+  const Used used(cache);
+  const PathOptions options{max_time, 0, distance_error, used.get(), budget_of(budget)};
+  return without_gil([&] { return least_distance(a.model, motion_a, b.model, motion_b, options); });
+}
+
+FloatArray matrix_at(const RigidMotion& motion, double time) {
+  const auto matrix = matrix_of(motion.at(time), MatrixOrder::row_major);
+  return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
+}
+
+void bind_values(nb::module_& m) {
+  nb::enum_<ImpactStatus>(m, "ImpactStatus", nb::is_arithmetic(), "Whether, and how, moving models touch.")
+      .value("clear", ImpactStatus::clear, docs::ImpactStatus_clear)
+      .value("contact", ImpactStatus::contact, docs::ImpactStatus_contact)
+      .value("initial_contact", ImpactStatus::initial_contact, docs::ImpactStatus_initial_contact)
+      .value("undecided", ImpactStatus::undecided, docs::ImpactStatus_undecided);
+  nb::enum_<ElementPair::Kind>(m, "ElementPairKind", nb::is_arithmetic(), "What two elements are.")
+      .value("vertex_face", ElementPair::Kind::vertex_face, docs::ElementPair_vertex_face)
+      .value("face_vertex", ElementPair::Kind::face_vertex, docs::ElementPair_face_vertex)
+      .value("edge_edge", ElementPair::Kind::edge_edge, docs::ElementPair_edge_edge);
+  ValueClass<ElementPair>(m, "ElementPair", docs::ElementPair)
+      .field("kind", &ElementPair::kind, "An ElementPairKind.")
+      .field("a", &ElementPair::a, docs::ElementPair_a)
+      .field("b", &ElementPair::b, docs::ElementPair_a);
+  ValueClass<ImpactResult>(m, "ImpactResult", "When two models touch first.")
+      .field("status", &ImpactResult::status, "An ImpactStatus.")
+      .field("lower", &ImpactResult::lower, docs::ImpactResult_lower)
+      .field("upper", &ImpactResult::upper, docs::ImpactResult_lower)
+      .field("elements", &ImpactResult::elements, docs::ImpactResult_elements)
+      .field("witness", &ImpactResult::witness, docs::ImpactResult_witness)
+      .field("normal", &ImpactResult::normal, docs::ImpactResult_normal)
+      .field("stopped_by", &ImpactResult::stopped_by, docs::ImpactResult_stopped_by)
+      .field("stats", &ImpactResult::stats, docs::ImpactResult_stats);
+  ValueClass<PathImpact>(m, "PathImpact", docs::PathImpact)
+      .field("status", &PathImpact::status, "An ImpactStatus.")
+      .field("time", &PathImpact::time, docs::PathImpact_time)
+      .field("witness", &PathImpact::witness, docs::PathImpact_witness)
+      .field("distances", &PathImpact::distances, docs::PathImpact_distances)
+      .field("stopped_by", &PathImpact::stopped_by, "Which limit of its budget has ended the query.")
+      .field("stats", &PathImpact::stats, docs::QueryStats);
+  ValueClass<PathDistance>(m, "PathDistance", docs::PathDistance)
+      .field("lower", &PathDistance::lower, docs::PathDistance_lower)
+      .field("upper", &PathDistance::upper, docs::PathDistance_upper)
+      .field("time", &PathDistance::time, "When they are so near.")
+      .field("witness", &PathDistance::witness, docs::PathDistance_witness)
+      .field("distances", &PathDistance::distances, docs::PathDistance_distances)
+      .field("stopped_by", &PathDistance::stopped_by, "Which limit of its budget has ended the query.")
+      .field("stats", &PathDistance::stats, docs::QueryStats);
+}
+
+const std::string options_documentation = std::string("\n\nmax_time: ") + docs::ElementImpactOptions_max_time +
+                                          "\n\ntime_error: " + docs::ElementImpactOptions_time_error +
+                                          "\n\nmin_separation: " + docs::ElementImpactOptions_min_separation +
+                                          "\n\nnearer_part: " + docs::ImpactOptions_nearer_part;
+
+std::string first_documentation(const char* what) {
+  return std::string(what) + options_documentation + "\n\nignores_crossings: " + docs::ImpactOptions_ignores_crossings +
+         "\n\nany_contact: " + docs::ImpactOptions_any_contact +
+         "\n\nfilter: None, or called with an ElementPairKind and two ids: whether these elements count. " +
+         docs::ImpactOptions_filter;
+}
+
+void bind_moving_models(nb::module_& m) {
+  nb::class_<MovingModelObject>(m, "MovingModel", docs::MovingModel)
+      .def(nb::init<ModelObject&>(), "model"_a, nb::keep_alive<1, 2>(), "Of a model. It has no motion yet.")
+      .def("set_motion", &MovingModelObject::set_motion, "end_positions"_a, "start_pose"_a = nb::none(),
+           "end_pose"_a = nb::none(), docs::MovingModel_set_motion);
+  m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignores_crossings"_a = false, "any_contact"_a = false,
+        "filter"_a = nb::none(), "budget"_a = nb::none(),
+        first_documentation("The first time at which two moving models touch; or two rigid bodies on their way.")
+            .c_str());
+  m.def("self_time_of_impact", &self_time_of_impact_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
+        "time_error"_a = 0.0, "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignores_crossings"_a = false,
+        "any_contact"_a = false, "filter"_a = nb::none(), "budget"_a = nb::none(),
+        first_documentation(docs::self_time_of_impact).c_str());
+  const std::string impacts =
+      std::string(
+          "All pairs of elements that touch up to max_time, each once, with the first time at which they do: "
+          "an array of limber3d.impact_dtype.") +
+      options_documentation + impact_fields();
+  m.def("impacts", &impacts_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, impacts.c_str());
+  m.def("self_impacts", &self_impacts_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, impacts.c_str());
+  const std::string candidates = std::string(docs::visit_impact_candidates) +
+                                 "\n\nReturns  An array of limber3d.element_pair_dtype." + element_pair_fields();
+  m.def("impact_candidates", &impact_candidates_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0,
+        "min_separation"_a = 0.0, candidates.c_str());
+  m.def("self_impact_candidates", &self_impact_candidates_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
+        "min_separation"_a = 0.0, candidates.c_str());
+  m.def("limit_self_displacements", &limit_self_displacements_of, "model"_a, "separation"_a, "displacements"_a,
+        (std::string(docs::limit_self_displacements) + "\n\nReturns  The limits, as a new array.").c_str());
+  m.def("limit_displacements", &limit_displacements_of, "a"_a, "b"_a, "separation"_a, "of_a"_a, "of_b"_a = nb::none(),
+        "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        (std::string(docs::limit_displacements) + "\n\nReturns  The limits of both, as new arrays.").c_str());
+}
+
+void bind_element_states(nb::module_& m) {
+  nb::class_<ElementState>(m, "ElementState", docs::ElementState)
+      .def_prop_ro(
+          "vertices", [](const ElementState& s) { return array_of(std::span<const std::uint32_t>(s.vertices)); },
+          docs::ElementState_vertices)
+      .def_ro("count_of_a", &ElementState::count_of_a, docs::ElementState_count_of_a)
+      .def_prop_ro(
+          "weights",
+          [](const ElementState& s) -> FloatArray {
+            return array_of(std::span<const double>(s.weights), nb::str("float64"), {4});
+          },
+          docs::ElementState_weights)
+      .def_prop_ro(
+          "point_a", [](const ElementState& s) { return array_of(s.point_a); }, docs::ElementState_point_a)
+      .def_prop_ro(
+          "point_b", [](const ElementState& s) { return array_of(s.point_b); }, docs::ElementState_point_a)
+      .def_prop_ro(
+          "normal", [](const ElementState& s) { return array_of(s.normal); }, docs::ElementState_normal);
+  m.def("state_of", &state_of_pair, "a"_a, "b"_a, "kind"_a, "id_a"_a, "id_b"_a, "time"_a, docs::state_of);
+  m.def("self_state_of", &self_state_of_pair, "model"_a, "kind"_a, "id_a"_a, "id_b"_a, "time"_a, docs::state_of);
+}
+
+void bind_rigid_motions(nb::module_& m) {
+  nb::class_<RigidMotion>(m, "RigidMotion", docs::RigidMotion)
+      .def(
+          "__init__",
+          [](RigidMotion* self, const PoseLike& start, const PoseLike& end, nb::handle center) {
+            const Transform from = pose_from(start, "start");
+            new (self) RigidMotion(from, end.is_none() ? from : pose_from(end, "end"),
+                                   center.is_none() ? Vec3{} : point_from(center, "center"));
+          },
+          "start"_a = nb::none(), "end"_a = nb::none(), "center"_a = nb::none(),
+          "From one pose to another; without an end the body stands still.")
+      .def_static(
+          "screw",
+          [](const PoseLike& start, const PoseLike& end) {
+            return RigidMotion::screw(pose_from(start, "start"), pose_from(end, "end"));
+          },
+          "start"_a.none(), "end"_a.none(), docs::RigidMotion_screw)
+      .def("at", &matrix_at, "time"_a, "The pose at a time, as a 4 x 4 matrix.")
+      .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
+  m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
+        "min_separation"_a = 0.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none());
+  m.def("least_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
+        "max_time"_a = 1.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none(),
+        docs::least_distance);
+}
+
+}  // namespace
+
+void bind_motion(nb::module_& m) {
+  bind_values(m);
+  bind_moving_models(m);
+  bind_element_states(m);
+  bind_rigid_motions(m);
+}
+
+}  // namespace limber::python
