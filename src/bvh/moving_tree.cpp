@@ -5,12 +5,13 @@
 #include "bvh/moving_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include "base/check.h"
 #include "base/parallel.h"
-#include "bvh/unit.h"
+#include "base/rounding.h"
 
 namespace limber::bvh {
 namespace {
@@ -18,24 +19,16 @@ namespace {
 // Fewer nodes are not worth a task.
 constexpr std::size_t moving_nodes_per_task = 16;
 
-/// What positions span along the axes, at both ends.
-struct Range {
-  Vec3 low, high;
-
-  explicit Range(std::span<const Vec3> positions) : low(positions.front()), high(positions.front()) { add(positions); }
-  void add(std::span<const Vec3> positions) {
-    for (const Vec3& p : positions) low = min(low, p), high = max(high, p);
-  }
-};
+/// The power of two that is next above a length, and not so small that dividing by it overflows.
+double unit_above(double length) {
+  constexpr int least_exponent = -900;
+  return std::ldexp(1.0, length > 0 ? std::max(std::ilogb(length) + 1, least_exponent) : least_exponent);
+}
 
 class MovingFit {
  public:
   MovingFit(MovingTree& moving, const Tree& tree, std::span<const Vec3> start, std::span<const Vec3> end)
       : moving_(moving), tree_(tree), positions_{start.data(), end.data()} {
-    Range range(start);
-    range.add(end);
-    moving.magnitude = std::max(max_abs(range.low), max_abs(range.high));
-    moving.unit = unit_for(max_abs(range.high - range.low), moving.magnitude);
     moving.nodes.resize(tree.nodes.size());
     moving.leaves.resize(tree.leaves.size());
   }
@@ -62,15 +55,14 @@ class MovingFit {
     }
   }
   void fit_leaf(const Leaf& leaf, MovingLeaf& moving, MovingNode& node, std::uint32_t slot) const {
-    const double per_unit = 1 / moving_.unit;
-    float extent = 0;
+    Vec3 corners[motion_ends][3][width];
+    double extent[motion_ends];
     for (std::uint32_t end = 0; end < motion_ends; ++end) {
       const Vec3* const positions = positions_[end];
-      Vec3 corners[3][width];
       Vec3 low = positions[leaf.vertices[0][0]], high = low;
       for (std::uint32_t k = 0; k < width; ++k) {
         for (std::uint32_t corner = 0; corner < 3; ++corner) {
-          const Vec3& p = corners[corner][k] = positions[leaf.vertices[k][corner]];
+          const Vec3& p = corners[end][corner][k] = positions[leaf.vertices[k][corner]];
           low = min(low, p), high = max(high, p);
         }
       }
@@ -78,16 +70,20 @@ class MovingFit {
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
         node.low[end][axis][slot] = low[axis], node.high[end][axis][slot] = high[axis];
         moving.center[end][axis] = center[axis];
-        for (std::uint32_t corner = 0; corner < 3; ++corner) {
-          float* const row = moving.corner[end][3 * corner + axis];
-          for (std::uint32_t k = 0; k < width; ++k) {
-            row[k] = static_cast<float>((corners[corner][k][axis] - center[axis]) * per_unit);
-            extent = std::max(extent, std::abs(row[k]));
-          }
+      }
+      extent[end] = std::max(max_abs(high - center), max_abs(center - low));
+    }
+    moving.unit = unit_above(std::max(extent[0], extent[1]));
+    const double per_unit = 1 / moving.unit;
+    for (std::uint32_t end = 0; end < motion_ends; ++end) {
+      moving.extent[end] = base::float_up(extent[end] * per_unit);
+      for (std::uint32_t row = 0; row < 9; ++row) {
+        const double center = moving.center[end][row % 3];
+        for (std::uint32_t k = 0; k < width; ++k) {
+          moving.corner[end][row][k] = static_cast<float>((corners[end][row / 3][k][row % 3] - center) * per_unit);
         }
       }
     }
-    moving.extent = extent;
   }
 
   /// The boxes around the children of the children.

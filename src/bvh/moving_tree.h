@@ -18,8 +18,6 @@ namespace limber::bvh {
 struct MovingTree {
   std::vector<MovingNode, base::UninitializedAllocator<MovingNode>> nodes;
   std::vector<MovingLeaf, base::UninitializedAllocator<MovingLeaf>> leaves;
-  double unit = 1;       // the length that 1 stands for in leaves, a power of two
-  double magnitude = 0;  // the largest coordinate of a corner, in size, at both ends
 };
 
 /// Fits all bounds to vertices that go from `start` to `end`, both in the world. The tree's own bounds do not matter.

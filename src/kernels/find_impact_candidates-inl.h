@@ -42,17 +42,22 @@ LIMBER_KERNEL void find_impact_candidates(const bvh::MovingLeaf& a, const bvh::M
                                           const MotionLimits& limits, OwnedElements owned_by_a,
                                           OwnedElements owned_by_b, const SelfPair* self, ElementCandidates& found) {
   found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
-  // From the center of a to that of b, at the start and at the last time that matters.
+  // From the center of a to that of b, and the size of the pair, at the start and at the last time that matters.
+  // Centers are exact, so all rounding is in proportion to that size.
+  const double last = limits.max_time;
   double offset[2][3], size = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double at_start = b.center[0][axis] - a.center[0][axis], at_end = b.center[1][axis] - a.center[1][axis];
-    offset[0][axis] = at_start, offset[1][axis] = (1 - limits.max_time) * at_start + limits.max_time * at_end;
-    size = std::max({size, std::abs(at_start), std::abs(at_end)});
+    offset[0][axis] = b.center[0][axis] - a.center[0][axis];
+    offset[1][axis] = (1 - last) * offset[0][axis] + last * (b.center[1][axis] - a.center[1][axis]);
+    size = std::max({size, std::abs(offset[0][axis]), std::abs(offset[1][axis])});
   }
-  size += limits.unit_a * static_cast<double>(a.extent) + limits.unit_b * static_cast<double>(b.extent);
-  // So that all numbers are about 1 or less; and float32 can hold the factors of both leaves.
-  const double scale = std::min(scale_to_one(std::clamp(size, 0x1p-900, 0x1p900)), limits.largest_scale);
-  const auto scale_a = static_cast<float>(limits.unit_a * scale), scale_b = static_cast<float>(limits.unit_b * scale);
+  const auto extent = [&](const bvh::MovingLeaf& leaf) {
+    const auto start = static_cast<double>(leaf.extent[0]), end = static_cast<double>(leaf.extent[1]);
+    return leaf.unit * std::max(start, (1 - last) * start + last * end);
+  };
+  size += extent(a) + extent(b);
+  const double scale = scale_to_one(std::clamp(size, 0x1p-900, 0x1p900));  // all numbers are about 1 or less
+  const auto scale_a = static_cast<float>(a.unit * scale), scale_b = static_cast<float>(b.unit * scale);
   constexpr float none[3] = {0, 0, 0};
   const float times[2] = {0, static_cast<float>(limits.max_time)};
   LeafCorners ca[2], cb[2];
@@ -62,7 +67,7 @@ LIMBER_KERNEL void find_impact_candidates(const bvh::MovingLeaf& a, const bvh::M
     interpolate(a, times[time], scale_a, none, ca[time]);
     interpolate(b, times[time], scale_b, shift, cb[time]);
   }
-  const float limit = base::float_up((limits.separation + limits.rounding) * scale) + base::leaf_pair_error;
+  const float limit = base::float_up(std::min(limits.separation * scale, base::max_units)) + base::leaf_pair_error;
   find_elements(ca, cb, limit, owned_by_a, owned_by_b, self, found);
 }
 

@@ -67,13 +67,16 @@ double start_distance(const MovingElements& elements) {
 }
 
 ElementState state_at(const MovingPair& models, const IdentifiedElements& found, double time) {
+  // Relative to the first corner: elements that are far from the origin keep their digits.
+  const auto& [starts, ends] = found.elements.corners;
   Vec3 at[4], way[4];
   double extent = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 &start = found.elements.corners[0][i], &end = found.elements.corners[1][i];
+    const Vec3 start = starts[i] - starts[0], end = ends[i] - ends[0];
     at[i] = (1 - time) * start + time * end, way[i] = end - start;
     extent = std::max({extent, max_abs(start), max_abs(end)});
   }
+  const Vec3 origin = (1 - time) * starts[0] + time * ends[0];
   const Closest closest_now = closest(found.elements.kind, at);
   const auto& [points, weights, perpendicular] = closest_now;
   const std::size_t count = found.elements.kind == MovingElements::Kind::vertex_face ? 1 : 2;
@@ -81,12 +84,12 @@ ElementState state_at(const MovingPair& models, const IdentifiedElements& found,
   for (std::size_t i = 0; i < 4; ++i) approach += (i < count ? weights[i] : -weights[i]) * way[i];
   const Vec3 towards = dot(perpendicular, about_unit(approach)) < 0 ? -perpendicular : perpendicular;
   const bool are_apart = points.distance > base::placed_elements_error * extent;
-  const Vec3 direction = are_apart ? about_unit(points.point_b - points.point_a) : towards;
+  const Vec3 direction = about_unit(are_apart ? points.point_b - points.point_a : towards);
   const double size = length(direction);
 
   ElementState state;
   state.vertices = models.vertices(found.pair), state.count_of_a = count;
-  state.weights = weights, state.point_a = points.point_a, state.point_b = points.point_b;
+  state.weights = weights, state.point_a = origin + points.point_a, state.point_b = origin + points.point_b;
   if (size > 0) state.normal = (1 / size) * direction;
   if (found.pair.kind == PairKind::face_vertex) {  // so far the vertex was the first
     state.count_of_a = 3;

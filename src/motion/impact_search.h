@@ -31,10 +31,7 @@ template <typename Collector>
 class ImpactSearch {
  public:
   ImpactSearch(const MovingPair& models, double separation, Collector& collector)
-      : models_(models),
-        collector_(collector),
-        kernels_(simd::kernels()),
-        limits_(models.limits(separation, collector.max_time())) {}
+      : models_(models), collector_(collector), kernels_(simd::kernels()), limits_{collector.max_time(), separation} {}
 
   void run(pair::BudgetMeter& meter) {
     push({{bvh::root_slot, bvh::root_slot}, 0});

@@ -55,8 +55,10 @@ class FirstImpact {
     if (filter_ && !(*filter_)(pair)) return;
     const ElementImpact impact = impact_of(elements, options_, nearer_part_);
     if (impact.status == ImpactStatus::clear) return;
-    // What touches later than the first time at which these may touch cannot change `lower`.
-    options_.max_time = lower = std::min(lower, impact.lower);
+    // What touches later than `lower` cannot change it. With an error it is as early as that allows, so that others
+    // that touch at about the same time need not be told apart.
+    lower = std::min({lower, impact.lower, std::max(0.0, impact.upper - options_.time_error)});
+    options_.max_time = lower;
     if (best && impact.upper >= upper) return;
     upper = impact.upper, status = impact.status;
     best = IdentifiedElements{pair, elements};

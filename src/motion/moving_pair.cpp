@@ -54,18 +54,6 @@ MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
   return {leaf, model(s).tree.leaves[i], {of_slots}};
 }
 
-simd::MotionLimits MovingPair::limits(double separation, double max_time) const {
-  const bvh::MovingTree &a = models_[0]->tree, &b = models_[1]->tree;
-  const double unit = std::max(a.unit, b.unit);
-  simd::MotionLimits limits{};
-  limits.max_time = max_time, limits.separation = separation;
-  limits.unit_a = a.unit, limits.unit_b = b.unit;
-  limits.largest_scale = 0x1p100 / unit;
-  // Corners are off by what underflows in float32, too.
-  limits.rounding = std::max(a.magnitude, b.magnitude) * 0x1p-50 + unit * 0x1p-120;
-  return limits;
-}
-
 IdentifiedElements MovingPair::vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
                                            const MovingLeafOf& of_face, std::uint32_t face_code) const {
   const VertexId vertex = of_vertex.leaf.vertices[slot_of_code(vertex_code)][corner_of_code(vertex_code)];

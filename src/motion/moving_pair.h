@@ -51,9 +51,6 @@ class MovingPair {
 
   /// Pre: the slot has a leaf.
   MovingLeafOf leaf(Side s, bvh::SlotId slot) const;
-  /// What the kernels prune.
-  simd::MotionLimits limits(double separation, double max_time) const;
-
   /// Pairs of elements of two leaves, by the codes of simd::ElementCandidate. `s` is the side of the vertex.
   IdentifiedElements vertex_face(Side s, const MovingLeafOf& of_vertex, std::uint32_t vertex_code,
                                  const MovingLeafOf& of_face, std::uint32_t face_code) const;

@@ -118,7 +118,7 @@ class SeparationSearch {
   static constexpr std::size_t most_halvings = 54;
   // Elements that turn while they stay hardly beyond the separation need any number of pieces: after every so many
   // steps the tolerance doubles.
-  static constexpr std::uint64_t many_steps = 1 << 14;
+  static constexpr std::uint64_t many_steps = 1 << 11;
   // As a part of the extent, the largest coordinate relative to the first corner at the start, with eps = 2^-53: a
   // placed corner is off by 8 eps in each coordinate, the difference of two by 28 eps, a gap by 34 eps more: 62 eps <
   // 2^-47. A distance is off by less. The extent is up to 2 here.

@@ -207,9 +207,6 @@ struct ElementCandidates {
 /// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`.
 struct MotionLimits {
   double max_time, separation;
-  double unit_a, unit_b;  ///< of the leaves (bvh::MovingTree)
-  double largest_scale;   ///< by which a length may be multiplied so that either unit still is below 2^100
-  double rounding;        ///< upper bound of how much float64 changes the difference of two coordinates
 };
 
 // --- kernels ---
