@@ -6,6 +6,7 @@
 // works.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -68,6 +69,28 @@ TEST(Allocation, IsSeenByThisTest) {
   const std::uint64_t before = allocation_count();
   const Model model(scenes::thesis_ball());
   EXPECT_GT(allocation_count(), before);
+}
+
+TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const MeshEdges edges_of_square(square.mesh()), edges_of_ball(ball.mesh());
+  MovingModel still(square, edges_of_square), moving(ball, edges_of_ball);
+  const Placed above{ball, scenes::ball_over_square(ball.mesh(), 0.5, 0)};
+  std::vector<double> displacements(ball.mesh().positions().size());
+  const auto step = [&](double way) {
+    still.set_motion(square.mesh().positions()).value();
+    moving.set_motion(ball.mesh().positions(), above.pose, above.pose * Transform{{}, {0, way, 0}}).value();
+    time_of_impact(moving, still, {.budget = {.max_steps = 1000}});
+    self_time_of_impact(moving);
+    visit_impact_candidates(moving, still, {.min_separation = 0.2}, [](const ElementPair&) { return true; });
+    std::fill(displacements.begin(), displacements.end(), 1.0);
+    limit_displacements(above, edges_of_ball, {square}, edges_of_square, 0.01, displacements);
+    limit_self_displacements(ball, edges_of_ball, 0, displacements);
+  };
+  step(0.1);
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 4; ++i) step(0.1 * i);
+  EXPECT_EQ(allocation_count(), before);
 }
 
 TEST(Allocation, DoesNotHappenInQueriesWithABudget) {

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <functional>
 #include <new>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -375,6 +377,30 @@ TEST(FailingHeap, LeavesAnEmptyCache) {
   EXPECT_EQ(fail_each([&] { self_distance(ball, {.cache = &cache}); }, check), 1);
   check();
   EXPECT_EQ(fail_each([&] { self_collide(ball, {.cache = &cache}); }, check), 1);
+}
+
+TEST(FailingHeap, LeavesAMovingModelWithoutMotion) {
+  const Model ball(scenes::ball(12, 8)), floor(scenes::grid(4, 4, -2, -2, 1, 1));
+  const MeshEdges edges(ball.mesh()), edges_of_floor(floor.mesh());
+  MovingModel still(floor, edges_of_floor);
+  still.set_motion(floor.mesh().positions()).value();
+  const Transform start{{}, {0.1, 0.2, 3}}, end{{}, {0.1, 0.2, -1}};
+  std::optional<MovingModel> moving;
+  const auto set = [&] { moving->set_motion(ball.mesh().positions(), start, end).value(); };
+  int count = 0;
+  for (bool fails = true; fails; ++count) {
+    moving.emplace(ball, edges);
+    const FailingHeap heap(count, Failing::once);
+    throws_bad_alloc(set);
+    fails = heap.has_failed();
+    const auto ask = [&] { time_of_impact(*moving, still); };
+    if (fails) {
+      EXPECT_THROW(ask(), std::invalid_argument);
+    }
+    set();  // the next call works
+    EXPECT_EQ(time_of_impact(*moving, still).status, ImpactStatus::contact);
+  }
+  EXPECT_EQ(count, 5);
 }
 
 TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
