@@ -55,8 +55,8 @@ void limit(const Body& sheet, const Body& ball, std::vector<Vec3>& moves) {
     }
     return true;
   });
-  std::vector<double> reach;
-  for (const Vec3& move : moves) reach.push_back(length(move));
+  std::vector<double> reach(moves.size());
+  std::transform(moves.begin(), moves.end(), reach.begin(), [](const Vec3& move) { return length(move); });
   limber::limit_displacements({sheet.model}, sheet.edges, {ball.model}, ball.edges, separation, reach);
   limber::limit_self_displacements(sheet.model, sheet.edges, separation, reach);
   for (std::size_t v = 0; v < moves.size(); ++v) {

@@ -23,7 +23,7 @@ void place(std::span<const Vec3> positions, const Transform& pose, std::vector<V
   const bool stays = pose == Transform{};
   base::parallel_for_ranges(positions.size(), vertices_per_task, [&](std::size_t begin, std::size_t end) {
     if (stays) {
-      std::copy(positions.begin() + begin, positions.begin() + end, placed.begin() + begin);
+      std::copy_n(positions.data() + begin, end - begin, placed.data() + begin);
     } else {
       for (std::size_t i = begin; i < end; ++i) placed[i] = pose(positions[i]);
     }
