@@ -74,9 +74,8 @@ IdentifiedElements MovingPair::edge_edge(const MovingLeafOf& a, std::uint32_t co
 }
 
 IdentifiedElements MovingPair::elements(const ElementPair& pair) const {
-  using Kind = ElementPair::Kind;
   IdentifiedElements found{pair, {MovingElements::Kind::edge_edge, {}}};
-  if (pair.kind == Kind::edge_edge) {
+  if (pair.kind == ElementPair::Kind::edge_edge) {
     for (std::size_t k = 0; k < 2; ++k) {
       set_corner(found.elements, k, Side::a, model(Side::a).edges->vertices()[pair.a][k]);
       set_corner(found.elements, 2 + k, Side::b, model(Side::b).edges->vertices()[pair.b][k]);
@@ -84,7 +83,8 @@ IdentifiedElements MovingPair::elements(const ElementPair& pair) const {
     return found;
   }
   found.elements.kind = MovingElements::Kind::vertex_face;
-  const Side of_vertex = pair.kind == Kind::vertex_face ? Side::a : Side::b, of_face = pair::other(of_vertex);
+  const Side of_vertex = pair.kind == ElementPair::Kind::vertex_face ? Side::a : Side::b,
+             of_face = pair::other(of_vertex);
   const Corners& face = corners(of_face, of_face == Side::a ? pair.a : pair.b);
   set_corner(found.elements, 0, of_vertex, of_vertex == Side::a ? pair.a : pair.b);
   for (std::size_t k = 0; k < 3; ++k) set_corner(found.elements, 1 + k, of_face, face[k]);
@@ -105,11 +105,10 @@ std::array<VertexId, 4> MovingPair::vertices(const ElementPair& pair) const {
 }
 
 TriangleId MovingPair::triangle_of(Side s, const ElementPair& pair) const {
-  using Kind = ElementPair::Kind;
   const MeshEdges& edges = *model(s).edges;
   const std::uint32_t id = s == Side::a ? pair.a : pair.b;
-  if (pair.kind == Kind::edge_edge) return edges.representatives()[id];
-  const bool is_vertex = (pair.kind == Kind::vertex_face) == (s == Side::a);
+  if (pair.kind == ElementPair::Kind::edge_edge) return edges.representatives()[id];
+  const bool is_vertex = (pair.kind == ElementPair::Kind::vertex_face) == (s == Side::a);
   return is_vertex ? edges.vertex_representatives()[id] : id;
 }
 
