@@ -11,7 +11,6 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
-#include "base/rounding.h"
 
 namespace limber::bvh {
 namespace {
@@ -49,38 +48,34 @@ class MovingFit {
   /// The boxes of leaves, and the leaves.
   void fit_lowest(std::uint32_t n) {
     const Node& node = tree_.nodes[n];
-    for (std::uint32_t k = 0; k < width; ++k) {
-      const std::uint32_t child = node.first_child + std::min(k, node.child_count - 1);
+    for (std::uint32_t k = 0; k < node.child_count; ++k) {
+      const std::uint32_t child = node.first_child + k;
       fit_leaf(tree_.leaves[child], moving_.leaves[child], moving_.nodes[n], k);
     }
+    repeat_last(moving_.nodes[n], node.child_count);
   }
   void fit_leaf(const Leaf& leaf, MovingLeaf& moving, MovingNode& node, std::uint32_t slot) const {
-    Vec3 corners[motion_ends][3][width];
-    double extent[motion_ends];
     for (std::uint32_t end = 0; end < motion_ends; ++end) {
       const Vec3* const positions = positions_[end];
+      Vec3 corners[3][width];
       Vec3 low = positions[leaf.vertices[0][0]], high = low;
       for (std::uint32_t k = 0; k < width; ++k) {
         for (std::uint32_t corner = 0; corner < 3; ++corner) {
-          const Vec3& p = corners[end][corner][k] = positions[leaf.vertices[k][corner]];
+          const Vec3& p = corners[corner][k] = positions[leaf.vertices[k][corner]];
           low = min(low, p), high = max(high, p);
         }
       }
       const Vec3 center = 0.5 * low + 0.5 * high;
+      const double unit = unit_above(std::max(max_abs(high - center), max_abs(center - low))), per_unit = 1 / unit;
+      moving.unit[end] = unit;
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
         node.low[end][axis][slot] = low[axis], node.high[end][axis][slot] = high[axis];
         moving.center[end][axis] = center[axis];
-      }
-      extent[end] = std::max(max_abs(high - center), max_abs(center - low));
-    }
-    moving.unit = unit_above(std::max(extent[0], extent[1]));
-    const double per_unit = 1 / moving.unit;
-    for (std::uint32_t end = 0; end < motion_ends; ++end) {
-      moving.extent[end] = base::float_up(extent[end] * per_unit);
-      for (std::uint32_t row = 0; row < 9; ++row) {
-        const double center = moving.center[end][row % 3];
-        for (std::uint32_t k = 0; k < width; ++k) {
-          moving.corner[end][row][k] = static_cast<float>((corners[end][row / 3][k][row % 3] - center) * per_unit);
+        for (std::uint32_t corner = 0; corner < 3; ++corner) {
+          float* const row = moving.corner[end][3 * corner + axis];
+          for (std::uint32_t k = 0; k < width; ++k) {
+            row[k] = static_cast<float>((corners[corner][k][axis] - center[axis]) * per_unit);
+          }
         }
       }
     }
@@ -90,13 +85,25 @@ class MovingFit {
   void fit_upper(std::uint32_t n) {
     const Node& node = tree_.nodes[n];
     MovingNode& boxes = moving_.nodes[n];
-    for (std::uint32_t k = 0; k < width; ++k) {
-      const MovingNode& child = moving_.nodes[node.first_child + std::min(k, node.child_count - 1)];
+    for (std::uint32_t k = 0; k < node.child_count; ++k) {
+      const MovingNode& child = moving_.nodes[node.first_child + k];
       for (std::uint32_t end = 0; end < motion_ends; ++end) {
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
           const auto &low = child.low[end][axis], &high = child.high[end][axis];
           boxes.low[end][axis][k] = *std::min_element(low, low + width);
           boxes.high[end][axis][k] = *std::max_element(high, high + width);
+        }
+      }
+    }
+    repeat_last(boxes, node.child_count);
+  }
+
+  /// Fills the slots that have no child.
+  static void repeat_last(MovingNode& node, std::uint32_t count) {
+    for (std::uint32_t end = 0; end < motion_ends; ++end) {
+      for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        for (auto* const row : {node.low[end][axis], node.high[end][axis]}) {
+          std::fill(row + count, row + width, row[count - 1]);
         }
       }
     }

@@ -26,10 +26,11 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The corners of a leaf at a time, relative to a point, in another unit. `scale` is the leaf's unit in that one.
-LIMBER_KERNEL void interpolate(const bvh::MovingLeaf& leaf, float time, float scale, const float* offset,
-                               LeafCorners& corners) {
-  const Packet from_start = Packet::set((1 - time) * scale), from_end = Packet::set(time * scale);
+/// The corners of a leaf relative to a point: those of the start times one factor, and those of the end times another.
+LIMBER_KERNEL void combine(const bvh::MovingLeaf& leaf, double of_start, double of_end, const float* offset,
+                           LeafCorners& corners) {
+  const Packet from_start = Packet::set(static_cast<float>(of_start)),
+               from_end = Packet::set(static_cast<float>(of_end));
   for (int k = 0; k < 9; ++k) {
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       const Packet start = Packet::load(leaf.corner[0][k] + i), end = Packet::load(leaf.corner[1][k] + i);
@@ -52,20 +53,18 @@ LIMBER_KERNEL void find_impact_candidates(const bvh::MovingLeaf& a, const bvh::M
     size = std::max({size, std::abs(offset[0][axis]), std::abs(offset[1][axis])});
   }
   const auto extent = [&](const bvh::MovingLeaf& leaf) {
-    const auto start = static_cast<double>(leaf.extent[0]), end = static_cast<double>(leaf.extent[1]);
-    return leaf.unit * std::max(start, (1 - last) * start + last * end);
+    return std::max(leaf.unit[0], (1 - last) * leaf.unit[0] + last * leaf.unit[1]);
   };
   size += extent(a) + extent(b);
   const double scale = scale_to_one(std::clamp(size, 0x1p-900, 0x1p900));  // all numbers are about 1 or less
-  const auto scale_a = static_cast<float>(a.unit * scale), scale_b = static_cast<float>(b.unit * scale);
   constexpr float none[3] = {0, 0, 0};
-  const float times[2] = {0, static_cast<float>(limits.max_time)};
   LeafCorners ca[2], cb[2];
-  for (int time = 0; time < 2; ++time) {
+  for (int i = 0; i < 2; ++i) {
+    const double time = i == 0 ? 0 : last, of_start = (1 - time) * scale, of_end = time * scale;
     float shift[3];
-    for (int axis = 0; axis < 3; ++axis) shift[axis] = static_cast<float>(offset[time][axis] * scale);
-    interpolate(a, times[time], scale_a, none, ca[time]);
-    interpolate(b, times[time], scale_b, shift, cb[time]);
+    for (int axis = 0; axis < 3; ++axis) shift[axis] = static_cast<float>(offset[i][axis] * scale);
+    combine(a, of_start * a.unit[0], of_end * a.unit[1], none, ca[i]);
+    combine(b, of_start * b.unit[0], of_end * b.unit[1], shift, cb[i]);
   }
   const float limit = base::float_up(std::min(limits.separation * scale, base::max_units)) + base::leaf_pair_error;
   find_elements(ca, cb, limit, owned_by_a, owned_by_b, self, found);

@@ -137,9 +137,9 @@ TEST(MovingTree, ContainsTheModelAtBothEnds) {
             for (std::uint32_t axis = 0; axis < 3; ++axis) {
               EXPECT_TRUE(box.low[side][axis] <= p[axis] && p[axis] <= box.high[side][axis]);
               const float corner = corners.corner[side][3 * (j % 3) + axis][j / 3];
-              EXPECT_LE(std::abs(corner), corners.extent[side]);
-              EXPECT_NEAR(corners.unit * static_cast<double>(corner), p[axis] - corners.center[side][axis],
-                          corners.unit * static_cast<double>(corners.extent[side]) * 0x1.01p-24);
+              EXPECT_LE(std::abs(corner), 1);
+              EXPECT_NEAR(corners.unit[side] * static_cast<double>(corner), p[axis] - corners.center[side][axis],
+                          corners.unit[side] * 0x1.01p-24);
             }
           }
         }

@@ -73,6 +73,24 @@ TEST(MovingModel, DoesNotTunnel) {
   EXPECT_NEAR(found.upper, 1 / (1e6 + 1), 1e-9);
 }
 
+TEST(MovingModel, TouchesSomethingThatGrowsByAnyFactor) {
+  // A face of size 2^-150 that grows to 2^150 in its plane, and a vertex that falls through it right at the start.
+  const double small = 0x1p-150, large = 0x1p150;
+  const std::vector<Vec3> face{{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}}, point{{0.1, 0.2, 0.5}};
+  const auto times = [](const std::vector<Vec3>& positions, double factor) {
+    std::vector<Vec3> all;
+    for (const Vec3& p : positions) all.push_back(factor * p);
+    return all;
+  };
+  Body a(small_mesh(times(point, small), {{0, 0, 0}})), b(small_mesh(times(face, small), {{0, 1, 2}}));
+  a.moving.set_motion(std::vector<Vec3>{{0.1 * small, 0.2 * small, -large}}).value();
+  b.moving.set_motion(times(face, large)).value();
+  for (const double max_time : {0x1p-290, 0x1p-60, 1.0}) {
+    EXPECT_EQ(time_of_impact(a.moving, b.moving, {.max_time = max_time}).status, ImpactStatus::contact) << max_time;
+  }
+  EXPECT_EQ(time_of_impact(a.moving, b.moving, {.max_time = 0x1p-310}).status, ImpactStatus::clear);
+}
+
 TEST(MovingModel, PassesBeside) {
   Body box(cube()), floor(plate());
   box.shift({2.75, 0, 2}, {2.75, 0, -2});
