@@ -57,8 +57,8 @@ int main() {
     meeting += limber::intersections({sheet.model}, {ball.model}, {}).count +
                limber::self_intersections(sheet.model, {}).count;
     if (part == 1) break;
-    // What is as good as in contact stops; the rest goes on. That is what is within twice the separation, so that the
-    // next step finds nothing at its own.
+    // Vertices of elements that are within twice the separation stop; the others go on. So the next step finds nothing
+    // at its own separation.
     std::vector<Vec3> end = positions;
     for (std::size_t v = 0; v < end.size(); ++v) end[v] += 0.01 * left[v];
     sheet.moving.set_motion(end).value();

@@ -6,7 +6,7 @@
 //                 (24 242): each mesh with itself, vertices on straight lines. Pairs of moving elements of every kind
 //                 that the tests know, 4 000 of each.
 // Metric          Milliseconds, medians of up to 15 runs, one thread: all vertices to the first frame and a commit, the
-//                 motion to the second, the first impact; then all impacts. Nanoseconds a pair, mean and most. The IPC
+//                 motion to the second, the first impact; then all impacts. Microseconds a pair, mean and most. The IPC
 //                 Toolkit, measured by ipc_steps.py: candidates by its fastest broad phase, and the step by ACCD and by
 //                 Tight-Inclusion.
 // Expected shape  20 times as fast as the IPC Toolkit with ACCD. All impacts at most 3 times the first one. A pair that

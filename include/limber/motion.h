@@ -75,8 +75,9 @@ struct ElementImpactOptions {
 /// Throws   std::invalid_argument if a coordinate is not finite or above `max_coordinate`, 2^200, in size, if max_time
 ///          is not in [0, 1], time_error is negative or not a number, or min_separation is not in [0, 2^200].
 ///          std::bad_alloc from exact arithmetic.
-/// Cost     Up to 0.5 us where a filter in float64 decides that nothing touches; some 10 us for a contact; 2 to 40 us
-///          on average for degenerate pairs; tens of milliseconds where coordinates span hundreds of binary digits.
+/// Cost     Up to 0.5 us where a filter in float64 decides that nothing touches; 1 to 2 us for a contact in general
+///          position; 2 to 40 us on average for degenerate pairs; tens of milliseconds where coordinates span hundreds
+///          of binary digits.
 ///          With a min_separation some 4 us if the elements are clear, 30 us if not; milliseconds for slivers.
 /// Source   docs/algorithms/impact.md; compare [WangFerguson2021].
 LIMBER_API ElementImpact time_of_impact(const MovingPoint& point, const MovingTriangle& triangle,
@@ -109,7 +110,8 @@ class MovingModel {
   /// Errors   `size_mismatch`, `non_finite`, `too_large` with the entry's index; the motion is then as before.
   /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; std::bad_alloc, and then
   ///          there is no motion.
-  /// Cost     O(n), on the threads of the calling oneTBB arena; about as much as moving and committing all vertices.
+  /// Cost     O(n), on the threads of the calling oneTBB arena; some four times as much as a commit that moves all
+  ///          vertices.
   LIMBER_API Result<void> set_motion(std::span<const Vec3> end_positions, const Transform& start_pose = {},
                                      const Transform& end_pose = {});
 
@@ -148,8 +150,8 @@ struct ImpactOptions {
   /// rounding and its own response bring elements nearer.
   double nearer_part = 0;
   /// Whether models that cross at the start may go on: only elements that touch count, a vertex and a face or two
-  /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start, or are
-  /// within the separation, are an `initial_contact`.
+  /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start are an
+  /// `initial_contact`.
   bool ignores_crossings = false;
   /// Whether any contact up to max_time will do, not the first one: for "is it free until then?".
   bool any_contact = false;
@@ -212,9 +214,9 @@ struct ElementState {
   std::size_t count_of_a = 0;       ///< how many of them are of the first
   std::array<double, 4> weights{};  ///< of closest points: those of each element are >= 0, together 1 up to rounding
   Vec3 point_a, point_b;            ///< closest points
-  /// Of length 1, from a to b. If the elements are apart, from one closest point to the other. If they touch, up to the
-  /// rounding of positions, perpendicular to the face or to both edges, against the motion of b seen from a. 0 where
-  /// there is no such direction.
+  /// The direction from a to b, of length 1. If the elements are apart, it leads from one closest point to the other.
+  /// If they touch, up to the rounding of positions, it is perpendicular to the face or to both edges, and against the
+  /// motion of b as seen from a. 0 where there is no such direction.
   Vec3 normal;
 };
 
@@ -222,7 +224,7 @@ struct ElementState {
 ///
 /// Throws   std::invalid_argument unless both models have a motion that is still valid, the ids are those of elements,
 ///          and the time is from 0 to 1.
-/// Cost     Some 200 ns.
+/// Cost     O(1).
 LIMBER_API ElementState state_of(const MovingModel& a, const MovingModel& b, const ElementPair& elements, double time);
 LIMBER_API ElementState self_state_of(const MovingModel& model, const ElementPair& elements, double time);
 
@@ -292,8 +294,8 @@ inline double conservative_step(const ImpactResult& found, double max_time, doub
 LIMBER_API void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
                                          std::span<double> displacements);
 
-/// The same for elements of two models. If there are no numbers for b, it stands still. All else as above; `of_a` and
-/// `of_b` must not overlap.
+/// Limits displacements of two models, as limit_self_displacements() does of one, for pairs of elements of both. A
+/// model b without numbers stands still. `of_a` and `of_b` must not overlap.
 LIMBER_API void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b,
                                     const MeshEdges& edges_b, double separation, std::span<double> of_a,
                                     std::span<double> of_b = {});

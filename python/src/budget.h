@@ -17,7 +17,7 @@
 /// When a query that Python asks has to end.
 namespace limber::python {
 
-/// What ends a query from another thread.
+/// A flag that ends queries from another thread.
 struct CancelFlag {
   std::atomic<bool> flag = false;
 };

@@ -41,7 +41,7 @@ class MovingModelObject {
     }));
   }
 
-  /// What a query reads.
+  /// A moving model, and the right to read it and its model while a query runs.
   struct InUse {
     Reading own, model;
     const MovingModel& moving;

@@ -99,8 +99,8 @@ inline constexpr double rounding_error = 0x1p-52;
 /// Quotients below may have underflowed.
 inline constexpr double tiny_time = 0x1p-1000;
 
-/// What placing elements at a time, and their closest points, change a distance by, as a part of their largest
-/// coordinate, with room: elements that are nearer are as good as touching.
+/// Elements at a distance below this part of their extent are as good as touching: rounding of their corners at a time,
+/// and of their closest points, changes distances by less.
 inline constexpr double placed_elements_error = 0x1p-44;
 
 // --- scenes: bounds of placed models ---

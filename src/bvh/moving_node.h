@@ -34,9 +34,9 @@ struct alignas(64) MovingNode {
 };
 static_assert(sizeof(MovingNode) == 768);
 
-/// The corners of the triangles of a leaf at both ends, relative to a center, in multiples of a power of two, rounded to
-/// float32. Each end has its own center and unit, because a leaf may grow by any factor. Coordinates are at most 1 in
-/// size.
+/// The corners of the triangles of a leaf at both ends, relative to a center, in multiples of a power of two, rounded
+/// to float32. Each end has its own center and unit, because a leaf may grow by any factor. Coordinates are at most 1
+/// in size.
 struct alignas(64) MovingLeaf {
   float corner[motion_ends][9][width];  // 576 bytes   [end][3 * corner + axis][slot]
   double center[motion_ends][3];        //  48         world, in the mesh's length unit

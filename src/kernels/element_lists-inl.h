@@ -194,7 +194,7 @@ struct alignas(64) OwnedEdges {
       }
     }
   }
-  /// Those, of eight from `first` on, that have one of two vertices.
+  /// The edges, of eight from `first` on, that have one of two vertices: a bit for each.
   LIMBER_KERNEL unsigned with(VertexId v, VertexId w, std::uint32_t first) const {
     unsigned found = 0;
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {

@@ -24,7 +24,7 @@ namespace {
 /// At most what x was before one operation has rounded it.
 LIMBER_KERNEL Doubles rounded_down(Doubles x) { return x - abs(x) * Doubles::set(base::rounding_error); }
 
-/// What boxes span along one axis, at both ends of the motion.
+/// The intervals of some boxes along one axis, at both ends of the motion.
 struct MovingInterval {
   Doubles low[bvh::motion_ends], high[bvh::motion_ends];
 };

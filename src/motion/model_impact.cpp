@@ -160,7 +160,7 @@ ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options)
   const bool is_undecided = result.stopped_by != StoppedBy::nothing;
   result.status = is_undecided ? ImpactStatus::undecided : collector.status;
   result.lower = collector.lower, result.upper = collector.upper;
-  if (is_undecided || collector.is_done()) result.lower = std::min(result.lower, search.first_open_time());
+  if (is_undecided || collector.is_done()) result.lower = search.first_open_time();
   if (collector.best) set_place(models, *collector.best, result);
   return result;
 }

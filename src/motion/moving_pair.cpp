@@ -30,7 +30,9 @@ std::uint32_t corner_of_code(std::uint32_t code) { return code / bvh::width; }
 }  // namespace
 
 MovingPair::MovingPair(const MovingModel& a, const MovingModel& b, const char* function)
-    : models_{&a.impl(), &b.impl()}, trees_{&checked_tree(a, function), &checked_tree(b, function)} {}
+    : models_{&a.impl(), &b.impl()},
+      trees_{&checked_tree(a, function), &checked_tree(b, function)},
+      triangles_{a.impl().model->mesh().triangles(), b.impl().model->mesh().triangles()} {}
 
 double MovingPair::size_of(Side s, bvh::SlotId slot) const {
   const bvh::MovingNode& boxes = node(s, bvh::node_of(slot));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "bvh/moving_node.h"
 #include "bvh/tree.h"
@@ -65,7 +66,7 @@ class MovingPair {
   TriangleId triangle_of(Side s, const ElementPair& pair) const;
 
   /// The vertices of a triangle.
-  const Corners& corners(Side s, TriangleId triangle) const { return model(s).model->mesh().triangles()[triangle]; }
+  const Corners& corners(Side s, TriangleId triangle) const { return triangles_[index(s)][triangle]; }
 
  private:
   /// Sets a corner of two elements to a vertex of a model.
@@ -76,6 +77,7 @@ class MovingPair {
 
   const MovingModel::Impl* models_[2];
   const bvh::Tree* trees_[2];
+  std::span<const Corners> triangles_[2];
   bool is_self_ = false;
 };
 

@@ -19,8 +19,10 @@ namespace limber {
 namespace path {
 namespace {
 
-void check(const PathOptions& options, double speed_a, double speed_b, const std::string& function) {
-  const auto require = [&](bool holds, const char* what) { LIMBER_REQUIRE(holds, (function + ": " + what).c_str()); };
+void check(const PathOptions& options, double speed_a, double speed_b, const char* function) {
+  const auto require = [&](bool holds, const char* what) {
+    LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
+  };
   require(options.max_time >= 0 && options.max_time <= 1, "max_time is not in [0, 1]");
   require(base::is_finite_and_not_negative(options.min_separation), "min_separation must be finite and at least 0");
   require(base::is_finite_and_not_negative(options.distance_error), "distance_error must be finite and at least 0");
@@ -163,45 +165,50 @@ double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& 
   return (length(way(motion_b) - way(motion_a)) + turning(a, motion_a) + turning(b, motion_b)) * (1 + 0x1p-40);
 }
 
+/// Checks the options, and answers one of the two questions.
+template <auto question>
+auto ask(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
+         const PathOptions& options, const char* function) {
+  check(options, path_a.speed, path_b.speed, function);
+  MovingDistance moving(a, path_a, b, path_b, speed, options);
+  return question(moving, options);
+}
+
+template <auto question>
+auto ask(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+         const PathOptions& options, const char* function) {
+  const auto pose_a = [&](double time) { return motion_a.at(time); };
+  const auto pose_b = [&](double time) { return motion_b.at(time); };
+  return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, relative_speed(a, motion_a, b, motion_b), options,
+                       function);
+}
+
 }  // namespace
 }  // namespace path
 
 PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  path::check(options, path_a.speed, path_b.speed, "limber::time_of_impact");
-  path::MovingDistance moving(a, path_a, b, path_b, path_a.speed + path_b.speed, options);
-  return path::first_impact(moving, options);
+  return path::ask<path::first_impact>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                       "limber::time_of_impact");
 }
 
 PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  path::check(options, 0, 0, "limber::time_of_impact");
-  const auto pose_a = [&](double time) { return motion_a.at(time); };
-  const auto pose_b = [&](double time) { return motion_b.at(time); };
-  const RigidPath path_a{pose_a}, path_b{pose_b};
-  path::MovingDistance moving(a, path_a, b, path_b, path::relative_speed(a, motion_a, b, motion_b), options);
-  return path::first_impact(moving, options);
+  return path::ask<path::first_impact>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
 }
 
 PathDistance least_distance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
                             const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  path::check(options, path_a.speed, path_b.speed, "limber::least_distance");
-  path::MovingDistance moving(a, path_a, b, path_b, path_a.speed + path_b.speed, options);
-  return path::nearest(moving, options);
+  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::least_distance");
 }
 
 PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
                             const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  path::check(options, 0, 0, "limber::least_distance");
-  const auto pose_a = [&](double time) { return motion_a.at(time); };
-  const auto pose_b = [&](double time) { return motion_b.at(time); };
-  const RigidPath path_a{pose_a}, path_b{pose_b};
-  path::MovingDistance moving(a, path_a, b, path_b, path::relative_speed(a, motion_a, b, motion_b), options);
-  return path::nearest(moving, options);
+  return path::ask<path::nearest>(a, motion_a, b, motion_b, options, "limber::least_distance");
 }
 
 }  // namespace limber
