@@ -78,7 +78,7 @@ struct PathImpact {
   /// They are farther apart than the separation before `time`. For `contact` and `initial_contact` they are at most
   /// distance_error farther apart at `time`. Infinite for `clear`.
   double time = 0;
-  std::optional<Witness> witness;  ///< the closest points at `time`; none for `clear`
+  std::optional<Witness> witness;  ///< the closest points at `time`, if they touch
   std::uint64_t distances = 0;     ///< that were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
@@ -90,11 +90,12 @@ struct PathImpact {
 /// Promise  As the comments of PathImpact say, up to the rounding of distances (distance.h).
 /// Throws   std::invalid_argument unless both models are committed, the options are what their comments say and poses
 ///          are rigid; whatever the functions of a path throw.
-/// Cost     Conservative advancement: a distance for each part of the gap that is certainly free. 3 to 30 for paths
+/// Cost     Conservative advancement: a distance for each part of the way that is certainly free. 3 to 20 for paths
 ///          that hit or miss, more for those that pass by closely for long.
 /// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
 /// Threads  Reentrant.
-/// Source   [Mirtich1996], with certified lower bounds of distances; docs/algorithms/impact.md, "Rigid bodies".
+/// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances; docs/algorithms/impact.md,
+///          "Rigid bodies".
 LIMBER_API PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b,
                                      const RigidMotion& motion_b, const PathOptions& options = {});
 LIMBER_API PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
