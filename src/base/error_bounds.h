@@ -130,4 +130,17 @@ inline constexpr double usual_gap_error = 0x1p-51, usual_part = 0x1p-3;
 /// Rounding of this part of the distance may decide which of many pairs that are equally close is the answer.
 inline constexpr double tie_error = 0x1p-45;
 
+// --- float64, moving elements ---
+
+/// The rounding error of det(u, v, w) and of its Bernstein coefficients, for the vectors of two moving elements
+/// (motion/moving_elements.h), as a part of the product of the largest coordinates of u, v and w at both ends of time.
+/// The determinant is a sum of 6 products of three coordinates. With eps = 2^-53 a product is off by 3 * 8 eps and
+/// 2 eps, sums by 5 eps, coefficients by 3 eps more: 6 * 34 eps < 2^-45.
+inline constexpr double moving_volume_error = 0x1p-45;
+
+/// The rounding error of a coordinate of a cross product of two of these vectors, as a part of the product of their
+/// largest coordinates. It has 2 products, each off by 17 eps, and sums by 6 eps; sums of three such coordinates add
+/// 4 eps: 44 eps < 2^-47.
+inline constexpr double moving_area_error = 0x1p-47;
+
 }  // namespace limber::base

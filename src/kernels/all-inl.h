@@ -16,6 +16,7 @@
 #include "kernels/bound_point-inl.h"
 #include "kernels/compare_segments-inl.h"
 #include "kernels/compare_triangles-inl.h"
+#include "kernels/exclude_impacts-inl.h"
 #include "kernels/extend_box-inl.h"
 #include "kernels/find_candidates-inl.h"
 #include "kernels/find_close_elements-inl.h"

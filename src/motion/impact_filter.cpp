@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pieces of the time are decided one after the other, in order. A piece that cannot be decided is halved.
+// Pieces of the time are decided one after the other, in order. A piece that cannot be decided is clipped to where the
+// elements may be in one plane, and halved if that leaves much of it.
 //
 // All numbers are relative to one corner and scaled by one power of two, so the answer does not depend on the unit.
 // Polynomials are in Bernstein form, whose coefficients bound them. The vectors u, v and w of MovingElements at a time
@@ -13,6 +14,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "base/check.h"
+#include "base/error_bounds.h"
 #include "motion/moving_vectors.h"
 
 namespace limber::motion {
@@ -60,6 +63,21 @@ BernsteinQuadratic cross_along(const Vec3& a0, const Vec3& a1, const Vec3& b0, c
            cross_along(a1, b1, axis)}};
 }
 
+/// Where a cubic in Bernstein form over a piece of time, from 0 to 1, is first certain no more to be above a level: the
+/// lower side of the hull of its coefficients comes down to it. Pre: c[0] is above the level, and not all are.
+double first_fall(const double (&c)[4], double level) {
+  double first = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double above = c[i] - level;
+    if (above <= 0) continue;
+    for (int k = i + 1; k < 4; ++k) {
+      const double below = level - c[k];
+      if (below >= 0) first = std::min(first, (i + (k - i) * (above / (above + below))) / 3);
+    }
+  }
+  return first;
+}
+
 class Filter {
  public:
   Filter(const MovingElements& e, const ElementImpactOptions& options) : kind_(e.kind), options_(options) {
@@ -78,31 +96,41 @@ class Filter {
     const double w = std::max(max_abs(start_.w), max_abs(scaled_end.w));
     // Errors are then above 2^-645, far above what underflow in products loses.
     is_in_range_ = std::min({u, v, w}) > 0x1p-200;
-    volume_error_ = volume_error * u * v * w;
-    area_error_ = area_error * (u * v + v * w + w * u);
+    volume_error_ = base::moving_volume_error * u * v * w;
+    area_error_ = base::moving_area_error * (u * v + v * w + w * u);
   }
 
   FilterResult run() const {
     FilterResult result;
     if (!is_in_range_) return result;
-    double ends[most_nested_halvings + 1];  // of the pieces that are left, the next one on top
-    std::size_t open = 0, halvings = 0;
-    ends[open++] = options_.max_time;
-    Piece piece{0, 0, start_, start_};
-    while (open > 0) {
-      piece.end = ends[open - 1];
-      piece.at_end = at(piece.end);
-      switch (decide(piece)) {
+    LIMBER_ASSERT(options_.max_time >= 0);
+    Piece open[most_open];  // that are left, the next one on top
+    std::size_t size = 0, undecided = 0;
+    open[size++] = {0, options_.max_time};
+    while (size > 0) {
+      Piece piece = open[--size];
+      const Vectors begin = at(piece.begin), end = at(piece.end);
+      const BernsteinVolume volume(begin, end);
+      switch (decide(begin, end, volume)) {
         case Decision::no_contact:
-          piece.begin = piece.end, piece.at_begin = piece.at_end, --open;
           break;
         case Decision::contact:
-          narrow(piece);
+          narrow(piece, volume);
           return {FilterResult::Verdict::contact, piece.begin, piece.end};
-        case Decision::unknown:
-          if (open > most_nested_halvings || ++halvings > most_halvings_in_all) return result;
-          ends[open++] = 0.5 * (piece.begin + piece.end);
+        case Decision::unknown: {
+          const Piece clipped = clip(piece, volume);
+          const double middle = 0.5 * (clipped.begin + clipped.end);
+          LIMBER_ASSERT(piece.begin <= clipped.begin && clipped.end <= piece.end);
+          const bool is_short = clipped.end - clipped.begin < 0.7 * (piece.end - piece.begin);
+          if (size + 2 > most_open || ++undecided > most_undecided) return result;
+          if (is_short) {
+            open[size++] = clipped;
+          } else {
+            open[size++] = {middle, clipped.end};
+            open[size++] = {clipped.begin, middle};
+          }
           break;
+        }
       }
     }
     result.verdict = FilterResult::Verdict::clear;
@@ -110,12 +138,11 @@ class Filter {
   }
 
  private:
-  static constexpr std::size_t most_nested_halvings = 12, most_halvings_in_all = 24;
+  static constexpr std::size_t most_open = 13, most_undecided = 24;
   enum class Decision { no_contact, contact, unknown };
 
   struct Piece {
     double begin, end;
-    Vectors at_begin, at_end;
   };
 
   static double largest(const Vectors& x) { return std::max({max_abs(x.u), max_abs(x.v), max_abs(x.w)}); }
@@ -124,9 +151,20 @@ class Filter {
 
   static double volume_at(const Vectors& x) { return dot(x.u, cross(x.v, x.w)); }
 
-  Decision decide(const Piece& piece) const {
-    const Vectors &a = piece.at_begin, &b = piece.at_end;
-    const BernsteinVolume volume(a, b);
+  /// The part of a piece outside of which the elements are certainly in no one plane. An end that is not that of the
+  /// piece has a volume of certain sign.
+  Piece clip(const Piece& piece, const BernsteinVolume& volume) const {
+    const double level = 8 * volume_error_, length = piece.end - piece.begin;
+    const double(&c)[4] = volume.c;
+    const auto fall = [&](double c0, double c1, double c2, double c3) {
+      if (!(std::abs(c0) > level)) return 0.0;
+      const double side = c0 < 0 ? -1 : 1;
+      return first_fall({side * c0, side * c1, side * c2, side * c3}, level);
+    };
+    return {piece.begin + fall(c[0], c[1], c[2], c[3]) * length, piece.end - fall(c[3], c[2], c[1], c[0]) * length};
+  }
+
+  Decision decide(const Vectors& a, const Vectors& b, const BernsteinVolume& volume) const {
     const double(&c)[4] = volume.c;
     const double e = volume_error_;
     if (volume.least_size() > e) return Decision::no_contact;
@@ -158,9 +196,9 @@ class Filter {
   }
 
   /// Narrows a piece with one contact as far as float64 can tell the signs of volumes at its ends.
-  void narrow(Piece& piece) const {
+  void narrow(Piece& piece, const BernsteinVolume& volume) const {
     double begin = piece.begin, end = piece.end;
-    double at_begin = volume_at(piece.at_begin), at_end = volume_at(piece.at_end);
+    double at_begin = volume.c[0], at_end = volume.c[3];
     const double side = at_end > 0 ? 1 : -1;
     // Puts an end of the interval at t, if the sign there is certain.
     const auto narrow_to = [&](double t) {

@@ -6,11 +6,13 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "base/check.h"
 #include "bvh/tree.h"
 #include "limber/distance.h"
 #include "motion/moving_pair.h"
+#include "motion/moving_vectors.h"
 #include "pair/budget_meter.h"
 #include "simd/kernels.h"
 
@@ -24,8 +26,9 @@ namespace limber::motion {
 /// itself becomes its children with each other, and then each of them with itself.
 ///
 /// Needs of a collector:
-///          double max_time() const;   // what touches later does not matter
-///          bool is_done() const;      // nothing else matters
+///          double max_time() const;           // what touches later does not matter
+///          bool is_done() const;              // nothing else matters
+///          bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out
 ///          void compare(const ElementPair& pair, const MovingElements& elements);
 template <typename Collector>
 class ImpactSearch {
@@ -134,18 +137,41 @@ class ImpactSearch {
     simd::ElementCandidates found;
     kernels_.find_impact_candidates(a.moving, b.moving, limits_, a.owned, b.owned, models_.is_self() ? &self : nullptr,
                                     found);
-    for_each(found.vertex_face, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
-    for_each(found.face_vertex, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
-    for_each(found.edge_edge, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+    compare(found.vertex_face, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
+    compare(found.face_vertex, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
+    compare(found.edge_edge, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
   }
 
+  /// Offers candidates of one kind to the collector, without those that certainly do not touch if it asks for that.
   template <typename Candidates, typename ElementsOf>
-  void for_each(const Candidates& candidates, const ElementsOf& elements_of) {
-    for (std::uint32_t i = 0; i < candidates.count && !collector_.is_done(); ++i) {
-      ++stats.triangle_tests;  // pairs of elements count as pairs of triangles
-      const IdentifiedElements found = elements_of(candidates.pairs[i]);
-      collector_.compare(found.pair, found.elements);
+  void compare(const Candidates& candidates, const ElementsOf& elements_of) {
+    constexpr std::uint32_t room = simd::MovingPairs::room;
+    for (std::uint32_t i = 0; i < candidates.count; i += room) {
+      const std::uint32_t count = std::min(candidates.count - i, room);
+      IdentifiedElements found[room];
+      for (std::uint32_t k = 0; k < count; ++k) found[k] = elements_of(candidates.pairs[i + k]);
+      stats.triangle_tests += count;  // pairs of elements count as pairs of triangles
+      unsigned left = (1U << count) - 1;
+      if (collector_.wants_contacts_only()) left &= ~excluded({found, count});
+      for (; left != 0 && !collector_.is_done(); left &= left - 1) {
+        const IdentifiedElements& of_pair = found[std::countr_zero(left)];
+        collector_.compare(of_pair.pair, of_pair.elements);
+      }
     }
+  }
+
+  /// A bit mask of pairs of one kind that certainly do not touch in time.
+  unsigned excluded(std::span<const IdentifiedElements> pairs) const {
+    LIMBER_ASSERT(!pairs.empty() && pairs.size() <= simd::MovingPairs::room);
+    simd::MovingPairs vectors;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      for (std::size_t end = 0; end < bvh::motion_ends; ++end) {
+        const Vectors x = vectors_of(pairs[k].elements.kind, pairs[k].elements.corners[end]);
+        vectors.u[end][k] = x.u, vectors.v[end][k] = x.v, vectors.w[end][k] = x.w;
+      }
+    }
+    const bool are_faces = pairs.front().elements.kind == MovingElements::Kind::vertex_face;
+    return kernels_.exclude_impacts(vectors, are_faces, collector_.max_time());
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels

@@ -50,6 +50,7 @@ class FirstImpact {
 
   double max_time() const { return options_.max_time; }
   bool is_done() const { return upper == 0 || (any_ && best); }
+  bool wants_contacts_only() const { return options_.min_separation == 0; }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
@@ -83,6 +84,7 @@ class AllImpacts {
 
   double max_time() const { return options_.max_time; }
   bool is_done() const { return is_stopped_; }
+  bool wants_contacts_only() const { return options_.min_separation == 0; }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
@@ -110,6 +112,7 @@ class ImpactCandidates {
 
   double max_time() const { return max_time_; }
   bool is_done() const { return is_stopped_; }
+  bool wants_contacts_only() const { return false; }
 
   void compare(const ElementPair& pair, const MovingElements&) {
     if (filter_ && !(*filter_)(pair)) return;

@@ -44,14 +44,4 @@ struct BernsteinVolume {
   }
 };
 
-/// The rounding error of det(u, v, w) and of its Bernstein coefficients, as a part of the product of the largest
-/// coordinates of u, v and w at both ends of time. The determinant is a sum of 6 products of three coordinates. With
-/// eps = 2^-53 a product is off by 3 * 8 eps and 2 eps, sums by 5 eps, coefficients by 3 eps more: 6 * 34 eps < 2^-45.
-inline constexpr double volume_error = 0x1p-45;
-
-/// The rounding error of a coordinate of a cross product of two of the vectors, as a part of the product of their
-/// largest coordinates. It has 2 products, each off by 17 eps, and sums by 6 eps; sums of three such coordinates add
-/// 4 eps: 44 eps < 2^-47.
-inline constexpr double area_error = 0x1p-47;
-
 }  // namespace limber::motion

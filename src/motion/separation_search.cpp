@@ -18,6 +18,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "geometry/primitives.h"
 #include "motion/moving_vectors.h"
 
@@ -56,7 +57,8 @@ class SeparationSearch {
     motion_of_vectors_ = end - start_vectors_;
     const auto largest = [](const Vec3& x, const Vec3& y) { return std::max(max_abs(x), max_abs(y)); };
     const double u = largest(start_vectors_.u, end.u), v = largest(start_vectors_.v, end.v);
-    normal_error_ = area_error * u * v, volume_error_ = volume_error * u * v * largest(start_vectors_.w, end.w);
+    normal_error_ = base::moving_area_error * u * v;
+    volume_error_ = base::moving_volume_error * u * v * largest(start_vectors_.w, end.w);
   }
 
   ElementImpact run() {

@@ -205,6 +205,7 @@ struct DoublePacket {
   friend HWY_INLINE DoublePacket operator/(DoublePacket a, DoublePacket b) { return {hn::Div(a.v, b.v)}; }
   friend HWY_INLINE DoublePacket sqrt(DoublePacket a) { return {hn::Sqrt(a.v)}; }
   friend HWY_INLINE DoublePacket abs(DoublePacket a) { return {hn::Abs(a.v)}; }
+  friend HWY_INLINE DoublePacket min(DoublePacket a, DoublePacket b) { return {hn::Min(a.v, b.v)}; }
   friend HWY_INLINE DoublePacket max(DoublePacket a, DoublePacket b) { return {hn::Max(a.v, b.v)}; }
   friend HWY_INLINE double largest(DoublePacket a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
   friend HWY_INLINE Mask operator>(DoublePacket a, DoublePacket b) { return {hn::Gt(a.v, b.v)}; }

@@ -204,6 +204,13 @@ struct ElementCandidates {
   List<9 * width * width> edge_edge;
 };
 
+/// Pairs of moving elements of one kind, by their vectors u, v and w (motion/moving_elements.h) at the start and at the
+/// end. Entries that are not in use must be finite.
+struct MovingPairs {
+  static constexpr std::uint32_t room = 4;
+  Vec3 u[2][room]{}, v[2][room]{}, w[2][room]{};
+};
+
 /// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`.
 struct MotionLimits {
   double max_time, separation;
@@ -261,6 +268,10 @@ using FindMeetingChildren = unsigned (*)(const bvh::MovingNode& node, const bvh:
 using FindImpactCandidates = void (*)(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, const MotionLimits& limits,
                                       OwnedElements owned_by_a, OwnedElements owned_by_b, const SelfPair* self,
                                       ElementCandidates& found);
+
+/// A bit mask of the pairs that certainly do not touch up to a time. Others may not touch either. `are_faces` says that
+/// they are vertices and faces, otherwise they are edges.
+using ExcludeImpacts = unsigned (*)(const MovingPairs& pairs, bool are_faces, double max_time);
 
 /// Bounds of the distances between a point and the children of a node, and the order of the children whose bound is at
 /// most `limit`, which is finite. The numbers that are bounds, and `limit`, depend on the kernel:
@@ -355,6 +366,7 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(FindCloseElements, find_close_elements)          \
   X(FindMeetingChildren, find_meeting_children)      \
   X(FindImpactCandidates, find_impact_candidates)    \
+  X(ExcludeImpacts, exclude_impacts)                 \
   X(BoundChildrenToPoint, bound_children_to_point)   \
   X(BoundChildrenToPoint, bound_children_along)      \
   X(BoundTrianglesToPoint, bound_triangles_to_point) \

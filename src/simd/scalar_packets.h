@@ -100,6 +100,7 @@ inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
 inline Doubles operator/(Doubles a, Doubles b) { return {a.v / b.v}; }
 inline Doubles sqrt(Doubles a) { return {std::sqrt(a.v)}; }
 inline Doubles abs(Doubles a) { return {std::abs(a.v)}; }
+inline Doubles min(Doubles a, Doubles b) { return {a.v < b.v ? a.v : b.v}; }
 inline Doubles max(Doubles a, Doubles b) { return {a.v > b.v ? a.v : b.v}; }
 inline double largest(Doubles a) { return a.v; }
 

@@ -138,6 +138,7 @@ LIMBER_WASM Doubles operator*(Doubles a, Doubles b) { return {wasm_f64x2_mul(a.v
 LIMBER_WASM Doubles operator/(Doubles a, Doubles b) { return {wasm_f64x2_div(a.v, b.v)}; }
 LIMBER_WASM Doubles sqrt(Doubles a) { return {wasm_f64x2_sqrt(a.v)}; }
 LIMBER_WASM Doubles abs(Doubles a) { return {wasm_f64x2_abs(a.v)}; }
+LIMBER_WASM Doubles min(Doubles a, Doubles b) { return {wasm_f64x2_pmin(b.v, a.v)}; }
 LIMBER_WASM Doubles max(Doubles a, Doubles b) { return {wasm_f64x2_pmax(b.v, a.v)}; }
 LIMBER_WASM double largest(Doubles a) {
   const double first = wasm_f64x2_extract_lane(a.v, 0), second = wasm_f64x2_extract_lane(a.v, 1);

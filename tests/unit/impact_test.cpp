@@ -11,6 +11,8 @@
 #include "limber/motion.h"
 #include "motion/exact_impact.h"
 #include "motion/impact_filter.h"
+#include "motion/moving_vectors.h"
+#include "simd/kernels.h"
 #include "support/random_motion.h"
 
 namespace limber::testing {
@@ -218,6 +220,37 @@ TEST(Impact, OfTheFilterIsThatOfExactArithmetic) {
     ASSERT_GE(filtered.upper, exact.lower) << i;
   }
   EXPECT_GT(decided, 2000);
+}
+
+TEST(Impact, IsExcludedOnlyWhereThereIsNone) {
+  Rng rng(35);
+  int clear = 0, excluded = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const bool are_faces = rng.below(2) == 0;
+    const MotionKind kind = some_kind(rng);
+    const ElementImpactOptions options{.max_time = rng.below(2) == 0 ? 1 : rng.uniform(0, 1)};
+    motion::MovingElements pairs[simd::MovingPairs::room];
+    simd::MovingPairs vectors;
+    for (std::uint32_t k = 0; k < simd::MovingPairs::room; ++k) {
+      pairs[k] = elements_of(random_motion(rng, kind, are_faces), are_faces);
+      for (int end = 0; end < 2; ++end) {
+        const motion::Vectors x = motion::vectors_of(pairs[k].kind, pairs[k].corners[end]);
+        vectors.u[end][k] = x.u, vectors.v[end][k] = x.v, vectors.w[end][k] = x.w;
+      }
+    }
+    const unsigned found = simd::scalar_kernels.exclude_impacts(vectors, are_faces, options.max_time);
+    for (const simd::Kernels& kernels : simd::all_kernels()) {
+      ASSERT_EQ(kernels.exclude_impacts(vectors, are_faces, options.max_time), found) << kernels.name;
+    }
+    for (std::uint32_t k = 0; k < simd::MovingPairs::room; ++k) {
+      const bool is_excluded = (found >> k & 1) != 0;
+      if (!is_excluded && kind != MotionKind::crossing) continue;
+      const bool is_clear = motion::exact_impact(pairs[k], options).status == ImpactStatus::clear;
+      ASSERT_TRUE(is_clear || !is_excluded) << i;
+      if (kind == MotionKind::crossing && is_clear) ++clear, excluded += is_excluded ? 1 : 0;
+    }
+  }
+  EXPECT_GT(excluded, 0.8 * clear) << clear;
 }
 
 TEST(Impact, OfWhatIsOutOfRangeIsRefused) {
