@@ -160,7 +160,10 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   const auto piece = [&](double begin, double end, double at_begin, double at_end) {
     return Piece{begin, end, at_begin, at_end, std::max(0.0, 0.5 * (at_begin + at_end - moving.most_in(end - begin)))};
   };
-  const auto has_larger_bound = [](const Piece& p, const Piece& q) { return p.bound > q.bound; };
+  // Both halves of a piece have the same bound, but for rounding. Standard libraries differ in how heaps order ties.
+  const auto has_larger_bound = [](const Piece& p, const Piece& q) {
+    return p.bound != q.bound ? p.bound > q.bound : p.begin > q.begin;
+  };
   std::vector<Piece> pieces;  // a heap with the least bound first
   const auto add = [&](const Piece& p) {
     pieces.push_back(p);
