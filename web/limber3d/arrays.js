@@ -56,6 +56,17 @@ export function numberOf(value, name, usual) {
 }
 
 /**
+ * True or false, as the module takes it; false where an option is not given.
+ *
+ * @param {boolean | undefined} value
+ * @param {string} name
+ */
+export function flagOf(value, name) {
+  if (value !== undefined && typeof value !== "boolean") throw invalid(`${name} is neither true nor false`);
+  return value ? 1 : 0;
+}
+
+/**
  * Fills `numbers` from an array.
  *
  * @template {Float64Array | number[]} T

@@ -16,8 +16,11 @@
 
 export { closestPairs, Contacts, contacts, intersections, NeighborRings } from "./contacts.js";
 export { selfClosestPairs, selfCollide, selfContacts, selfDistance, selfIntersections } from "./contacts.js";
+export { edgeEdgeImpact, vertexFaceImpact } from "./elements.js";
 export { LimberError } from "./errors.js";
 export { Model, readMeshBytes } from "./model.js";
+export { Impacts, impacts, MovingModel, selfImpacts, selfTimeOfImpact, timeOfImpact } from "./motion.js";
+export { leastDistance, RigidMotion } from "./path.js";
 export { closestPoint, closestPoints, ClosedSurface, SurfacePoints } from "./points.js";
 export { orthonormalized } from "./poses.js";
 export { collide, distance, QueryCache, within } from "./queries.js";
@@ -35,11 +38,23 @@ export { init } from "./wasm.js";
  * @typedef {import("./contacts.js").SelfPairOptions} SelfPairOptions
  * @typedef {import("./contacts.js").TrianglePairFilter} TrianglePairFilter
  * @typedef {import("./contacts.js").TrianglePairs} TrianglePairs
+ * @typedef {import("./elements.js").ElementImpact} ElementImpact
+ * @typedef {import("./elements.js").ElementImpactOptions} ElementImpactOptions
+ * @typedef {import("./elements.js").ImpactStatus} ImpactStatus
  * @typedef {import("./errors.js").ErrorCode} ErrorCode
  * @typedef {import("./model.js").MeshFile} MeshFile
  * @typedef {import("./model.js").MaintenanceStats} MaintenanceStats
  * @typedef {import("./model.js").ModelOptions} ModelOptions
  * @typedef {import("./model.js").TreeStats} TreeStats
+ * @typedef {import("./motion.js").ElementPair} ElementPair
+ * @typedef {import("./motion.js").FirstImpactOptions} FirstImpactOptions
+ * @typedef {import("./motion.js").Impact} Impact
+ * @typedef {import("./motion.js").ImpactOptions} ImpactOptions
+ * @typedef {import("./motion.js").ImpactResult} ImpactResult
+ * @typedef {import("./path.js").PathDistance} PathDistance
+ * @typedef {import("./path.js").PathImpact} PathImpact
+ * @typedef {import("./path.js").PathImpactOptions} PathImpactOptions
+ * @typedef {import("./path.js").PathOptions} PathOptions
  * @typedef {import("./points.js").PointOptions} PointOptions
  * @typedef {import("./points.js").SignedDistance} SignedDistance
  * @typedef {import("./points.js").SurfacePoint} SurfacePoint

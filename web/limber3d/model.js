@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-import { checkNames, coordinatesOf, idsOf, numberOf } from "./arrays.js";
+import { checkNames, coordinatesOf, flagOf, idsOf, numberOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
 import { Owner, check, copyOf, engine, number, point, word, writeBytes, writeInput } from "./wasm.js";
 /** @import { Coordinates, Ids, Point } from "./arrays.js" */
@@ -80,11 +80,11 @@ export class Model extends Owner {
    */
   constructor(vertices, faces, options = {}) {
     checkNames(options, ["motionMargin", "rebuildPolicy", "rebuildBudgetUs", "preallocate"]);
-    const { motionMargin, rebuildPolicy = "inCommit", rebuildBudgetUs, preallocate = false } = options;
+    const { motionMargin, rebuildPolicy = "inCommit", rebuildBudgetUs, preallocate } = options;
     if (rebuildPolicy !== "off" && rebuildPolicy !== "inCommit") {
       throw invalid('rebuildPolicy is neither "off" nor "inCommit"');
     }
-    if (typeof preallocate !== "boolean") throw invalid("preallocate is neither true nor false");
+    const allocatesAtOnce = flagOf(preallocate, "preallocate");
     const margin = marginOf(motionMargin);
     const budget = budgetOf(rebuildBudgetUs);
     const coordinates = coordinatesOf(vertices, "vertices");
@@ -101,7 +101,7 @@ export class Model extends Owner {
         margin,
         rebuildPolicy === "inCommit" ? 1 : 0,
         budget,
-        preallocate ? 1 : 0,
+        allocatesAtOnce,
       ),
       "deleteModel",
     );

@@ -137,11 +137,14 @@ export function cacheAddress(cache) {
   return Owner.addressOf(cache, "cache");
 }
 
-/** @returns {Witness | null} */
-function witness() {
+/** Private to the package. @returns {Witness | null} */
+export function witness() {
   if (word(0) === 0xffffffff) return null;
   return { pointA: point(2), pointB: point(5), triangleA: word(0), triangleB: word(1) };
 }
+
+/** Private to the package. */
+export const stoppedBy = () => limits[word(3)];
 
 /** @param {number} i @returns {QueryStats} */
 export const stats = (i) => ({ nodeTests: number(i), triangleTests: number(i + 1) });
@@ -153,7 +156,7 @@ export function distanceResult() {
     upper: number(1),
     status: statuses[word(2)],
     witness: witness(),
-    stoppedBy: limits[word(3)],
+    stoppedBy: stoppedBy(),
     stats: stats(8),
   };
 }
@@ -162,7 +165,7 @@ export function distanceResult() {
 export const collideResult = () => ({
   answer: answers[word(2)],
   witness: witness(),
-  stoppedBy: limits[word(3)],
+  stoppedBy: stoppedBy(),
   stats: stats(8),
 });
 
@@ -198,8 +201,8 @@ export function placedModels(a, b, { poseA, poseB }) {
   return [first, writePose(readA, 0), second, writePose(readB, 1)];
 }
 
-/** @param {QueryBudget} [budget] @returns {[deadline: number, maxSteps: number]} */
-function limitsOf(budget = /** @type {QueryBudget} */ (none)) {
+/** Private to the package. @param {QueryBudget} [budget] @returns {[deadline: number, maxSteps: number]} */
+export function limitsOf(budget = /** @type {QueryBudget} */ (none)) {
   checkNames(budget, ["deadline", "maxSteps"], "budget");
   const { deadline, maxSteps } = budget;
   return [numberOf(deadline, "budget.deadline", Infinity), numberOf(maxSteps, "budget.maxSteps", Infinity)];

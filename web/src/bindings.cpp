@@ -59,7 +59,7 @@ void keep_current_error() {
   }
 }
 
-Transform pose_from(PoseForm form, std::size_t which) {
+Transform pose_from(PoseForm form, std::size_t which, const char* name) {
   const double(&p)[16] = exchange.poses[which];
   const auto placed = [&]() -> Result<Transform> {
     switch (form) {
@@ -77,7 +77,7 @@ Transform pose_from(PoseForm form, std::size_t which) {
     return transform_from_matrix(matrix, MatrixOrder::column_major);
   };
   const Result<Transform> pose = placed();
-  if (!pose) throw BadResult({pose.error().code, (which == 0 ? "poseA: " : "poseB: ") + pose.error().text, {}});
+  if (!pose) throw BadResult({pose.error().code, name + (": " + pose.error().text), {}});
   return *pose;
 }
 
@@ -86,6 +86,12 @@ std::byte* input() { return reinterpret_cast<std::byte*>(input_memory.data()); }
 PositionsView positions_from(std::size_t count, bool is_float32) {
   if (is_float32) return PositionsView::packed(std::span(reinterpret_cast<const float*>(input()), 3 * count));
   return PositionsView::packed(std::span(reinterpret_cast<const double*>(input()), 3 * count));
+}
+
+std::vector<Vec3> points_from(std::size_t count, bool is_float32) {
+  std::vector<Vec3> points(count);
+  positions_from(count, is_float32).copy_to(points);
+  return points;
 }
 
 void give_bytes(const void* first, std::size_t bytes) {
@@ -106,8 +112,6 @@ QueryBudget budget_from(double deadline_ms, double max_steps) {
   return budget;
 }
 
-namespace {
-
 void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by) {
   const Witness w = witness.value_or(Witness{});
   double* to = exchange.numbers + 2;
@@ -117,11 +121,15 @@ void give(const std::optional<Witness>& witness, const QueryStats& stats, std::u
   std::copy(std::begin(words), std::end(words), exchange.words);
 }
 
-}  // namespace
-
 void give_stats(const QueryStats& stats, std::size_t first) {
   exchange.numbers[first] = static_cast<double>(stats.node_tests);
   exchange.numbers[first + 1] = static_cast<double>(stats.triangle_tests);
+}
+
+void give_count(std::size_t count, bool is_complete, const QueryStats& stats) {
+  exchange.words[2] = static_cast<std::uint32_t>(count);
+  exchange.words[3] = is_complete ? 1 : 0;
+  give_stats(stats, 0);
 }
 
 void give(const DistanceResult& result) {

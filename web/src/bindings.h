@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <optional>
+#include <vector>
 
 #include "limber/base.h"
 #include "limber/distance.h"
@@ -39,14 +41,15 @@ extern Exchange exchange;
 
 /// The pose in Exchange::poses[which].
 ///
-/// Throws   BadResult, naming the argument.
-Transform pose_from(PoseForm form, std::size_t which);
+/// Throws   BadResult, which begins with the name of the argument.
+Transform pose_from(PoseForm form, std::size_t which, const char* name);
 
 /// Memory for arrays on their way from JavaScript, until the next call of reserve_input().
 std::byte* input();
 
 /// Coordinates at the beginning of input().
 PositionsView positions_from(std::size_t count, bool is_float32);
+std::vector<Vec3> points_from(std::size_t count, bool is_float32);
 
 inline std::uint32_t address_of(const void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
@@ -85,8 +88,25 @@ QueryBudget budget_from(double deadline_ms, double max_steps);
 /// two triangles, status or answer, and what has stopped the query. Without a witness the triangles are no_id.
 void give(const DistanceResult& result);
 void give(const CollideResult& result);
+/// The same without bounds.
+void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by);
 
 /// Writes statistics to Exchange::numbers[first] and the next.
 void give_stats(const QueryStats& stats, std::size_t first);
+
+/// Writes how many there are of what give_bytes() has told of, to Exchange::words[2], whether they are all, to [3], and
+/// statistics to Exchange::numbers[0] and [1].
+void give_count(std::size_t count, bool is_complete, const QueryStats& stats);
+
+/// Collects pairs, contacts or impacts until there are `most`; one more tells that they are not all.
+template <typename T>
+auto collector(std::vector<T>& found, double most) {
+  found.clear();
+  return [&found, most](const T& one) {
+    if (static_cast<double>(found.size()) >= most) return false;
+    found.push_back(one);
+    return true;
+  };
+}
 
 }  // namespace limber::web

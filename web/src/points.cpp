@@ -14,12 +14,6 @@ namespace {
 
 std::vector<double> columns;  // of the last result
 
-std::vector<Vec3> points_from(std::size_t count, bool is_float32) {
-  std::vector<Vec3> points(count);
-  positions_from(count, is_float32).copy_to(points);
-  return points;
-}
-
 /// One column after the other: distances, positions, barycentric coordinates; then, in 32 bits, triangles; then, in 8
 /// bits, kind and index of the feature and whether the point is inside, point by point. Where nothing was found, the
 /// distance is infinite, the other numbers are 0 and the triangle is no_id.
@@ -58,7 +52,7 @@ bool exported_closest_points(const Model* model, PoseForm pose, std::size_t coun
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<PointResult> results(count);
-    closest_points(Placed(*model, pose_from(pose, 0)), points, results, {max_distance});
+    closest_points(Placed(*model, pose_from(pose, 0, "pose")), points, results, {max_distance});
     give_points(results, [](const PointResult&) { return false; });
   });
 }
@@ -77,14 +71,14 @@ bool exported_signed_distances(const ClosedSurface* surface, PoseForm pose, std:
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<SignedDistance> results(count);
-    surface->signed_distances(points, results, pose_from(pose, 0), {max_distance});
+    surface->signed_distances(points, results, pose_from(pose, 0, "pose"), {max_distance});
     give_points(results, [](const SignedDistance& result) { return result.is_inside; });
   });
 }
 
 LIMBER_EXPORT(contains)
 bool exported_contains(const ClosedSurface* surface, PoseForm pose, double x, double y, double z) {
-  return guarded([&] { exchange.words[0] = surface->contains({x, y, z}, pose_from(pose, 0)) ? 1 : 0; });
+  return guarded([&] { exchange.words[0] = surface->contains({x, y, z}, pose_from(pose, 0, "pose")) ? 1 : 0; });
 }
 
 /// The rotation nearest to the 3 x 3 matrix, by columns, in Exchange::poses[0]: to Exchange::numbers, the same way.

@@ -41,23 +41,6 @@ std::vector<TrianglePair> pairs;
 std::vector<Contact> contacts_found;
 std::vector<double> columns;
 
-void give_count(std::size_t count, bool is_complete, const QueryStats& stats) {
-  exchange.words[2] = static_cast<std::uint32_t>(count);
-  exchange.words[3] = is_complete ? 1 : 0;
-  give_stats(stats, 0);
-}
-
-/// Collects pairs or contacts until there are `most`; one more tells that they are not all.
-template <typename T>
-auto collector(std::vector<T>& found, double most) {
-  found.clear();
-  return [&found, most](const T& one) {
-    if (static_cast<double>(found.size()) >= most) return false;
-    found.push_back(one);
-    return true;
-  };
-}
-
 void give_pairs(const PairCount& count) {
   give_bytes(pairs.data(), pairs.size() * sizeof(TrianglePair));
   give_count(pairs.size(), count.is_complete, count.stats);
@@ -115,7 +98,7 @@ bool exported_distance(const Model* a, PoseForm pose_a, const Model* b, PoseForm
                        double absolute_error, double max_distance, double deadline_ms, double max_steps,
                        QueryCache* cache) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     give(distance(placed_a, placed_b,
                   {relative_error, absolute_error, max_distance, cache, budget_from(deadline_ms, max_steps)}));
   });
@@ -125,7 +108,7 @@ LIMBER_EXPORT(collide)
 bool exported_collide(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double deadline_ms,
                       double max_steps, QueryCache* cache) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     give(collide(placed_a, placed_b, {cache, budget_from(deadline_ms, max_steps)}));
   });
 }
@@ -134,7 +117,7 @@ LIMBER_EXPORT(within)
 bool exported_within(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double max_distance,
                      double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     give(within(placed_a, placed_b, max_distance, {cache, budget_from(deadline_ms, max_steps)}));
   });
 }
@@ -153,7 +136,7 @@ LIMBER_EXPORT(intersections)
 bool exported_intersections(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double most,
                             bool has_filter) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     const auto collect = collector(pairs, most);
     give_pairs(visit_intersections(placed_a, placed_b, collect, options_from(has_filter, nullptr)));
   });
@@ -163,7 +146,7 @@ LIMBER_EXPORT(contacts)
 bool exported_contacts(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double margin, double most,
                        bool has_filter, int oriented_faces) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     const auto collect = collector(contacts_found, most);
     give_contacts(
         visit_contacts(placed_a, placed_b, margin, collect, options_from(has_filter, nullptr, oriented_faces)));
@@ -174,7 +157,7 @@ LIMBER_EXPORT(closestPairs)
 bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double count,
                             bool has_filter, int oriented_faces) {
   return guarded([&] {
-    const Placed placed_a(*a, pose_from(pose_a, 0)), placed_b(*b, pose_from(pose_b, 1));
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     give_closest(count, triangles_of(*a) * triangles_of(*b), [&](std::span<Contact> closest) {
       return closest_pairs(placed_a, placed_b, closest, options_from(has_filter, nullptr, oriented_faces));
     });

@@ -4,6 +4,7 @@
 // Writes what is asked of the native library and what it answers, for answers.test.js to ask WebAssembly the same: a
 // line of JSON for each call, with the names of the JavaScript package. Decimals give back the bits of the numbers.
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -14,8 +15,11 @@
 
 #include "limber/contacts.h"
 #include "limber/distance.h"
+#include "limber/elements.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "limber/motion.h"
+#include "limber/path.h"
 #include "limber/points.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
@@ -78,6 +82,41 @@ json of(const Contact& c) {
           {"featureB", of(c.feature_b)}, {"normalSide", name_in({"unknown", "outward", "inward"}, c.normal_side)}};
 }
 
+json of(ImpactStatus status) { return name_in({"clear", "contact", "initialContact", "undecided"}, status); }
+
+json of(const ElementPair& pair) {
+  return {{"kind", name_in({"vertexFace", "faceVertex", "edgeEdge"}, pair.kind)}, {"a", pair.a}, {"b", pair.b}};
+}
+
+json of(const ElementImpact& impact) {
+  return {{"status", of(impact.status)}, {"lower", of(impact.lower)}, {"upper", of(impact.upper)}};
+}
+
+json of(const Impact& impact) {
+  json described = of(impact.time);
+  described["elements"] = of(impact.elements);
+  return described;
+}
+
+json of(const ImpactResult& r) {
+  return {{"status", of(r.status)},        {"lower", of(r.lower)},
+          {"upper", of(r.upper)},          {"elements", r.elements ? of(*r.elements) : json(nullptr)},
+          {"witness", of(r.witness)},      {"normal", of(r.normal)},
+          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}};
+}
+
+json of(const PathImpact& r) {
+  return {{"status", of(r.status)},        {"time", of(r.time)},
+          {"witness", of(r.witness)},      {"distances", r.distances},
+          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}};
+}
+
+json of(const PathDistance& r) {
+  return {{"lower", of(r.lower)},     {"upper", of(r.upper)},     {"time", of(r.time)},
+          {"witness", of(r.witness)}, {"distances", r.distances}, {"stoppedBy", of(r.stopped_by)},
+          {"stats", of(r.stats)}};
+}
+
 json of(const std::optional<SurfacePoint>& closest, bool is_inside) {
   if (!closest) return {{"closest", nullptr}, {"isInside", is_inside}, {"distance", of(infinity)}};
   const json point{{"distance", of(closest->distance)},
@@ -129,7 +168,7 @@ json numbers_of(std::span<const Vec3> points, bool is_float32 = false) {
 
 /// The ids of triangles, pairs, ... one after the other.
 template <typename T>
-json ids_of(const std::vector<T>& values) {
+json ids_of(const T& values) {
   json ids = json::array();
   for (const auto& several : values) {
     for (const std::uint32_t id : several) ids.push_back(id);
@@ -153,6 +192,9 @@ class Recorder {
     write("Model", {}, {numbers_of(positions, is_float32), uint32s(ids_of(mesh.triangles()))});
     models_.push_back(Model(Mesh::create(positions, mesh.triangles()).value()));
     caches_.emplace_back();
+    edges_.emplace_back(models_.back().mesh());
+    moving_.emplace_back(models_.back(), edges_.back());
+    write("edges", {models_.size() - 1}, {}, {}, ids_of(edges_.back().vertices()));
     return models_.size() - 1;
   }
 
@@ -242,6 +284,61 @@ class Recorder {
     write("signedDistances", {m}, {numbers_of(points)}, {{"pose", of(pose)}}, answer);
   }
 
+  /// A vertex and a face, or two edges, by four points at the start and four at the end.
+  void elements(bool are_edges, const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                const ElementImpactOptions& options) {
+    const auto found = are_edges ? limber::time_of_impact({{from[0], from[1]}, {to[0], to[1]}},
+                                                          {{from[2], from[3]}, {to[2], to[3]}}, options)
+                                 : limber::time_of_impact(
+                                       {from[0], to[0]}, {{from[1], from[2], from[3]}, {to[1], to[2], to[3]}}, options);
+    const json given{
+        {"maxTime", options.max_time}, {"timeError", options.time_error}, {"minSeparation", options.min_separation}};
+    write(are_edges ? "edgeEdgeImpact" : "vertexFaceImpact", {}, {numbers_of(from), numbers_of(to)}, given, of(found));
+  }
+
+  void set_motion(std::size_t m, const std::vector<Vec3>& to, const Transform& start, const Transform& end,
+                  bool is_float32) {
+    const std::vector<Vec3> positions = rounded(to, is_float32);
+    write("setMotion", {m}, {numbers_of(positions, is_float32)}, {{"startPose", of(start)}, {"endPose", of(end)}});
+    moving_[m].set_motion(positions, start, end).value();
+  }
+  void time_of_impact(std::size_t a, std::size_t b, ImpactOptions options, std::uint64_t max_steps = unlimited) {
+    options.budget = {.max_steps = max_steps};
+    const ImpactResult result = limber::time_of_impact(moving_[a], moving_[b], options);
+    write("timeOfImpact", {a, b}, {}, options_of(options), of(result));
+  }
+  void self_time_of_impact(std::size_t m, ImpactOptions options, std::uint64_t max_steps = unlimited) {
+    options.budget = {.max_steps = max_steps};
+    write("selfTimeOfImpact", {m}, {}, options_of(options), of(limber::self_time_of_impact(moving_[m], options)));
+  }
+  /// Of two models, and of the first with itself.
+  void impacts(std::size_t a, std::size_t b, const ImpactOptions& options) {
+    std::vector<Impact> found;
+    const auto keep = [&](const Impact& impact) { return found.push_back(impact), true; };
+    const ImpactCount of_both = visit_impacts(moving_[a], moving_[b], options, keep);
+    write("impacts", {a, b}, {}, options_of_all(options), impacts_of(found, of_both));
+    found.clear();
+    const ImpactCount of_one = visit_self_impacts(moving_[a], options, keep);
+    write("selfImpacts", {a}, {}, options_of_all(options), impacts_of(found, of_one));
+  }
+
+  /// Bodies that do not turn: sines have other roundings in other C libraries.
+  void path(std::size_t a, std::size_t b, const Transform& start, const Vec3& to, PathOptions options,
+            Asked asked = {}) {
+    const Transform end{start.rotation, to};
+    options.cache = cache(a, asked), options.budget = {.max_steps = asked.max_steps};
+    json given{{"motions", {{of(start), of(end)}, {of(Transform{})}}},
+               {"maxTime", options.max_time},
+               {"distanceError", options.distance_error},
+               {"cache", asked.uses_cache}};
+    if (asked.max_steps < unlimited) given["budget"] = {{"maxSteps", asked.max_steps}};
+    const PathDistance nearest = least_distance(models_[a], RigidMotion(start, end), models_[b], {}, options);
+    write("leastDistance", {a, b}, {}, given, of(nearest));
+    given["minSeparation"] = options.min_separation;
+    const PathImpact first = limber::time_of_impact(models_[a], RigidMotion(start, end), models_[b], {}, options);
+    write("pathImpact", {a, b}, {}, given, of(first));
+  }
+
   /// Bounds and statistics.
   void tree(std::size_t m) {
     const Model& model = models_[m];
@@ -304,9 +401,24 @@ class Recorder {
     if (asked.max_steps < unlimited) options["budget"] = {{"maxSteps", asked.max_steps}};
     return options;
   }
+  static json options_of_all(const ImpactOptions& options) {
+    return {{"maxTime", options.max_time},
+            {"timeError", options.time_error},
+            {"minSeparation", options.min_separation},
+            {"nearerPart", options.nearer_part}};
+  }
+  static json options_of(const ImpactOptions& options) {
+    json given = options_of_all(options);
+    given["ignoresCrossings"] = options.ignores_crossings, given["anyContact"] = options.any_contact;
+    if (options.budget.max_steps < unlimited) given["budget"] = {{"maxSteps", options.budget.max_steps}};
+    return given;
+  }
   static json uint32s(const json& ids) { return {{"Uint32Array", ids}}; }
   static json contacts_of(const std::vector<Contact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"contacts", each(found)}, {"stats", of(count.stats)}};
+  }
+  static json impacts_of(const std::vector<Impact>& found, const ImpactCount& count) {
+    return {{"count", found.size()}, {"isComplete", true}, {"impacts", each(found)}, {"stats", of(count.stats)}};
   }
   static json pairs_of(const std::vector<TrianglePair>& found, const PairCount& count) {
     json ids = json::array();
@@ -315,7 +427,9 @@ class Recorder {
   }
 
   std::ofstream out_;
-  std::vector<Model> models_;
+  std::deque<Model> models_;  // stay where they are, as moving models refer to them
+  std::deque<MeshEdges> edges_;
+  std::deque<MovingModel> moving_;
   std::vector<QueryCache> caches_;
 };
 
@@ -360,6 +474,52 @@ void ask_of_motion(Recorder& record, const scenes::Motion& motion, std::size_t o
     if (frame % 5 != 0) continue;
     record.tree(m);
     record.of_itself(m, 0.002, static_cast<std::uint32_t>(frame / 5 % 3));
+  }
+}
+
+/// Elements in general position, on a lattice, where everything degenerate happens, and with long numbers.
+void ask_of_elements(Recorder& record, Rng& rng) {
+  const auto lattice_points = [&](double part) {
+    std::vector<Vec3> points(4);
+    for (Vec3& p : points) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        p[axis] = static_cast<double>(rng.below(3)) + part * static_cast<double>(rng.below(3));
+      }
+    }
+    return points;
+  };
+  for (int i = 0; i < 600; ++i) {
+    const bool are_edges = i % 2 == 0;
+    const std::vector<Vec3> from = points_around(rng, 4, 1), to = points_around(rng, 4, 1);
+    record.elements(are_edges, from, to, {});
+    record.elements(are_edges, from, to, {.max_time = rng.uniform(), .time_error = 1e-3 * rng.uniform()});
+    if (i % 4 < 2) record.elements(are_edges, from, to, {.min_separation = 0.2 * rng.uniform()});
+    const double part = i % 5 == 0 ? 0x1p-300 : i % 5 == 1 ? 0x1p-40 : 0;
+    record.elements(are_edges, lattice_points(part), lattice_points(part), {});
+  }
+}
+
+/// Steps of a deforming mesh from frame to frame, turned on the way, next to another model that moves, and to itself.
+void ask_of_steps(Recorder& record, const scenes::Motion& motion, std::size_t other, const std::vector<Vec3>& of_other,
+                  int frames, double step, Rng& rng) {
+  const std::size_t m = record.add(motion.mesh, false);
+  for (int frame = 0; frame < frames; ++frame) {
+    const Transform start = random_pose(rng, 1), end{start.rotation, points_around(rng, 1, 2)[0]};
+    record.set_motion(m, motion.positions(step * (frame + 1)), start, frame % 3 == 0 ? random_pose(rng, 2) : end,
+                      frame % 2 == 0);
+    record.set_motion(other, of_other, {}, {Mat3{}, points_around(rng, 1, 1)[0]}, false);
+    const double separation = 0.01 * rng.uniform();
+    record.time_of_impact(m, other, {});
+    record.time_of_impact(m, other, {.max_time = 0.7, .time_error = 1e-6, .ignores_crossings = true});
+    record.time_of_impact(m, other, {.min_separation = separation, .nearer_part = 0.5, .ignores_crossings = true});
+    record.time_of_impact(m, other, {.ignores_crossings = true, .any_contact = true});
+    record.time_of_impact(m, other, {.ignores_crossings = true}, 1 + rng.below(60));
+    record.self_time_of_impact(m, {.time_error = 1e-6});
+    record.self_time_of_impact(m, {.min_separation = separation, .nearer_part = 0.25, .ignores_crossings = true});
+    record.self_time_of_impact(m, {.any_contact = true}, 1 + rng.below(60));
+    record.impacts(m, other, {.max_time = 0.1, .time_error = 1e-6});
+    record.impacts(m, other, {.max_time = 0.05, .time_error = 1e-6, .min_separation = 0.001, .nearer_part = 0.5});
+    record.move_all(m, motion.positions(step * (frame + 1)), frame % 2 == 0);
   }
 }
 
@@ -449,6 +609,21 @@ void ask(Recorder& record) {
     record.closest_points(ball, pose, points_around(rng, 200, 4), i % 2 == 0 ? infinity : 1);
     record.closest_points(soup, pose, points_around(rng, 200, 50), infinity);
     record.signed_distances(ball, pose, points_around(rng, 200, 2));
+  }
+
+  ask_of_elements(record, rng);
+  const std::vector<Vec3> of_ball = scenes::ball(24, 16).positions();
+  ask_of_steps(record, scenes::waving_sheet(20, 20), ball, of_ball, 12, 1, rng);
+  ask_of_steps(record, scenes::crumpling_cloth(20), ball, of_ball, 12, 12, rng);
+  ask_of_steps(record, scenes::twisting_bar(3), ball, of_ball, 12, 6, rng);
+  ask_of_steps(record, scenes::shuffled_soup(200), ball, of_ball, 12, 20, rng);
+  for (int i = 0; i < 60; ++i) {
+    const Transform start = random_pose(rng, 4);
+    const std::size_t b = i % 2 == 0 ? sheet : soup;
+    record.path(ball, b, start, points_around(rng, 1, 4)[0], {});
+    record.path(ball, b, start, points_around(rng, 1, 4)[0],
+                {.max_time = 0.75, .min_separation = 0.3, .distance_error = 0.01}, {.uses_cache = true});
+    record.path(ball, b, start, points_around(rng, 1, 4)[0], {}, {.max_steps = 1 + rng.below(12)});
   }
 
   std::vector<Vec3> bad = positions;

@@ -24,7 +24,7 @@ function same(actual, expected, what) {
   }
 }
 
-const models = [], caches = [];
+const models = [], caches = [], moving = [];
 
 /** An argument as it is given: typed arrays come with the name of their type, NaN as null. */
 function given(argument) {
@@ -36,6 +36,7 @@ function given(argument) {
 /** What a result says, as answers.cpp writes it. */
 function said(result) {
   if (result instanceof limber.Contacts) return { ...result, contacts: [...result] };
+  if (result instanceof limber.Impacts) return { ...result, impacts: [...result] };
   if (!(result instanceof limber.SurfacePoints)) return result;
   return Array.from({ length: result.count }, (_, i) => ({
     closest: result.at(i),
@@ -49,6 +50,7 @@ const calls = {
   Model(_, ...args) {
     models.push(new limber.Model(...args));
     caches.push(new limber.QueryCache());
+    moving.push(new limber.MovingModel(models.at(-1)));
   },
   moveAll: (model, positions) => model.moveAll(positions),
   moveVertices: (model, ...args) => model.moveVertices(...args),
@@ -58,6 +60,8 @@ const calls = {
     surface.dispose();
     return found;
   },
+  edges: (model) => model.edges(),
+  setMotion: (model, ...args) => model.setMotion(...args),
   tree(model) {
     model.validate();
     const spheres = Array.from({ length: model.treeStats().levels }, (_, level) => model.nodeSpheres(level));
@@ -65,14 +69,20 @@ const calls = {
   },
 };
 
+const withOptions = ["signedDistances", "setMotion"];
+const ofMotion = ["edges", "setMotion", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts"];
+const functions = { ...limber, pathImpact: limber.timeOfImpact };
+
 function ask({ call, of, args, options }) {
-  const asked = of.map((i) => models[i]), { rings: edges, cache, maxDistance, ...others } = options ?? {};
+  const asked = of.map((i) => (ofMotion.includes(call) ? moving : models)[i]);
+  const { rings: edges, cache, maxDistance, motions, ...others } = options ?? {};
   if (cache) others.cache = caches[of[0]];
   if (maxDistance !== undefined) others.maxDistance = Number(maxDistance);
   if (edges !== undefined) others.filter = new limber.NeighborRings(asked[0], edges);
-  if (call in calls) return calls[call](asked[0], ...args.map(given), ...(call === "signedDistances" ? [others] : []));
-  const result = limber[call](...asked, ...args.map(given), others);
-  if (edges !== undefined) others.filter.dispose();
+  if (motions) [others.motionA, others.motionB] = motions.map((poses) => new limber.RigidMotion(...poses));
+  if (call in calls) return calls[call](asked[0], ...args.map(given), ...(withOptions.includes(call) ? [others] : []));
+  const result = functions[call](...asked, ...args.map(given), others);
+  for (const used of [others.filter, others.motionA, others.motionB]) used?.dispose();
   return result;
 }
 
@@ -97,8 +107,10 @@ test("every answer has the bits of the native library's", async () => {
       return true;
     });
   }
-  const functions = ["distance", "collide", "within", "contacts", "intersections", "closestPairs", "selfCollide",
-    "selfDistance", "selfContacts", "selfIntersections", "selfClosestPairs", "closestPoints", "readMeshBytes"];
-  for (const name of [...functions, ...Object.keys(calls)]) assert.ok(counts[name] > 0, `nothing was asked of ${name}`);
+  const names = ["distance", "collide", "within", "contacts", "intersections", "closestPairs", "selfCollide",
+    "selfDistance", "selfContacts", "selfIntersections", "selfClosestPairs", "closestPoints", "readMeshBytes",
+    "vertexFaceImpact", "edgeEdgeImpact", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts", "pathImpact",
+    "leastDistance"];
+  for (const name of [...names, ...Object.keys(calls)]) assert.ok(counts[name] > 0, `nothing was asked of ${name}`);
   console.log(counts);
 });

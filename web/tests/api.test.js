@@ -159,7 +159,7 @@ test("what is no pose is refused, naming the argument", () => {
   refuses(() => limber.distance(a, a, { poseA: 7 }), "invalidArgument", "poseA");
   refuses(() => limber.distance(a, a, { poseA: { translation: ["1", 0, 0] } }), "invalidArgument", "translation");
   refuses(() => limber.distance(a, a, { poseA: Array(16).fill("1") }), "invalidArgument", "poseA");
-  refuses(() => limber.closestPoint(a, [0, 0, 0], { pose: scaled }), "notRigid", "pose");
+  refuses(() => limber.closestPoint(a, [0, 0, 0], { pose: scaled }), "notRigid", "pose: ");
 });
 
 test("orthonormalized() makes a rotation of float32 rigid", () => {

@@ -11,8 +11,15 @@ const notNumbers = [null, "7", true, [1], 7n, {}, Symbol("7"), Object.create(nul
 
 before(() => limber.init());
 
+/** A moving model that stays where its model is. */
+function staying(model) {
+  const moving = new limber.MovingModel(model);
+  moving.setMotion(model.vertices());
+  return moving;
+}
+
 test("options that do not exist are refused with those that do", () => {
-  const a = tetrahedron(), surface = new limber.ClosedSurface(a);
+  const a = tetrahedron(), surface = new limber.ClosedSurface(a), moving = staying(a);
   const calls = {
     "poseA, poseB, relativeError, absoluteError, maxDistance, budget, cache": [(o) => limber.distance(a, a, o)],
     "poseA, poseB, budget, cache": [(o) => limber.collide(a, a, o), (o) => limber.within(a, a, 1, o)],
@@ -30,6 +37,21 @@ test("options that do not exist are refused with those that do", () => {
     ],
     "pose": [(o) => surface.contains([0, 0, 0], o)],
     "motionMargin, rebuildPolicy, rebuildBudgetUs, preallocate": [(o) => new limber.Model(corners, faces, o)],
+    "maxTime, timeError, minSeparation": [
+      (o) => limber.vertexFaceImpact(corners, corners, o),
+      (o) => limber.edgeEdgeImpact(corners, corners, o),
+    ],
+    "maxTime, timeError, minSeparation, nearerPart, ignoresCrossings, anyContact, budget": [
+      (o) => limber.timeOfImpact(moving, moving, o),
+      (o) => limber.selfTimeOfImpact(moving, o),
+    ],
+    "maxTime, timeError, minSeparation, nearerPart, maxCount": [
+      (o) => limber.impacts(moving, moving, o),
+      (o) => limber.selfImpacts(moving, o),
+    ],
+    "motionA, motionB, maxTime, minSeparation, distanceError, budget, cache": [(o) => limber.timeOfImpact(a, a, o)],
+    "motionA, motionB, maxTime, distanceError, budget, cache": [(o) => limber.leastDistance(a, a, o)],
+    "startPose, endPose": [(o) => moving.setMotion(corners, o)],
     "deadline, maxSteps": [(budget) => limber.distance(a, a, { budget }), (budget) => limber.collide(a, a, { budget })],
     "quaternion, rotation, translation": [(poseB) => limber.distance(a, a, { poseB })],
   };
@@ -51,16 +73,19 @@ test("options that do not exist are refused with those that do", () => {
 });
 
 test("coordinates are numbers", () => {
-  const a = tetrahedron(), surface = new limber.ClosedSurface(a);
+  const a = tetrahedron(), surface = new limber.ClosedSurface(a), moving = staying(a);
   for (const wrong of notNumbers) {
     const bad = [0, 0, 0, 1, 0, wrong, 0, 1, 0];
     refuses(() => new limber.Model(bad, [0, 1, 2]), "invalidArgument", "vertices[5]", "no number");
     refuses(() => a.moveAll([...corners.slice(0, 11), wrong]), "invalidArgument", "positions[11]");
     refuses(() => a.moveVertices([1], [0, wrong, 0]), "invalidArgument", "positions[1]");
+    refuses(() => moving.setMotion([...corners.slice(0, 11), wrong]), "invalidArgument", "endPositions[11]");
+    refuses(() => limber.edgeEdgeImpact(corners, [...corners.slice(0, 11), wrong]), "invalidArgument", "end[11]");
     refuses(() => limber.closestPoints(a, [0, wrong, 0]), "invalidArgument", "points[1]");
     for (const point of [[0, wrong, 0], { x: wrong, y: 0, z: 0 }, wrong]) {
       refuses(() => limber.closestPoint(a, point), "invalidArgument", "point");
       refuses(() => surface.contains(point), "invalidArgument", "point");
+      if (point !== undefined) refuses(() => new limber.RigidMotion(null, null, point), "invalidArgument", "center");
       refuses(() => surface.signedDistance(point), "invalidArgument", "point");
       if (point === undefined) continue;
       refuses(() => limber.distance(a, a, { poseA: { translation: point } }), "invalidArgument", "poseA.translation");
@@ -75,7 +100,7 @@ test("coordinates are numbers", () => {
 });
 
 test("numbers of poses and options are numbers", () => {
-  const a = tetrahedron(), surface = new limber.ClosedSurface(a);
+  const a = tetrahedron(), surface = new limber.ClosedSurface(a), moving = staying(a);
   for (const wrong of notNumbers) {
     const matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, wrong, 1];
     for (const poseA of [matrix, { elements: matrix }, { quaternion: [0, 0, wrong, 1] },
@@ -91,6 +116,7 @@ test("numbers of poses and options are numbers", () => {
     refuses(() => limber.selfClosestPairs(a, wrong), "invalidArgument", "count");
     refuses(() => new limber.NeighborRings(a, wrong), "invalidArgument", "edges");
     refuses(() => a.nodeSpheres(wrong), "invalidArgument", "level");
+    refuses(() => new limber.RigidMotion().at(wrong), "invalidArgument", "time");
     if (wrong === undefined) continue;  // an option that is not given
     for (const name of ["relativeError", "absoluteError", "maxDistance"]) {
       refuses(() => limber.distance(a, a, { [name]: wrong }), "invalidArgument", name);
@@ -98,6 +124,17 @@ test("numbers of poses and options are numbers", () => {
     }
     for (const name of ["deadline", "maxSteps"]) {
       refuses(() => limber.collide(a, a, { budget: { [name]: wrong } }), "invalidArgument", `budget.${name}`);
+    }
+    for (const name of ["maxTime", "timeError", "minSeparation"]) {
+      refuses(() => limber.vertexFaceImpact(corners, corners, { [name]: wrong }), "invalidArgument", name);
+      refuses(() => limber.selfTimeOfImpact(moving, { [name]: wrong }), "invalidArgument", name);
+      refuses(() => limber.impacts(moving, moving, { [name]: wrong }), "invalidArgument", name);
+    }
+    for (const name of ["nearerPart", "maxCount"]) {
+      refuses(() => limber.selfImpacts(moving, { [name]: wrong }), "invalidArgument", name);
+    }
+    for (const name of ["maxTime", "minSeparation", "distanceError"]) {
+      refuses(() => limber.timeOfImpact(a, a, { [name]: wrong }), "invalidArgument", name);
     }
     refuses(() => limber.contacts(a, a, 1, { maxCount: wrong }), "invalidArgument", "maxCount");
     refuses(() => limber.selfIntersections(a, { maxCount: wrong }), "invalidArgument", "maxCount");
@@ -109,6 +146,9 @@ test("numbers of poses and options are numbers", () => {
     if (wrong !== null) refuses(() => limber.distance(a, a, { poseA: wrong }), "invalidArgument", "poseA");
     if (wrong !== true) {
       refuses(() => new limber.Model(corners, faces, { preallocate: wrong }), "invalidArgument", "preallocate");
+      for (const name of ["ignoresCrossings", "anyContact"]) {
+        refuses(() => limber.timeOfImpact(moving, moving, { [name]: wrong }), "invalidArgument", name);
+      }
     }
     if (wrong !== "7") refuses(() => limber.readMeshBytes(new Uint8Array(1), wrong), "invalidArgument", "name");
     refuses(() => limber.distance(a, a, { budget: wrong === null ? wrong : 5 }), "invalidArgument", "budget");
@@ -140,6 +180,7 @@ test("what is read may call the library before anything is written for the call"
     const other = new limber.Model(far, faces);
     limber.distance(other, b, { poseA: farAway, poseB: farAway });
     limber.closestPoints(other, far);
+    limber.vertexFaceImpact(far, far);
     other.dispose();
   };
   const options = { motionMargin: 0, rebuildPolicy: "off", rebuildBudgetUs: 0, preallocate: true };
@@ -177,8 +218,17 @@ test("what is read may call the library before anything is written for the call"
     assert.equal(surface.contains(point, { pose: poseA }), false);
     assert.equal(surface.signedDistance(point, pose).distance, 1);
     assert.equal(surface.signedDistances(arrayReading([0, 0, 0], disturb), pose).distances[0], 1);
+    const moving = new limber.MovingModel(a);
+    moving.setMotion(arrayReading(corners, disturb), reading({ startPose: null, endPose: poseA }, disturb));
+    const times = reading({ maxTime: 1, timeError: 0, minSeparation: 2.5, nearerPart: 0, budget }, disturb);
+    assert.equal(Math.round(1e9 * limber.timeOfImpact(moving, staying(b), times).upper), 5e8);
+    const motionA = new limber.RigidMotion(reading({ translation: [0, 0, 0] }, disturb), poseA);
+    const path = reading({ motionA, maxTime: 1, minSeparation: 2.5, distanceError: 1e-9, budget }, disturb);
+    assert.equal(Math.round(1e8 * limber.timeOfImpact(a, b, path).time), 5e7);
   }
   assert.equal(limber.orthonormalized(turn.rotation)[0], 1);
+  const fall = [arrayReading([0, 0, 1, ...corners.slice(0, 9)], disturb), [0, 0, -1, ...corners.slice(0, 9)]];
+  assert.equal(limber.vertexFaceImpact(...fall, reading({ maxTime: 1 }, disturb)).upper, 0.5);
 });
 
 test("what is read may dispose of the arguments, which is then noticed", () => {
@@ -203,6 +253,11 @@ test("what is read may dispose of the arguments, which is then noticed", () => {
   disposing((a, free) => limber.closestPoints(a, [0, 0, 0], reading({ pose: still }, free)));
   disposing((a, free) => new limber.ClosedSurface(a).contains(reading({ x: 0, y: 0, z: 0 }, free)));
   disposing((a, free) => new limber.ClosedSurface(a).signedDistances(arrayReading([0, 0, 0], free)));
+  disposing((a, free) => new limber.MovingModel(a).setMotion(arrayReading(corners, free)));
+  disposing((a, free) => limber.selfTimeOfImpact(staying(a), reading({ maxTime: 1 }, free)));
+  disposing((a, free) => limber.selfImpacts(staying(a), reading({ maxCount: 5 }, free)));
+  disposing((a, free, cache) => limber.leastDistance(b, b, reading({ cache, maxTime: 1 }, free)));
+  disposing((a, free) => limber.timeOfImpact(b, a, { budget: reading({ maxSteps: 5 }, free) }));
   disposing((a, free) => a.moveAll(arrayReading(corners, free)));
   disposing((a, free) => a.moveVertices(arrayReading([0], free), [0, 0, 0]));
   refuses(() => limber.within(b, b, zero), "invalidArgument", "maxDistance");

@@ -45,6 +45,22 @@ test("100 000 calls of each kind take no memory", () => {
   staysFlat(10_000, () => limber.selfContacts(model, 0.3));
 });
 
+test("calls about motions take no memory", () => {
+  const [vertices, faces] = roughSheet(6);
+  const model = new limber.Model(vertices, faces), other = new limber.Model(vertices, faces);
+  const moving = new limber.MovingModel(model), motionB = new limber.RigidMotion({ translation: [0, 0, 3] }, null);
+  staysFlat(5000, () => {
+    moving.setMotion(vertices);
+    limber.selfTimeOfImpact(moving);
+  });
+  staysFlat(1000, () => limber.selfImpacts(moving, { minSeparation: 0.3, timeError: 0.1 }));
+  // All in one plane, with few digits in common: for exact arithmetic, which allocates.
+  const start = [0, 0, 0, 2 ** -90, 1, 0, 1 / 3, -1, 0, 3, 1, 0];
+  const end = start.map((x, i) => (i % 3 === 2 ? 0 : i < 3 ? 1 / 7 : -x));
+  staysFlat(5000, () => limber.vertexFaceImpact(start, end));
+  staysFlat(2000, () => limber.timeOfImpact(model, other, { motionB, minSeparation: 1 }));
+});
+
 test("errors take no memory", () => {
   const [vertices, faces] = roughSheet(20);
   const model = new limber.Model(vertices, faces), bad = vertices.slice();
@@ -71,7 +87,9 @@ test("disposed objects leave nothing behind", () => {
     model.moveAll(vertices);
     model.commit();
     limber.collide(model, model, { cache });
-    for (const owner of [rings, cache, model]) owner.dispose();
+    const moving = new limber.MovingModel(model), motion = limber.RigidMotion.screw(null, null);
+    moving.setMotion(vertices);
+    for (const owner of [rings, cache, moving, motion, model]) owner.dispose();
   });
 });
 
@@ -87,6 +105,20 @@ test("what is no longer reachable is freed", async () => {
     bytes.push(bytesOfModule());
   }
   assert.equal(bytes[7], bytes[2], `${bytes}`);
+});
+
+test("a moving model keeps its model", async () => {
+  setFlagsFromString("--expose-gc");
+  const collectGarbage = runInNewContext("gc");
+  const [vertices, faces] = roughSheet(20);
+  const moving = new limber.MovingModel(new limber.Model(vertices, faces));
+  moving.setMotion(vertices.map((x) => 2 * x));
+  const { status } = limber.selfTimeOfImpact(moving);
+  collectGarbage();
+  await new Promise((resolve) => setTimeout(resolve, 5));
+  for (let i = 0; i < 5; ++i) new limber.Model(vertices.map((x) => x + i), faces);  // would be where it was
+  assert.equal(limber.selfTimeOfImpact(moving).status, status);
+  assert.deepEqual(moving.model.vertices(), Float64Array.from(vertices));
 });
 
 test("too much memory is an error, and the engine goes on", () => {

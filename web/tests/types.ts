@@ -3,7 +3,8 @@
 
 // The declarations of the package: compiled by tsc --strict, never run. What is expected to fail, must.
 import * as limber from "limber3d";
-import type { CollideResult, Contact, DistanceResult, ErrorCode, Point, Pose } from "limber3d";
+import type { CollideResult, Contact, DistanceResult, ElementImpact, ErrorCode, Impact, ImpactResult, PathDistance,
+  PathImpact, Point, Pose } from "limber3d";
 
 const vertices = new Float32Array(9), faces = new Uint32Array(3);
 const a = new limber.Model(vertices, faces, { motionMargin: 0.01, rebuildPolicy: "off", rebuildBudgetUs: 50 });
@@ -34,6 +35,17 @@ a.moveVertices([0], vertices);
 a.commit();
 const spheres: Float64Array = a.nodeSpheres(0);
 rings.dispose();
+const moving = new limber.MovingModel(a);
+moving.setMotion(vertices, { startPose: poses[0], endPose: null });
+const edges: Uint32Array = moving.edges();
+const touching: ImpactResult = limber.timeOfImpact(moving, moving, { maxTime: 0.5, nearerPart: 0.1, anyContact: true });
+const element: number | undefined = limber.selfTimeOfImpact(moving, { budget: { maxSteps: 9 } }).elements?.a;
+const impacts: Impact[] = [...limber.impacts(moving, moving, { timeError: 1e-6, maxCount: 5 })];
+const motionA = new limber.RigidMotion(poses[0], poses[1], vector3), screw = limber.RigidMotion.screw(null, poses[2]);
+const onPath: PathImpact = limber.timeOfImpact(a, b, { motionA, motionB: screw, minSeparation: 0.1, cache });
+const nearest: PathDistance = limber.leastDistance(a, b, { motionA, distanceError: 0.1 });
+const placed: Pose = motionA.at(0.5);
+const crossed: ElementImpact = limber.edgeEdgeImpact(new Float64Array(12), new Float64Array(12), { minSeparation: 1 });
 
 // @ts-expect-error vertices are numbers
 new limber.Model("vertices", faces);
@@ -54,4 +66,12 @@ near.witness.pointA;
 // @ts-expect-error there is no such code
 const wrong: ErrorCode = "not_rigid";
 
-export { code, depth, file, found, ids, inside, isWithin, maybe, meets, point, soon, spheres, started, wrong };
+// @ts-expect-error two moving models, or two models
+limber.timeOfImpact(a, moving);
+// @ts-expect-error moving models have no motion but their own
+limber.timeOfImpact(moving, moving, { motionA });
+// @ts-expect-error nothing may touch
+touching.elements.kind;
+
+export { code, crossed, depth, edges, element, file, found, ids, impacts, inside, isWithin, maybe, meets, nearest,
+  onPath, placed, point, soon, spheres, started, wrong };

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "limber/motion.h"
+
+#include <vector>
+
+#include "bindings.h"
+#include "limber/elements.h"
+#include "limber/model.h"
+
+namespace limber::web {
+namespace {
+
+/// A moving model, and the edges that it refers to.
+struct MovingWithEdges {
+  explicit MovingWithEdges(const Model& model) : edges(model.mesh()), moving(model, edges) {}
+
+  const MeshEdges edges;
+  MovingModel moving;
+};
+
+std::vector<Impact> impacts_found;
+std::vector<double> columns;
+
+/// As give() of other results; then the normal, and the kind of the elements and their ids. Without elements the ids
+/// are no_id.
+void give_impact(const ImpactResult& result) {
+  give(result.witness, result.stats, static_cast<std::uint32_t>(result.status), result.stopped_by);
+  exchange.numbers[0] = result.lower, exchange.numbers[1] = result.upper;
+  double* to = exchange.numbers + 10;
+  put(to, result.normal);
+  const ElementPair elements = result.elements.value_or(ElementPair{});
+  exchange.words[4] = static_cast<std::uint32_t>(elements.kind);
+  exchange.words[5] = elements.a, exchange.words[6] = elements.b;
+}
+
+/// One column after the other: lower, upper; then, in 32 bits, elements of a and of b; then, in 8 bits, kinds of the
+/// pairs and statuses.
+void give_impacts(const ImpactCount& count) {
+  const std::size_t n = impacts_found.size();
+  const std::size_t bytes = n * (2 * sizeof(double) + 2 * sizeof(std::uint32_t) + 2);
+  columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
+  double* to = columns.data();
+  for (const Impact& i : impacts_found) *to++ = i.time.lower;
+  for (const Impact& i : impacts_found) *to++ = i.time.upper;
+  auto* id = reinterpret_cast<std::uint32_t*>(to);
+  for (const Impact& i : impacts_found) *id++ = i.elements.a;
+  for (const Impact& i : impacts_found) *id++ = i.elements.b;
+  auto* byte = reinterpret_cast<std::uint8_t*>(id);
+  for (const Impact& i : impacts_found) *byte++ = static_cast<std::uint8_t>(i.elements.kind);
+  for (const Impact& i : impacts_found) *byte++ = static_cast<std::uint8_t>(i.time.status);
+  give_bytes(columns.data(), bytes);
+  give_count(n, count.is_complete, count.stats);
+}
+
+}  // namespace
+
+/// Of a vertex and a face, or of two edges. In input() are four points at the start, and the same at the end. Gives
+/// bounds and status where give() of other results does.
+LIMBER_EXPORT(elementImpact)
+bool exported_element_impact(bool are_edges, double max_time, double time_error, double min_separation) {
+  return guarded([&] {
+    const std::vector<Vec3> p = points_from(8, false);
+    const ElementImpactOptions options{max_time, time_error, min_separation};
+    const ElementImpact impact =
+        are_edges ? time_of_impact({{p[0], p[1]}, {p[4], p[5]}}, {{p[2], p[3]}, {p[6], p[7]}}, options)
+                  : time_of_impact({p[0], p[4]}, {{p[1], p[2], p[3]}, {p[5], p[6], p[7]}}, options);
+    exchange.numbers[0] = impact.lower, exchange.numbers[1] = impact.upper;
+    exchange.words[2] = static_cast<std::uint32_t>(impact.status);
+  });
+}
+
+LIMBER_EXPORT(newMovingModel) MovingWithEdges* new_moving_model(const Model* model) {
+  MovingWithEdges* moving = nullptr;
+  guarded([&] { moving = new MovingWithEdges(*model); });
+  return moving;
+}
+LIMBER_EXPORT(deleteMovingModel) void delete_moving_model(MovingWithEdges* moving) { delete moving; }
+
+/// To the positions in input().
+LIMBER_EXPORT(setMotion)
+bool set_motion(MovingWithEdges* model, std::size_t count, bool is_float32, PoseForm start_pose, PoseForm end_pose) {
+  return guarded([&] {
+    const Transform start = pose_from(start_pose, 0, "startPose"), end = pose_from(end_pose, 1, "endPose");
+    model->moving.set_motion(points_from(count, is_float32), start, end).value();
+  });
+}
+
+LIMBER_EXPORT(edgesOf) void edges_of(const MovingWithEdges* model) {
+  const auto vertices = model->edges.vertices();
+  give_bytes(vertices.data(), vertices.size_bytes());
+}
+
+/// Of two models, or of one with itself if b is null; and so below.
+LIMBER_EXPORT(timeOfImpact)
+bool exported_time_of_impact(const MovingWithEdges* a, const MovingWithEdges* b, double max_time, double time_error,
+                             double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,
+                             double deadline_ms, double max_steps) {
+  return guarded([&] {
+    const ImpactOptions options{.max_time = max_time,
+                                .time_error = time_error,
+                                .min_separation = min_separation,
+                                .nearer_part = nearer_part,
+                                .ignores_crossings = ignores_crossings,
+                                .any_contact = any_contact,
+                                .budget = budget_from(deadline_ms, max_steps)};
+    give_impact(b != nullptr ? time_of_impact(a->moving, b->moving, options) : self_time_of_impact(a->moving, options));
+  });
+}
+
+LIMBER_EXPORT(impacts)
+bool exported_impacts(const MovingWithEdges* a, const MovingWithEdges* b, double max_time, double time_error,
+                      double min_separation, double nearer_part, double most) {
+  return guarded([&] {
+    const ImpactOptions options{max_time, time_error, min_separation, nearer_part};
+    const auto collect = collector(impacts_found, most);
+    give_impacts(b != nullptr ? visit_impacts(a->moving, b->moving, options, collect)
+                              : visit_self_impacts(a->moving, options, collect));
+  });
+}
+
+}  // namespace limber::web
