@@ -62,6 +62,7 @@ struct DistanceAnswer {
   std::optional<FoundWitness> witness;
   std::optional<bool> too_close;  ///< whether the models are closer than `min_clearance`; empty without one
   Nesting nesting = Nesting::none;
+  std::optional<double> path_time;  ///< on a path: when the models are so near
   double elapsed_us = 0;
 };
 

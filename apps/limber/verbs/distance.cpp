@@ -33,20 +33,39 @@ DistanceQuestion question_of(const DistanceArguments& arguments) {
   return {arguments.options, arguments.min_clearance, arguments.pair.exit_code || arguments.min_clearance};
 }
 
+/// The least distance on a path, which is certified within the absolute error.
+DistanceAnswer answer_on_path(const Path& path, const Pair& pair, double absolute_error) {
+  const Stopwatch asking;
+  const PathDistance found = path.least_distance(pair.a().model.fast(), pair.b().model.fast(), absolute_error);
+  DistanceAnswer answer;
+  answer.elapsed_us = asking.microseconds();
+  answer.path_time = found.time;
+  answer.witness = with_faces(found.witness, pair.a().model, pair.b().model);
+  const Status status = found.upper == 0             ? Status::collision
+                        : found.lower == found.upper ? Status::exact
+                                                     : Status::within_error;
+  answer.result = {found.lower, found.upper, status, found.witness, found.stopped_by, found.stats};
+  if (status != Status::collision) answer.nesting = nesting_of(pair.a(), pair.b());
+  return answer;
+}
+
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
   std::optional<ReportFile> report;
   if (!arguments.report.path.empty()) report.emplace(arguments.report, Names{arguments.pair.a, arguments.pair.b});
   const DistanceQuestion question = question_of(arguments);
-  const DistanceAnswer answer = answer_to(question, pair.a(), pair.b());
+  const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.options.absolute_error)
+                                            : answer_to(question, pair.a(), pair.b());
   if (report) report->write(distance_report(arguments.pair, pair, question, answer));
   if (arguments.pair.json) {
     Json json = {{"query", "distance"}};
     append_answer(json, answer);
+    if (answer.path_time) json["path_time"] = *answer.path_time;
     append_work(json, answer.result.stats, pair.build_us(), answer.elapsed_us);
     write(to_line(json));
   } else {
     write_distance_lines(answer.result, answer.witness);
+    if (answer.path_time) write_line("path time {}", to_text(*answer.path_time));
     if (answer.too_close) {
       write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(*arguments.min_clearance));
     }
@@ -170,6 +189,11 @@ into fans; faces are the file's own, counted from 0.
 Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
 closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
 
+With --path-a or --path-b the answer is the least distance on the whole path, and path_time when the models are so near.
+lower and upper are at most --absolute-error apart; without it 2^-20 of the sum of the radii of both models.
+)";
+
+constexpr const char* pairs_help = R"(
 The first row of a file of pairs names its columns, in any order: model_a and model_b, and where you want them
 pose_a_tx, pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz, and the same for b. A translation that is
 left out is 0; a quaternion is given whole, or not at all. Other columns are ignored, unless they look like one of these
@@ -202,8 +226,13 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
   for (const char* const name : {"A", "B"}) {
     if (!has_pairs && !is_given(name)) throw CLI::RequiredError(name);
   }
-  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--report"}) {
+  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--path-a", "--path-b", "--report"}) {
     if (has_pairs && is_given(name)) throw CLI::ValidationError("--pairs", std::string("leaves no room for ") + name);
+  }
+  for (const char* const path : {"--path-a", "--path-b"}) {
+    for (const char* const name : {"--relative-error", "--max-distance", "--min-clearance", "--report"}) {
+      if (is_given(path) && is_given(name)) throw CLI::ValidationError(path, std::string("leaves no room for ") + name);
+    }
   }
   if (!has_pairs && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs");
   if (arguments.min_clearance > arguments.options.max_distance) {
@@ -239,7 +268,7 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours");
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(help_text + spaced(pairs_answer_columns()));
+  command.footer(std::string(help_text) + path_help + pairs_help + spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -209,6 +209,14 @@ void add_placed_arguments(CLI::App& command, PlacedArguments& arguments) {
 
 void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told) {
   add_placed_arguments(command, arguments);
+  for (auto* const path : {&arguments.path_a, &arguments.path_b}) {
+    const char* const model = path == &arguments.path_a ? "a" : "b";
+    command
+        .add_option(std::string("--path-") + model, *path,
+                    "fast: instead of a pose, where the model goes: two or more poses, one per row")
+        ->type_name("CSV")
+        ->excludes(std::string("--pose-") + model);
+  }
   add_choice(command, "--engine", arguments.engine,
              {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
              "8-wide trees, binary sphere trees, or every triangle against every other");
@@ -219,7 +227,15 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::
 Pair::Pair(const PlacedArguments& arguments)
     : arguments_(arguments),
       a_(load_mesh_argument(arguments.a), arguments.engine),
-      b_(load_mesh_argument(arguments.b), arguments.engine) {}
+      b_(load_mesh_argument(arguments.b), arguments.engine) {
+  if (arguments.path_a.empty() && arguments.path_b.empty()) return;
+  if (arguments.engine != Engine::fast) {
+    throw BadInput(fmt::format("{}: belongs to --engine fast", arguments.path_a.empty() ? "--path-b" : "--path-a"));
+  }
+  path_.emplace(PathArguments{arguments.path_a, arguments.pose_a}, PathArguments{arguments.path_b, arguments.pose_b});
+  arguments_.pose_a = path_->start_a();
+  arguments_.pose_b = path_->start_b();
+}
 
 double Pair::build_us() const { return rounded_us(a_.build_us() + b_.build_us()); }
 

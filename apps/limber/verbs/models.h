@@ -13,6 +13,7 @@
 #include "limber/io.h"
 #include "limber/model.h"
 #include "reference/reference.h"
+#include "verbs/paths.h"
 
 namespace CLI {
 class App;
@@ -116,10 +117,11 @@ enum class Nesting { none, a_in_b, b_in_a };
 ///          first time.
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
 
-/// Two rigid models, and where they stand.
+/// Two rigid models, and where they stand or go.
 struct PlacedArguments {
   std::string a, b;
-  Transform pose_a, pose_b;  // world_from_model
+  Transform pose_a, pose_b;    // world_from_model
+  std::string path_a, path_b;  // files of poses; empty: the model stands still
   Engine engine = Engine::fast;
 };
 
@@ -135,20 +137,24 @@ struct PairArguments : PlacedArguments {
   bool exit_code = false;
 };
 
-/// Those above, `--engine`, `--json`, and `--exit-code` with what it tells: "the models collide".
+/// Those above, `--path-a`, `--path-b`, `--engine`, `--json`, and `--exit-code` with what it tells: "the models
+/// collide".
 void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
 
-/// The two models that the arguments name.
+/// The two models that the arguments name, at the start of their path if they have one.
 class Pair {
  public:
+  /// Errors   BadInput of load_mesh_argument() and Path; with a path, unless the engine is the fast one.
   explicit Pair(const PlacedArguments& arguments);
 
   PlacedModel a() const { return {a_, arguments_.pose_a}; }
   PlacedModel b() const { return {b_, arguments_.pose_b}; }
+  const std::optional<Path>& path() const { return path_; }
   double build_us() const;  ///< of the trees of both
 
  private:
   PlacedArguments arguments_;
+  std::optional<Path> path_;
   RigidModel a_, b_;
 };
 
