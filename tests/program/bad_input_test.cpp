@@ -73,6 +73,30 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
                                      {"--self", "track: --self: neither model deforms"}});
 }
 
+TEST(ProgramBadInput, QuestionsAboutMotion) {
+  const Folder folder;
+  const std::string two = folder.store("two.csv", "0,0,3,1,0,0,0\n0,0,9,1,0,0,0\n");
+  const std::string one = folder.store("one.csv", "0,0,3,1,0,0,0\n");
+  const std::string three = folder.store("three.csv", text_of(two) + "0,0,3,1,0,0,0\n");
+  expect_all_refused(tracked_balls, {{"--continuous", "track: --continuous: there is one frame alone"},
+                                     {"--continuous --engine classic", "--continuous: belongs to --engine fast"},
+                                     {"--ignore-crossings --poses-a " + two, "--continuous"}});
+  for (const std::string verb : {"collide ", "distance ", "within --max-distance 1 "}) {
+    expect_all_refused(verb + two_balls,
+                       {{"--path-a " + one, "one.csv has one pose, and a path two or more"},
+                        {"--path-a " + two + " --path-b " + three, "--path-a has 2 poses, but --path-b has 3"},
+                        {"--path-b " + folder.path("missing.csv"), "missing.csv"},
+                        {"--path-b " + two + " --engine classic", "--path-b: belongs to --engine fast"},
+                        {"--path-a " + two + " --pose-a 0,0,0,1,0,0,0", "--path-a"}});
+  }
+  for (const std::string option : {"--relative-error 1", "--max-distance 1", "--min-clearance 1", "--report x.html"}) {
+    expect_refused("distance " + two_balls + "--path-b " + two + ' ' + option,
+                   "--path-b: leaves no room for " + option.substr(0, option.find(' ')));
+  }
+  expect_refused("distance --pairs x.csv --path-a " + two, "--pairs: leaves no room for --path-a");
+  expect_refused("contacts " + two_balls + "--margin 1 --path-a " + two, "'--path-a' is no option");
+}
+
 TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
   expect_all_refused("", {{"distnace " + two_balls, "'distnace' is no verb; did you mean distance?"},
                           {"colide", "did you mean collide?"},

@@ -88,7 +88,7 @@ std::string csv_field(std::string_view text) {
 }
 
 std::size_t cell_count(std::string_view key) {
-  return key == "witness" ? 10 : key == "pair" ? 18 : key == "closest" ? 9 : 1;
+  return key == "witness" ? 10 : key == "pair" ? 18 : key == "touch" ? 15 : key == "closest" ? 9 : 1;
 }
 
 /// Appends cells, each with a comma after it.

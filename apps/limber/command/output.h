@@ -119,7 +119,7 @@ void warn(const std::string& verb, const std::string& text);
 std::string to_line(const Json& json);
 
 /// A JSON object as a line of CSV: all values in their order, those of arrays and objects too. Null leaves cells empty:
-/// as many as a `witness`, `pair` or `closest` has, or one.
+/// as many as a `witness`, `pair`, `touch` or `closest` has, or one.
 std::string csv_line(const Json& json);
 
 /// Names between commas, with a space after each comma.

@@ -22,12 +22,30 @@ double most_frame_bytes(std::uint64_t max_megabytes) {
 
 constexpr std::array row_names = {"lower", "upper", "status", "update_us", "query_us", "moved_vertices", "witness"};
 constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
+constexpr std::array impact_row_names = {"status", "lower", "touch"};
 
 template <typename List>
 Json empty_lists(const List& names) {
   Json json;
   for (const char* const name : names) json[name] = Json::array();
   return json;
+}
+
+/// Empty lists for each name.
+template <typename List>
+Json named_lists(const Names& names, const List& lists) {
+  Json json = Json::array();
+  for (const std::string& name : names) {
+    json.push_back(empty_lists(lists));
+    json.back()["name"] = name;
+  }
+  return json;
+}
+
+std::string prefixed(const std::string& name, std::string_view columns) {
+  std::string text;
+  for (const std::string_view column : fields_of(columns, ',')) text += fmt::format(",{}_{}", name, column);
+  return text;
 }
 
 }  // namespace
@@ -38,15 +56,13 @@ TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   return *this;
 }
 
-std::string track_csv_header(const std::vector<std::string>& contact_names) {
+std::string track_csv_header(const Names& contact_names, const Names& impact_names) {
   std::string header =
       fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests",
                   distance_columns, witness_columns);
-  const std::string of_pair = contact_columns(ContactDetail::all);
-  for (const std::string& name : contact_names) {
-    header += fmt::format(",{0}_us,{0}_count,{0}_intersecting", name);
-    for (const std::string_view column : fields_of(of_pair, ',')) header += fmt::format(",{}_{}", name, column);
-  }
+  const std::string of_contacts = "us,count,intersecting," + contact_columns(ContactDetail::all);
+  for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
+  for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
   return header + '\n';
 }
 
@@ -64,6 +80,7 @@ Json to_json(const TrackRow& row) {
                   {"intersecting", found.intersecting_count},
                   {"pair", found.first.empty() ? Json(nullptr) : to_json(found.first.front(), found.detail)}};
   }
+  for (const FrameImpact& impact : row.impacts) json[impact.name] = to_json(impact);
   return json;
 }
 
@@ -110,15 +127,11 @@ Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
     : sequence_(std::move(sequence)),
       models_{Model(models[0]), Model(models[1])},
       rows_(empty_lists(row_names)),
-      contacts_(Json::array()) {
+      contacts_(named_lists(sequence_.contact_names, contact_row_names)),
+      impacts_(named_lists(sequence_.impact_names, impact_row_names)) {
   if (sequence_.row_count > most_rows) {
     throw BadInput(
         fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
-  }
-  for (const std::string& name : sequence_.contact_names) {
-    Json json = empty_lists(contact_row_names);
-    json["name"] = name;
-    contacts_.push_back(std::move(json));
   }
 }
 
@@ -153,6 +166,12 @@ void Replay::add_row(const TrackRow& row) {
     contacts_[c]["count"].push_back(found.count);
     contacts_[c]["intersecting"].push_back(found.intersecting_count);
   }
+  for (std::size_t i = 0; i < row.impacts.size(); ++i) {
+    Json impact = program::to_json(row.impacts[i]);
+    Json& touch = impact["touch"];
+    if (!touch.is_null()) touch = {touch["feature_a"], touch["triangle_a"], touch["feature_b"], touch["triangle_b"]};
+    for (const char* const name : impact_row_names) impacts_[i][name].push_back(std::move(impact[name]));
+  }
 }
 
 Json Replay::to_json() const {
@@ -171,6 +190,7 @@ Json Replay::to_json() const {
           {"max_megabytes", sequence_.max_megabytes},
           {"rows", std::move(rows)},
           {"contacts", contacts_},
+          {"impacts", impacts_},
           {"models", {models_[0].to_json(), models_[1].to_json()}}};
 }
 

@@ -14,6 +14,7 @@
 #include "verbs/answers.h"
 #include "verbs/contact_answers.h"
 #include "verbs/deforming_model.h"
+#include "verbs/impacts.h"
 
 /// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
 /// asked about them.
@@ -41,10 +42,11 @@ struct TrackRow {
   DistanceResult result;
   std::optional<FoundWitness> witness;
   std::vector<FrameContacts> contacts;
+  std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
-/// The first line of CSV; `contact_names` are the words that columns of contacts start with.
-std::string track_csv_header(const std::vector<std::string>& contact_names);
+/// The first line of CSV; names are the words that columns of contacts and of impacts start with.
+std::string track_csv_header(const Names& contact_names, const Names& impact_names);
 /// The line, whose values are the cells under the header.
 Json to_json(const TrackRow& row);
 
@@ -70,7 +72,7 @@ class Replay {
 
   struct Sequence {
     std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
-    std::vector<std::string> contact_names;
+    Names contact_names, impact_names;
     std::string engine;  ///< in words
     DistanceOptions query;
     std::uint64_t max_megabytes = 0;  ///< that the page may have
@@ -111,7 +113,7 @@ class Replay {
   Sequence sequence_;
   std::array<Model, 2> models_;
   std::size_t stride_ = 1;
-  Json rows_, contacts_;
+  Json rows_, contacts_, impacts_;
 };
 
 }  // namespace limber::program

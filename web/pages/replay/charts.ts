@@ -35,6 +35,7 @@ export function showCharts(data: ReplayData, jump: (row: number) => void): Chart
     })),
   ];
   const length = windowLength(rows.status.length);
+  if (charts[0].marks!.length > 0) byId('charts-caption').textContent += ' Red lines are impacts between frames.';
   if (length > 1) {
     byId('charts-caption').textContent +=
       ` Times: lines are medians of ${length} frames, areas reach from the 5th to the 95th percentile, dots are the ` +
@@ -43,7 +44,7 @@ export function showCharts(data: ReplayData, jump: (row: number) => void): Chart
   return charts.map((options) => new Chart(byId('charts'), options, jump));
 }
 
-function distanceChart({ rows, demo }: ReplayData): ChartOptions {
+function distanceChart({ rows, impacts, demo }: ReplayData): ChartOptions {
   const isInterval = rows.lower.some((lower, row) => lower !== rows.upper[row]);
   const upper: Curve = { name: isInterval ? 'upper bound' : 'exact', color: 'model-a', values: rows.upper };
   const lower: Curve = { name: 'lower bound', color: 'model-b', values: rows.lower };
@@ -60,6 +61,7 @@ function distanceChart({ rows, demo }: ReplayData): ChartOptions {
     areas,
     curves: isInterval ? [upper, lower] : [upper],
     dots,
+    marks: impacts.flatMap(({ status, lower }) => lower.flatMap((at, row) => (status[row] === 'contact' ? at! : []))),
   };
 }
 

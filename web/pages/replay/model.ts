@@ -42,6 +42,17 @@ interface ContactRows {
   intersecting: number[];
 }
 
+/** What touches first on the way from the row before. */
+export interface ImpactRows {
+  name: 'impact' | 'impact_self_a' | 'impact_self_b';
+  /** Null in frames that none comes before. */
+  status: ('clear' | 'contact' | 'initial_contact' | null)[];
+  /** When, in frames; null where nothing touches. */
+  lower: (number | null)[];
+  /** The feature and the triangle of each side; there is no feature where models cross. */
+  touch: ([string | null, number, string | null, number] | null)[];
+}
+
 /** What only `limber demo` has. */
 interface DemoData {
   introduction: string;
@@ -61,6 +72,7 @@ export interface ReplayData {
   max_megabytes: number;
   rows: Rows;
   contacts: ContactRows[];
+  impacts: ImpactRows[];
   models: [ModelData, ModelData];
   demo?: DemoData;
   version: string;

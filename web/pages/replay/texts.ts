@@ -6,7 +6,7 @@
 import { byId, fillTable } from '../shared/dom.ts';
 import { grouped, inPage, median, shown, shownTime } from '../shared/numbers.ts';
 import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
-import type { ReplayData, ReplayModel } from './model.ts';
+import type { ImpactRows, ReplayData, ReplayModel } from './model.ts';
 
 export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
 
@@ -35,7 +35,7 @@ export function showKind({ rows, demo }: ReplayData): void {
 }
 
 export function showTiles(data: ReplayData): void {
-  const { rows, demo } = data;
+  const { rows, impacts, demo } = data;
   const contactCount = rows.status.filter((status) => status === 'collision').length;
   const uppers = rows.upper.map((upper) => upper ?? Infinity);
   const least = uppers.reduce((a, b) => Math.min(a, b), Infinity);
@@ -50,6 +50,10 @@ export function showTiles(data: ReplayData): void {
   } else {
     tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
   }
+  for (const { name, status, lower } of impacts) {
+    const row = status.indexOf('contact');
+    if (row >= 0) tiles.push(tile(shown(lower[row]!), `frame of the first impact: ${impactName(name)}`, 'bad'));
+  }
   const updates = rows.update_us.filter((us) => us > 0);
   if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median update of the trees'));
   tiles.push(tile(shownTime(median(rows.query_us)), `median distance query, ${queryName(data)}`));
@@ -62,7 +66,7 @@ export function showTiles(data: ReplayData): void {
 
 /** The row that is shown. */
 export function showNow(data: ReplayData, row: number): void {
-  const { rows, contacts, demo } = data;
+  const { rows, contacts, impacts, demo } = data;
   const distance = shownDistance(data, row);
   byId('frame-text').textContent = `${row} of ${rows.status.length - 1}`;
   byId('frame').setAttribute('aria-valuetext', `frame ${row}, ${distance}`);
@@ -84,8 +88,25 @@ export function showNow(data: ReplayData, row: number): void {
   for (const { name, count, intersecting } of contacts) {
     lines.push([contactName(name), `${grouped(count[row])} pairs, ${grouped(intersecting[row])} of them intersect`]);
   }
+  for (const impact of impacts) lines.push([impactName(impact.name), shownImpact(impact, row)]);
   fillTable(byId('now'), lines);
 }
+
+/** What is known of the way from the frame before. */
+function shownImpact({ status, lower, touch }: ImpactRows, row: number): string {
+  if (status[row] === null) return 'no frame comes before';
+  const found = touch[row];
+  if (found === null) return 'none on the way to this frame';
+  const [featureA, triangleA, featureB, triangleB] = found;
+  const parts = [
+    [featureA, triangleA],
+    [featureB, triangleB],
+  ].map(([feature, triangle]) => `${feature === null ? '' : `${feature} of `}triangle ${triangle}`);
+  return `${status[row] === 'contact' ? 'at' : 'already in'} frame ${lower[row]}: ${parts.join(', ')}`;
+}
+
+const impactName = (name: string): string =>
+  ({ impact_self_a: 'A meets itself', impact_self_b: 'B meets itself' })[name] ?? 'A meets B';
 
 export const contactName = (name: string): string =>
   ({ contact: 'Contacts', self_a: 'A with itself', self_b: 'B with itself' })[name] ?? name;

@@ -62,7 +62,8 @@ before(async () => {
   const poses = frames.map((_, f) => `${Math.cos(f / 6)},${Math.sin(f / 6)},${1.5 - f / 50},1,0,0,${f / 40}\n`);
   const moving = ['--b', 'scene:ball', '--poses-b', folder.store('poses.csv', poses.join(''))];
   const track = (name, ...words) => (answers[name] = limber('track', ...words, '--json', '--report', path(name)));
-  track('replay', '--a', ...frames, ...moving, '--relative-error', '0.3', '--contacts', '--margin', '0.5');
+  const more = ['--contacts', '--margin', '0.5', '--continuous'];
+  track('replay', '--a', ...frames, ...moving, '--relative-error', '0.3', ...more);
   track('twice', '--a', ...frames.slice(0, 3), '--b', 'scene:ball', '--loop', '2');
   track('single', '--a', box, '--b', 'scene:ball');
   const demo = (name, ...words) => limber('demo', '--json', '--out', path(name), ...words);
@@ -317,7 +318,7 @@ test('frames have the numbers of the program, to the bit, and pictures that diff
     ['usual', [0, 1, 300, 599, 1, 0]],
   ]) {
     const page = await look(name);
-    const { rows, contacts, demo } = dataOf(path(name));
+    const { rows, contacts, impacts, demo } = dataOf(path(name));
     const seen = new Map();
     for (const row of [...frames, Math.max(rows.status.indexOf('collision'), 0)]) {
       await go(page, row);
@@ -327,6 +328,10 @@ test('frames have the numbers of the program, to the bit, and pictures that diff
       assert.deepEqual([cells.get('Lower bound'), cells.get('Upper bound')].map(Number), [lower, upper]);
       if (name === 'replay') assert.deepEqual([lower, upper], [answers.replay[row].lower, answers.replay[row].upper]);
       for (const { count } of contacts) assert.ok(cells.get('Contacts').includes(`${grouped(count[row])} pairs`));
+      for (const { status, lower } of impacts) {
+        const text = status[row] === null ? 'no frame' : status[row] === 'clear' ? 'none' : `frame ${lower[row]}: `;
+        assert.ok(cells.get('A meets B').includes(text), cells.get('A meets B'));
+      }
       if (demo) assert.ok(cells.get('Within 10\u00a0%').includes(shown(demo.rough.upper[row])));
       const number = lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
       const text = rows.status[row] === 'collision' ? 'in contact' : number;
