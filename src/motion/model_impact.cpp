@@ -3,6 +3,7 @@
 
 // The public functions of motion.h for models.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -39,6 +40,12 @@ ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptio
   return impact_of(elements, nearer);
 }
 
+/// The earliest time, 0 or later, that is no more than an error before another.
+double earliest_within(double error, double time) {
+  const double earliest = std::max(0.0, time - error);
+  return time - earliest > error ? std::nextafter(earliest, 1) : earliest;
+}
+
 /// The collector of time_of_impact(): the first impact, or any.
 class FirstImpact {
  public:
@@ -58,7 +65,7 @@ class FirstImpact {
     if (impact.status == ImpactStatus::clear) return;
     // What touches later than `lower` cannot change it. With an error it is as early as that allows, so that others
     // that touch at about the same time need not be told apart.
-    lower = std::min({lower, impact.lower, std::max(0.0, impact.upper - options_.time_error)});
+    lower = std::min({lower, impact.lower, earliest_within(options_.time_error, impact.upper)});
     options_.max_time = lower;
     if (best && impact.upper >= upper) return;
     upper = impact.upper, status = impact.status;

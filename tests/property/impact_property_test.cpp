@@ -103,7 +103,7 @@ MovingScene arbitrary_moving_scene(Rng& rng) {
   }
   ImpactOptions options;
   if (rng.below(3) == 0) options.max_time = rng.below(2) == 0 ? rng.uniform() : std::ldexp(1.0, -20);
-  if (rng.below(3) == 0) options.time_error = std::ldexp(1.0, -static_cast<int>(rng.below(50)));
+  if (rng.below(3) == 0) options.time_error = std::ldexp(1.1, -static_cast<int>(rng.below(50)));
   return {std::move(mesh_a),
           std::move(mesh_b),
           std::move(end_a),
