@@ -31,7 +31,16 @@ from ._core import version as __version__
 from .collision_manager import CollisionManager
 from .errors import Error, InputError, OutOfRangeError, UnreadableFileError
 from .files import load
-from .many import BatchInterrupted, collide_many, contacts_many, distance_many, track, within_many
+from .many import (
+    BatchInterrupted,
+    collide_many,
+    contacts_many,
+    distance_many,
+    least_distance_many,
+    time_of_impact_many,
+    track,
+    within_many,
+)
 
 __all__ = [
     "Answer",
@@ -103,10 +112,13 @@ __all__ = [
     "impacts",
     "intersections",
     "least_distance",
+    "least_distance_many",
     "limit_displacements",
     "limit_self_displacements",
     "load",
     "orthonormalized",
+    "path_distance_dtype",
+    "path_impact_dtype",
     "read_mesh_file",
     "reduce_contacts",
     "self_closest_pairs",
@@ -124,6 +136,7 @@ __all__ = [
     "state_of",
     "surface_point_dtype",
     "time_of_impact",
+    "time_of_impact_many",
     "track",
     "typing",
     "vertex_face_dtype",

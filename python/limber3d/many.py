@@ -187,6 +187,67 @@ def contacts_many(
     return joined()
 
 
+def time_of_impact_many(
+    a: _core.Model,
+    b: _core.Model,
+    starts_a: PosesLike = None,
+    ends_a: PosesLike = None,
+    starts_b: PosesLike = None,
+    ends_b: PosesLike = None,
+    *,
+    center_a: ArrayLike | None = None,
+    center_b: ArrayLike | None = None,
+    max_time: float = 1.0,
+    min_separation: float = 0.0,
+    distance_error: float = 0.0,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """time_of_impact() of two rigid bodies for many motions: RigidMotion(starts_a[i], ends_a[i], center_a) of a, and
+    likewise of b.
+
+    Shape    Starts and ends are n poses each, or one for all; without ends a body stands still. A center is one point
+             of the model for all its motions, (3,); its origin if that is None. The result is an array of n records,
+             limber3d.path_impact_dtype, whose fields have the names of PathImpact and Witness.
+    Promise  Record i holds what time_of_impact() answers for motions i, to the bit, on any number of threads. Without a
+             witness its triangles are 2^32 - 1 and its points are not numbers.
+    Raises   ValueError as RigidMotion and time_of_impact(), before anything is asked where a pose is malformed;
+             BatchInterrupted, which holds the records that were done.
+    Threads  As distance_many().
+    """
+    batch = _core.MotionBatch(a, b, starts_a, ends_a, starts_b, ends_b, center_a, center_b, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.time_of_impact(records, begin, end, max_time, min_separation, distance_error)
+
+    return _records(batch, _core.path_impact_dtype, progress, ask)
+
+
+def least_distance_many(
+    a: _core.Model,
+    b: _core.Model,
+    starts_a: PosesLike = None,
+    ends_a: PosesLike = None,
+    starts_b: PosesLike = None,
+    ends_b: PosesLike = None,
+    *,
+    center_a: ArrayLike | None = None,
+    center_b: ArrayLike | None = None,
+    max_time: float = 1.0,
+    distance_error: float = 0.0,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """least_distance() for many motions: an array of records, limber3d.path_distance_dtype. Everything else is as
+    time_of_impact_many() says."""
+    batch = _core.MotionBatch(a, b, starts_a, ends_a, starts_b, ends_b, center_a, center_b, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.least_distance(records, begin, end, max_time, distance_error)
+
+    return _records(batch, _core.path_distance_dtype, progress, ask)
+
+
 def track(
     model: _core.Model,
     frames: Iterable[ArrayLike],

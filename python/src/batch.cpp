@@ -42,24 +42,18 @@ std::optional<int> thread_count(nb::handle argument, const char* name) {
 /// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
 class Batch {
  public:
-  /// `threads`: at most so many, the caller's included; None: all.
+  /// `threads`: at most so many, the caller's included; None: all. Names are those that poses have in messages.
   Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, const PosesLike& poses_a, const PosesLike& poses_b,
-        const WholeNumber& threads)
+        const WholeNumber& threads, const char* name_a = "poses_a", const char* name_b = "poses_b")
       : owner_a_(nb::borrow(a)),
         owner_b_(nb::borrow(b)),
         a_(nb::cast<ModelObject&>(a)),
         b_(nb::cast<ModelObject&>(b)),
-        poses_a_(poses_a, "poses_a"),
-        poses_b_(poses_b, "poses_b"),
+        poses_a_(poses_a, name_a),
+        poses_b_(poses_b, name_b),
         threads_(thread_count(threads, "threads")) {
-    const bool is_list_a = !poses_a_.is_one_for_all(), is_list_b = !poses_b_.is_one_for_all();
-    if (is_list_a) size_ = poses_a_.size();
-    if (is_list_b) size_ = poses_b_.size();
-    if (is_list_a && is_list_b && poses_a_.size() != poses_b_.size()) {
-      throw nb::value_error((std::string("poses_a and poses_b: ") + std::to_string(poses_a_.size()) + " and " +
-                             std::to_string(poses_b_.size()) + " poses; expected as many of both, or one pose")
-                                .c_str());
-    }
+    count(poses_a_, name_a);
+    count(poses_b_, name_b);
   }
 
   /// How many poses there are; nothing if there is one for all.
@@ -68,13 +62,7 @@ class Batch {
   /// Writes the records of query(a, b) for poses begin to end.
   template <typename Query>
   void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
-    const Reading reading_a = reading(a_), reading_b = reading(b_);
-    require_within(end);
-    using Record = decltype(record_of(query(placed_a(0), placed_b(0))));
-    auto* const out = static_cast<Record*>(memory_of(records, (std::max(begin, end) - begin) * sizeof(Record)));
-    without_gil([&] {
-      for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(query(placed_a(i), placed_b(i))); });
-    });
+    write(records, begin, end, [&](std::size_t i) { return query(placed_a(i), placed_b(i)); });
   }
 
   /// The contacts of poses begin to end, one pose after the other, and how many each has.
@@ -100,6 +88,36 @@ class Batch {
     return {array_of(std::span<const Contact>(all), dtypes().contact),
             array_of(std::span<const std::uint32_t>(counts))};
   }
+
+ protected:
+  /// Writes the records of answer(i) for i from begin to end.
+  template <typename Answer>
+  void write(nb::handle records, std::size_t begin, std::size_t end, const Answer& answer) {
+    const Reading reading_a = reading(a_), reading_b = reading(b_);
+    require_within(end);
+    using Record = decltype(record_of(answer(begin)));
+    auto* const out = static_cast<Record*>(memory_of(records, (std::max(begin, end) - begin) * sizeof(Record)));
+    without_gil([&] { for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(answer(i)); }); });
+  }
+
+  /// Takes another list of poses into account.
+  ///
+  /// Throws   nb::value_error if an earlier one has another number of poses.
+  void count(const PoseList& poses, const char* name) {
+    if (poses.is_one_for_all()) return;
+    if (size_ && *size_ != poses.size()) {
+      throw nb::value_error((std::string(counted_) + " and " + name + ": " + std::to_string(*size_) + " and " +
+                             std::to_string(poses.size()) + " poses; expected as many of both, or one pose")
+                                .c_str());
+    }
+    size_ = poses.size();
+    counted_ = name;
+  }
+
+  const Model& model_a() const { return a_.model; }
+  const Model& model_b() const { return b_.model; }
+  const PoseList& poses_a() const { return poses_a_; }
+  const PoseList& poses_b() const { return poses_b_; }
 
  private:
   template <typename Body>
@@ -130,6 +148,37 @@ class Batch {
   PoseList poses_a_, poses_b_;
   std::optional<int> threads_;
   std::optional<std::size_t> size_;
+  const char* counted_ = nullptr;  // the list that has so many
+};
+
+/// Two models and many rigid motions, from the poses of a batch to others.
+class MotionBatch : public Batch {
+ public:
+  /// Without ends a model stands still. Centers are points, or None for the origin of a model.
+  MotionBatch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, const PosesLike& starts_a,
+              const PosesLike& ends_a, const PosesLike& starts_b, const PosesLike& ends_b, nb::handle center_a,
+              nb::handle center_b, const WholeNumber& threads)
+      : Batch(a, b, starts_a, starts_b, threads, "starts_a", "starts_b"),
+        ends_a_(ends_a.is_none() ? poses_a() : PoseList(ends_a, "ends_a")),
+        ends_b_(ends_b.is_none() ? poses_b() : PoseList(ends_b, "ends_b")),
+        center_a_(center_a.is_none() ? Vec3{} : point_from(center_a, "center_a")),
+        center_b_(center_b.is_none() ? Vec3{} : point_from(center_b, "center_b")) {
+    count(ends_a_, "ends_a");
+    count(ends_b_, "ends_b");
+  }
+
+  /// Writes the records of query(model a, its motion, model b, its motion) for motions begin to end.
+  template <typename Query>
+  void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
+    write(records, begin, end, [&](std::size_t i) {
+      return query(model_a(), RigidMotion(poses_a()[i], ends_a_[i], center_a_), model_b(),
+                   RigidMotion(poses_b()[i], ends_b_[i], center_b_));
+    });
+  }
+
+ private:
+  PoseList ends_a_, ends_b_;
+  Vec3 center_a_, center_b_;
 };
 
 void run_distance(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double relative_error,
@@ -144,6 +193,18 @@ void run_collide(Batch& batch, const RecordArray& records, std::size_t begin, st
 
 void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double max_distance) {
   batch.run(records, begin, end, [&](const Placed& a, const Placed& b) { return within(a, b, max_distance); });
+}
+
+void run_time_of_impact(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
+                        double max_time, double min_separation, double distance_error) {
+  const PathOptions options{max_time, min_separation, distance_error};
+  batch.run(records, begin, end, [&](const auto&... moving) { return time_of_impact(moving..., options); });
+}
+
+void run_least_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
+                        double max_time, double distance_error) {
+  const PathOptions options{max_time, 0, distance_error};
+  batch.run(records, begin, end, [&](const auto&... moving) { return least_distance(moving..., options); });
 }
 
 std::unique_ptr<oneapi::tbb::global_control> thread_limit;
@@ -170,6 +231,15 @@ void bind_batch(nb::module_& m) {
            "Writes the answers of within() for poses begin to end.")
       .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
            "Contacts of poses begin to end, and how many each pose has.");
+  nb::class_<MotionBatch, Batch>(m, "MotionBatch", "Two models and many rigid motions.")
+      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, PosesLike, PosesLike, PosesLike, PosesLike,
+                    nb::handle, nb::handle, WholeNumber>(),
+           "a"_a, "b"_a, "starts_a"_a.none(), "ends_a"_a.none(), "starts_b"_a.none(), "ends_b"_a.none(),
+           "center_a"_a.none(), "center_b"_a.none(), "threads"_a.none())
+      .def("time_of_impact", &run_time_of_impact, "records"_a, "begin"_a, "end"_a, "max_time"_a, "min_separation"_a,
+           "distance_error"_a, "Writes the first contacts of motions begin to end.")
+      .def("least_distance", &run_least_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a, "distance_error"_a,
+           "Writes the least distances of motions begin to end.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
         "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
         "limit.\n\n"

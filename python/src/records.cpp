@@ -20,6 +20,7 @@ nb::object format_of(double) { return nb::str("f8"); }
 nb::object format_of(const Vec3&) { return nb::str("(3,)f8"); }
 nb::object format_of(const std::array<double, 3>&) { return nb::str("(3,)f8"); }
 nb::object format_of(std::uint32_t) { return nb::str("u4"); }
+nb::object format_of(std::uint64_t) { return nb::str("u8"); }
 nb::object format_of(bool) { return nb::str("?"); }
 template <typename Enum>
 requires std::is_enum_v<Enum> nb::object format_of(Enum) {
@@ -104,6 +105,18 @@ nb::object impact_dtype() {
                   i.time.status, i.time.lower, i.time.upper);
 }
 
+nb::object path_impact_dtype() {
+  const PathImpactRecord r{};
+  return dtype_of(r, {"status", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distances"}, r.status,
+                  r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distances);
+}
+
+nb::object path_distance_dtype() {
+  const PathDistanceRecord r{};
+  return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distances"}, r.lower,
+                  r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distances);
+}
+
 /// The end of a docstring: fields and what they are.
 std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
   std::string text;
@@ -136,6 +149,16 @@ DistanceRecord record_of(const DistanceResult& r) {
 CollideRecord record_of(const CollideResult& r) {
   const Witness w = witness_or_nowhere(r.witness);
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes()};
+}
+
+PathImpactRecord record_of(const PathImpact& r) {
+  const Witness w = witness_or_nowhere(r.witness);
+  return {r.time, w.point_a, w.point_b, r.distances, w.triangle_a, w.triangle_b, r.status};
+}
+
+PathDistanceRecord record_of(const PathDistance& r) {
+  const Witness w = witness_or_nowhere(r.witness);
+  return {r.lower, r.upper, r.time, w.point_a, w.point_b, r.distances, w.triangle_a, w.triangle_b};
 }
 
 SurfacePointRecord record_of(const PointResult& r) { return surface_point_record(r.closest); }
@@ -210,6 +233,8 @@ void bind_records(nb::module_& module) {
                 .edge_edge = keep("edge_edge_dtype", edge_edge_dtype()),
                 .element_pair = keep("element_pair_dtype", element_pair_dtype()),
                 .impact = keep("impact_dtype", impact_dtype())};
+  module.attr("path_impact_dtype") = path_impact_dtype();
+  module.attr("path_distance_dtype") = path_distance_dtype();
 }
 
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape) {

@@ -35,6 +35,23 @@ struct CollideRecord {
   bool is_yes;
 };
 
+/// One answer of time_of_impact() of rigid bodies.
+struct PathImpactRecord {
+  double time;
+  Vec3 point_a, point_b;  // not a number without a witness
+  std::uint64_t distances;
+  TriangleId triangle_a, triangle_b;
+  ImpactStatus status;
+};
+
+/// One answer of least_distance().
+struct PathDistanceRecord {
+  double lower, upper, time;
+  Vec3 point_a, point_b;
+  std::uint64_t distances;
+  TriangleId triangle_a, triangle_b;
+};
+
 /// One answer of closest_point() or signed_distance().
 struct SurfacePointRecord {
   double distance;  // infinite if nothing is that close
@@ -47,6 +64,8 @@ struct SurfacePointRecord {
 
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
+PathImpactRecord record_of(const PathImpact& result);
+PathDistanceRecord record_of(const PathDistance& result);
 SurfacePointRecord record_of(const PointResult& result);
 SurfacePointRecord record_of(const SignedDistance& signed_distance);
 

@@ -121,6 +121,7 @@ def test_the_gil_is_released() -> None:
         "contains_many": lambda: surface.contains_many(vertices),
         "scene.distance": lambda: scene.distance(pairs),
         "distance_many": lambda: limber3d.distance_many(model, other, POSES),
+        "time_of_impact_many": lambda: limber3d.time_of_impact_many(model, other, POSES[1:], POSES[:-1]),
     }
     thread = threading.Thread(target=tick)
     interval = sys.getswitchinterval()
