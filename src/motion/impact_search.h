@@ -146,32 +146,35 @@ class ImpactSearch {
   template <typename Candidates, typename ElementsOf>
   void compare(const Candidates& candidates, const ElementsOf& elements_of) {
     constexpr std::uint32_t room = simd::MovingPairs::room;
+    const bool excludes = collector_.wants_contacts_only();
     for (std::uint32_t i = 0; i < candidates.count; i += room) {
-      const std::uint32_t count = std::min(candidates.count - i, room);
-      IdentifiedElements found[room];
-      for (std::uint32_t k = 0; k < count; ++k) found[k] = elements_of(candidates.pairs[i + k]);
-      stats.triangle_tests += count;  // pairs of elements count as pairs of triangles
-      unsigned left = (1U << count) - 1;
-      if (collector_.wants_contacts_only()) left &= ~excluded({found, count});
-      for (; left != 0 && !collector_.is_done(); left &= left - 1) {
-        const IdentifiedElements& of_pair = found[std::countr_zero(left)];
-        collector_.compare(of_pair.pair, of_pair.elements);
+      const std::span<const simd::ElementCandidate> some(candidates.pairs + i, std::min(candidates.count - i, room));
+      stats.triangle_tests += some.size();  // pairs of elements count as pairs of triangles
+      unsigned left = (1U << some.size()) - 1;
+      if (excludes) left &= ~excluded(some, elements_of);
+      for (; left != 0; left &= left - 1) {
+        if (collector_.is_done()) return;
+        const IdentifiedElements found = elements_of(some[std::countr_zero(left)]);
+        collector_.compare(found.pair, found.elements);
       }
     }
   }
 
-  /// A bit mask of pairs of one kind that certainly do not touch in time.
-  unsigned excluded(std::span<const IdentifiedElements> pairs) const {
-    LIMBER_ASSERT(!pairs.empty() && pairs.size() <= simd::MovingPairs::room);
-    simd::MovingPairs vectors;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
+  /// A bit mask of candidates of one kind that certainly do not touch in time.
+  template <typename ElementsOf>
+  unsigned excluded(std::span<const simd::ElementCandidate> candidates, const ElementsOf& elements_of) const {
+    LIMBER_ASSERT(!candidates.empty() && candidates.size() <= simd::MovingPairs::room);
+    simd::MovingPairs pairs;
+    MovingElements::Kind kind{};
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const MovingElements elements = elements_of(candidates[k]).elements;
+      kind = elements.kind;
       for (std::size_t end = 0; end < bvh::motion_ends; ++end) {
-        const Vectors x = vectors_of(pairs[k].elements.kind, pairs[k].elements.corners[end]);
-        vectors.u[end][k] = x.u, vectors.v[end][k] = x.v, vectors.w[end][k] = x.w;
+        const Vectors x = vectors_of(kind, elements.corners[end]);
+        pairs.u[end][k] = x.u, pairs.v[end][k] = x.v, pairs.w[end][k] = x.w;
       }
     }
-    const bool are_faces = pairs.front().elements.kind == MovingElements::Kind::vertex_face;
-    return kernels_.exclude_impacts(vectors, are_faces, collector_.max_time());
+    return kernels_.exclude_impacts(pairs, kind == MovingElements::Kind::vertex_face, collector_.max_time());
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
