@@ -66,7 +66,7 @@ struct PathOptions {
   double max_time = 1;        ///< from 0 to 1
   double min_separation = 0;  ///< models that are this far apart, or less, touch; finite and >= 0
   /// How much more than the separation may count as touching, and how far off a least distance may be: finite and above
-  /// 0, or 0 for 2^-20 of the sum of the radii of both models.
+  /// 0. With 0 it is a part of the sum of the radii of both models: 2^-20 for what touches, 2^-10 for a least distance.
   double distance_error = 0;
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances
@@ -117,7 +117,8 @@ struct PathDistance {
 /// Promise  lower <= least distance <= upper, up to the rounding of distances; upper - lower <= distance_error, unless
 ///          the budget was spent.
 /// Throws   As time_of_impact(); std::bad_alloc.
-/// Cost     A distance for each piece of time that the speed cannot exclude: 10 to some 100.
+/// Cost     A distance for each piece of time that the speed cannot exclude: 10 to some 100 by default. In proportion
+///          to the inverse root of the error, where the distance is least in passing.
 /// Threads  Reentrant.
 /// Source   [Piyavskii1972].
 LIMBER_API PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b,

@@ -35,11 +35,7 @@ class MovingDistance {
  public:
   MovingDistance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
                  const PathOptions& options)
-      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed) {
-    const double radii = a.bounding_sphere().radius + b.bounding_sphere().radius;
-    error_ = options.distance_error > 0 ? options.distance_error
-                                        : std::max(default_error * radii, std::numeric_limits<double>::min());
-  }
+      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed) {}
 
   /// The distance at a time. Nothing if the budget does not allow another one.
   std::optional<DistanceResult> at(double time, const DistanceOptions& errors_and_limit) {
@@ -58,19 +54,24 @@ class MovingDistance {
   double time_for(double gap) const { return down * gap / speed_; }
   double most_in(double time) const { return speed_ * time / down; }
   double speed() const { return speed_; }
-  double error() const { return error_; }
+  /// The error that the options allow; if they leave it open, a part of the radii of both models.
+  double error_or(double part) const {
+    if (options_.distance_error > 0) return options_.distance_error;
+    const double radii = a_.bounding_sphere().radius + b_.bounding_sphere().radius;
+    return std::max(part * radii, std::numeric_limits<double>::min());
+  }
 
   std::uint64_t count = 0;
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 
  private:
-  static constexpr double default_error = 0x1p-20, down = 1 - 0x1p-40;
+  static constexpr double down = 1 - 0x1p-40;
 
   const Model &a_, &b_;
   const RigidPath &path_a_, &path_b_;
   const PathOptions& options_;
-  double speed_, error_;
+  double speed_;
 };
 
 /// What is left of the distance at a time, less the separation.
@@ -94,7 +95,7 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
   struct Interval {
     double begin, end;
   };
-  const double separation = options.min_separation, touching = separation + moving.error();
+  const double error = moving.error_or(0x1p-20), separation = options.min_separation, touching = separation + error;
   PathImpact result;
   const auto finish = [&](ImpactStatus status, double time) {
     result.status = status, result.time = time;
@@ -107,10 +108,10 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
   for (double time = 0; free <= end;) {
     // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
-    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * moving.error(), 0.1 * last.size), limit};
+    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * last.size), limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
     if (found && found->upper > touching && found->lower <= separation) {
-      errors.relative_error = 0, errors.absolute_error = 0.25 * moving.error();
+      errors.relative_error = 0, errors.absolute_error = 0.25 * error;
       found = moving.at(time, errors);
     }
     if (found && found->upper <= touching) {
@@ -148,7 +149,9 @@ struct Piece {
 
 PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   PathDistance result;
-  const DistanceOptions errors{0, 0.25 * moving.error()};
+  // A smaller error costs more distances: as one over its root, where bodies pass each other.
+  const double error = moving.error_or(0x1p-10);
+  const DistanceOptions errors{0, 0.25 * error};
   const auto lower_at = [&](double time) -> std::optional<double> {
     const std::optional<DistanceResult> found = moving.at(time, errors);
     if (!found) return std::nullopt;
@@ -171,7 +174,7 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   };
   const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
   if (first && last) add(piece(0, options.max_time, *first, *last));
-  while (!pieces.empty() && result.upper - pieces.front().bound > moving.error()) {
+  while (!pieces.empty() && result.upper - pieces.front().bound > error) {
     const Piece p = pieces.front();
     LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
     // Where the bounds from both ends meet.
