@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -63,6 +64,11 @@ std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh& b);
+
+/// When a model that moves from pose to pose, turning about its origin, touches one that stands still; nothing if it
+/// does not. By conservative advancement, or, with a number of samples, by collision queries at so many times.
+using FindImpact = std::function<std::optional<double>(const Transform& start, const Transform& end)>;
+FindImpact fcl_impact(const Mesh& moving, const Mesh& still, std::size_t samples);
 
 /// What a library needs to build its tree of a mesh on one thread, in us.
 double fcl_build_us(const Mesh& mesh);
