@@ -3,8 +3,9 @@
 
 // Question        How long does it take to find how far moving meshes can go, next to the IPC Toolkit?
 // Workload        Two consecutive frames of a cloth on a ball (92 230 triangles) and of a soft body between rollers
-//                 (24 242): each mesh with itself, vertices on straight lines. Pairs of moving elements of every kind
-//                 that the tests know, 4 000 of each. A bunny that flies past or into an armadillo and turns, 100 paths.
+//                 (24 242): each mesh with itself, vertices on straight lines. A bunny that flies past or into an
+//                 armadillo and turns, 100 paths. Pairs of moving elements of every kind that the tests know, 4 000
+//                 of each.
 // Metric          Milliseconds, medians of up to 15 runs, one thread: all vertices to the first frame and a commit, the
 //                 motion to the second, the first impact; then all impacts. Microseconds a pair, mean and most. The IPC
 //                 Toolkit, measured by ipc_steps.py: candidates by its fastest broad phase, and the step by ACCD and by

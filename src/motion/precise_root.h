@@ -10,7 +10,7 @@
 namespace limber::motion {
 
 /// narrow_exactly() with a time_error of 0, by Newton's method in double-double arithmetic: the two neighboring
-/// multiples of 2^-53 around the root of the coplanarity polynomial. Nothing if that is not precise enough to tell them.
+/// multiples of 2^-53 around the root of the coplanarity polynomial. Nothing if that is not enough to tell them.
 ///
 /// Pre      There is one root from `lower` to `upper`, both in [0, 1].
 std::optional<ElementImpact> narrow_precisely(const MovingElements& elements, double lower, double upper);
