@@ -67,7 +67,8 @@ export class RigidMotion extends Owner {
  * @property {RigidMotion} [motionB]
  * @property {number} [maxTime] from 0 to 1, which is the default
  * @property {number} [distanceError] How much more than the separation may count as touching, and how far off a least
- *   distance may be: finite and above 0, or 0, the default, for 2 ** -20 of the sum of the radii of both models.
+ *   distance may be: finite and above 0. With 0, the default, it is a part of the sum of the radii of both models:
+ *   2 ** -20 for what touches, 2 ** -10 for a least distance.
  * @property {QueryBudget} [budget] its maxSteps counts distances
  * @property {QueryCache} [cache]
  */
@@ -86,7 +87,7 @@ export class RigidMotion extends Owner {
  * @typedef {object} PathImpact
  * @property {ImpactStatus} status
  * @property {number} time infinite for "clear"
- * @property {Witness | null} witness the closest points at `time`; none for "clear"
+ * @property {Witness | null} witness the closest points at `time`, if they touch
  * @property {number} distances that were asked for
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "undecided"
  * @property {QueryStats} stats
@@ -157,7 +158,7 @@ export function pathImpact(a, b, options) {
  * Promises lower <= least distance <= upper, up to the rounding of distances. Throws invalidArgument unless both models
  * are committed and options are what their comments say.
  *
- * Cost: a distance for each piece of time that the speed cannot exclude, 10 to some 100.
+ * Cost: a distance for each piece of time that the speed cannot exclude, 10 to some 100 by default.
  *
  * @param {Model} a
  * @param {Model} b
