@@ -275,7 +275,7 @@ test("bodies go along a path", () => {
   const few = limber.timeOfImpact(body, floor, { motionA, minSeparation: 0.01, budget: { maxSteps: 1 } });
   assert.deepEqual([few.status, few.stoppedBy], ["undecided", "maxSteps"]);
   assert.ok(few.time < 0.75);
-  const nearest = limber.leastDistance(body, floor, { motionA, maxTime: 0.25, cache });
+  const nearest = limber.leastDistance(body, floor, { motionA, maxTime: 0.25, distanceError: 1e-5, cache });
   assert.equal(nearest.time, 0.25);
   isNear(nearest.upper, 2, 1e-12);
   assert.ok(nearest.lower <= 2 && nearest.upper - nearest.lower < 1e-5);
