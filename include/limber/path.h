@@ -23,6 +23,8 @@ namespace limber {
 /// and the body turns about it at constant rate about one axis, the shorter way round.
 ///
 /// Frame    The poses map from the model's frame to the world; the center is in the model's frame.
+/// Promise  A rotation that is off by more than 10^-14, as is_rigid() allows, is replaced by the nearest one without
+///          error, at the start and the end too.
 class RigidMotion {
  public:
   /// Stands still at a pose.
@@ -41,6 +43,9 @@ class RigidMotion {
   /// Throws   std::invalid_argument unless the time is from 0 to 1.
   LIMBER_API Transform at(double time) const;
 
+  /// From where the center is at the start to where it is at the end, in the world.
+  const Vec3& way() const { return way_; }
+
   /// An upper bound of the speed of a point that is at most `radius` away from the center.
   LIMBER_API double speed(double radius) const;
 
@@ -50,7 +55,7 @@ class RigidMotion {
 
  private:
   Transform start_, end_;
-  Vec3 center_, axis_;  // the axis has length 1, or 0 if nothing turns
+  Vec3 center_, way_, axis_;  // the axis has length 1, or 0 if nothing turns
   double angle_;
 };
 
@@ -66,7 +71,8 @@ struct PathOptions {
   double max_time = 1;        ///< from 0 to 1
   double min_separation = 0;  ///< models that are this far apart, or less, touch; finite and >= 0
   /// How much more than the separation may count as touching, and how far off a least distance may be: finite and above
-  /// 0. With 0 it is a part of the sum of the radii of both models: 2^-20 for what touches, 2^-10 for a least distance.
+  /// 0. With 0 it is a part of the sum of the radii of both models: 2^-20 for what touches, 2^-10 for a least distance,
+  /// or of that distance if it is larger. Never less than what moves in 2^-40 of the time.
   double distance_error = 0;
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances

@@ -19,7 +19,7 @@ namespace limber {
 namespace path {
 namespace {
 
-void check(const PathOptions& options, double speed_a, double speed_b, const char* function) {
+void check(const PathOptions& options, double speed_a, double speed_b, double speed, const char* function) {
   const auto require = [&](bool holds, const char* what) {
     LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
   };
@@ -28,6 +28,7 @@ void check(const PathOptions& options, double speed_a, double speed_b, const cha
   require(base::is_finite_and_not_negative(options.distance_error), "distance_error must be finite and at least 0");
   require(base::is_finite_and_not_negative(speed_a) && base::is_finite_and_not_negative(speed_b),
           "the speed of a path must be finite and at least 0");
+  require(std::isfinite(speed), "the sum of both speeds must be finite");
 }
 
 /// Distances of two models at times on their paths, until the budget is spent.
@@ -54,12 +55,12 @@ class MovingDistance {
   double time_for(double gap) const { return down * gap / speed_; }
   double most_in(double time) const { return speed_ * time / down; }
   double speed() const { return speed_; }
-  /// The error that the options allow; if they leave it open, a part of the radii of both models.
-  double error_or(double part) const {
-    if (options_.distance_error > 0) return options_.distance_error;
-    const double radii = a_.bounding_sphere().radius + b_.bounding_sphere().radius;
-    return std::max(part * radii, std::numeric_limits<double>::min());
+  /// The error that the options allow; if they leave it open, a part of a length. As PathOptions says.
+  double error_or(double part, double length) const {
+    const double wanted = options_.distance_error > 0 ? options_.distance_error : part * length;
+    return std::max({wanted, 0x1p-40 * speed_, std::numeric_limits<double>::min()});
   }
+  double radii() const { return a_.bounding_sphere().radius + b_.bounding_sphere().radius; }
 
   std::uint64_t count = 0;
   StoppedBy stopped_by = StoppedBy::nothing;
@@ -81,9 +82,9 @@ struct Gap {
 
 /// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
 /// showed, if the gap goes on to change as it did, or somewhat worse. A guess; no answer depends on it.
-double next_time(const MovingDistance& moving, const Gap& before, const Gap& last) {
+double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& last) {
   const double speed = moving.speed();
-  const double closing = before.time < last.time ? (before.size - last.size) / (last.time - before.time) : speed;
+  const double closing = earlier.time < last.time ? (earlier.size - last.size) / (last.time - earlier.time) : speed;
   const double expected = std::clamp(closing + 0.25 * (speed - closing), -0.9 * speed, speed);
   return last.time + 2 * last.size / (speed + expected);
 }
@@ -95,11 +96,13 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
   struct Interval {
     double begin, end;
   };
-  const double error = moving.error_or(0x1p-20), separation = options.min_separation, touching = separation + error;
+  const double error = moving.error_or(0x1p-20, moving.radii());
+  const double separation = options.min_separation, touching = separation + error;
   PathImpact result;
   const auto finish = [&](ImpactStatus status, double time) {
     result.status = status, result.time = time;
-    result.distances = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
+    result.distances = moving.count, result.stats = moving.stats;
+    if (status == ImpactStatus::undecided) result.stopped_by = moving.stopped_by;
     return result;
   };
   double free = 0, end = options.max_time;  // nothing touches before `free`; what touches after `end` does not matter
@@ -110,7 +113,8 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
     const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
     DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * last.size), limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
-    if (found && found->upper > touching && found->lower <= separation) {
+    // So that the gap is half of the error or more, and time goes on.
+    if (found && found->upper > touching && found->lower <= separation + 0.5 * error) {
       errors.relative_error = 0, errors.absolute_error = 0.25 * error;
       found = moving.at(time, errors);
     }
@@ -124,16 +128,16 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
       result.witness.reset();
       return finish(ImpactStatus::undecided, free);
     }
-    LIMBER_ASSERT(found->lower > separation);
+    LIMBER_ASSERT(found->lower > separation + 0.5 * error);
     const Gap gap{time, found->lower - separation};
-    const double reach = moving.time_for(gap.size);
+    const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
     const Interval around{time - reach, found->status == Status::beyond_limit ? 2 : time + reach};
     if (around.begin > free) {
       ahead = around, time = free;
       continue;
     }
-    // Below the rounding of a time nothing moves.
-    free = std::max({free, around.end, std::nextafter(time, 2)});
+    LIMBER_ASSERT(time < around.end);
+    free = std::max(free, around.end);
     if (ahead.begin <= free) free = std::max(free, ahead.end);
     time = result.witness ? free : std::max(free, std::min(next_time(moving, last, gap), end));
     last = gap;
@@ -150,8 +154,9 @@ struct Piece {
 PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   PathDistance result;
   // A smaller error costs more distances: as one over its root, where bodies pass each other.
-  const double error = moving.error_or(0x1p-10);
-  const DistanceOptions errors{0, 0.25 * error};
+  const double radii = moving.radii();
+  const auto error = [&] { return moving.error_or(0x1p-10, std::max(radii, result.upper)); };
+  const DistanceOptions errors{0, 0.25 * moving.error_or(0x1p-10, radii)};
   const auto lower_at = [&](double time) -> std::optional<double> {
     const std::optional<DistanceResult> found = moving.at(time, errors);
     if (!found) return std::nullopt;
@@ -174,7 +179,7 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   };
   const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
   if (first && last) add(piece(0, options.max_time, *first, *last));
-  while (!pieces.empty() && result.upper - pieces.front().bound > error) {
+  while (!pieces.empty() && result.upper - pieces.front().bound > error()) {
     const Piece p = pieces.front();
     LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
     // Where the bounds from both ends meet.
@@ -198,17 +203,14 @@ double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& 
     const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
     return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
   };
-  const auto way = [](const RigidMotion& motion) {
-    return motion.end()(motion.center()) - motion.start()(motion.center());
-  };
-  return (length(way(motion_b) - way(motion_a)) + turning(a, motion_a) + turning(b, motion_b)) * (1 + 0x1p-40);
+  return (length(motion_b.way() - motion_a.way()) + turning(a, motion_a) + turning(b, motion_b)) * (1 + 0x1p-40);
 }
 
 /// Checks the options, and answers one of the two questions.
 template <auto question>
 auto ask(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function) {
-  check(options, path_a.speed, path_b.speed, function);
+  check(options, path_a.speed, path_b.speed, speed, function);
   MovingDistance moving(a, path_a, b, path_b, speed, options);
   return question(moving, options);
 }

@@ -11,16 +11,40 @@
 namespace limber {
 namespace {
 
-// Poses may be orthonormal to 1e-9 only, and what is left of a turn then is no turn.
-constexpr double rigidity_error = 1e-8, speed_up = 1 + 1e-6;
+// Rotations may be orthonormal to 1e-14 only, and angles come from them.
+constexpr double largest_skew = 1e-14, rotation_error = 1e-12, speed_up = 1 + 1e-12;
 
-/// The turn about an axis of length 1.
-Mat3 turn(const Vec3& axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
-  const auto& [x, y, z] = axis;
-  return {{c + k * x * x, k * x * y - s * z, k * x * z + s * y},
-          {k * x * y + s * z, c + k * y * y, k * y * z - s * x},
-          {k * x * z - s * y, k * y * z + s * x, c + k * z * z}};
+/// A turn about an axis of length 1 is v -> v + sine * (axis x v) + versine * (axis x (axis x v)).
+struct Turn {
+  double sine, versine;  ///< versine: 1 - cosine
+
+  explicit Turn(double angle) : sine(std::sin(angle)), versine(2 * square(std::sin(0.5 * angle))) {}
+  Turn(double s, double v) : sine(s), versine(v) {}
+
+  /// How the turn moves a vector.
+  Vec3 way(const Vec3& axis, const Vec3& v) const {
+    const Vec3 across = cross(axis, v);
+    return sine * across + versine * cross(axis, across);
+  }
+  Mat3 matrix(const Vec3& axis) const {
+    const auto& [x, y, z] = axis;
+    const double c = 1 - versine, k = versine, s = sine;
+    return {{c + k * x * x, k * x * y - s * z, k * x * z + s * y},
+            {k * x * y + s * z, c + k * y * y, k * y * z - s * x},
+            {k * x * z - s * y, k * y * z + s * x, c + k * z * z}};
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+};
+
+/// A pose whose rotation is orthonormal up to `largest_skew`. Pre: it is rigid.
+Transform without_skew(const Transform& pose) {
+  const Mat3 rotation = orthonormalized(pose.rotation).value();
+  const auto far = [](const Vec3& a, const Vec3& b) { return max_abs(a - b) > largest_skew; };
+  const bool is_off = far(rotation.row0, pose.rotation.row0) || far(rotation.row1, pose.rotation.row1) ||
+                      far(rotation.row2, pose.rotation.row2);
+  return is_off ? Transform{rotation, pose.translation} : pose;
 }
 
 Mat3 operator*(double s, const Mat3& m) { return {s * m.row0, s * m.row1, s * m.row2}; }
@@ -55,18 +79,19 @@ Vec3 quaternion_of(const Mat3& m, double& real) {
 
 }  // namespace
 
-RigidMotion::RigidMotion(const Transform& start, const Transform& end, const Vec3& center)
-    : start_(start), end_(end), center_(center) {
+RigidMotion::RigidMotion(const Transform& start, const Transform& end, const Vec3& center) : center_(center) {
   const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(geometry::is_rigid(start) && geometry::is_rigid(end),
                  "limber::RigidMotion: a pose is not rigid (see is_rigid())");
   LIMBER_REQUIRE(is_finite(center) && max_abs(center) <= max_coordinate,
                  "limber::RigidMotion: a coordinate of the center is not finite, or above 2^200");
+  start_ = without_skew(start), end_ = without_skew(end);
   double real = 1;
-  const Vec3 v = quaternion_of(end.rotation * transpose(start.rotation), real);
+  const Vec3 v = quaternion_of(end_.rotation * transpose(start_.rotation), real);
   const double size = length(v);
   angle_ = 2 * std::atan2(size, real);
   if (size > 0) axis_ = (1 / size) * v;
+  way_ = end.translation - start.translation + Turn(angle_).way(axis_, start_.rotation * center);
 }
 
 RigidMotion RigidMotion::screw(const Transform& start, const Transform& end) {
@@ -77,12 +102,12 @@ RigidMotion RigidMotion::screw(const Transform& start, const Transform& end) {
   // What the turn about the axis through the point p brings to where it is found: in the world the turn about an axis
   // through 0 misses it by d, of which the part across the axis is (1 - turn) p.
   const Vec3 from = start.translation, axis = motion.axis_;
-  const Vec3 d = end.translation - turn(axis, motion.angle_) * from;
+  const Vec3 d = end.translation - from - Turn(motion.angle_).way(axis, from);
   const Vec3 across = d - dot(d, axis) * axis;
   const Vec3 on_axis = 0.5 * across + (0.5 * std::cos(half) / std::sin(half)) * cross(axis, across);
   // The point of the axis that is nearest to the model's origin.
   const Vec3 nearest = on_axis + dot(from - on_axis, axis) * axis;
-  return {start, end, transpose(start.rotation) * (nearest - from)};
+  return {start, end, transpose(motion.start_.rotation) * (nearest - from)};
 }
 
 Transform RigidMotion::at(double time) const {
@@ -91,18 +116,21 @@ Transform RigidMotion::at(double time) const {
   if (time == 0 || start_ == end_) return start_;
   if (time == 1) return end_;
   // What is left of the end's rotation without the turn is the start's, but for rounding.
-  const Mat3 unturned = transpose(turn(axis_, angle_)) * end_.rotation;
-  Mat3 rotation = turn(axis_, time * angle_) * ((1 - time) * start_.rotation + time * unturned);
-  if (!geometry::is_rigid({rotation, {}})) rotation = orthonormalized(rotation).value();
-  const Vec3 center = (1 - time) * start_(center_) + time * end_(center_);
-  return environment.computed_before_restore(Transform{rotation, center - rotation * center_});
+  const Mat3 unturned = transpose(Turn(angle_).matrix(axis_)) * end_.rotation;
+  const Turn turned(time * angle_), whole(angle_);
+  const Mat3 rotation = turned.matrix(axis_) * ((1 - time) * start_.rotation + time * unturned);
+  // The center's place on its straight way, less where the turn brings it. These cancel for a center far away, so
+  // their difference is formed of sines and versines.
+  const Turn difference(time * whole.sine - turned.sine, time * whole.versine - turned.versine);
+  const Vec3 straight = (1 - time) * start_.translation + time * end_.translation;
+  return environment.computed_before_restore(
+      Transform{rotation, straight + difference.way(axis_, start_.rotation * center_)});
 }
 
 double RigidMotion::speed(double radius) const {
   const base::DefaultFloatEnvironment environment;
-  const double straight = length(end_(center_) - start_(center_));
   if (start_ == end_) return 0;
-  return environment.computed_before_restore((straight + (angle_ + rigidity_error) * radius) * speed_up);
+  return environment.computed_before_restore((length(way_) + (angle_ + rotation_error) * radius) * speed_up);
 }
 
 }  // namespace limber

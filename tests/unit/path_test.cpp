@@ -87,6 +87,58 @@ TEST(RigidMotion, IsNeverFasterThanItSays) {
   EXPECT_GT(greatest_part, 0.95);
 }
 
+TEST(RigidMotion, DoesNotJumpWherePosesAreHardlyRigid) {
+  Rng rng(3243);
+  for (int i = 0; i < 2000; ++i) {
+    Transform start = random_pose(rng, 1), end = random_pose(rng, 1);
+    for (Transform* const pose : {&start, &end}) {
+      for (Vec3* const row : {&pose->rotation.row0, &pose->rotation.row1, &pose->rotation.row2}) {
+        *row = (1 + 3e-10 * rng.uniform(-1, 1)) * *row;
+      }
+    }
+    const RigidMotion motion(start, end);
+    const Vec3 p = 1e5 * uniform_point(rng);
+    Vec3 before = motion.at(0)(p);
+    for (int k = 1; k <= 20; ++k) {
+      const Vec3 now = motion.at(k * 0x1p-40)(p);
+      EXPECT_LE(length(now - before), motion.speed(length(p)) * 0x1p-40 + 1e-9);  // 1e-14 of 1e5
+      before = now;
+    }
+  }
+}
+
+TEST(RigidMotion, AboutACenterFarAwayIsAsExactAsAboutANearOne) {
+  const RigidMotion straight({{}, {-1, 0, 0}}, {{}, {1.5, 0, 0}}, {1e9, 2e9, 0});
+  expect_near(straight.at(0.4)({0, 0, 0}), {0, 0, 0}, 1e-15);
+  EXPECT_NEAR(straight.speed(0), 2.5, 1e-11);
+  const RigidMotion screw = RigidMotion::screw({{}, {-1, 0, 0}}, {about_z(1e-7), {1, 0, 0}});
+  EXPECT_GT(length(screw.center()), 1e7);
+  double before = -1;
+  for (int k = 1; k <= 1000; ++k) {
+    const double now = screw.at(k / 1000.0).translation.x;
+    EXPECT_NEAR(now - before, 0.002, 1e-14);
+    before = now;
+  }
+  const Model wall(scenes::grid(1, 1, -9, -9, 18, 18)), flat(scenes::grid(1, 1, -1, -1, 2, 2));
+  const Mat3 upright{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
+  const RigidMotion passes({upright, {-1, 0, 0}}, {upright, {1.5, 0, 0}}, {1e9, 2e9, 1e9});
+  const PathImpact found = time_of_impact(flat, passes, wall, RigidMotion({upright, {}}), {.distance_error = 1e-9});
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.time, 0.4, 1e-9);
+}
+
+TEST(PathImpact, OfPointsEnds) {
+  const auto point_at = [](const Vec3& p) { return Model(Mesh::create({p}, {{0, 0, 0}}).value()); };
+  const Model a = point_at({0, 0, 0}), b = point_at({1, 2, 0.3});
+  const RigidMotion flies({{}, {-1, 0.3, 0}}, {{}, {3, 0.7, 0.1}});
+  const PathDistance nearest = least_distance(a, flies, b, {});
+  EXPECT_LE(nearest.distances, 300U);
+  EXPECT_LE(nearest.upper - nearest.lower, 0x1p-10 * nearest.upper);
+  EXPECT_EQ(time_of_impact(a, flies, b, {}).status, ImpactStatus::clear);
+  const RigidMotion hits({{}, {-1, 2, 0.3}}, {{}, {2, 2, 0.3}});
+  EXPECT_EQ(time_of_impact(a, hits, b, {}).status, ImpactStatus::contact);
+}
+
 TEST(PathImpact, OfABallThatFallsOnAPlate) {
   const Model ball(scenes::ball(24, 16)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
   // The poles of the ball are on the z axis, at a distance of 1.
@@ -239,6 +291,8 @@ TEST(PathMisuse, IsRefused) {
     EXPECT_TRUE(is_refused([&] { least_distance(ball, still, ball, still, wrong); }, {"limber::least_distance", what}));
   }
   const auto stay = [](double) { return Transform{}; };
+  const RigidPath fast{stay, std::numeric_limits<double>::max()};
+  EXPECT_TRUE(is_refused([&] { time_of_impact(ball, fast, ball, fast); }, {"limber::time_of_impact", "sum", "speeds"}));
   for (const double speed : {-1.0, nan, endless}) {
     const RigidPath path{stay, speed};
     EXPECT_TRUE(is_refused([&] { time_of_impact(ball, path, ball, path); }, {"limber::time_of_impact", "speed"}));
