@@ -82,11 +82,12 @@ struct Gap {
 
 /// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
 /// showed, if the gap goes on to change as it did, or somewhat worse. A guess; no answer depends on it.
-double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& last) {
+double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& latest) {
   const double speed = moving.speed();
-  const double closing = earlier.time < last.time ? (earlier.size - last.size) / (last.time - earlier.time) : speed;
+  const double closing =
+      earlier.time < latest.time ? (earlier.size - latest.size) / (latest.time - earlier.time) : speed;
   const double expected = std::clamp(closing + 0.25 * (speed - closing), -0.9 * speed, speed);
-  return last.time + 2 * last.size / (speed + expected);
+  return latest.time + 2 * latest.size / (speed + expected);
 }
 
 /// Conservative advancement. A distance shows that some time after it is free, and as much before it. So the next one
