@@ -82,12 +82,11 @@ struct Gap {
 
 /// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
 /// showed, if the gap goes on to change as it did, or somewhat worse. A guess; no answer depends on it.
-double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& latest) {
+double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& gap) {
   const double speed = moving.speed();
-  const double closing =
-      earlier.time < latest.time ? (earlier.size - latest.size) / (latest.time - earlier.time) : speed;
+  const double closing = earlier.time < gap.time ? (earlier.size - gap.size) / (gap.time - earlier.time) : speed;
   const double expected = std::clamp(closing + 0.25 * (speed - closing), -0.9 * speed, speed);
-  return latest.time + 2 * latest.size / (speed + expected);
+  return gap.time + 2 * gap.size / (speed + expected);
 }
 
 /// Conservative advancement. A distance shows that some time after it is free, and as much before it. So the next one
@@ -108,11 +107,11 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
   };
   double free = 0, end = options.max_time;  // nothing touches before `free`; what touches after `end` does not matter
   Interval ahead{2, 2};                     // nothing touches in it
-  Gap last{0, 0};
+  Gap earlier{0, 0};
   for (double time = 0; free <= end;) {
     // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
-    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * last.size), limit};
+    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
     // So that the gap is half of the error or more, and time goes on.
     if (found && found->upper > touching && found->lower <= separation + 0.5 * error) {
@@ -140,8 +139,8 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
     LIMBER_ASSERT(time < around.end);
     free = std::max(free, around.end);
     if (ahead.begin <= free) free = std::max(free, ahead.end);
-    time = result.witness ? free : std::max(free, std::min(next_time(moving, last, gap), end));
-    last = gap;
+    time = result.witness ? free : std::max(free, std::min(next_time(moving, earlier, gap), end));
+    earlier = gap;
   }
   if (!result.witness) return finish(ImpactStatus::clear, std::numeric_limits<double>::infinity());
   return finish(end == 0 ? ImpactStatus::initial_contact : ImpactStatus::contact, end);
