@@ -44,7 +44,7 @@ class RigidMotion {
   LIMBER_API Transform at(double time) const;
 
   /// From where the center is at the start to where it is at the end, in the world.
-  const Vec3& way() const { return way_; }
+  const Vec3& displacement() const { return displacement_; }
 
   /// An upper bound of the speed of a point that is at most `radius` away from the center.
   LIMBER_API double speed(double radius) const;
@@ -55,7 +55,7 @@ class RigidMotion {
 
  private:
   Transform start_, end_;
-  Vec3 center_, way_, axis_;  // the axis has length 1, or 0 if nothing turns
+  Vec3 center_, displacement_, axis_;  // the axis has length 1, or 0 if nothing turns
   double angle_;
 };
 
@@ -96,7 +96,7 @@ struct PathImpact {
 /// Promise  As the comments of PathImpact say, up to the rounding of distances (distance.h).
 /// Throws   std::invalid_argument unless both models are committed, the options are what their comments say and poses
 ///          are rigid; whatever the functions of a path throw.
-/// Cost     Conservative advancement: a distance for each part of the way that is certainly free. 3 to 20 for paths
+/// Cost     Conservative advancement: a distance for each part of the way that is certainly free. 3 to 30 for paths
 ///          that hit or miss, more for those that pass by closely for long.
 /// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
 /// Threads  Reentrant.

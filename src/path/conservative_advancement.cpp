@@ -75,7 +75,7 @@ class MovingDistance {
   double speed_;
 };
 
-/// What is left of the distance at a time, less the separation.
+/// The gap at a time: by how much the distance exceeds the separation.
 struct Gap {
   double time, size;
 };
@@ -203,7 +203,8 @@ double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& 
     const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
     return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
   };
-  return (length(motion_b.way() - motion_a.way()) + turning(a, motion_a) + turning(b, motion_b)) * (1 + 0x1p-40);
+  return (length(motion_b.displacement() - motion_a.displacement()) + turning(a, motion_a) + turning(b, motion_b)) *
+         (1 + 0x1p-40);
 }
 
 /// Checks the options, and answers one of the two questions.

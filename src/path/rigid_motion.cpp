@@ -18,11 +18,13 @@ constexpr double largest_skew = 1e-14, rotation_error = 1e-12, speed_up = 1 + 1e
 struct Turn {
   double sine, versine;  ///< versine: 1 - cosine
 
-  explicit Turn(double angle) : sine(std::sin(angle)), versine(2 * square(std::sin(0.5 * angle))) {}
-  Turn(double s, double v) : sine(s), versine(v) {}
+  static Turn by(double angle) {
+    const double half = std::sin(0.5 * angle);
+    return {std::sin(angle), 2 * half * half};
+  }
 
   /// How the turn moves a vector.
-  Vec3 way(const Vec3& axis, const Vec3& v) const {
+  Vec3 displacement(const Vec3& axis, const Vec3& v) const {
     const Vec3 across = cross(axis, v);
     return sine * across + versine * cross(axis, across);
   }
@@ -33,9 +35,6 @@ struct Turn {
             {k * x * y + s * z, c + k * y * y, k * y * z - s * x},
             {k * x * z - s * y, k * y * z + s * x, c + k * z * z}};
   }
-
- private:
-  static double square(double x) { return x * x; }
 };
 
 /// A pose whose rotation is orthonormal up to `largest_skew`. Pre: it is rigid.
@@ -91,7 +90,7 @@ RigidMotion::RigidMotion(const Transform& start, const Transform& end, const Vec
   const double size = length(v);
   angle_ = 2 * std::atan2(size, real);
   if (size > 0) axis_ = (1 / size) * v;
-  way_ = end.translation - start.translation + Turn(angle_).way(axis_, start_.rotation * center);
+  displacement_ = end.translation - start.translation + Turn::by(angle_).displacement(axis_, start_.rotation * center);
 }
 
 RigidMotion RigidMotion::screw(const Transform& start, const Transform& end) {
@@ -102,7 +101,7 @@ RigidMotion RigidMotion::screw(const Transform& start, const Transform& end) {
   // What the turn about the axis through the point p brings to where it is found: in the world the turn about an axis
   // through 0 misses it by d, of which the part across the axis is (1 - turn) p.
   const Vec3 from = start.translation, axis = motion.axis_;
-  const Vec3 d = end.translation - from - Turn(motion.angle_).way(axis, from);
+  const Vec3 d = end.translation - from - Turn::by(motion.angle_).displacement(axis, from);
   const Vec3 across = d - dot(d, axis) * axis;
   const Vec3 on_axis = 0.5 * across + (0.5 * std::cos(half) / std::sin(half)) * cross(axis, across);
   // The point of the axis that is nearest to the model's origin.
@@ -116,21 +115,21 @@ Transform RigidMotion::at(double time) const {
   if (time == 0 || start_ == end_) return start_;
   if (time == 1) return end_;
   // What is left of the end's rotation without the turn is the start's, but for rounding.
-  const Mat3 unturned = transpose(Turn(angle_).matrix(axis_)) * end_.rotation;
-  const Turn turned(time * angle_), whole(angle_);
+  const Turn whole = Turn::by(angle_), turned = Turn::by(time * angle_);
+  const Mat3 unturned = transpose(whole.matrix(axis_)) * end_.rotation;
   const Mat3 rotation = turned.matrix(axis_) * ((1 - time) * start_.rotation + time * unturned);
   // The center's place on its straight way, less where the turn brings it. These cancel for a center far away, so
   // their difference is formed of sines and versines.
-  const Turn difference(time * whole.sine - turned.sine, time * whole.versine - turned.versine);
+  const Turn difference{time * whole.sine - turned.sine, time * whole.versine - turned.versine};
   const Vec3 straight = (1 - time) * start_.translation + time * end_.translation;
   return environment.computed_before_restore(
-      Transform{rotation, straight + difference.way(axis_, start_.rotation * center_)});
+      Transform{rotation, straight + difference.displacement(axis_, start_.rotation * center_)});
 }
 
 double RigidMotion::speed(double radius) const {
   const base::DefaultFloatEnvironment environment;
   if (start_ == end_) return 0;
-  return environment.computed_before_restore((length(way_) + (angle_ + rotation_error) * radius) * speed_up);
+  return environment.computed_before_restore((length(displacement_) + (angle_ + rotation_error) * radius) * speed_up);
 }
 
 }  // namespace limber

@@ -231,8 +231,7 @@ HWY_INLINE Doubles or_zero(Doubles x, Doubles size_of, double least) {
   return {hn::IfThenElseZero(hn::Ge(hn::Abs(size_of.v), hn::Set(Doubles::Tag(), least)), x.v)};
 }
 
-/// Moves `corners_at_once` points to an origin and scales them: (p - origin) * factor. Four numbers are written for
-/// each.
+/// Moves `corners_at_once` points to an origin and scales them: (p - origin) * factor. Writes four numbers for each.
 struct PointScaler {
   using Tag = hn::CappedTag<double, 4 * corners_at_once>;
   static constexpr std::size_t parts = 4 * corners_at_once / hn::MaxLanes(Tag());

@@ -12,13 +12,15 @@
 #include "bvh/moving_node.h"
 #include "bvh/node.h"
 #include "limber/geometry.h"
+#include "simd/element_pairs.h"
 
 /// The SIMD kernels, in this order: the types they read and write; their contracts; the table of kernels for each
 /// instruction set, and its choice at run time.
 ///
 /// Kernels that compare nodes and leaves work in float32 and only prune: numbers that reach the user come from float64.
-/// compare_triangles and compare_segments are float64. Every operation is an IEEE one, no multiplication and addition
-/// are fused (no FMA), and SIMD lanes are combined only by minima and maxima. So all instruction sets give equal bits.
+/// compare_triangles, compare_segments and the kernels of moving boxes and pairs are float64. Every operation is an
+/// IEEE one, no multiplication and addition are fused (no FMA), and SIMD lanes are combined only by minima and maxima.
+/// So all instruction sets give equal bits.
 ///
 /// Frames    One of two trees is the kernel's own: that of `node` or of `a`. The other one's slots are brought to its
 ///           frame.
@@ -171,49 +173,6 @@ struct QueryRay {
   float error_units;             ///< as in QueryPoint
   float forward[3];              ///< the direction of the ray, of length 1 up to rounding
   float left[3], up[3];          ///< perpendicular to `forward` and to each other, of length 1
-};
-
-/// Two leaves of one tree that is compared with itself; both may be the same leaf.
-struct SelfPair {
-  const bvh::Leaf &a, &b;
-};
-
-/// The elements that the triangles of a leaf own: those that they represent (MeshEdges::represented_by()). A byte for
-/// each slot: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next. A slot that is not in use
-/// owns nothing.
-struct OwnedElements {
-  static constexpr std::uint64_t is_in_use = 0x40;  ///< set in the byte of every slot that is in use
-
-  std::uint64_t of_slots;
-};
-
-/// An element of each of two leaves, as corner * width + slot. A vertex is named by its corner, an edge by the corner
-/// where it starts, a face by corner 0.
-struct ElementCandidate {
-  std::uint8_t a, b;
-};
-
-/// Pairs of elements of two leaves that are not pruned.
-struct ElementCandidates {
-  template <std::size_t room>
-  struct List {
-    std::uint32_t count;
-    ElementCandidate pairs[room + 1];  // one more: kernels write every pair, and count it only if it is not pruned
-  };
-  List<3 * width * width> vertex_face, face_vertex;
-  List<9 * width * width> edge_edge;
-};
-
-/// Pairs of moving elements of one kind, by their vectors u, v and w (motion/moving_elements.h) at the start and at the
-/// end. Entries that are not in use must be finite.
-struct MovingPairs {
-  static constexpr std::uint32_t room = 4;
-  Vec3 u[2][room]{}, v[2][room]{}, w[2][room]{};
-};
-
-/// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`.
-struct MotionLimits {
-  double max_time, separation;
 };
 
 // --- kernels ---

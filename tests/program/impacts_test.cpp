@@ -17,12 +17,6 @@
 namespace limber::program_tests {
 namespace {
 
-std::vector<nlohmann::json> json_rows_of(const std::string& line) {
-  const Outcome outcome = run(line + " --json");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return json_lines_of(outcome);
-}
-
 void expect_interval(const nlohmann::json& impact, double time) {
   EXPECT_EQ(impact["status"], "contact");
   EXPECT_LE(impact["lower"].get<double>(), time);

@@ -76,7 +76,8 @@ TEST(ProgramPaths, ModelsTurnBetweenPoses) {
     EXPECT_EQ(json_of(models + turned + " --pose-a " + end)["collision"], false);
   }
   EXPECT_NEAR(json_of(models + turned + " --path-a " + quarter)["path_time"].get<double>(), 2.0 / 3, 1e-5);
-  // The same seen from the blade: the pin turns back. Both turn towards each other, or along with each other.
+  // The pin turns back instead, which the blade sees as the same motion. Then both models turn: towards each other,
+  // and along with each other.
   const std::string back = folder.store("back.csv", "0,0,0,0.8660254037844387,0,0,0.5\n0,0,0,1,0,0,0\n");
   EXPECT_EQ(json_of(models + " --path-b " + back)["path_time"].get<double>() > 0.999, true);
   EXPECT_NEAR(json_of(models + " --path-a " + quarter + " --path-b " + back)["path_time"].get<double>(), 0.4, 1e-5);

@@ -52,6 +52,12 @@ std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
   return rows;
 }
 
+std::vector<nlohmann::json> json_rows_of(const std::string& line) {
+  const Outcome outcome = run(line + " --json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return json_lines_of(outcome);
+}
+
 void expect_refused(const std::string& line, const std::string& part_of_the_error) {
   SCOPED_TRACE("limber " + line);
   const Outcome outcome = run(line);

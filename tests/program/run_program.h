@@ -37,6 +37,9 @@ nlohmann::json json_of(const std::string& line);
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
 
+/// The objects of a run that must succeed. The line is run with --json.
+std::vector<nlohmann::json> json_rows_of(const std::string& line);
+
 /// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
 void expect_refused(const std::string& line, const std::string& part_of_the_error);
 

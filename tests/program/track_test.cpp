@@ -12,13 +12,6 @@
 namespace limber::program_tests {
 namespace {
 
-/// The rows of a run that must succeed.
-std::vector<nlohmann::json> json_rows_of(const std::string& line) {
-  const Outcome outcome = run(line + " --json");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return json_lines_of(outcome);
-}
-
 /// A waving sheet of 128 triangles in frames 0 to `count` - 1; its edge along x = 0 stands still where `is_partial`.
 Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial = false) {
   Words files;

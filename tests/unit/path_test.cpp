@@ -87,16 +87,23 @@ TEST(RigidMotion, IsNeverFasterThanItSays) {
   EXPECT_GT(greatest_part, 0.95);
 }
 
+/// A pose whose rotation is off by nearly as much as is_rigid() allows.
+Transform hardly_rigid(Rng& rng) {
+  const Transform pose = random_pose(rng, 1);
+  Mat3 skew;
+  for (Vec3* const row : {&skew.row0, &skew.row1, &skew.row2}) *row = uniform_point(rng);
+  for (double size = 2e-9;; size *= 0.95) {
+    const auto& [x, y, z] = pose.rotation;
+    const Transform off{{x + size * skew.row0, y + size * skew.row1, z + size * skew.row2}, pose.translation};
+    if (is_rigid(off)) return off;
+  }
+}
+
 TEST(RigidMotion, DoesNotJumpWherePosesAreHardlyRigid) {
   Rng rng(3243);
   for (int i = 0; i < 2000; ++i) {
-    Transform start = random_pose(rng, 1), end = random_pose(rng, 1);
-    for (Transform* const pose : {&start, &end}) {
-      for (Vec3* const row : {&pose->rotation.row0, &pose->rotation.row1, &pose->rotation.row2}) {
-        *row = (1 + 3e-10 * rng.uniform(-1, 1)) * *row;
-      }
-    }
-    const RigidMotion motion(start, end);
+    const RigidMotion motion(hardly_rigid(rng), hardly_rigid(rng));
+    for (int k = 0; k <= 8; ++k) EXPECT_TRUE(is_rigid(motion.at(k / 8.0)));
     const Vec3 p = 1e5 * uniform_point(rng);
     Vec3 before = motion.at(0)(p);
     for (int k = 1; k <= 20; ++k) {
@@ -266,6 +273,16 @@ TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
   EXPECT_EQ(found.status, ImpactStatus::contact);
   EXPECT_NEAR(found.time, std::sqrt(0.8), 1e-5);
   EXPECT_EQ(least_distance(ball, falling, wall, still).upper, 0);
+}
+
+TEST(PathImpact, IsNotGuessedFromHowTheDistanceChanged) {
+  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  // Stands still at a distance of 0.2 for half of the time, then touches the wall at 0.7 and goes back.
+  const auto bounce = [](double t) { return Transform{{}, {0.3, 0.4, 1 + std::min(0.2, std::abs(t - 0.7))}}; };
+  const auto stay = [](double) { return Transform{}; };
+  const PathImpact found = time_of_impact(ball, RigidPath{bounce, 1}, wall, RigidPath{stay, 0});
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.time, 0.7, 2e-5);
 }
 
 TEST(PathMisuse, IsRefused) {

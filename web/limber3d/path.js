@@ -68,7 +68,8 @@ export class RigidMotion extends Owner {
  * @property {number} [maxTime] from 0 to 1, which is the default
  * @property {number} [distanceError] How much more than the separation may count as touching, and how far off a least
  *   distance may be: finite and above 0. With 0, the default, it is a part of the sum of the radii of both models:
- *   2 ** -20 for what touches, 2 ** -10 for a least distance.
+ *   2 ** -20 for what touches, 2 ** -10 for a least distance, or of that distance if it is larger. Never less than
+ *   what moves in 2 ** -40 of the time.
  * @property {QueryBudget} [budget] its maxSteps counts distances
  * @property {QueryCache} [cache]
  */

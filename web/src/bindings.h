@@ -88,7 +88,7 @@ QueryBudget budget_from(double deadline_ms, double max_steps);
 /// two triangles, status or answer, and what has stopped the query. Without a witness the triangles are no_id.
 void give(const DistanceResult& result);
 void give(const CollideResult& result);
-/// The same without bounds.
+/// Writes a result that has no bounds: all of the above but these.
 void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by);
 
 /// Writes statistics to Exchange::numbers[first] and the next.

@@ -55,8 +55,8 @@ void give_impacts(const ImpactCount& count) {
 
 }  // namespace
 
-/// Of a vertex and a face, or of two edges. In input() are four points at the start, and the same at the end. Gives
-/// bounds and status where give() of other results does.
+/// Finds when a vertex and a face touch first, or two edges. Reads four points at the start and four at the end from
+/// input(). Writes bounds and status where give() of other results does.
 LIMBER_EXPORT(elementImpact)
 bool exported_element_impact(bool are_edges, double max_time, double time_error, double min_separation) {
   return guarded([&] {
@@ -91,7 +91,7 @@ LIMBER_EXPORT(edgesOf) void edges_of(const MovingWithEdges* model) {
   give_bytes(vertices.data(), vertices.size_bytes());
 }
 
-/// Of two models, or of one with itself if b is null; and so below.
+/// Finds when two models touch first. A null b asks about a with itself, here and in impacts.
 LIMBER_EXPORT(timeOfImpact)
 bool exported_time_of_impact(const MovingWithEdges* a, const MovingWithEdges* b, double max_time, double time_error,
                              double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,

@@ -190,7 +190,8 @@ Models are surfaces, not solids: one wholly inside the other is as far from it a
 closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
 
 With --path-a or --path-b the answer is the least distance on the whole path, and path_time when the models are so near.
-lower and upper are at most --absolute-error apart; without it 2^-10 of the sum of the radii of both models.
+lower and upper are at most --absolute-error apart; without it 2^-10 of the sum of the radii of both models, or of the
+distance if that is larger.
 )";
 
 constexpr const char* pairs_help = R"(

@@ -137,8 +137,8 @@ struct PairArguments : PlacedArguments {
   bool exit_code = false;
 };
 
-/// Those above, `--path-a`, `--path-b`, `--engine`, `--json`, and `--exit-code` with what it tells: "the models
-/// collide".
+/// Adds the options of PlacedArguments, `--path-a`, `--path-b`, `--engine`, `--json`, and `--exit-code` with what it
+/// tells, such as "the models collide".
 void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
 
 /// The two models that the arguments name, at the start of their path if they have one.

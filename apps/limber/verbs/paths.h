@@ -10,7 +10,7 @@
 /// Paths of rigid models: where they stand at times 0, 1, 2, ... and how they go from each pose to the next.
 namespace limber::program {
 
-/// What help says about files of poses that are paths.
+/// The help text about path files, for every verb that reads them.
 inline constexpr const char* path_help = R"(
 A path file has a pose per row, tx,ty,tz,qw,qx,qy,qz, with a header or without, as limber track reads them. The model
 is at the first pose at time 0, at the second at time 1, and so on: 1.25 is a quarter of the way from the second to the

@@ -83,7 +83,7 @@ struct AskedPair {
   const TrackedModel *a, *b;
 };
 
-/// What is asked about in each frame besides the distance.
+/// The pairs of models that are asked for contacts, and for impacts, in each frame.
 struct Asked {
   std::vector<AskedPair> contacts, impacts;
 };
