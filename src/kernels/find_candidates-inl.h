@@ -5,10 +5,10 @@
 //
 // Triangles are quantized corners. A pair is pruned if its gap along some direction is at least the prune distance plus
 // all errors. project_leaves() brings both leaves to one frame and scale, and finds the errors. Directions are tried in
-// this order: the search direction; the axes of boxes; then, for the pairs that are left, one in each lane, the line of
-// centroids and the normals of both triangles. Cross products of edges are left to the float64 routines. For two
-// leaves of one tree, neighbors that certainly meet nowhere else than in what they share are removed before the lanes
-// are filled (separated_neighbors-inl.h).
+// this order: the search direction; the axes of boxes; the cross product of two edges, one of each leaf; then, for the
+// pairs that are left, one in each lane, the line of centroids and the normals of both triangles. Other cross products
+// of edges are left to the float64 routines. For two leaves of one tree no edges are tried; neighbors that certainly
+// meet nowhere else than in what they share are removed before the lanes are filled (separated_neighbors-inl.h).
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
@@ -211,6 +211,66 @@ LIMBER_KERNEL std::uint64_t kept_along_axes(const LeafCorners& a, const LeafCorn
   return wanted;
 }
 
+/// The longest edge of the triangle in a slot.
+LIMBER_KERNEL void find_longest_edge(const LeafCorners& c, std::uint32_t slot, float (&longest)[3]) {
+  float greatest_sq = 0;
+  longest[0] = longest[1] = longest[2] = 0;
+  for (int k = 0; k < 3; ++k) {
+    float edge[3];
+    for (int j = 0; j < 3; ++j) edge[j] = c.v[3 * ((k + 1) % 3) + j][slot] - c.v[3 * k + j][slot];
+    const float length_sq = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
+    if (length_sq > greatest_sq) greatest_sq = length_sq, std::copy(edge, edge + 3, longest);
+  }
+}
+
+/// The intervals that the triangles of a leaf span along a direction.
+struct alignas(64) Spans {
+  float low[width], high[width];
+};
+LIMBER_KERNEL void find_spans(const LeafCorners& c, const Packet3& along, Spans& spans) {
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Interval span =
+        interval(dot(along, corners(c, 0, i)), dot(along, corners(c, 1, i)), dot(along, corners(c, 2, i)));
+    span.low.store(spans.low + i), span.high.store(spans.high + i);
+  }
+}
+
+/// The `wanted` pairs that are not pruned along the cross product of two edges, the longest of the first wanted pair.
+/// Tubes of long thin triangles that pass each other are apart in this direction. With `wants_pruned_bound`, `pruned_sq`
+/// becomes at most the squared gap of each pair pruned here. Pre: a pair is wanted.
+template <bool wants_pruned_bound>
+LIMBER_KERNEL std::uint64_t kept_across_edges(const LeafCorners& a, const LeafCorners& b, float limit,
+                                              std::uint64_t wanted, float& pruned_sq) {
+  const auto first = static_cast<std::uint32_t>(std::countr_zero(wanted));
+  float e[3], f[3];
+  find_longest_edge(a, first / width, e);
+  find_longest_edge(b, first % width, f);
+  const float across[4] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0], 0};
+  const float length_sq = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
+  if (!(length_sq >= smallest_direction_sq)) return wanted;
+  const float length = std::sqrt(length_sq);
+  Spans spans_a, spans_b;
+  find_spans(a, broadcast(across), spans_a);
+  find_spans(b, broadcast(across), spans_b);
+  const Packet limit_length = Packet::set(limit * length * base::squares_up);
+  alignas(64) float gaps[width * width];
+  std::uint64_t pruned = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    const Packet low = Packet::set(spans_a.low[row]), high = Packet::set(spans_a.high[row]);
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet gap = max(Packet::load(spans_b.low + i) - high, low - Packet::load(spans_b.high + i));
+      if (wants_pruned_bound) gap.store(gaps + width * row + i);
+      pruned |= std::uint64_t{bits(gap >= limit_length)} << (width * row + i);
+    }
+  }
+  pruned &= wanted;
+  for (std::uint64_t rest = wants_pruned_bound ? pruned : 0; rest != 0; rest &= rest - 1) {
+    const float gap = gaps[std::countr_zero(rest)] / length;
+    pruned_sq = std::min(pruned_sq, gap * gap);
+  }
+  return wanted & ~pruned;
+}
+
 /// The corners of a leaf relative to its center.
 LIMBER_KERNEL void unpack(const bvh::QuantizedTriangles& leaf, float step, LeafCorners& c) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
@@ -280,6 +340,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
     wanted &= is_self ? kept_along_axes(ca, cb, Packet::set(limit * base::squares_up))
                       : kept_by_boxes<wants_pruned_bound>(ca, cb, limit_sq, pruned_sq);
+    if (!is_self && wanted != 0) wanted = kept_across_edges<wants_pruned_bound>(ca, cb, limit, wanted, pruned_sq);
   }
   PairList pairs;
   pairs.add(wanted);
@@ -314,7 +375,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     }
   }
   if (wants_pruned_bound) {
-    // pruned_sq comes from gaps of boxes and along w, n and m, from which errors were not subtracted: here they are.
+    // pruned_sq comes from gaps of boxes, across edges, and along w, n and m. Errors were not subtracted: here they are.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }
