@@ -26,6 +26,7 @@ PRIVATE = {
     "motion": ("pair/budget_meter.h", "pair/placed_pair.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "path": ("geometry", "base"),
     "scene": ("model", "bvh", "geometry", "simd", "base"),
+    "penetration": ("point", "pair/budget_meter.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "classic": ("mesh", "geometry", "base"),
     "io": ("base/check.h", "base/float_environment.h"),
 }
@@ -45,6 +46,7 @@ PUBLIC: dict[str, tuple[str, ...] | None] = {
     "motion": None,
     "path": None,
     "scene": None,
+    "penetration": None,
     "classic": None,
     "io": ("base.h", "math.h", "geometry.h", "mesh.h", "io.h"),
 }

@@ -14,5 +14,6 @@
 #include "limber/model.h"
 #include "limber/motion.h"
 #include "limber/path.h"
+#include "limber/penetration.h"
 #include "limber/points.h"
 #include "limber/scene.h"

@@ -90,6 +90,10 @@ class ClosedSurface {
   static Result<ClosedSurface> create(const Model&&) = delete;  // would point to a temporary
 
   const Model& model() const { return *model_; }
+  /// The model, placed.
+  ///
+  /// Throws   std::invalid_argument if the model has been reset().
+  LIMBER_API Placed placed(const Transform& world_from_model) const;
 
   /// Whether the surface, placed by world_from_model, encloses a point of the world, or the point lies on it.
   ///
@@ -119,7 +123,6 @@ class ClosedSurface {
 
  private:
   explicit ClosedSurface(const Model& model);
-  Placed placed(const Transform& world_from_model) const;
 
   const Model* model_;
   std::span<const Corners> triangles_;

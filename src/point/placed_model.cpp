@@ -44,7 +44,7 @@ PlacedModel::PlacedModel(const Placed& placed) : pose_(placed.pose) {
 
 simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
   simd::QueryPoint in;
-  const Vec3 local = to_frame_ * (point - pose_.translation);
+  const Vec3 local = in_model(point);
   for (std::size_t k = 0; k < 3; ++k) in.position[k] = local[k];
   in.position[3] = 0;
   in.unit = tree_->unit, in.per_unit = 1 / tree_->unit;

@@ -29,6 +29,17 @@ class PlacedModel {
 
   const bvh::Tree& tree() const { return *tree_; }
   const MeshView& mesh() const { return mesh_; }
+  const Transform& pose() const { return pose_; }
+  /// At least the distance of any point of the placed model from the world's origin.
+  double magnitude() const { return magnitude_; }
+
+  /// A point of the world in the model's frame.
+  Vec3 in_model(const Vec3& point) const { return to_frame_ * (point - pose_.translation); }
+  /// A vertex in the world.
+  Vec3 position(VertexId v) const {
+    LIMBER_ASSERT(v < mesh_.positions.size());
+    return pose_(mesh_.positions[v]);
+  }
 
   /// A triangle in the world.
   Triangle triangle(const Corners& corners) const {
@@ -49,7 +60,7 @@ class PlacedModel {
   MeshView mesh_;
   Transform pose_;
   Mat3 to_frame_;        // the inverse rotation
-  double magnitude_;     // at least the distance of any point of the placed model from the world's origin
+  double magnitude_;
   Vec3 center_;          // of the root's sphere, in the model's frame
   double far_distance_;  // points farther from it are far
 };

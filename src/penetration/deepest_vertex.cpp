@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "penetration/deepest_vertex.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "bvh/reach.h"
+#include "geometry/local_frame.h"
+#include "point/ray_crossings.h"
+
+namespace limber::penetration {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Lengths in a model's frame and in the world differ by that factor at most, as rotations are only nearly orthonormal.
+constexpr double stretch = 1 + base::rigidity_error;
+// Closest points are off by 2^-50 of the extent. Directions between points that are this part of it apart, or more, are
+// off by less than 2^-23.
+constexpr double hardly_apart = 0x1p-26;
+
+bool contains(const point::PlacedModel& solid, const Vec3& point, Meter& meter) {
+  const point::Surrounding surrounding = point::surrounding_of(solid, point, meter.stats);
+  return surrounding.is_on || surrounding.winding_number != 0;
+}
+
+}  // namespace
+
+DeepestVertexSearch::DeepestVertexSearch(const point::PlacedModel& model, const point::PlacedModel& solid)
+    : model_(model),
+      solid_(solid),
+      closest_(solid),
+      error_(base::placement_error * (model.magnitude() + solid.magnitude())),
+      is_compared_(model.mesh().positions.size()) {
+  waiting_.push_back({infinity, bvh::root_slot, false, {}});
+}
+
+/// Standard libraries differ in how heaps order ties, so there are none.
+bool DeepestVertexSearch::is_later(const Entry& p, const Entry& q) {
+  return p.bound != q.bound ? p.bound < q.bound : p.slot > q.slot;
+}
+
+double DeepestVertexSearch::upper() const {
+  const double waiting = waiting_.empty() ? -infinity : waiting_.front().bound + error_;
+  return std::max(waiting, best_ ? best_->depth : -infinity);
+}
+
+void DeepestVertexSearch::run(Meter& meter) {
+  while (!waiting_.empty() && can_win(waiting_.front().bound) && !meter.is_spent()) {
+    std::pop_heap(waiting_.begin(), waiting_.end(), is_later);
+    const Entry next = waiting_.back();
+    waiting_.pop_back();
+    const std::optional<Depth> center = depth_at(next, meter);
+    if (!center) continue;
+    if (bvh::has_leaf(model_.tree(), next.slot)) {
+      compare_vertices(next, *center, meter);
+    } else {
+      add_children(next, *center);
+    }
+  }
+  if (meter.stopped_by() == StoppedBy::nothing) waiting_.clear();
+}
+
+Vec3 DeepestVertexSearch::center_of(bvh::SlotId slot) const {
+  return model_.pose()(bvh::slot_center(model_.tree(), slot));
+}
+
+double DeepestVertexSearch::radius_of(bvh::SlotId slot) const {
+  const bvh::Tree& tree = model_.tree();
+  const double radius = tree.nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
+  return (tree.unit * radius + tree.slack) * stretch + error_;
+}
+
+/// At least the distance of anything in a volume from a point of the solid's surface: by its box, or its slab.
+double DeepestVertexSearch::reach_from(const Vec3& surface, bvh::SlotId slot) const {
+  const bvh::Tree& tree = model_.tree();
+  const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
+  const std::uint32_t k = bvh::slot_of(slot);
+  const Vec3 to_center = bvh::slot_center(tree, slot) - model_.in_model(surface);
+  const Vec3 d = to_center * (1 / tree.unit);
+  const double by_box = length(abs(d) + Vec3{n.half_x[k], n.half_y[k], n.half_z[k]});
+  const double units = std::min(by_box, bvh::reach_of(n, k, d).by_slab);
+  return (tree.unit * units + tree.slack) * stretch + error_;
+}
+
+/// How deep the center of a slot is; nothing if no vertex below it can win.
+std::optional<DeepestVertexSearch::Depth> DeepestVertexSearch::depth_at(const Entry& entry, Meter& meter) {
+  const Vec3 center = center_of(entry.slot);
+  const bool is_inside = entry.is_inside || contains(solid_, center, meter);
+  double farthest = infinity;
+  if (!is_inside) {
+    farthest = radius_of(entry.slot) + error_ - (best_ ? best_->depth : 0);
+    if (farthest < 0) return std::nullopt;
+  } else if (entry.bound < infinity) {
+    farthest = geometry::safe_length(center - entry.surface) * base::outward + error_;
+  }
+  const std::optional<SurfacePoint> closest = closest_.find(center, farthest, meter.stats);
+  LIMBER_ASSERT(closest || !is_inside);
+  if (!closest) return std::nullopt;
+  return Depth{center, is_inside ? closest->distance : -closest->distance, closest->position};
+}
+
+void DeepestVertexSearch::add_children(const Entry& entry, const Depth& center) {
+  const bvh::Tree& tree = model_.tree();
+  const std::uint32_t node = bvh::child_of(tree, entry.slot);
+  for (std::uint32_t k = 0; k < tree.nodes[node].child_count; ++k) {
+    const bvh::SlotId slot = node * bvh::width + k;
+    const double away = geometry::safe_length(center_of(slot) - center.at) * base::outward + radius_of(slot);
+    const double bound = std::min({entry.bound, center.depth + away, reach_from(center.surface, slot)});
+    if (!can_win(bound)) continue;
+    waiting_.push_back({bound, slot, center.depth > away + error_, center.surface});
+    std::push_heap(waiting_.begin(), waiting_.end(), is_later);
+  }
+}
+
+void DeepestVertexSearch::compare_vertices(const Entry& entry, const Depth& center, Meter& meter) {
+  const bvh::Leaf& leaf = bvh::leaf_of(model_.tree(), entry.slot);
+  for (const Corners& corners : leaf.vertices) {
+    for (const VertexId v : corners) {
+      if (is_compared_[v]) continue;
+      const Vec3 position = model_.position(v);
+      const double away = geometry::safe_length(position - center.at) * base::outward;
+      const double from_surface = geometry::safe_length(position - center.surface) * base::outward + error_;
+      if (!can_win(std::min(center.depth + away, from_surface))) continue;
+      compare(v, position, from_surface, center.depth > away + error_, meter);
+    }
+  }
+}
+
+void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farthest, bool is_inside, Meter& meter) {
+  is_compared_[v] = true;
+  if (!is_inside && !contains(solid_, position, meter)) return;
+  const std::optional<SurfacePoint> closest = closest_.find(position, farthest, meter.stats);
+  LIMBER_ASSERT(closest.has_value());
+  if (best_ && (closest->distance < best_->depth || (closest->distance == best_->depth && v > best_->vertex))) return;
+  best_ = DeepestVertex{v, closest->distance, position, *closest, way_out(solid_, position, *closest)};
+}
+
+Vec3 way_out(const point::PlacedModel& solid, const Vec3& position, const SurfacePoint& closest) {
+  const Triangle t = solid.triangle(solid.mesh().triangles[closest.triangle]);
+  const Vec3 edge = t.v1 - t.v0, other = t.v2 - t.v0, out = closest.position - position;
+  const double extent = std::max({max_abs(t.v0 - position), max_abs(t.v1 - position), max_abs(t.v2 - position)});
+  const auto unit = [](const Vec3& v) {
+    const Vec3 scaled = geometry::near_unit(v);
+    return scaled * (1 / length(scaled));
+  };
+  if (max_abs(out) > hardly_apart * extent) return unit(out);
+  if (max_abs(edge) > 0 && max_abs(other) > 0) {
+    const Vec3 normal = cross(geometry::near_unit(edge), geometry::near_unit(other));
+    if (max_abs(normal) > 0) return unit(normal);
+  }
+  return max_abs(out) > 0 ? unit(out) : Vec3{0, 0, 1};
+}
+
+}  // namespace limber::penetration

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "bvh/tree.h"
+#include "limber/penetration.h"
+#include "penetration/meter.h"
+#include "point/closest_point.h"
+#include "point/placed_model.h"
+
+namespace limber::penetration {
+
+/// Finds the vertex of a model that is deepest inside of a closed one, the solid.
+///
+/// Based on  Branch and bound, best first. No vertex of a node is deeper than the node's center by more than the radius
+///           of its sphere, nor than its distance from any point of the solid's surface.
+class DeepestVertexSearch {
+ public:
+  DeepestVertexSearch(const point::PlacedModel& model, const point::PlacedModel& solid);
+
+  /// Searches until the meter is spent, and keeps what is deepest.
+  void run(Meter& meter);
+
+  const std::optional<DeepestVertex>& deepest() const { return best_; }
+  /// No vertex is deeper in the solid than this, up to rounding; below 0 if none is in it.
+  double upper() const;
+
+ private:
+  /// A point, how deep it is in the solid, negative outside, and the closest point of the solid's surface.
+  struct Depth {
+    Vec3 at;  // in the world
+    double depth;
+    Vec3 surface;  // in the world
+  };
+  struct Entry {
+    double bound;  // no vertex below the slot is deeper
+    bvh::SlotId slot;
+    bool is_inside;  // whether all vertices below it are known to be inside
+    Vec3 surface;    // a point of the solid's surface, in the world; that with the bound is the best known near the slot
+  };
+
+  static bool is_later(const Entry& p, const Entry& q);
+  bool can_win(double bound) const { return bound + error_ >= (best_ ? best_->depth : 0); }
+  Vec3 center_of(bvh::SlotId slot) const;
+  double radius_of(bvh::SlotId slot) const;
+  double reach_from(const Vec3& surface, bvh::SlotId slot) const;
+  std::optional<Depth> depth_at(const Entry& entry, Meter& meter);
+  void add_children(const Entry& entry, const Depth& center);
+  void compare_vertices(const Entry& entry, const Depth& center, Meter& meter);
+  void compare(VertexId v, const Vec3& position, double farthest, bool is_inside, Meter& meter);
+
+  const point::PlacedModel &model_, &solid_;
+  point::ClosestPointSearch closest_;
+  double error_;  // what rounding of placed points can change a length by
+  std::vector<Entry> waiting_;  // a heap with the largest bound first
+  std::vector<bool> is_compared_;
+  std::optional<DeepestVertex> best_;
+};
+
+/// The way out of a solid, of length 1, from a position in it to the closest point of its surface.
+Vec3 way_out(const point::PlacedModel& solid, const Vec3& position, const SurfacePoint& closest);
+
+}  // namespace limber::penetration

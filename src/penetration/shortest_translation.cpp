@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The translations that do not make two convex bodies apart are a convex set, and a sweep along a direction finds where
+// that direction leaves it, and a plane that bounds it there. The nearest point of that plane lies along its normal. So
+// a sweep along the normal is no longer than the last one, and so on to a facet whose normal leads to itself. Bodies
+// that are not convex take the same steps, which are kept while they shorten the translation.
+#include "penetration/shortest_translation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+#include "geometry/local_frame.h"
+#include "geometry/rigid.h"
+#include "limber/contacts.h"
+#include "limber/distance.h"
+#include "penetration/deepest_vertex.h"
+
+namespace limber::penetration {
+namespace {
+
+constexpr std::size_t most_intersections = 4096;  // that are looked at, for a direction
+constexpr int most_refinements = 16, most_pushes = 16;
+// A refinement has to shorten a translation by this part of it to be worth another one.
+constexpr double least_gain = 0x1p-10;
+// How far a direction is turned away from a surface that b would slide along.
+constexpr double turn_aside = 0x1p-10;
+
+Vec3 unit(const Vec3& v) {
+  const Vec3 scaled = geometry::near_unit(v);
+  return scaled * (1 / length(scaled));
+}
+
+Placed moved(const Placed& body, const Vec3& translation) {
+  return {body.model(), {body.pose.rotation, body.pose.translation + translation}};
+}
+
+Vec3 center_of(const Placed& body) { return body.pose(body.model().bounding_sphere().center); }
+
+/// A normal of length 1, or 0 where a triangle has none.
+Vec3 normal_of(const Triangle& t) {
+  const Vec3 edge = t.v1 - t.v0, other = t.v2 - t.v0;
+  if (max_abs(edge) == 0 || max_abs(other) == 0) return {};
+  const Vec3 normal = cross(geometry::near_unit(edge), geometry::near_unit(other));
+  return max_abs(normal) > 0 ? unit(normal) : Vec3{};
+}
+
+}  // namespace
+
+DeepestVertices find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter) {
+  DeepestVertexSearch of_a(a, b), of_b(b, a);
+  of_a.run(meter), of_b.run(meter);
+  return {of_a.deepest(), of_b.deepest(), std::max({of_a.upper(), of_b.upper(), 0.0}), meter.stopped_by(), {}};
+}
+
+ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, double relative_error, Meter& meter)
+    : a_(a),
+      b_(b),
+      placed_a_(a),
+      placed_b_(b),
+      relative_error_(relative_error),
+      meter_(meter),
+      sweep_(placed_a_, placed_b_),
+      balls_(placed_a_, placed_b_) {
+  const Vec3 between = center_of(b) - center_of(a);
+  const double radii = a.model().bounding_sphere().radius + b.model().bounding_sphere().radius;
+  const double apart = geometry::safe_length(between);
+  upper_ = std::max(0.0, radii * (1 + base::rigidity_error) - apart * (1 - 0x1p-40)) + 4 * sweep_.tolerance();
+  translation_ = upper_ * (apart > 0 ? unit(between) : Vec3{1, 0, 0});
+  upper_ *= base::outward;
+}
+
+bool ShortestTranslation::is_done() {
+  return upper_ <= (1 + relative_error_) * lower_ + 4 * sweep_.tolerance() || meter_.stopped_by() != StoppedBy::nothing;
+}
+
+/// Takes a translation that is shorter than the best one, if a query proves that the surfaces do not meet after it.
+/// Pre: neither body is inside of the other then.
+bool ShortestTranslation::accept(const Vec3& translation) {
+  const double size = geometry::safe_length(translation) * base::outward;
+  const Placed b = moved(b_, translation);
+  if (size >= upper_ || !geometry::is_rigid(b.pose)) return false;
+  const CollideResult met = collide(a_, b);
+  meter_.stats.node_tests += met.stats.node_tests, meter_.stats.triangle_tests += met.stats.triangle_tests;
+  if (!met.is_no()) return false;
+  translation_ = translation, upper_ = size;
+  return true;
+}
+
+void ShortestTranslation::run(const DeepestVertices& deepest) {
+  look_at_intersections();
+  raise_lower(deepest);
+  add_directions(deepest);
+  for (const Vec3& direction : directions_) {
+    SweepResult found;
+    if (!is_done() && shorten_along(direction, found)) refine(direction, found);
+  }
+  if (!is_done()) push_out(deepest);
+  LIMBER_ASSERT(lower_ <= upper_);
+}
+
+/// Where the surfaces meet, their normals tell the way out, and their middle is often a common point.
+void ShortestTranslation::look_at_intersections() {
+  Vec3 way, middle;
+  std::size_t count = 0;
+  const PairCount found = visit_intersections(a_, b_, [&](const TrianglePair& pair) {
+    const Triangle a = placed_a_.triangle(placed_a_.mesh().triangles[pair.a]);
+    const Triangle b = placed_b_.triangle(placed_b_.mesh().triangles[pair.b]);
+    way = way + normal_of(a) - normal_of(b);
+    middle = middle + (a.v0 + a.v1 + a.v2) * (1.0 / 6) + (b.v0 + b.v1 + b.v2) * (1.0 / 6);
+    return ++count < most_intersections && !meter_.is_spent();
+  });
+  meter_.stats.node_tests += found.stats.node_tests, meter_.stats.triangle_tests += found.stats.triangle_tests;
+  if (count == 0) return;
+  if (max_abs(way) > 0) directions_.push_back(unit(way));
+  starts_.push_back(middle * (1.0 / static_cast<double>(count)));
+}
+
+void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {
+  for (const auto& vertex : {deepest.of_a, deepest.of_b}) {
+    if (!vertex) continue;
+    lower_ = std::max(lower_, vertex->depth);
+    starts_.push_back(0.5 * (vertex->position + vertex->closest.position));
+  }
+  for (const Vec3& start : starts_) balls_.climb(start, meter_);
+  if (!balls_.best()) return;
+  lower_ = std::max(lower_, balls_.best()->radii - 2 * sweep_.tolerance());
+  const Vec3 between = balls_.best()->exit_a - balls_.best()->exit_b;
+  if (max_abs(between) > 0) directions_.push_back(unit(between));
+}
+
+void ShortestTranslation::add_directions(const DeepestVertices& deepest) {
+  if (deepest.of_a) directions_.push_back(-deepest.of_a->direction);
+  if (deepest.of_b) directions_.push_back(deepest.of_b->direction);
+  const Vec3 between = center_of(b_) - center_of(a_);
+  if (max_abs(between) > 0) directions_.push_back(unit(between));
+  for (const Placed* body : {&a_, &b_}) {
+    const Mat3 axes = transpose(body->pose.rotation);
+    for (const Vec3& axis : {axes.row0, axes.row1, axes.row2}) {
+      directions_.push_back(unit(axis)), directions_.push_back(-unit(axis));
+    }
+  }
+}
+
+/// Whether a direction gives a shorter translation, which is then taken.
+bool ShortestTranslation::shorten_along(const Vec3& direction, SweepResult& found) {
+  found = sweep_.along(direction, meter_, upper_);
+  return !found.is_over && accept((found.upper * base::outward + sweep_.tolerance()) * direction);
+}
+
+void ShortestTranslation::refine(Vec3 direction, SweepResult found) {
+  for (int i = 0; i < most_refinements && !is_done() && found.upper > 0; ++i) {
+    const double before = upper_;
+    const double turn = std::max(turn_aside, 2 * found.overlap_aside / found.upper);
+    const Vec3 tries[] = {found.normal, unit(direction + found.normal), unit(direction + turn * found.aside)};
+    for (const Vec3& next : tries) {
+      SweepResult there;
+      if (max_abs(next - direction) == 0 || !shorten_along(next, there)) continue;
+      direction = next, found = there;
+      break;
+    }
+    if (upper_ > (1 - least_gain) * before) return;
+  }
+}
+
+/// Moves b by what the deepest vertex has to go, again and again. That finds the way where b is in a cavity of a.
+void ShortestTranslation::push_out(DeepestVertices deepest) {
+  Vec3 translation;
+  for (int i = 0; i < most_pushes && (deepest.of_a || deepest.of_b); ++i) {
+    const bool is_of_a = deepest.of_a && (!deepest.of_b || deepest.of_a->depth >= deepest.of_b->depth);
+    const DeepestVertex& vertex = is_of_a ? *deepest.of_a : *deepest.of_b;
+    const double size = vertex.depth * base::outward + 4 * sweep_.tolerance();
+    translation = translation + size * (is_of_a ? -vertex.direction : vertex.direction);
+    const Placed b = moved(b_, translation);
+    if (!(geometry::safe_length(translation) < upper_) || !geometry::is_rigid(b.pose)) return;
+    deepest = find_deepest(placed_a_, point::PlacedModel(b), meter_);
+  }
+  if (!deepest.of_a && !deepest.of_b && deepest.stopped_by == StoppedBy::nothing) accept(translation);
+}
+
+}  // namespace limber::penetration

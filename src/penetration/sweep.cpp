@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "penetration/sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "base/check.h"
+#include "base/error_bounds.h"
+
+namespace limber::penetration {
+namespace {
+
+/// An axis of the world in a model's frame. Heights of points are then exact, whether or not the rotation is.
+Vec3 in_model(const point::PlacedModel& model, const Vec3& axis) { return transpose(model.pose().rotation) * axis; }
+
+Vec3 perpendicular_to(const Vec3& n) {
+  const Vec3 a = abs(n);
+  const Vec3 axis = a.x <= a.y && a.x <= a.z ? Vec3{1, 0, 0} : a.y <= a.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  const Vec3 across = cross(n, axis);
+  return across * (1 / length(across));
+}
+
+struct Extents {
+  Vec3 low, high;
+};
+Extents extents_of(const Triangle& t) { return {min(min(t.v0, t.v1), t.v2), max(max(t.v0, t.v1), t.v2)}; }
+
+}  // namespace
+
+Sweep::Sweep(const point::PlacedModel& a, const point::PlacedModel& b) : a_{&a, {}, {}, {}}, b_{&b, {}, {}, {}} {
+  const double magnitude = a.magnitude() + b.magnitude();
+  // No coordinate is above `magnitude`, and b moves by twice that at most.
+  scale_ = std::ldexp(1.0, -std::max(std::ilogb(std::max(magnitude, 0x1p-1000)), -1000) - 1);
+  error_ = 4 * base::placement_error;
+  LIMBER_ASSERT(magnitude * scale_ <= 1);
+}
+
+void Sweep::set_direction(const Vec3& direction) {
+  z_ = direction, x_ = perpendicular_to(direction), y_ = cross(z_, x_);
+  for (Side* side : {&a_, &b_}) {
+    side->x = in_model(*side->model, x_), side->y = in_model(*side->model, y_), side->z = in_model(*side->model, z_);
+  }
+}
+
+/// Standard libraries differ in how heaps order ties, so there are none.
+bool Sweep::is_later(const Entry& p, const Entry& q) {
+  return p.bound != q.bound ? p.bound < q.bound : p.a != q.a ? p.a > q.a : p.b > q.b;
+}
+
+SweepResult Sweep::along(const Vec3& direction, Meter& meter, double enough) {
+  LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 1e-12);
+  set_direction(direction);
+  best_ = {};
+  waiting_.clear();
+  const double scaled_enough = enough * scale_;
+  add({bound_of(project(a_, bvh::root_slot), project(b_, bvh::root_slot)), bvh::root_slot, bvh::root_slot});
+  while (!waiting_.empty() && waiting_.front().bound > best_.upper && best_.lower < scaled_enough) {
+    if (meter.is_spent()) {
+      best_.upper = waiting_.front().bound;
+      break;
+    }
+    std::pop_heap(waiting_.begin(), waiting_.end(), is_later);
+    const Entry next = waiting_.back();
+    waiting_.pop_back();
+    if (bvh::has_leaf_or_coincides(a_.model->tree(), next.a) && bvh::has_leaf_or_coincides(b_.model->tree(), next.b)) {
+      compare_leaves(next, meter);
+    } else {
+      expand(next, meter);
+    }
+  }
+  SweepResult found = best_;
+  found.is_over = best_.lower >= scaled_enough;
+  found.lower /= scale_, found.upper /= scale_, found.overlap_aside /= scale_;
+  LIMBER_ASSERT(found.lower >= 0 && (found.is_over || found.lower <= found.upper));
+  return found;
+}
+
+Sweep::Projection Sweep::project(const Side& side, bvh::SlotId slot) const {
+  const bvh::Tree& tree = side.model->tree();
+  const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
+  const std::uint32_t k = bvh::slot_of(slot);
+  const double to_scaled = tree.unit * scale_ * base::outward, radius = n.radius[k];
+  const Vec3 half{n.half_x[k], n.half_y[k], n.half_z[k]}, normal{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
+  // The slab bounds the part of a length along its normal, the sphere the rest.
+  const double along = dot(normal, side.z), low = n.low[k], high = n.high[k];
+  const double rest = length(side.z - along * normal) * radius;
+  const double reach = std::min(radius * length(side.z), dot(abs(side.z), half));
+  const double more = tree.slack * scale_ * base::outward + error_;
+  const auto bounded = [&](double units) { return units * to_scaled * (1 + base::rigidity_error) + more; };
+  return {scaled(side.model->pose()(bvh::slot_center(tree, slot))),
+          bounded(radius),
+          bounded(std::min(radius, dot(abs(side.x), half))),
+          bounded(std::min(radius, dot(abs(side.y), half))),
+          bounded(std::min(reach, std::max(along * low, along * high) + rest)),
+          bounded(std::min(reach, std::max(-along * low, -along * high) + rest))};
+}
+
+/// How far b moves at most while two volumes may meet; below 0 if they never do.
+double Sweep::bound_of(const Projection& a, const Projection& b) const {
+  const Vec3 apart = a.center - b.center;
+  const double radii = a.radius + b.radius, left = radii * radii - apart.x * apart.x - apart.y * apart.y;
+  if (!(left >= 0)) return LastContact::never;
+  if (std::abs(apart.x) > a.half_x + b.half_x || std::abs(apart.y) > a.half_y + b.half_y) return LastContact::never;
+  return apart.z + std::min(a.up + b.down, std::sqrt(left) * base::outward) + error_;
+}
+
+void Sweep::add(const Entry& entry) {
+  if (!(entry.bound > best_.upper)) return;
+  waiting_.push_back(entry);
+  std::push_heap(waiting_.begin(), waiting_.end(), is_later);
+}
+
+/// Replaces the larger volume by its children.
+void Sweep::expand(const Entry& entry, Meter& meter) {
+  const bvh::Tree &tree_a = a_.model->tree(), &tree_b = b_.model->tree();
+  const Projection of_a = project(a_, entry.a), of_b = project(b_, entry.b);
+  const bool opens_a = bvh::has_leaf_or_coincides(tree_b, entry.b) ||
+                       (!bvh::has_leaf_or_coincides(tree_a, entry.a) && of_a.radius >= of_b.radius);
+  const bvh::Tree& tree = opens_a ? tree_a : tree_b;
+  const std::uint32_t node = bvh::child_of(tree, opens_a ? entry.a : entry.b);
+  meter.stats.node_tests += tree.nodes[node].child_count;
+  for (std::uint32_t k = 0; k < tree.nodes[node].child_count; ++k) {
+    const bvh::SlotId child = node * bvh::width + k;
+    if (opens_a) {
+      add({std::min(entry.bound, bound_of(project(a_, child), of_b)), child, entry.b});
+    } else {
+      add({std::min(entry.bound, bound_of(of_a, project(b_, child))), entry.a, child});
+    }
+  }
+}
+
+void Sweep::compare_leaves(const Entry& entry, Meter& meter) {
+  const bvh::Leaf& leaf_a = bvh::first_leaf(a_.model->tree(), entry.a).leaf;
+  const bvh::Leaf& leaf_b = bvh::first_leaf(b_.model->tree(), entry.b).leaf;
+  const auto triangles_of = [&](const Side& side, const bvh::Leaf& leaf) {
+    std::array<Triangle, bvh::width> triangles;
+    for (std::size_t k = 0; k < bvh::width; ++k) {
+      const Triangle t = side.model->triangle(leaf.vertices[k]);
+      triangles[k] = {scaled(t.v0), scaled(t.v1), scaled(t.v2)};
+    }
+    return triangles;
+  };
+  const auto triangles_a = triangles_of(a_, leaf_a), triangles_b = triangles_of(b_, leaf_b);
+  for (std::size_t i = 0; i < bvh::width; ++i) {
+    const Extents of_a = extents_of(triangles_a[i]);
+    for (std::size_t k = 0; k < bvh::width; ++k) {
+      const Extents of_b = extents_of(triangles_b[k]);
+      if (of_a.high.z - of_b.low.z + error_ <= best_.upper) continue;
+      if (of_a.low.x - of_b.high.x > error_ || of_b.low.x - of_a.high.x > error_) continue;
+      if (of_a.low.y - of_b.high.y > error_ || of_b.low.y - of_a.high.y > error_) continue;
+      ++meter.stats.triangle_tests;
+      compare(leaf_a, i, triangles_a[i], leaf_b, k, triangles_b[k]);
+    }
+  }
+}
+
+void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, const bvh::Leaf& leaf_b, std::size_t k,
+                    const Triangle& b) {
+  LastContact contact = bound_last_contact(a, b, error_);
+  if (!(contact.upper > best_.upper)) return;
+  best_.upper = contact.upper;
+  const auto in_world = [&](const Vec3& n) { return n.x * x_ + n.y * y_ + n.z * z_; };
+  best_.normal = in_world(contact.normal * (1 / length(contact.normal)));
+  best_.aside = in_world(contact.aside), best_.overlap_aside = contact.overlap_aside;
+  find_last_contact(a, b, 2 * error_, contact);
+  if (!(contact.lower > best_.lower)) return;
+  best_.lower = std::min(contact.lower, best_.upper);
+  const auto point_of = [](const Triangle& t, const Vec3& w) { return w.x * t.v0 + w.y * t.v1 + w.z * t.v2; };
+  best_.witness =
+      Witness{point_of(a_.model->triangle(leaf_a.vertices[i]), contact.weights_a),
+              point_of(b_.model->triangle(leaf_b.vertices[k]), contact.weights_b), leaf_a.triangle[i], leaf_b.triangle[k]};
+}
+
+}  // namespace limber::penetration
