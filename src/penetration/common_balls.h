@@ -14,8 +14,8 @@ namespace limber::penetration {
 /// A point that two bodies have in common, and the largest balls about it in each.
 struct CommonBalls {
   Vec3 center;
-  double radii = 0;     ///< the sum of both radii
-  Vec3 exit_a, exit_b;  ///< the closest points of both surfaces
+  double radii = 0;   ///< the sum of both radii
+  Vec3 out_a, out_b;  ///< the shortest ways out of both bodies, of length 1
 };
 
 /// Looks for balls about a common point of two bodies, as large as possible. Each translation that parts the bodies
@@ -27,8 +27,8 @@ class CommonBallsSearch {
   /// The balls about a point; nothing if it is not in both bodies.
   std::optional<CommonBalls> at(const Vec3& point, Meter& meter);
 
-  /// Goes uphill from a point while that makes the balls larger.
-  void climb(const Vec3& start, Meter& meter);
+  /// Goes uphill from a point while that makes the balls larger. The first step is at most `reach` long.
+  void climb(const Vec3& start, double reach, Meter& meter);
 
   const std::optional<CommonBalls>& best() const { return best_; }
 

@@ -11,6 +11,7 @@
 #include "base/error_bounds.h"
 #include "bvh/reach.h"
 #include "geometry/local_frame.h"
+#include "penetration/way_out.h"
 #include "point/ray_crossings.h"
 
 namespace limber::penetration {
@@ -19,9 +20,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Lengths in a model's frame and in the world differ by that factor at most, as rotations are only nearly orthonormal.
 constexpr double stretch = 1 + base::rigidity_error;
-// Closest points are off by 2^-50 of the extent. Directions between points that are this part of it apart, or more, are
-// off by less than 2^-23.
-constexpr double hardly_apart = 0x1p-26;
 
 bool contains(const point::PlacedModel& solid, const Vec3& point, Meter& meter) {
   const point::Surrounding surrounding = point::surrounding_of(solid, point, meter.stats);
@@ -138,22 +136,6 @@ void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farth
   LIMBER_ASSERT(closest.has_value());
   if (best_ && (closest->distance < best_->depth || (closest->distance == best_->depth && v > best_->vertex))) return;
   best_ = DeepestVertex{v, closest->distance, position, *closest, way_out(solid_, position, *closest)};
-}
-
-Vec3 way_out(const point::PlacedModel& solid, const Vec3& position, const SurfacePoint& closest) {
-  const Triangle t = solid.triangle(solid.mesh().triangles[closest.triangle]);
-  const Vec3 edge = t.v1 - t.v0, other = t.v2 - t.v0, out = closest.position - position;
-  const double extent = std::max({max_abs(t.v0 - position), max_abs(t.v1 - position), max_abs(t.v2 - position)});
-  const auto unit = [](const Vec3& v) {
-    const Vec3 scaled = geometry::near_unit(v);
-    return scaled * (1 / length(scaled));
-  };
-  if (max_abs(out) > hardly_apart * extent) return unit(out);
-  if (max_abs(edge) > 0 && max_abs(other) > 0) {
-    const Vec3 normal = cross(geometry::near_unit(edge), geometry::near_unit(other));
-    if (max_abs(normal) > 0) return unit(normal);
-  }
-  return max_abs(out) > 0 ? unit(out) : Vec3{0, 0, 1};
 }
 
 }  // namespace limber::penetration

@@ -60,7 +60,4 @@ class DeepestVertexSearch {
   std::optional<DeepestVertex> best_;
 };
 
-/// The way out of a solid, of length 1, from a position in it to the closest point of its surface.
-Vec3 way_out(const point::PlacedModel& solid, const Vec3& position, const SurfacePoint& closest);
-
 }  // namespace limber::penetration

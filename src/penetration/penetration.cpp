@@ -10,10 +10,10 @@
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "geometry/local_frame.h"
 #include "penetration/deepest_vertex.h"
 #include "penetration/shortest_translation.h"
 #include "penetration/sweep.h"
+#include "penetration/way_out.h"
 
 namespace limber {
 
@@ -37,8 +37,7 @@ SeparatingTranslation separating_translation(const ClosedSurface& a, const Trans
   penetration::Meter meter(budget);
   penetration::Sweep sweep(placed_a, placed_b);
   SeparatingTranslation result;
-  const Vec3 scaled = geometry::near_unit(direction * (max_abs(direction) > 1 ? 0x1p-100 : 1));
-  result.direction = scaled * (1 / length(scaled));
+  result.direction = penetration::unit(direction * (max_abs(direction) > 1 ? 0x1p-100 : 1));
   const penetration::SweepResult found = sweep.along(result.direction, meter);
   result.lower = found.lower, result.upper = found.upper, result.witness = found.witness;
   result.stopped_by = meter.stopped_by(), result.stats = meter.stats;

@@ -10,29 +10,28 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "geometry/local_frame.h"
 #include "geometry/rigid.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "penetration/deepest_vertex.h"
+#include "penetration/way_out.h"
 
 namespace limber::penetration {
 namespace {
 
-constexpr std::size_t most_intersections = 4096;  // that are looked at, for a direction
+constexpr std::size_t most_contacts = 4096, most_contact_starts = 4;  // that are looked at, and to climb from
 constexpr int most_refinements = 16, most_pushes = 16;
 // A refinement has to shorten a translation by this part of it to be worth another one.
 constexpr double least_gain = 0x1p-10;
 // How far a direction is turned away from a surface that b would slide along.
 constexpr double turn_aside = 0x1p-10;
-
-Vec3 unit(const Vec3& v) {
-  const Vec3 scaled = geometry::near_unit(v);
-  return scaled * (1 / length(scaled));
-}
+// By how much a direction is turned to look for a better one, if all else is done.
+constexpr double widest_look = 0.5, narrowest_look = 0.03;
 
 Placed moved(const Placed& body, const Vec3& translation) {
   return {body.model(), {body.pose.rotation, body.pose.translation + translation}};
@@ -40,13 +39,19 @@ Placed moved(const Placed& body, const Vec3& translation) {
 
 Vec3 center_of(const Placed& body) { return body.pose(body.model().bounding_sphere().center); }
 
-/// A normal of length 1, or 0 where a triangle has none.
-Vec3 normal_of(const Triangle& t) {
-  const Vec3 edge = t.v1 - t.v0, other = t.v2 - t.v0;
-  if (max_abs(edge) == 0 || max_abs(other) == 0) return {};
-  const Vec3 normal = cross(geometry::near_unit(edge), geometry::near_unit(other));
-  return max_abs(normal) > 0 ? unit(normal) : Vec3{};
-}
+/// A few of many points, evenly spread over their order, and the sum of all.
+struct PointSample {
+  std::vector<Vec3> points;
+  std::size_t count = 0, stride = 1;
+
+  void add(const Vec3& p) {
+    if (count++ % stride != 0) return;
+    points.push_back(p);
+    if (points.size() < 2 * most_contact_starts) return;
+    for (std::size_t i = 0; i < most_contact_starts; ++i) points[i] = points[2 * i];
+    points.resize(most_contact_starts), stride *= 2;
+  }
+};
 
 }  // namespace
 
@@ -91,7 +96,7 @@ bool ShortestTranslation::accept(const Vec3& translation) {
 }
 
 void ShortestTranslation::run(const DeepestVertices& deepest) {
-  look_at_intersections();
+  look_at_contacts();
   raise_lower(deepest);
   add_directions(deepest);
   for (const Vec3& direction : directions_) {
@@ -99,24 +104,24 @@ void ShortestTranslation::run(const DeepestVertices& deepest) {
     if (!is_done() && shorten_along(direction, found)) refine(direction, found);
   }
   if (!is_done()) push_out(deepest);
+  if (!is_done()) look_around();
   LIMBER_ASSERT(lower_ <= upper_);
 }
 
-/// Where the surfaces meet, their normals tell the way out, and their middle is often a common point.
-void ShortestTranslation::look_at_intersections() {
-  Vec3 way, middle;
-  std::size_t count = 0;
-  const PairCount found = visit_intersections(a_, b_, [&](const TrianglePair& pair) {
-    const Triangle a = placed_a_.triangle(placed_a_.mesh().triangles[pair.a]);
-    const Triangle b = placed_b_.triangle(placed_b_.mesh().triangles[pair.b]);
-    way = way + normal_of(a) - normal_of(b);
-    middle = middle + (a.v0 + a.v1 + a.v2) * (1.0 / 6) + (b.v0 + b.v1 + b.v2) * (1.0 / 6);
-    return ++count < most_intersections && !meter_.is_spent();
-  });
+/// Where the surfaces meet, normals tell the way out, and both insides are near.
+void ShortestTranslation::look_at_contacts() {
+  Vec3 way;
+  PointSample sample;
+  const PairCount found = visit_contacts(a_, b_, 0, [&](const Contact& contact) {
+    if (contact.normal_side == NormalSide::outward) way = way + contact.normal;
+    sample.add(contact.point_a);
+    return sample.count < most_contacts && !meter_.is_spent();
+  }, {.oriented_faces = OrientedFaces::both});
   meter_.stats.node_tests += found.stats.node_tests, meter_.stats.triangle_tests += found.stats.triangle_tests;
-  if (count == 0) return;
   if (max_abs(way) > 0) directions_.push_back(unit(way));
-  starts_.push_back(middle * (1.0 / static_cast<double>(count)));
+  starts_ = std::move(sample.points);
+  // Between two of them, both insides are nearer still.
+  for (std::size_t i = 1, count = starts_.size(); i < count; ++i) starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
 }
 
 void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {
@@ -125,10 +130,12 @@ void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {
     lower_ = std::max(lower_, vertex->depth);
     starts_.push_back(0.5 * (vertex->position + vertex->closest.position));
   }
-  for (const Vec3& start : starts_) balls_.climb(start, meter_);
+  starts_.push_back(center_of(a_)), starts_.push_back(center_of(b_));
+  const double reach = std::min(a_.model().bounding_sphere().radius, b_.model().bounding_sphere().radius);
+  for (const Vec3& start : starts_) balls_.climb(start, reach, meter_);
   if (!balls_.best()) return;
   lower_ = std::max(lower_, balls_.best()->radii - 2 * sweep_.tolerance());
-  const Vec3 between = balls_.best()->exit_a - balls_.best()->exit_b;
+  const Vec3 between = balls_.best()->out_a - balls_.best()->out_b;
   if (max_abs(between) > 0) directions_.push_back(unit(between));
 }
 
@@ -163,6 +170,21 @@ void ShortestTranslation::refine(Vec3 direction, SweepResult found) {
       break;
     }
     if (upper_ > (1 - least_gain) * before) return;
+  }
+}
+
+/// Turns the best direction a little to each side, and less where that is no better.
+void ShortestTranslation::look_around() {
+  for (double turn = widest_look; turn >= narrowest_look && !is_done();) {
+    const Vec3 direction = unit(translation_), side = perpendicular_to(direction), other = cross(direction, side);
+    bool is_better = false;
+    for (const Vec3& aside : {side, other, -side, -other}) {
+      SweepResult found;
+      if (is_better || is_done() || !shorten_along(unit(direction + turn * aside), found)) continue;
+      refine(unit(translation_), found);
+      is_better = true;
+    }
+    if (!is_better) turn *= 0.5;
   }
 }
 

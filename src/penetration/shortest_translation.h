@@ -32,10 +32,11 @@ class ShortestTranslation {
   bool is_done();
   bool accept(const Vec3& translation);
   void raise_lower(const DeepestVertices& deepest);
-  void look_at_intersections();
+  void look_at_contacts();
   void add_directions(const DeepestVertices& deepest);
   bool shorten_along(const Vec3& direction, SweepResult& found);
   void refine(Vec3 direction, SweepResult found);
+  void look_around();
   void push_out(DeepestVertices deepest);
 
   Placed a_, b_;

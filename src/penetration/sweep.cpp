@@ -9,19 +9,13 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
+#include "penetration/way_out.h"
 
 namespace limber::penetration {
 namespace {
 
 /// An axis of the world in a model's frame. Heights of points are then exact, whether or not the rotation is.
 Vec3 in_model(const point::PlacedModel& model, const Vec3& axis) { return transpose(model.pose().rotation) * axis; }
-
-Vec3 perpendicular_to(const Vec3& n) {
-  const Vec3 a = abs(n);
-  const Vec3 axis = a.x <= a.y && a.x <= a.z ? Vec3{1, 0, 0} : a.y <= a.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  const Vec3 across = cross(n, axis);
-  return across * (1 / length(across));
-}
 
 struct Extents {
   Vec3 low, high;
