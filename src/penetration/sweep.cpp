@@ -26,9 +26,9 @@ Extents extents_of(const Triangle& t) { return {min(min(t.v0, t.v1), t.v2), max(
 
 Sweep::Sweep(const point::PlacedModel& a, const point::PlacedModel& b) : a_{&a, {}, {}, {}}, b_{&b, {}, {}, {}} {
   const double magnitude = a.magnitude() + b.magnitude();
-  // No coordinate is above `magnitude`, and b moves by twice that at most.
+  // So no coordinate is above 1/2, and b moves by 1 at most.
   scale_ = std::ldexp(1.0, -std::max(std::ilogb(std::max(magnitude, 0x1p-1000)), -1000) - 1);
-  error_ = 4 * base::placement_error;
+  error_ = base::placement_error;
   LIMBER_ASSERT(magnitude * scale_ <= 1);
 }
 

@@ -67,7 +67,7 @@ class Sweep {
                const Triangle& b);
 
   Side a_, b_;
-  double scale_;  // a power of two that makes all coordinates about 1 or less
+  double scale_;  // a power of two that makes all coordinates less than 1
   double error_;  // of scaled lengths
   Vec3 x_, y_, z_;
   std::vector<Entry> waiting_;  // a heap with the largest bound first
