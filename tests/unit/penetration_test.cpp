@@ -230,6 +230,26 @@ TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
   }
 }
 
+TEST(DeepestVertices, MayHaveLeftTheirBoundsByTheMotionMargin) {
+  Model spiked(scenes::ball(24, 13), {.motion_margin = 1});
+  const ClosedSurface surface = ClosedSurface::create(spiked).value();
+  const Solid plate(box_mesh({1.25, -4, -4}, {4, 4, 4}));
+  for (VertexId v = 1; v < spiked.mesh().positions().size(); v += 7) {
+    const Vec3 home = spiked.mesh().positions()[v];
+    spiked.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{{1.75, 0, 0}}).value();
+    if (home.x < 0.75) spiked.rebuild();  // otherwise the margin absorbs the move
+    spiked.commit();
+    const DeepestVertices found = deepest_vertices(surface, {}, plate.surface, {});
+    ASSERT_TRUE(found.of_a);
+    EXPECT_EQ(found.of_a->vertex, v);
+    EXPECT_EQ(found.of_a->depth, 0.5);
+    EXPECT_NEAR(separating_translation(surface, {}, plate.surface, {}, {1, 0, 0}).upper, 0.5, 1e-11);
+    EXPECT_NEAR(signed_distance(surface, {}, plate.surface, {}).upper, -0.5, 1e-11);
+    spiked.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{home}).value();
+    spiked.commit();
+  }
+}
+
 TEST(DeepestVertices, AreNotThoseThatNoTriangleUses) {
   std::vector<Vec3> positions = box_corners({0, 0, 0}, {1, 1, 1});
   positions.insert(positions.begin(), Vec3{0.5, 0.5, 2});
