@@ -63,10 +63,9 @@ struct SeparatingTranslation {
 /// How far b has to be moved along a direction, while a rests, until it is apart from a and stays so however far it
 /// goes on. Surfaces that slide along each other meet: so a box in a corner moves along a wall to its end.
 ///
-/// Promise  lower <= true length <= upper, where lower is up to rounding. The two differ by rounding alone, unless the
-///          budget was spent; by more than 2^-43 of the bodies' extent and distance from the origin only where nearly
-///          parallel surfaces pass each other within that. collide() says no for b moved by `upper` along `direction`
-///          or more, as far as poses are rounded to 2^-48 of their size.
+/// Promise  lower <= true length <= upper, where `lower` is up to rounding: 2^-43 of the sum of both models' largest
+///          coordinates and translations. collide() says no for any pose of b that is moved by `upper` or more. Without
+///          a budget the two differ by little more than that rounding, unless surfaces pass each other as closely.
 /// Throws   As deepest_vertices(), and unless the direction is finite and its length above 0.
 /// Cost     A branch and bound over pairs of nodes: about that of a distance. Allocates.
 /// Budget   A step expands a pair of nodes, or compares two leaves. If the budget is spent, the interval still holds.
@@ -79,7 +78,7 @@ LIMBER_API SeparatingTranslation separating_translation(const ClosedSurface& a, 
 struct PenetrationOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.
   double relative_error = 0.01;
-  QueryBudget budget = {};  ///< a step is one of deepest_vertices() or of separating_translation()
+  QueryBudget budget = {};  ///< a step is one of deepest_vertices() or separating_translation(), or a contact
 };
 
 /// The signed distance of two bodies: their distance if they are apart, otherwise minus the length of the shortest
@@ -99,15 +98,15 @@ struct SolidDistance {
 ///
 /// Promise  lower <= signed distance <= upper, up to the rounding of distances (distance.h). Apart, both are the
 ///          distance. Otherwise
-///          upper   is minus a lower bound of the translation: a ball around a common point in a, and one in b, have
-///                  to come apart, so their radii count together. It is at least the depth of each vertex.
+///          upper   is minus a lower bound of the translation: a ball about a common point in a, and one in b, have to
+///                  come apart, so their radii count together. The depth of each vertex is such a bound, too.
 ///          lower   is minus the length of `translation`. For b moved by it, collide() says no, and neither body is in
 ///                  the other. The shortest translation of two bodies that are not convex is a problem that no local
 ///                  search solves, so this one need not be the shortest.
-///          Bodies that only touch have an interval that holds 0, within rounding if a plane parts them.
+///          Bodies that only touch have an interval that ends at 0.
 /// Throws   As deepest_vertices(), and unless the relative error is what its comment says.
-/// Cost     That of a distance and of deepest vertices, if the bodies are apart. Otherwise some ten to fifty
-///          separating translations. Allocates.
+/// Cost     That of a distance and of deepest vertices, if the bodies are apart. Otherwise that of some 20 to 100
+///          separating translations, fewer if the interval is soon small enough. Allocates.
 /// Budget   If it is spent, the interval still holds.
 /// Threads  As deepest_vertices().
 /// Source   docs/algorithms/penetration.md.

@@ -39,7 +39,7 @@ class DeepestVertexSearch {
     double bound;  // no vertex below the slot is deeper
     bvh::SlotId slot;
     bool is_inside;  // whether all vertices below it are known to be inside
-    Vec3 surface;    // a point of the solid's surface, in the world; that with the bound is the best known near the slot
+    Vec3 surface;  // a point of the solid's surface, in the world; that with the bound is the best known near the slot
   };
 
   static bool is_later(const Entry& p, const Entry& q);
@@ -54,7 +54,7 @@ class DeepestVertexSearch {
 
   const point::PlacedModel &model_, &solid_;
   point::ClosestPointSearch closest_;
-  double error_;  // what rounding of placed points can change a length by
+  double error_;                // what rounding of placed points can change a length by
   std::vector<Entry> waiting_;  // a heap with the largest bound first
   std::vector<bool> is_compared_;
   std::optional<DeepestVertex> best_;

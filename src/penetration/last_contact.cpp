@@ -75,9 +75,7 @@ std::array<Vec3, 3> edges_of(const Triangle& t) { return {t.v1 - t.v0, t.v2 - t.
 double cross_2d(const Vec3& p, const Vec3& q) { return p.x * q.y - p.y * q.x; }
 double dot_2d(const Vec3& p, const Vec3& q) { return p.x * q.x + p.y * q.y; }
 
-Vec3 point_of(const Triangle& t, const Vec3& weights) {
-  return weights.x * t.v0 + weights.y * t.v1 + weights.z * t.v2;
-}
+Vec3 point_of(const Triangle& t, const Vec3& weights) { return weights.x * t.v0 + weights.y * t.v1 + weights.z * t.v2; }
 
 Vec3 corner_weights(std::size_t corner) {
   Vec3 weights;

@@ -112,16 +112,19 @@ void ShortestTranslation::run(const DeepestVertices& deepest) {
 void ShortestTranslation::look_at_contacts() {
   Vec3 way;
   PointSample sample;
-  const PairCount found = visit_contacts(a_, b_, 0, [&](const Contact& contact) {
-    if (contact.normal_side == NormalSide::outward) way = way + contact.normal;
-    sample.add(contact.point_a);
-    return sample.count < most_contacts && !meter_.is_spent();
-  }, {.oriented_faces = OrientedFaces::both});
+  const PairCount found = visit_contacts(a_, b_, 0,
+                                         [&](const Contact& contact) {
+                                           if (contact.normal_side == NormalSide::outward) way = way + contact.normal;
+                                           sample.add(contact.point_a);
+                                           return sample.count < most_contacts && !meter_.is_spent();
+                                         },
+                                         {.oriented_faces = OrientedFaces::both});
   meter_.stats.node_tests += found.stats.node_tests, meter_.stats.triangle_tests += found.stats.triangle_tests;
   if (max_abs(way) > 0) directions_.push_back(unit(way));
   starts_ = std::move(sample.points);
   // Between two of them, both insides are nearer still.
-  for (std::size_t i = 1, count = starts_.size(); i < count; ++i) starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
+  for (std::size_t i = 1, count = starts_.size(); i < count; ++i)
+    starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
 }
 
 void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {

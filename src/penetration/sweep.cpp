@@ -163,9 +163,9 @@ void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, c
   if (!(contact.lower > best_.lower)) return;
   best_.lower = std::min(contact.lower, best_.upper);
   const auto point_of = [](const Triangle& t, const Vec3& w) { return w.x * t.v0 + w.y * t.v1 + w.z * t.v2; };
-  best_.witness =
-      Witness{point_of(a_.model->triangle(leaf_a.vertices[i]), contact.weights_a),
-              point_of(b_.model->triangle(leaf_b.vertices[k]), contact.weights_b), leaf_a.triangle[i], leaf_b.triangle[k]};
+  best_.witness = Witness{point_of(a_.model->triangle(leaf_a.vertices[i]), contact.weights_a),
+                          point_of(b_.model->triangle(leaf_b.vertices[k]), contact.weights_b), leaf_a.triangle[i],
+                          leaf_b.triangle[k]};
 }
 
 }  // namespace limber::penetration

@@ -59,7 +59,7 @@ class PlacedModel {
   const bvh::Tree* tree_;
   MeshView mesh_;
   Transform pose_;
-  Mat3 to_frame_;        // the inverse rotation
+  Mat3 to_frame_;  // the inverse rotation
   double magnitude_;
   Vec3 center_;          // of the root's sphere, in the model's frame
   double far_distance_;  // points farther from it are far

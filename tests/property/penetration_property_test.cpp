@@ -107,8 +107,7 @@ TEST_F(PenetrationProperty, SeparatingTranslationsAreThoseOfRationalArithmetic) 
     const SolidPair pair(rng);
     const Model model_a(pair.a), model_b(pair.b);
     const ClosedSurface a = ClosedSurface::create(model_a).value(), b = ClosedSurface::create(model_b).value();
-    const SeparatingTranslation found =
-        separating_translation(a, pair.pose_a, b, pair.pose_b, random_direction(rng));
+    const SeparatingTranslation found = separating_translation(a, pair.pose_a, b, pair.pose_b, random_direction(rng));
     const auto placed = [](const Mesh& mesh, const Transform& pose) {
       std::vector<Triangle> triangles;
       for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
@@ -236,7 +235,7 @@ TEST_P(RealPenetration, IsKnownWhereAPlateIsPushedIn) {
 TEST_P(RealPenetration, OfABodyInItselfIsProvenByOtherQueries) {
   const std::optional<Mesh> mesh = closed_real_mesh(GetParam());
   if (!mesh) GTEST_SKIP() << "no such mesh";
-  const Model model(*mesh), small(mapped(*mesh, [](const Vec3& p) { return 0.5 * p; }));
+  const Model model(*mesh), small(mapped(*mesh, [](const Vec3&p) { return 0.5 * p; }));
   const ClosedSurface body = ClosedSurface::create(model).value(), other = ClosedSurface::create(small).value();
   Rng rng(4006);
   for (int i = 0; i < 3; ++i) {

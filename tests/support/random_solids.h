@@ -57,8 +57,11 @@ inline Mesh random_solid(Rng& rng, std::uint64_t kinds = 8) {
       return hollow_box({0, 0, 0}, {4, 4, 4}, rng.below(2) == 0 ? 1 : rng.uniform(0.1, 1.9));
     case 5: {
       const Vec3 center = lattice_point(rng), stretch = uniform_point(rng, 0.05, 2);
-      return mapped(scenes::ball(3 + static_cast<std::uint32_t>(rng.below(6)), 2 + static_cast<std::uint32_t>(rng.below(4))),
-                    [&](const Vec3& p) { return center + Vec3{p.x * stretch.x, p.y * stretch.y, p.z * stretch.z}; });
+      return mapped(
+          scenes::ball(3 + static_cast<std::uint32_t>(rng.below(6)), 2 + static_cast<std::uint32_t>(rng.below(4))),
+          [&](const Vec3& p) {
+            return center + Vec3{p.x * stretch.x, p.y * stretch.y, p.z * stretch.z};
+          });
     }
     case 6: {
       const Vec3 center = lattice_point(rng);

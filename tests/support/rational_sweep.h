@@ -101,8 +101,7 @@ inline Rational rational_separation(const std::vector<Triangle>& a, const std::v
     const Box of_t = box_of(t);
     for (const Triangle& u : b) {
       const Box of_u = box_of(u);
-      const double slack =
-          0x1p-40 * (max_abs(of_t.low) + max_abs(of_t.high) + max_abs(of_u.low) + max_abs(of_u.high));
+      const double slack = 0x1p-40 * (max_abs(of_t.low) + max_abs(of_t.high) + max_abs(of_u.low) + max_abs(of_u.high));
       const Vec3 over = max(of_t.low - of_u.high, of_u.low - of_t.high);
       if (over.x <= slack && over.y <= slack) {
         pairs.push_back({(of_t.high.z - of_u.low.z + slack) / dot(d, d) * (1 + 0x1p-40), &t, &u});

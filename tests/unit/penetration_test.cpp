@@ -49,7 +49,8 @@ TEST(LastContact, IsThatOfRationalArithmetic) {
     Rng rng(4010);
     for (int i = 0; i < 150; ++i) {
       auto [a, b] = random_pair(rng, static_cast<PairKind>(kind));
-      const double most = std::max({max_abs(a.v0), max_abs(a.v1), max_abs(a.v2), max_abs(b.v0), max_abs(b.v1), max_abs(b.v2)});
+      const double most =
+          std::max({max_abs(a.v0), max_abs(a.v1), max_abs(a.v2), max_abs(b.v0), max_abs(b.v1), max_abs(b.v2)});
       if (!(most > 0x1p-1000)) continue;
       const double scale = std::ldexp(1.0, -std::ilogb(most) - 1);
       for (Vec3* corner : {&a.v0, &a.v1, &a.v2, &b.v0, &b.v1, &b.v2}) *corner *= scale;
@@ -82,7 +83,7 @@ TEST(Penetration, OfBoxesIsWhatTheirSidesSay) {
   expect_depth(signed_distance_of(box, box), 1);
   expect_depth(signed_distance_of(box, box, at({1, 0.5, 0})), 0);  // flush
   expect_depth(signed_distance_of(box, box, at({1, 1, 1})), 0);    // a corner at a corner
-  expect_depth(signed_distance_of(large, box), 4);  // inside without meeting
+  expect_depth(signed_distance_of(large, box), 4);                 // inside without meeting
   expect_depth(signed_distance_of(box, large), 4);
   expect_depth(signed_distance_of(large, box, at({3, 0, 0})), 1);  // inside, touching
   const SolidDistance apart = signed_distance_of(box, box, at({1.5, 0, 0}));
@@ -121,7 +122,8 @@ TEST(Penetration, InACavityLeadsBackIntoIt) {
 
 TEST(Penetration, AlongAWallIsTurnedAsideFromIt) {
   // A box in the corner of an L, flush with its wall, and 1/64 deep in its floor.
-  const Solid l_shape(scenes::lathe({{0, -1}, {4, -1}, {4, 4}, {3, 4}, {3, 0}, {0, 0}}, 4)), box(box_mesh({0, 0, 0}, {1, 1, 1}));
+  const Solid l_shape(scenes::lathe({{0, -1}, {4, -1}, {4, 4}, {3, 4}, {3, 0}, {0, 0}}, 4)),
+      box(box_mesh({0, 0, 0}, {1, 1, 1}));
   const double wall = 3 * std::sqrt(0.5);  // how far the sides are from the axis, turned by 45 degrees
   const Mat3 turned{{std::sqrt(0.5), std::sqrt(0.5), 0}, {-std::sqrt(0.5), std::sqrt(0.5), 0}, {0, 0, 1}};
   const double depth = 0x1p-6;
@@ -145,7 +147,7 @@ TEST(SeparatingTranslation, OfBoxes) {
   EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {1, 0, 0}), 0.25, 1e-11);
   EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {-7, 0, 0}), 1.75, 1e-11);
   EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {1, 1, 0}), 0.25 * std::sqrt(2), 1e-11);
-  EXPECT_NEAR(along(large, box, {0, 0, 0}, {0, 0, 1}), 4, 1e-11);   // from inside
+  EXPECT_NEAR(along(large, box, {0, 0, 0}, {0, 0, 1}), 4, 1e-11);    // from inside
   EXPECT_NEAR(along(large, box, {0, 0, -9}, {0, 0, 1}), 13, 1e-11);  // through it
   EXPECT_EQ(along(large, box, {0, 0, 9}, {0, 0, 1}), 0);             // away from it
   EXPECT_EQ(along(large, box, {5, 5, 0}, {0, 0, 1}), 0);             // beside it
@@ -153,7 +155,8 @@ TEST(SeparatingTranslation, OfBoxes) {
   for (const double size : {0x1p-1074, 1e-200, 1e300, std::numeric_limits<double>::max()}) {
     EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {size, size, 0}), 0.25 * std::sqrt(2), 1e-11) << size;
   }
-  const SeparatingTranslation found = separating_translation(box.surface, {}, box.surface, at({0.75, 0.5, 0.5}), {1, 0, 0});
+  const SeparatingTranslation found =
+      separating_translation(box.surface, {}, box.surface, at({0.75, 0.5, 0.5}), {1, 0, 0});
   ASSERT_TRUE(found.witness);
   EXPECT_EQ(found.witness->point_a.x, 1);
   EXPECT_EQ(found.witness->point_b.x, 0.75);
@@ -190,7 +193,8 @@ TEST(Penetration, OfSolidsAtAnyScaleAndPlace) {
   }
   const Solid solid(ball);
   const Vec3 offset{0x1p30, -0x1p31, 0};
-  const SolidDistance far = signed_distance(solid.surface, at(offset), solid.surface, at(offset + Vec3{1.5, 0.25, 0.5}));
+  const SolidDistance far =
+      signed_distance(solid.surface, at(offset), solid.surface, at(offset + Vec3{1.5, 0.25, 0.5}));
   const SolidDistance near = signed_distance_of(solid, solid, at({1.5, 0.25, 0.5}));
   EXPECT_NEAR(far.lower, near.lower, 0.01 * -near.lower);
   EXPECT_LE(far.lower, far.upper);
@@ -273,8 +277,7 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
     const DeepestVertices some = deepest_vertices(ball.surface, {}, ring.surface, pose, budget);
     EXPECT_GE(some.upper * (1 + 1e-12), deepest.upper);
     for (const auto& vertex : {some.of_a, some.of_b}) EXPECT_LE(vertex ? vertex->depth : 0, deepest.upper);
-    const SeparatingTranslation part =
-        separating_translation(ball.surface, {}, ring.surface, pose, {1, 2, 3}, budget);
+    const SeparatingTranslation part = separating_translation(ball.surface, {}, ring.surface, pose, {1, 2, 3}, budget);
     EXPECT_GE(part.upper, translation.upper);
     EXPECT_LE(part.lower, translation.upper);
     const SolidDistance cut = signed_distance(ball.surface, {}, ring.surface, pose, {.budget = budget});
@@ -284,8 +287,7 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
     EXPECT_EQ(cut.stopped_by, steps < 100'000 ? StoppedBy::max_steps : StoppedBy::nothing) << steps;
   }
   const std::atomic<bool> cancelled{true};
-  const SolidDistance none =
-      signed_distance(ball.surface, {}, ring.surface, pose, {.budget = {.cancel = &cancelled}});
+  const SolidDistance none = signed_distance(ball.surface, {}, ring.surface, pose, {.budget = {.cancel = &cancelled}});
   EXPECT_EQ(none.stopped_by, StoppedBy::cancel);
   EXPECT_LE(none.lower, all.upper);
   EXPECT_GE(none.upper, all.upper);
