@@ -43,8 +43,10 @@ bool DeepestVertexSearch::is_later(const Entry& p, const Entry& q) {
 }
 
 double DeepestVertexSearch::upper() const {
-  const double waiting = waiting_.empty() ? -infinity : waiting_.front().bound + error_;
-  return std::max(waiting, best_ ? best_->depth : -infinity);
+  double upper = -infinity;
+  if (best_) upper = best_->depth;
+  if (!waiting_.empty()) upper = std::max(upper, waiting_.front().bound + error_);
+  return upper;
 }
 
 void DeepestVertexSearch::run(Meter& meter) {
