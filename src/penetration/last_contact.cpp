@@ -127,7 +127,7 @@ double part_nearest(const Vec3& start, const Vec3& edge, const Vec3& p) {
 
 }  // namespace
 
-LastContact bound_last_contact(const Triangle& a, const Triangle& b, double error) {
+LastContact bound_last_contact(const Triangle& a, const Triangle& b, double error, double least) {
   LIMBER_ASSERT(error >= 0x1p-46 && is_finite(a.v0) && is_finite(b.v0));
   LastContact contact;
   contact.upper = std::numeric_limits<double>::infinity();
@@ -146,6 +146,7 @@ LastContact bound_last_contact(const Triangle& a, const Triangle& b, double erro
   planes.consider_across({0, 0, 1});
   planes.consider_across(cross(edges_a[0], edges_a[1])), planes.consider_across(cross(edges_b[0], edges_b[1]));
   for (const Vec3& e : edges_a) {
+    if (contact.upper <= least) return contact;
     for (const Vec3& f : edges_b) planes.consider_across(cross(e, f));
   }
   for (const auto& edges : {edges_a, edges_b}) {

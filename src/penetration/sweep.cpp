@@ -153,7 +153,7 @@ void Sweep::compare_leaves(const Entry& entry, Meter& meter) {
 
 void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, const bvh::Leaf& leaf_b, std::size_t k,
                     const Triangle& b) {
-  LastContact contact = bound_last_contact(a, b, error_);
+  LastContact contact = bound_last_contact(a, b, error_, best_.upper);
   if (!(contact.upper > best_.upper)) return;
   best_.upper = contact.upper;
   const auto in_world = [&](const Vec3& n) { return n.x * x_ + n.y * y_ + n.z * z_; };

@@ -21,6 +21,7 @@
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
+#include "limber/penetration.h"
 #include "limber/points.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
@@ -125,6 +126,9 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
       put(distances[i].distance()), put(surface->signed_distance(points[i], s.pose_a).distance());
       put(surface->contains(points[i], s.pose_a)), put(reference::contains(mesh_a, points[i]));
     }
+    const SolidDistance with_itself = signed_distance(*surface, s.pose_a, *surface, s.pose_b);
+    put(with_itself.lower), put(with_itself.upper), put(with_itself.translation.x), put(with_itself.deepest.upper);
+    put(separating_translation(*surface, s.pose_a, *surface, s.pose_b, {1, 2, 0x1p-1070}).upper);
   }
   put(model_a.bounding_box().high.z), put(model_a.bounding_sphere().radius);
   std::vector<Vec3> positions = s.mesh_a.positions();

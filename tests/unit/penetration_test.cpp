@@ -183,7 +183,7 @@ TEST(Penetration, ComesNearerToTheTruthAsMeshesAreRefined) {
 
 TEST(Penetration, OfSolidsAtAnyScaleAndPlace) {
   const Mesh ball = scenes::ball(12, 8);
-  for (const double scale : {0x1p-900, 1e-60, 1.0, 1e20, 0x1p190}) {
+  for (const double scale : {0x1p-900, 1e-60, 1.0, 1e20, 0x1p190, 0x1p198}) {
     const Solid solid(scaled(ball, scale));
     const Transform pose{{}, scale * Vec3{1.5, 0.25, 0.5}};
     const SolidDistance found = signed_distance_of(solid, solid, pose);
