@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "bvh/reach.h"
+#include "bvh/root_bounds.h"
 #include "geometry/local_frame.h"
 #include "penetration/way_out.h"
 #include "point/ray_crossings.h"
@@ -34,7 +35,8 @@ DeepestVertexSearch::DeepestVertexSearch(const point::PlacedModel& model, const 
       closest_(solid),
       error_(base::placement_error * (model.magnitude() + solid.magnitude())),
       is_compared_(model.mesh().positions.size()) {
-  waiting_.push_back({infinity, bvh::root_slot, false, {}});
+  // What is in the solid is in its sphere.
+  waiting_.push_back({bvh::root_radius(solid.tree()) * stretch + error_, bvh::root_slot, false, {}});
 }
 
 /// Standard libraries differ in how heaps order ties, so there are none.
@@ -95,7 +97,7 @@ std::optional<DeepestVertexSearch::Depth> DeepestVertexSearch::depth_at(const En
   if (!is_inside) {
     farthest = radius_of(entry.slot) + error_ - (best_ ? best_->depth : 0);
     if (farthest < 0) return std::nullopt;
-  } else if (entry.bound < infinity) {
+  } else if (entry.slot != bvh::root_slot) {
     farthest = geometry::safe_length(center - entry.surface) * base::outward + error_;
   }
   const std::optional<SurfacePoint> closest = closest_.find(center, farthest, meter.stats);

@@ -39,7 +39,7 @@ class DeepestVertexSearch {
     double bound;  // no vertex below the slot is deeper
     bvh::SlotId slot;
     bool is_inside;  // whether all vertices below it are known to be inside
-    Vec3 surface;  // a point of the solid's surface, in the world; that with the bound is the best known near the slot
+    Vec3 surface;    // a point of the solid's surface near the slot, in the world; none yet for the root
   };
 
   static bool is_later(const Entry& p, const Entry& q);

@@ -180,14 +180,14 @@ void ShortestTranslation::refine(Vec3 direction, SweepResult found) {
 void ShortestTranslation::look_around() {
   for (double turn = widest_look; turn >= narrowest_look && !is_done();) {
     const Vec3 direction = unit(translation_), side = perpendicular_to(direction), other = cross(direction, side);
-    bool is_better = false;
+    const double before = upper_;
     for (const Vec3& aside : {side, other, -side, -other}) {
+      const Vec3 next = unit(direction + turn * aside);
       SweepResult found;
-      if (is_better || is_done() || !shorten_along(unit(direction + turn * aside), found)) continue;
-      refine(unit(translation_), found);
-      is_better = true;
+      if (!is_done() && shorten_along(next, found)) refine(next, found);
+      if (upper_ < (1 - least_gain) * before) break;
     }
-    if (!is_better) turn *= 0.5;
+    if (upper_ >= (1 - least_gain) * before) turn *= 0.5;
   }
 }
 
