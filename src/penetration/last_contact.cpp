@@ -47,15 +47,12 @@ class Planes {
     if (bound < contact_.upper) contact_.upper = bound, contact_.normal = n;
   }
 
-  /// A plane parallel to z, which may keep the triangles apart for ever.
-  void consider_beside(double x, double y) {
+  /// Whether a plane parallel to z keeps the triangles apart for ever. Its normal may point to either side.
+  bool are_beside(double x, double y) const {
     const double size = std::sqrt(x * x + y * y);
-    if (size < shortest_normal) return;
-    for (const double sign : {1.0, -1.0}) {
-      const Vec3 n{sign * x / size, sign * y / size, 0};
-      const double overlap = overlap_along(n);
-      if (overlap < contact_.overlap_aside) contact_.overlap_aside = overlap, contact_.aside = n;
-    }
+    if (size < shortest_normal) return false;
+    const Vec3 n{x / size, y / size, 0};
+    return overlap_along(n) < 0 || overlap_along(-n) < 0;
   }
 
  private:
@@ -133,13 +130,11 @@ LastContact bound_last_contact(const Triangle& a, const Triangle& b, double erro
   contact.upper = std::numeric_limits<double>::infinity();
   Planes planes(a, b, error, contact);
   const std::array<Vec3, 3> edges_a = edges_of(a), edges_b = edges_of(b);
-  planes.consider_beside(1, 0), planes.consider_beside(0, 1);
+  bool are_beside = planes.are_beside(1, 0) || planes.are_beside(0, 1);
   for (const auto& edges : {edges_a, edges_b}) {
-    for (const Vec3& e : edges) {
-      planes.consider_beside(-e.y, e.x), planes.consider_beside(e.x, e.y);
-    }
+    for (const Vec3& e : edges) are_beside = are_beside || planes.are_beside(-e.y, e.x) || planes.are_beside(e.x, e.y);
   }
-  if (contact.overlap_aside < 0) {
+  if (are_beside) {
     contact.upper = LastContact::never;
     return contact;
   }

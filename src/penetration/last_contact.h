@@ -16,9 +16,6 @@ struct LastContact {
   double upper = never;  ///< having moved by more than this, they do not meet
   double lower = never;  ///< having moved by this, they meet, up to the tolerance; `never` if no such move was found
   Vec3 normal;           ///< of the plane that keeps them apart from `upper` on, towards the second one
-  /// The direction across z in which the triangles overlap least, towards the second one, and by how much they do.
-  Vec3 aside;
-  double overlap_aside = std::numeric_limits<double>::infinity();
   Vec3 weights_a, weights_b;  ///< of the corners, for the points that meet at `lower`
 };
 

@@ -28,8 +28,6 @@ constexpr std::size_t most_contacts = 4096, most_contact_starts = 4;  // that ar
 constexpr int most_refinements = 16, most_pushes = 16;
 // A refinement has to shorten a translation by this part of it to be worth another one.
 constexpr double least_gain = 0x1p-10;
-// How far a direction is turned away from a surface that b would slide along.
-constexpr double turn_aside = 0x1p-10;
 // By how much a direction is turned to look for a better one, if all else is done.
 constexpr double widest_look = 0.5, narrowest_look = 0.03;
 
@@ -164,9 +162,7 @@ bool ShortestTranslation::shorten_along(const Vec3& direction, SweepResult& foun
 void ShortestTranslation::refine(Vec3 direction, SweepResult found) {
   for (int i = 0; i < most_refinements && !is_done() && found.upper > 0; ++i) {
     const double before = upper_;
-    const double turn = std::max(turn_aside, 2 * found.overlap_aside / found.upper);
-    const Vec3 tries[] = {found.normal, unit(direction + found.normal), unit(direction + turn * found.aside)};
-    for (const Vec3& next : tries) {
+    for (const Vec3& next : {found.normal, unit(direction + found.normal)}) {
       SweepResult there;
       if (max_abs(next - direction) == 0 || !shorten_along(next, there)) continue;
       direction = next, found = there;

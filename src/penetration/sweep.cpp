@@ -67,7 +67,7 @@ SweepResult Sweep::along(const Vec3& direction, Meter& meter, double enough) {
   }
   SweepResult found = best_;
   found.is_over = best_.lower >= scaled_enough;
-  found.lower /= scale_, found.upper /= scale_, found.overlap_aside /= scale_;
+  found.lower /= scale_, found.upper /= scale_;
   LIMBER_ASSERT(found.lower >= 0 && (found.is_over || found.lower <= found.upper));
   return found;
 }
@@ -156,9 +156,7 @@ void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, c
   LastContact contact = bound_last_contact(a, b, error_, best_.upper);
   if (!(contact.upper > best_.upper)) return;
   best_.upper = contact.upper;
-  const auto in_world = [&](const Vec3& n) { return n.x * x_ + n.y * y_ + n.z * z_; };
-  best_.normal = in_world(contact.normal * (1 / length(contact.normal)));
-  best_.aside = in_world(contact.aside), best_.overlap_aside = contact.overlap_aside;
+  best_.normal = unit(contact.normal.x * x_ + contact.normal.y * y_ + contact.normal.z * z_);
   find_last_contact(a, b, 2 * error_, contact);
   if (!(contact.lower > best_.lower)) return;
   best_.lower = std::min(contact.lower, best_.upper);

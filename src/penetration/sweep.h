@@ -20,8 +20,6 @@ struct SweepResult {
   double lower = 0, upper = 0;     ///< as SeparatingTranslation says
   std::optional<Witness> witness;  ///< as SeparatingTranslation says
   Vec3 normal;                     ///< of length 1, from a to b: of the pair of triangles that gives `upper`, if any
-  Vec3 aside;                      ///< LastContact::aside of that pair, in the world
-  double overlap_aside = 0;
   bool is_over = false;  ///< whether the search ended because `lower` reached `enough`; `upper` means nothing then
 };
 

@@ -120,7 +120,7 @@ TEST(Penetration, InACavityLeadsBackIntoIt) {
   }
 }
 
-TEST(Penetration, AlongAWallIsTurnedAsideFromIt) {
+TEST(Penetration, NextToAWallDoesNotFollowIt) {
   // A box in the corner of an L, flush with its wall, and 1/64 deep in its floor.
   const Solid l_shape(scenes::lathe({{0, -1}, {4, -1}, {4, 4}, {3, 4}, {3, 0}, {0, 0}}, 4)),
       box(box_mesh({0, 0, 0}, {1, 1, 1}));
