@@ -37,7 +37,7 @@ Placed moved(const Placed& body, const Vec3& translation) {
 
 Vec3 center_of(const Placed& body) { return body.pose(body.model().bounding_sphere().center); }
 
-/// A few of many points, evenly spread over their order, and the sum of all.
+/// A few of many points, evenly spread over their order.
 struct PointSample {
   std::vector<Vec3> points;
   std::size_t count = 0, stride = 1;
@@ -121,8 +121,7 @@ void ShortestTranslation::look_at_contacts() {
   if (max_abs(way) > 0) directions_.push_back(unit(way));
   starts_ = std::move(sample.points);
   // Between two of them, both insides are nearer still.
-  for (std::size_t i = 1, count = starts_.size(); i < count; ++i)
-    starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
+  for (std::size_t i = 1, n = starts_.size(); i < n; ++i) starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
 }
 
 void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {

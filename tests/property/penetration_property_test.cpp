@@ -57,9 +57,9 @@ Vec3 random_direction(Rng& rng) {
   return max_abs(d) == 0 ? Vec3{1, 0, 0} : d;
 }
 
-Transform moved(const Transform& pose, const Vec3& by) { return {pose.rotation, pose.translation + by}; }
+Transform pose_moved_by(const Transform& pose, const Vec3& by) { return {pose.rotation, pose.translation + by}; }
 
-void expect_same(const std::optional<DeepestVertex>& found, const std::optional<DeepestVertex>& truth) {
+void expect_same_vertex(const std::optional<DeepestVertex>& found, const std::optional<DeepestVertex>& truth) {
   ASSERT_EQ(found.has_value(), truth.has_value());
   if (!truth) return;
   EXPECT_EQ(found->vertex, truth->vertex);
@@ -90,7 +90,7 @@ TEST_F(PenetrationProperty, DeepestVerticesAreThoseOfALoop) {
     simd::use_kernels(&sets[i % sets.size()]);
     const DeepestVertices found = deepest_vertices(a, pair.pose_a, b, pair.pose_b);
     simd::use_kernels(nullptr);
-    expect_same(found.of_a, truth_a), expect_same(found.of_b, truth_b);
+    expect_same_vertex(found.of_a, truth_a), expect_same_vertex(found.of_b, truth_b);
     EXPECT_EQ(found.upper, std::max(truth_a ? truth_a->depth : 0, truth_b ? truth_b->depth : 0));
     of_a += truth_a ? 1 : 0, of_both += truth_a && truth_b ? 1 : 0;
   }
@@ -124,15 +124,15 @@ TEST_F(PenetrationProperty, SeparatingTranslationsAreThoseOfRationalArithmetic) 
     ++moving;
     if (found.upper > truth.get_d() + tolerance) {  // what only just passes may count as a contact
       ++wide;
-      const Transform passing = moved(pair.pose_b, found.upper * found.direction);
+      const Transform passing = pose_moved_by(pair.pose_b, found.upper * found.direction);
       EXPECT_LE(distance({model_a, pair.pose_a}, {model_b, passing}).upper, tolerance);
     }
-    const Transform pose = moved(pair.pose_b, found.upper * found.direction);
+    const Transform pose = pose_moved_by(pair.pose_b, found.upper * found.direction);
     EXPECT_TRUE(collide({model_a, pair.pose_a}, {model_b, pose}).is_no());
     if (!found.witness) continue;
     const Vec3 apart = found.witness->point_a - found.witness->point_b - found.lower * found.direction;
     EXPECT_LE(max_abs(apart), tolerance);
-    const Transform last = moved(pair.pose_b, found.lower * found.direction);
+    const Transform last = pose_moved_by(pair.pose_b, found.lower * found.direction);
     EXPECT_LE(distance({model_a, pair.pose_a}, {model_b, last}).upper, tolerance);
   }
   EXPECT_LE(wide, 0.05 * moving);
@@ -166,7 +166,7 @@ TEST_F(PenetrationProperty, SignedDistancesAreProvenByOtherQueries) {
     EXPECT_GE(-found.lower, length(found.translation));
     EXPECT_LE(-found.lower, length(found.translation) * (1 + 0x1p-30));
     EXPECT_LE(found.deepest.upper, -found.lower);
-    EXPECT_TRUE(is_apart(moved(pair.pose_b, found.translation)));
+    EXPECT_TRUE(is_apart(pose_moved_by(pair.pose_b, found.translation)));
     const SolidDistance swapped = signed_distance(b, pair.pose_b, a, pair.pose_a);
     EXPECT_LE(swapped.lower, found.upper);
     EXPECT_LE(found.lower, swapped.upper);
@@ -241,18 +241,18 @@ TEST_P(RealPenetration, OfABodyInItselfIsProvenByOtherQueries) {
   for (int i = 0; i < 3; ++i) {
     const Transform pose{scenes::random_rotation(rng), 0.3 * uniform_point(rng)};
     const DeepestVertices deepest = deepest_vertices(body, {}, other, pose);
-    expect_same(deepest.of_a, deepest_by_loop(*mesh, {}, other, pose));
-    expect_same(deepest.of_b, deepest_by_loop(small.mesh(), pose, body, {}));
+    expect_same_vertex(deepest.of_a, deepest_by_loop(*mesh, {}, other, pose));
+    expect_same_vertex(deepest.of_b, deepest_by_loop(small.mesh(), pose, body, {}));
     const SolidDistance found = signed_distance(body, {}, other, pose);
     EXPECT_LE(deepest.upper, -found.upper + 1e-12);
     EXPECT_LE(found.lower, found.upper);
-    const Transform away = moved(pose, found.translation);
+    const Transform away = pose_moved_by(pose, found.translation);
     EXPECT_TRUE(collide({model}, {small, away}).is_no());
     EXPECT_FALSE(deepest_by_loop(small.mesh(), away, body, {}));
     const SeparatingTranslation along = separating_translation(body, {}, other, pose, found.translation);
-    EXPECT_LE(distance({model}, {small, moved(pose, along.lower * along.direction)}).upper, 1e-11);
+    EXPECT_LE(distance({model}, {small, pose_moved_by(pose, along.lower * along.direction)}).upper, 1e-11);
     for (double more = 1e-11; more < 2; more *= 1.5) {
-      const Transform farther = moved(pose, (along.upper + more) * along.direction);
+      const Transform farther = pose_moved_by(pose, (along.upper + more) * along.direction);
       ASSERT_TRUE(collide({model}, {small, farther}).is_no());
     }
   }

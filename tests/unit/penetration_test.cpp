@@ -20,20 +20,18 @@
 namespace limber::testing {
 namespace {
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
 /// A model and its surface.
-struct Solid {
-  explicit Solid(Mesh mesh) : model(std::move(mesh)), surface(ClosedSurface::create(model).value()) {}
+struct ModelOfSolid {
+  explicit ModelOfSolid(Mesh mesh) : model(std::move(mesh)), surface(ClosedSurface::create(model).value()) {}
   Model model;
   ClosedSurface surface;
 };
 
-SolidDistance signed_distance_of(const Solid& a, const Solid& b, const Transform& pose = {},
+SolidDistance signed_distance_of(const ModelOfSolid& a, const ModelOfSolid& b, const Transform& pose = {},
                                  const PenetrationOptions& options = {}) {
   return signed_distance(a.surface, {}, b.surface, pose, options);
 }
-Transform at(const Vec3& place) { return {{}, place}; }
+Transform placed_at(const Vec3& place) { return {{}, place}; }
 
 /// Whether the interval ends where it should, up to a part of the length.
 void expect_depth(const SolidDistance& found, double depth, double part = 1e-11) {
@@ -77,22 +75,22 @@ TEST(LastContact, IsThatOfRationalArithmetic) {
 }
 
 TEST(Penetration, OfBoxesIsWhatTheirSidesSay) {
-  const Solid box(box_mesh({0, 0, 0}, {1, 1, 1})), large(box_mesh({-4, -4, -4}, {4, 4, 4}));
-  expect_depth(signed_distance_of(box, box, at({0.875, 0.25, 0.5})), 0.125);
-  expect_depth(signed_distance_of(box, box, at({0.5, 0.25, -0.75})), 0.25);
+  const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1})), large(box_mesh({-4, -4, -4}, {4, 4, 4}));
+  expect_depth(signed_distance_of(box, box, placed_at({0.875, 0.25, 0.5})), 0.125);
+  expect_depth(signed_distance_of(box, box, placed_at({0.5, 0.25, -0.75})), 0.25);
   expect_depth(signed_distance_of(box, box), 1);
-  expect_depth(signed_distance_of(box, box, at({1, 0.5, 0})), 0);  // flush
-  expect_depth(signed_distance_of(box, box, at({1, 1, 1})), 0);    // a corner at a corner
-  expect_depth(signed_distance_of(large, box), 4);                 // inside without meeting
+  expect_depth(signed_distance_of(box, box, placed_at({1, 0.5, 0})), 0);  // flush
+  expect_depth(signed_distance_of(box, box, placed_at({1, 1, 1})), 0);    // a corner at a corner
+  expect_depth(signed_distance_of(large, box), 4);                        // inside without meeting
   expect_depth(signed_distance_of(box, large), 4);
-  expect_depth(signed_distance_of(large, box, at({3, 0, 0})), 1);  // inside, touching
-  const SolidDistance apart = signed_distance_of(box, box, at({1.5, 0, 0}));
+  expect_depth(signed_distance_of(large, box, placed_at({3, 0, 0})), 1);  // inside, touching
+  const SolidDistance apart = signed_distance_of(box, box, placed_at({1.5, 0, 0}));
   EXPECT_TRUE(apart.are_apart());
   EXPECT_EQ(apart.lower, 0.5);
   EXPECT_EQ(apart.upper, 0.5);
   EXPECT_EQ(apart.translation, Vec3{});
   ASSERT_TRUE(apart.witness);
-  const SolidDistance in = signed_distance_of(large, box, at({3.25, 0, 0}), {.relative_error = 0});
+  const SolidDistance in = signed_distance_of(large, box, placed_at({3.25, 0, 0}), {.relative_error = 0});
   EXPECT_NEAR(length(in.translation - Vec3{0.75, 0, 0}), 0, 1e-10);
   EXPECT_NEAR(in.deepest.of_b->depth, 0.75, 0);
   EXPECT_EQ(in.deepest.of_b->direction, (Vec3{1, 0, 0}));
@@ -100,7 +98,7 @@ TEST(Penetration, OfBoxesIsWhatTheirSidesSay) {
 }
 
 TEST(Penetration, OfBarsThatCrossIsKnownThoughNoVertexIsInside) {
-  const Solid bar(box_mesh({-5, -0.25, -0.25}, {5, 0.25, 0.25}));
+  const ModelOfSolid bar(box_mesh({-5, -0.25, -0.25}, {5, 0.25, 0.25}));
   const Mat3 turned{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
   const DeepestVertices deepest = deepest_vertices(bar.surface, {}, bar.surface, {turned, {}});
   EXPECT_FALSE(deepest.of_a || deepest.of_b);
@@ -112,17 +110,17 @@ TEST(Penetration, OfBarsThatCrossIsKnownThoughNoVertexIsInside) {
 TEST(Penetration, InACavityLeadsBackIntoIt) {
   for (const bool is_inside_out : {false, true}) {
     const Mesh room = hollow_box({-4, -4, -4}, {4, 4, 4}, 1);
-    const Solid walls(is_inside_out ? turned_inside_out(room) : room), box(box_mesh({-1, -1, -1}, {1, 1, 1}));
+    const ModelOfSolid walls(is_inside_out ? turned_inside_out(room) : room), box(box_mesh({-1, -1, -1}, {1, 1, 1}));
     EXPECT_EQ(signed_distance_of(walls, box).upper, 2);
-    expect_depth(signed_distance_of(walls, box, at({2.125, 0.5, 0})), 0.125);
-    expect_depth(signed_distance_of(walls, box, at({-2.125, 2.0625, 0})), std::hypot(0.125, 0.0625), 0.2);
-    expect_depth(signed_distance_of(box, walls, at({-2.125, 0.5, 0})), 0.125);
+    expect_depth(signed_distance_of(walls, box, placed_at({2.125, 0.5, 0})), 0.125);
+    expect_depth(signed_distance_of(walls, box, placed_at({-2.125, 2.0625, 0})), std::hypot(0.125, 0.0625), 0.2);
+    expect_depth(signed_distance_of(box, walls, placed_at({-2.125, 0.5, 0})), 0.125);
   }
 }
 
 TEST(Penetration, NextToAWallDoesNotFollowIt) {
   // A box in the corner of an L, flush with its wall, and 1/64 deep in its floor.
-  const Solid l_shape(scenes::lathe({{0, -1}, {4, -1}, {4, 4}, {3, 4}, {3, 0}, {0, 0}}, 4)),
+  const ModelOfSolid l_shape(scenes::lathe({{0, -1}, {4, -1}, {4, 4}, {3, 4}, {3, 0}, {0, 0}}, 4)),
       box(box_mesh({0, 0, 0}, {1, 1, 1}));
   const double wall = 3 * std::sqrt(0.5);  // how far the sides are from the axis, turned by 45 degrees
   const Mat3 turned{{std::sqrt(0.5), std::sqrt(0.5), 0}, {-std::sqrt(0.5), std::sqrt(0.5), 0}, {0, 0, 1}};
@@ -137,9 +135,9 @@ TEST(Penetration, NextToAWallDoesNotFollowIt) {
 }
 
 TEST(SeparatingTranslation, OfBoxes) {
-  const Solid box(box_mesh({0, 0, 0}, {1, 1, 1})), large(box_mesh({-4, -4, -4}, {4, 4, 4}));
-  const auto along = [](const Solid& a, const Solid& b, const Vec3& place, const Vec3& d) {
-    const SeparatingTranslation found = separating_translation(a.surface, {}, b.surface, at(place), d);
+  const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1})), large(box_mesh({-4, -4, -4}, {4, 4, 4}));
+  const auto along = [](const ModelOfSolid& a, const ModelOfSolid& b, const Vec3& place, const Vec3& d) {
+    const SeparatingTranslation found = separating_translation(a.surface, {}, b.surface, placed_at(place), d);
     EXPECT_NEAR(length(found.direction), 1, 1e-15);
     EXPECT_NEAR(found.lower, found.upper, 1e-11);
     EXPECT_LE(found.lower, found.upper);
@@ -157,7 +155,7 @@ TEST(SeparatingTranslation, OfBoxes) {
     EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {size, size, 0}), 0.25 * std::sqrt(2), 1e-11) << size;
   }
   const SeparatingTranslation found =
-      separating_translation(box.surface, {}, box.surface, at({0.75, 0.5, 0.5}), {1, 0, 0});
+      separating_translation(box.surface, {}, box.surface, placed_at({0.75, 0.5, 0.5}), {1, 0, 0});
   ASSERT_TRUE(found.witness);
   EXPECT_EQ(found.witness->point_a.x, 1);
   EXPECT_EQ(found.witness->point_b.x, 0.75);
@@ -166,11 +164,11 @@ TEST(SeparatingTranslation, OfBoxes) {
 TEST(Penetration, ComesNearerToTheTruthAsMeshesAreRefined) {
   double last_of_balls = 1, last_of_rings = 1;
   for (const std::uint32_t n : {8, 16, 32, 64}) {
-    const Solid ball(scenes::ball(n, n / 2)), ring(scenes::ring(n, n, 0.25));
+    const ModelOfSolid ball(scenes::ball(n, n / 2)), ring(scenes::ring(n, n, 0.25));
     // Two balls 0.3 deep in each other, off their poles; a ball 0.1 deep in the tube of a ring.
-    const SolidDistance balls = signed_distance_of(ball, ball, at(1.7 * Vec3{0.48, 0.6, 0.64}));
-    const Solid small(scaled(scenes::ball(n, n / 2), 0.5));
-    const SolidDistance rings = signed_distance_of(ring, small, at({0.8, 0.6, 0.65}));
+    const SolidDistance balls = signed_distance_of(ball, ball, placed_at(1.7 * Vec3{0.48, 0.6, 0.64}));
+    const ModelOfSolid small(scaled(scenes::ball(n, n / 2), 0.5));
+    const SolidDistance rings = signed_distance_of(ring, small, placed_at({0.8, 0.6, 0.65}));
     EXPECT_LE(-balls.lower, 0.3 + 1e-12);
     const double of_balls = std::abs(balls.lower + 0.3), of_rings = std::abs(rings.lower + 0.1);
     EXPECT_LT(of_balls, last_of_balls) << n;
@@ -185,31 +183,33 @@ TEST(Penetration, ComesNearerToTheTruthAsMeshesAreRefined) {
 TEST(Penetration, OfSolidsAtAnyScaleAndPlace) {
   const Mesh ball = scenes::ball(12, 8);
   for (const double scale : {0x1p-900, 1e-60, 1.0, 1e20, 0x1p190, 0x1p198}) {
-    const Solid solid(scaled(ball, scale));
+    const ModelOfSolid solid(scaled(ball, scale));
     const Transform pose{{}, scale * Vec3{1.5, 0.25, 0.5}};
     const SolidDistance found = signed_distance_of(solid, solid, pose);
     EXPECT_NEAR(found.lower / scale, -0.34, 0.06) << scale;
     EXPECT_LE(found.lower, found.upper);
     EXPECT_GT(found.deepest.upper, 0) << scale;
   }
-  const Solid solid(ball);
+  const ModelOfSolid solid(ball);
   const Vec3 offset{0x1p30, -0x1p31, 0};
   const SolidDistance far =
-      signed_distance(solid.surface, at(offset), solid.surface, at(offset + Vec3{1.5, 0.25, 0.5}));
-  const SolidDistance near = signed_distance_of(solid, solid, at({1.5, 0.25, 0.5}));
+      signed_distance(solid.surface, placed_at(offset), solid.surface, placed_at(offset + Vec3{1.5, 0.25, 0.5}));
+  const SolidDistance near = signed_distance_of(solid, solid, placed_at({1.5, 0.25, 0.5}));
   EXPECT_NEAR(far.lower, near.lower, 0.01 * -near.lower);
   EXPECT_LE(far.lower, far.upper);
 }
 
 TEST(Penetration, OfPointsAndSegmentsIsANumber) {
-  const Solid point(tetrahedron({1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1})), origin(tetrahedron({}, {}, {}, {}));
-  const Solid segment(tetrahedron({0, 0, 0}, {2, 2, 2}, {2, 2, 2}, {0, 0, 0})), box(box_mesh({0, 0, 0}, {4, 4, 4}));
+  const ModelOfSolid point(tetrahedron({1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1})),
+      origin(tetrahedron({}, {}, {}, {}));
+  const ModelOfSolid segment(tetrahedron({0, 0, 0}, {2, 2, 2}, {2, 2, 2}, {0, 0, 0})),
+      box(box_mesh({0, 0, 0}, {4, 4, 4}));
   expect_depth(signed_distance_of(point, point), 0);
   expect_depth(signed_distance_of(origin, origin), 0);
   expect_depth(signed_distance_of(segment, point), 0);
   expect_depth(signed_distance_of(box, point), 1);
   EXPECT_NEAR(signed_distance_of(box, segment).lower, -2, 1e-10);
-  EXPECT_NEAR(signed_distance_of(point, segment, at({1, 0, 0})).lower, std::sqrt(2.0 / 3), 1e-12);
+  EXPECT_NEAR(signed_distance_of(point, segment, placed_at({1, 0, 0})).lower, std::sqrt(2.0 / 3), 1e-12);
 }
 
 TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
@@ -217,7 +217,7 @@ TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
   for (int i = 0; i < 24; ++i) {
     Model moving(scenes::ball(12, 8), {.motion_margin = i % 3 == 0 ? 0.0 : 0.3});
     const ClosedSurface surface = ClosedSurface::create(moving).value();
-    const Solid ring(scenes::ring(12, 8, 0.4));
+    const ModelOfSolid ring(scenes::ring(12, 8, 0.4));
     for (int step = 0; step < 3; ++step) {
       deform(moving, [&](const Vec3& p) { return p + 0.1 * uniform_point(rng); });
       const Transform pose = random_pose(rng, 1);
@@ -229,7 +229,7 @@ TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
       ASSERT_EQ(found.of_a ? found.of_a->vertex : no_id, of_a ? of_a->vertex : no_id);
       ASSERT_EQ(found.of_b ? found.of_b->vertex : no_id, of_b ? of_b->vertex : no_id);
       const SolidDistance both = signed_distance(surface, pose, ring.surface, {});
-      const Transform away = at(both.translation);
+      const Transform away = placed_at(both.translation);
       ASSERT_TRUE(both.are_apart() || collide({moving, pose}, {ring.model, away}).is_no());
     }
   }
@@ -238,7 +238,7 @@ TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
 TEST(DeepestVertices, MayHaveLeftTheirBoundsByTheMotionMargin) {
   Model spiked(scenes::ball(24, 13), {.motion_margin = 1});
   const ClosedSurface surface = ClosedSurface::create(spiked).value();
-  const Solid plate(box_mesh({1.25, -4, -4}, {4, 4, 4}));
+  const ModelOfSolid plate(box_mesh({1.25, -4, -4}, {4, 4, 4}));
   for (VertexId v = 1; v < spiked.mesh().positions().size(); v += 7) {
     const Vec3 home = spiked.mesh().positions()[v];
     spiked.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{{1.75, 0, 0}}).value();
@@ -258,7 +258,7 @@ TEST(DeepestVertices, MayHaveLeftTheirBoundsByTheMotionMargin) {
 TEST(DeepestVertices, AreNotThoseThatNoTriangleUses) {
   std::vector<Vec3> positions = box_corners({0, 0, 0}, {1, 1, 1});
   positions.insert(positions.begin(), Vec3{0.5, 0.5, 2});
-  const Solid box(small_mesh(positions, box_triangles(1))), large(box_mesh({-4, -4, 0.75}, {4, 4, 4}));
+  const ModelOfSolid box(small_mesh(positions, box_triangles(1))), large(box_mesh({-4, -4, 0.75}, {4, 4, 4}));
   const DeepestVertices found = deepest_vertices(box.surface, {}, large.surface, {});
   ASSERT_TRUE(found.of_a);
   EXPECT_EQ(found.of_a->vertex, 5U);  // the first of four that are equally deep
@@ -267,7 +267,7 @@ TEST(DeepestVertices, AreNotThoseThatNoTriangleUses) {
 }
 
 TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
-  const Solid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
+  const ModelOfSolid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
   const Transform pose{{}, {0.5, 0.3, 0.4}};
   const SolidDistance all = signed_distance(ball.surface, {}, ring.surface, pose);
   const DeepestVertices deepest = deepest_vertices(ball.surface, {}, ring.surface, pose);
@@ -298,7 +298,7 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
 }
 
 TEST(Penetration, EndsAtTheAskedError) {
-  const Solid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
+  const ModelOfSolid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
   const Transform pose{{}, {0.5, 0.3, 0.4}};
   const SolidDistance rough = signed_distance(ball.surface, {}, ring.surface, pose, {.relative_error = 100});
   const SolidDistance fine = signed_distance(ball.surface, {}, ring.surface, pose, {.relative_error = 0});
@@ -308,16 +308,17 @@ TEST(Penetration, EndsAtTheAskedError) {
 }
 
 TEST(Penetration, MisuseIsRefused) {
-  Solid ball(scenes::ball(6, 4));
-  const Solid box(box_mesh({0, 0, 0}, {1, 1, 1}));
-  const Transform scaled{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
+  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  ModelOfSolid ball(scenes::ball(6, 4));
+  const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1}));
+  const Transform stretched{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
   const ClosedSurface &a = ball.surface, &b = box.surface;
   const auto expect_refusal = [&](const Transform& pose) {
     EXPECT_THROW(deepest_vertices(a, pose, b, {}), std::invalid_argument);
     EXPECT_THROW(separating_translation(a, pose, b, {}, {1, 0, 0}), std::invalid_argument);
     EXPECT_THROW(signed_distance(a, pose, b, {}), std::invalid_argument);
   };
-  expect_refusal(scaled);
+  expect_refusal(stretched);
   for (const Vec3& d : {Vec3{}, Vec3{not_a_number, 0, 0}, Vec3{0, HUGE_VAL, 0}}) {
     EXPECT_THROW(separating_translation(a, {}, b, {}, d), std::invalid_argument);
   }
