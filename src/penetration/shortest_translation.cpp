@@ -76,7 +76,7 @@ ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, doubl
   upper_ *= base::outward;
 }
 
-bool ShortestTranslation::is_done() {
+bool ShortestTranslation::is_done() const {
   return upper_ <= (1 + relative_error_) * lower_ + 4 * sweep_.tolerance() || meter_.stopped_by() != StoppedBy::nothing;
 }
 

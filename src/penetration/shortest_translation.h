@@ -29,7 +29,7 @@ class ShortestTranslation {
   double lower() const { return lower_; }  ///< no translation that makes them apart is shorter
 
  private:
-  bool is_done();
+  bool is_done() const;
   bool accept(const Vec3& translation);
   void raise_lower(const DeepestVertices& deepest);
   void look_at_contacts();

@@ -308,7 +308,7 @@ TEST(Penetration, EndsAtTheAskedError) {
 }
 
 TEST(Penetration, MisuseIsRefused) {
-  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  constexpr double quiet_nan = std::numeric_limits<double>::quiet_NaN();
   ModelOfSolid ball(scenes::ball(6, 4));
   const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1}));
   const Transform stretched{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
@@ -319,10 +319,10 @@ TEST(Penetration, MisuseIsRefused) {
     EXPECT_THROW(signed_distance(a, pose, b, {}), std::invalid_argument);
   };
   expect_refusal(stretched);
-  for (const Vec3& d : {Vec3{}, Vec3{not_a_number, 0, 0}, Vec3{0, HUGE_VAL, 0}}) {
+  for (const Vec3& d : {Vec3{}, Vec3{quiet_nan, 0, 0}, Vec3{0, HUGE_VAL, 0}}) {
     EXPECT_THROW(separating_translation(a, {}, b, {}, d), std::invalid_argument);
   }
-  for (const double error : {-1.0, not_a_number, HUGE_VAL}) {
+  for (const double error : {-1.0, quiet_nan, HUGE_VAL}) {
     EXPECT_THROW(signed_distance(a, {}, b, {}, {.relative_error = error}), std::invalid_argument);
   }
   ball.model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 3}}).value();
