@@ -41,8 +41,8 @@ struct DeepestVertices {
 ///          equally deep, the one with the lowest id. Bodies may meet although no vertex of either is in the other.
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid, and if a model was reset()
 ///          after its surface was made; std::bad_alloc.
-/// Cost     In practice 50 to 300 signed distances for each body. All vertices are asked for where all are about equally
-///          deep. Allocates.
+/// Cost     In practice 50 to 300 signed distances for each body; one for each vertex where all are about equally deep.
+///          Allocates.
 /// Budget   A step is a signed distance. If the budget is spent, the vertices are the deepest found so far.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
