@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "limber/contacts.h"
 #include "limber/model.h"
@@ -30,14 +31,73 @@ using ObjectPairVisitor = FunctionRef<bool(const ObjectPair&)>;
 /// Which pairs count: called for pairs whose bounds are close, with a < b, by the thread that asks, now and then twice.
 using ObjectPairFilter = FunctionRef<bool(ObjectId a, ObjectId b)>;
 
+/// Which pairs of objects count, as a symmetric matrix of bits: an ObjectPairFilter. Robots call it the allowed
+/// collision matrix, where those pairs are allowed that do not count here.
+///
+///   limber::ObjectPairMatrix counts(scene.id_bound());
+///   counts.set(upper_arm, forearm, false);  // neighbors in a chain
+///   counts.set_among(shelf, false);         // the models of one body, as ids
+///   scene.closest_objects({.filter = counts});
+///
+/// Cost     Half a bit for each two ids. Every function takes O(1) for each pair that it names.
+/// Throws   std::invalid_argument if an id is not below size(), two ids are the same where a pair is named, or the
+///          matrix was moved from; it is then as before. A filter throws so too: a matrix has to be as large as
+///          id_bound() of the scene.
+/// Threads  Const functions may run concurrently.
+class ObjectPairMatrix {
+ public:
+  /// All pairs of ids below `size` count, or none does.
+  LIMBER_API explicit ObjectPairMatrix(std::size_t size, bool counts = true);
+
+  std::size_t size() const { return size_; }
+  LIMBER_API void set(ObjectId a, ObjectId b, bool counts);
+  /// Says it of every two different ids of a list.
+  LIMBER_API void set_among(std::span<const ObjectId> ids, bool counts);
+  /// Says it of every id of one list with every other id of another.
+  LIMBER_API void set_between(std::span<const ObjectId> ids_a, std::span<const ObjectId> ids_b, bool counts);
+
+  /// Whether a pair counts: the filter.
+  LIMBER_API bool operator()(ObjectId a, ObjectId b) const;
+
+ private:
+  void require_ids(std::span<const ObjectId> ids, const char* function) const;
+  void write(ObjectId a, ObjectId b, bool counts);
+
+  std::size_t size_;
+  std::vector<std::uint64_t> bits_;  // of the pairs {1, 0}, {2, 0}, {2, 1}, ...
+};
+
 struct ObjectPairOptions {
   std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
 };
+
+/// Called for each object; returns whether to go on.
+using ObjectVisitor = FunctionRef<bool(ObjectId)>;
+/// Which objects count next to a placed model: called for those whose bounds are close to its own.
+using ObjectFilter = FunctionRef<bool(ObjectId)>;
 
 /// The two objects of a scene that are closest to each other.
 struct ClosestObjects {
   ObjectPair objects;     ///< no_id exactly when the result has no witness
   DistanceResult result;  ///< of a and b, in this order
+};
+
+/// Two objects of a scene that are within a distance.
+struct CloseObjects {
+  ObjectPair objects;    ///< no_id unless the answer is yes
+  CollideResult result;  ///< whether there are two such objects; the witness is of a and b, in this order
+};
+
+/// The object of a scene that is closest to a placed model.
+struct ClosestObject {
+  ObjectId object = no_id;  ///< no_id exactly when the result has no witness
+  DistanceResult result;    ///< of the placed model and the object, in this order
+};
+
+/// The contacts of many pairs of objects.
+struct ObjectContacts {
+  std::vector<Contact> contacts;     ///< pair by pair
+  std::vector<std::size_t> offsets;  ///< pair i has contacts from offsets[i] to offsets[i + 1]; one more than pairs
 };
 
 /// What the queries of a scene have found, for those of the next frame to start from: a QueryCache for each of the
@@ -70,8 +130,12 @@ class SceneCache {
 };
 
 /// How many pairs are asked the same question of yes or no.
+///
+/// Budget   In all options of scenes, the deadline and the flag are those of the whole call, a number of steps is that
+///          of each pair. Pairs that are asked after the deadline make one step each.
 struct SceneQueryOptions {
   SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
+  QueryBudget budget = {};      ///< when the call has to end; the default has no limits
 };
 
 /// How good distances must be, as DistanceOptions says.
@@ -79,6 +143,26 @@ struct SceneDistanceOptions {
   double relative_error = 0, absolute_error = 0;
   double max_distance = std::numeric_limits<double>::infinity();
   SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
+  QueryBudget budget = {};      ///< as in SceneQueryOptions
+};
+
+/// Which pairs count where any two objects are within a distance.
+struct AnyWithinOptions {
+  std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
+  QueryBudget budget = {};                                ///< as in SceneQueryOptions
+};
+
+/// How contacts of pairs are computed: PairOptions without a filter.
+struct ObjectContactOptions {
+  std::optional<OrientedFaces> oriented_faces = std::nullopt;  ///< as in PairOptions, of each pair
+};
+
+/// How good the distance to the closest object must be, as DistanceOptions says, and which objects count.
+struct ClosestObjectOptions {
+  double relative_error = 0, absolute_error = 0;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
+  QueryBudget budget = {};                            ///< as in SceneQueryOptions
 };
 
 /// How good the distance of the closest objects must be, as DistanceOptions says, and which pairs count.
@@ -87,6 +171,7 @@ struct ClosestObjectsOptions {
   double max_distance = std::numeric_limits<double>::infinity();
   std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
   SceneCache* cache = nullptr;                            ///< what the last frame has found, to start from
+  QueryBudget budget = {};                                ///< as in SceneQueryOptions
 };
 
 /// Many models, each with a pose.
@@ -173,8 +258,8 @@ class Scene {
 
   /// Asks collide(), within() or distance() of each pair: results[i] is that of pairs[i].
   ///
-  /// Promise  The same results, to the bit, on any number of threads. Without a cache they are those of the functions
-  ///          for two models.
+  /// Promise  The same results, to the bit, on any number of threads, unless time or a flag ends the call. Without a
+  ///          cache they are those of the functions for two models.
   /// Throws   std::invalid_argument unless the scene is committed, there are as many results as pairs, both ids of each
   ///          pair name objects of the scene, and options are as those functions say. Whatever is thrown, no result
   ///          counts.
@@ -186,15 +271,75 @@ class Scene {
   LIMBER_API void distance(std::span<const ObjectPair> pairs, std::span<DistanceResult> results,
                            const SceneDistanceOptions& options = {}) const;
 
+  /// The contacts of each pair, as visit_contacts() finds them for its two models, in that order.
+  ///
+  /// Promise  The same contacts, to the bit and in order, on any number of threads.
+  /// Throws   As collide(), and unless the margin is finite and >= 0.
+  /// Cost     That of the queries, on the threads of the calling oneTBB arena.
+  LIMBER_API ObjectContacts contacts(std::span<const ObjectPair> pairs, double margin,
+                                     const ObjectContactOptions& options = {}) const;
+
   /// The clearance of the scene: the shortest distance of any two objects that the filter lets through.
   ///
   /// Promise  lower <= shortest distance <= upper, as distance() promises for two models. The same result, to the bit,
   ///          on any number of threads. Which of several equally close pairs is named is not defined beyond that.
   /// Limit    If no two objects are as close as max_distance, or there are none, the status is `beyond_limit`.
+  /// Budget   If it is spent first, the status is `interrupted`, as of distance().
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.
   LIMBER_API ClosestObjects closest_objects(const ClosestObjectsOptions& options = {}) const;
+
+  /// Whether any two objects that the filter lets through are at most `max_distance` apart; with 0, whether any two
+  /// meet. Stops at the first such pair.
+  ///
+  /// Promise  As within() for two models. The same result, to the bit, on any number of threads. Which of several such
+  ///          pairs is named is not defined beyond that.
+  /// Budget   If it is spent before a pair is found, the answer is unknown.
+  /// Throws   As candidate_pairs(), and unless max_distance is finite and >= 0.
+  /// Cost     That of candidate_pairs() and of asking them, on the threads of the calling oneTBB arena. Allocates some
+  ///          kB.
+  LIMBER_API CloseObjects any_within(double max_distance, const AnyWithinOptions& options = {}) const;
+
+  // --- many configurations ---
+  //
+  // In configuration k, ids[j] is at poses[k * ids.size() + j]; later entries win where an id is repeated. All other
+  // objects are where they were at the last commit. The scene does not change.
+
+  /// Asks closest_objects() of many configurations: results[k] is that of configuration k.
+  ///
+  /// Promise  results[k] is what closest_objects() would answer, to the bit, had set_poses() and commit() placed the
+  ///          objects so. The same results on any number of threads.
+  /// Budget   Configurations that are left when the deadline has passed, or the flag is set, have status `interrupted`,
+  ///          no objects, lower 0 and upper infinity.
+  /// Throws   As set_poses() and closest_objects(); unless there are results.size() poses of each id, and no cache is
+  ///          given. Whatever is thrown, no result counts.
+  /// Cost     For each configuration O(n) for the bounds of n objects, and distances of the few pairs whose bounds are
+  ///          closer than the closest pair; configurations are shared by the threads of the calling oneTBB arena.
+  ///          First a filter is called once for every two objects. Allocates some copies of the scene.
+  LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
+                                       std::span<ClosestObjects> results,
+                                       const ClosestObjectsOptions& options = {}) const;
+  /// Asks any_within() of many configurations. All else as above; those that are left when time is up are unknown.
+  LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
+                                  std::span<CloseObjects> results, const AnyWithinOptions& options = {}) const;
+
+  // --- one model next to all objects ---
+  //
+  // The model need not be in the scene. For an object of the scene, pass object(id) and a filter that leaves it out.
+
+  /// The objects whose bounds are at most `margin` from those of a placed model. All else as candidate_pairs(): no
+  /// object is missing for which distance() would answer at most `margin`.
+  ///
+  /// Throws   Also unless the model is committed and its pose is rigid.
+  /// Cost     About O(log n + objects).
+  LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit) const;
+
+  /// The object that is closest to a placed model, of those that the filter lets through. All else as
+  /// closest_objects().
+  ///
+  /// Throws   Also unless the model is committed and its pose is rigid.
+  LIMBER_API ClosestObject closest_object(const Placed& model, const ClosestObjectOptions& options = {}) const;
 
   /// For the library's own use.
   struct Impl;

@@ -113,14 +113,40 @@ bool BoxTree::may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double m
   return may_be_at_most(length_sq(gaps(box_a, box_b)), margin);
 }
 
-double BoxTree::lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
-  LIMBER_ASSERT(rank_a < size() && rank_b < size());
-  const Sphere &a = spheres_[rank_a], &b = spheres_[rank_b];
-  const Box box_a = box_of(boxes_[rank_a / width], rank_a % width);
-  const Box box_b = box_of(boxes_[rank_b / width], rank_b % width);
+WorldBounds BoxTree::bounds_of(std::uint32_t rank) const {
+  LIMBER_ASSERT(rank < size());
+  return {box_of(boxes_[rank / width], rank % width), spheres_[rank]};
+}
+
+double BoxTree::lower_bound(const WorldBounds& bounds, std::uint32_t rank) const {
+  const Sphere &a = bounds.sphere, &b = spheres_[rank];
   const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * (1 + 0x1p-50);
-  const double of_boxes = base::distance_down({}, gaps(box_a, box_b));
+  const double of_boxes = base::distance_down({}, gaps(bounds.box, bounds_of(rank).box));
   return std::max(of_spheres, of_boxes) * (1 - base::scene_distance_error);
+}
+
+bool BoxTree::visit_near(const WorldBounds& bounds, double margin, FunctionRef<bool(std::uint32_t)> visit) const {
+  LIMBER_ASSERT(margin >= 0);
+  return size() == 0 || visit_near_below(level_count() - 1, 0, bounds, margin, visit);
+}
+
+bool BoxTree::visit_near_below(std::size_t level, std::uint32_t node, const WorldBounds& own, double margin,
+                               FunctionRef<bool(std::uint32_t)> visit) const {
+  LIMBER_ASSERT(level < level_count());
+  unsigned waiting = boxes_near(boxes(level, node), own.box, margin);
+  for (; waiting != 0; waiting &= waiting - 1) {
+    const std::uint32_t child = node * width + static_cast<std::uint32_t>(std::countr_zero(waiting));
+    if (level > 0) {
+      if (!visit_near_below(level - 1, child, own, margin, visit)) return false;
+      continue;
+    }
+    const WorldBounds bounds = bounds_of(child);
+    const double reach = own.sphere.radius + bounds.sphere.radius + margin;
+    const bool is_near = may_be_at_most(length_sq(bounds.sphere.center - own.sphere.center), reach) &&
+                         may_be_at_most(length_sq(gaps(own.box, bounds.box)), margin);
+    if (is_near && !visit(child)) return false;
+  }
+  return true;
 }
 
 bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,

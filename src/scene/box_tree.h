@@ -33,15 +33,26 @@ class BoxTree {
   /// Whether two models may be at most so far apart. Pre: the margin comes from margin_with_error().
   bool may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
   /// A lower bound of the distance of two models.
-  double lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const;
+  double lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
+    return lower_bound(bounds_of(rank_a), rank_b);
+  }
 
   /// Calls visit(rank_a, rank_b) once for every two models that may be within the margin, of which the one with the
   /// lower rank, rank_a, is in the given leaf, until that returns false. Returns whether it never did. Pre: as for
   /// may_be_within(); leaf < leaf_count().
   bool visit_pairs(std::uint32_t leaf, double margin, FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const;
 
+  /// Calls visit(rank) once for every model that may be within the margin of something else with those bounds, until
+  /// that returns false. Returns whether it never did. Pre: as for may_be_within().
+  bool visit_near(const WorldBounds& bounds, double margin, FunctionRef<bool(std::uint32_t)> visit) const;
+  /// A lower bound of the distance of a model and something else with those bounds.
+  double lower_bound(const WorldBounds& bounds, std::uint32_t rank) const;
+
  private:
   bool spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
+  WorldBounds bounds_of(std::uint32_t rank) const;
+  bool visit_near_below(std::size_t level, std::uint32_t node, const WorldBounds& own, double margin,
+                        FunctionRef<bool(std::uint32_t)> visit) const;
 
   /// The boxes of a leaf's models on level 0, those of a node's children above.
   const bvh::BoxNode& boxes(std::size_t level, std::size_t node) const { return boxes_[level_begin_[level] + node]; }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The closest two objects of a scene.
+// The closest two objects of a scene, and the object closest to a placed model.
 #include <algorithm>
 #include <limits>
 #include <span>
@@ -14,6 +14,7 @@
 #include "limber/distance.h"
 #include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
+#include "scene/searches.h"
 
 namespace limber {
 namespace {
@@ -24,14 +25,16 @@ namespace {
 /// their limits depend on threads.
 class ClosestSearch {
  public:
-  ClosestSearch(const Scene::Impl& scene, const DistanceOptions& errors, const ClosestObjectsOptions& options)
-      : scene_(scene), options_(errors), filter_(options.filter), cache_(options.cache) {
+  ClosestSearch(const Scene::Impl& scene, const DistanceOptions& options, SceneCache* cache, std::size_t grain)
+      : scene_(scene), options_(options), cache_(cache), grain_(grain) {
     closest_.result.status = Status::beyond_limit;
     closest_.result.lower = options.max_distance;
     closest_.result.upper = std::numeric_limits<double>::infinity();
   }
 
-  ClosestObjects run();
+  ClosestObjects among_objects(std::optional<ObjectPairFilter> filter);
+  /// The object closest to a model is `b` of the result.
+  ClosestObjects next_to(const Placed& model, std::optional<ObjectFilter> filter);
 
  private:
   struct Waiting {
@@ -42,34 +45,37 @@ class ClosestSearch {
       return s.pair.a != t.pair.a ? s.pair.a < t.pair.a : s.pair.b < t.pair.b;
     }
   };
-  // A first round is small, because it decides how many pairs there are to be asked at all.
-  static constexpr std::size_t most_in_round = 64, most_waiting = 1024, seeds = 8;
+  static constexpr std::size_t most_waiting = 1024, seeds = 8;
 
-  bool is_found() const { return closest_.objects.a != no_id; }
+  bool is_found() const { return closest_.objects.b != no_id; }
   /// Pairs farther apart need not be asked; if one has been found, those exactly as far apart neither.
   double limit() const { return std::min(closest_.result.upper, options_.max_distance); }
   bool may_matter(double bound) const { return is_found() ? bound < limit() : bound <= limit(); }
+  const Placed& placed(ObjectId id) const { return id == no_id ? *model_ : scene_.placed(id); }
 
-  void wait(std::uint32_t rank_a, std::uint32_t rank_b);
+  void wait(std::uint32_t rank_a, std::uint32_t rank_b, std::optional<ObjectPairFilter> filter);
   void ask_waiting();
   void ask_round(std::span<const Waiting> round);
-  void ask_neighbors();
+  void ask_neighbors(std::optional<ObjectPairFilter> filter);
+  ClosestObjects finish();
 
   const Scene::Impl& scene_;
   const DistanceOptions options_;
-  const std::optional<ObjectPairFilter> filter_;
   SceneCache* const cache_;
+  const std::size_t grain_;
+  const Placed* model_ = nullptr;  // which no_id stands for
   ClosestObjects closest_;
+  StoppedBy stopped_by_ = StoppedBy::nothing;
   std::vector<Waiting> waiting_;
   std::vector<ObjectPair> pairs_;
   std::vector<DistanceResult> results_;
 };
 
-void ClosestSearch::wait(std::uint32_t rank_a, std::uint32_t rank_b) {
+void ClosestSearch::wait(std::uint32_t rank_a, std::uint32_t rank_b, std::optional<ObjectPairFilter> filter) {
   const double bound = scene_.tree.lower_bound(rank_a, rank_b);
   if (!may_matter(bound)) return;
   const ObjectPair pair = scene_.pair_of(rank_a, rank_b);
-  if (!filter_ || (*filter_)(pair.a, pair.b)) waiting_.push_back({bound, pair});
+  if (!filter || (*filter)(pair.a, pair.b)) waiting_.push_back({bound, pair});
 }
 
 void ClosestSearch::ask_round(std::span<const Waiting> round) {
@@ -80,17 +86,19 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   results_.resize(round.size());
   std::span<QueryCache* const> caches;
   if (cache_ != nullptr) caches = cache_->impl().caches_of(pairs_);
-  base::parallel_for(round.size(), 1, [&](std::size_t i) {
-    const Placed &a = scene_.placed(pairs_[i].a), &b = scene_.placed(pairs_[i].b);
+  base::parallel_for(round.size(), grain_, [&](std::size_t i) {
     DistanceOptions with_cache = options;
     with_cache.cache = caches.empty() ? nullptr : caches[i];
-    results_[i] = distance(a, b, with_cache);
+    results_[i] = distance(placed(pairs_[i].a), placed(pairs_[i].b), with_cache);
   });
   DistanceResult& closest = closest_.result;
   for (std::size_t i = 0; i < round.size(); ++i) {
     const QueryStats stats{closest.stats.node_tests + results_[i].stats.node_tests,
                            closest.stats.triangle_tests + results_[i].stats.triangle_tests};
     const double lower = std::min(closest.lower, results_[i].lower);
+    if (!scene::ends_all(stopped_by_) && results_[i].stopped_by != StoppedBy::nothing) {
+      stopped_by_ = results_[i].stopped_by;
+    }
     if (results_[i].upper < closest.upper) {
       closest = results_[i];
       closest_.objects = pairs_[i];
@@ -102,27 +110,30 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
 /// Asks the pairs that wait, those that matter.
 void ClosestSearch::ask_waiting() {
   std::sort(waiting_.begin(), waiting_.end());
-  std::size_t in_round = 1;
-  for (std::size_t begin = 0; begin < waiting_.size() && may_matter(waiting_[begin].bound);) {
+  std::size_t in_round = 1, begin = 0;
+  while (begin < waiting_.size() && may_matter(waiting_[begin].bound) && !scene::ends_all(stopped_by_)) {
     std::size_t end = begin;
     while (end < waiting_.size() && end - begin < in_round && may_matter(waiting_[end].bound)) ++end;
     ask_round(std::span(waiting_).subspan(begin, end - begin));
     begin = end;
-    in_round = std::min(2 * in_round, most_in_round);
+    in_round = std::min(2 * in_round, scene::most_in_round);
   }
+  if (begin < waiting_.size()) closest_.result.lower = std::min(closest_.result.lower, waiting_[begin].bound);
   waiting_.clear();
 }
 
 /// Asks a few pairs that are likely to be close: the closest pair of the last frame, and pairs that follow each other
 /// in Hilbert order.
-void ClosestSearch::ask_neighbors() {
+void ClosestSearch::ask_neighbors(std::optional<ObjectPairFilter> filter) {
   if (cache_ != nullptr) {
     const ObjectPair last = cache_->impl().closest;
-    if (scene_.contains(last.a) && scene_.contains(last.b) && (!filter_ || (*filter_)(last.a, last.b))) {
+    if (scene_.contains(last.a) && scene_.contains(last.b) && (!filter || (*filter)(last.a, last.b))) {
       ask_round({{{0, last}}});
     }
   }
-  for (std::uint32_t rank = 0; rank + 1 < scene_.tree.size(); ++rank) wait(rank, rank + 1);
+  const std::size_t size = scene_.tree.size();
+  if (size * size <= 2 * most_waiting) return;  // all pairs can wait, so the nearest bounds come first anyway
+  for (std::uint32_t rank = 0; rank + 1 < size; ++rank) wait(rank, rank + 1, filter);
   if (waiting_.size() > seeds) {
     std::nth_element(waiting_.begin(), waiting_.begin() + seeds, waiting_.end());
     waiting_.resize(seeds);
@@ -130,36 +141,83 @@ void ClosestSearch::ask_neighbors() {
   ask_waiting();
 }
 
-ClosestObjects ClosestSearch::run() {
-  ask_neighbors();
+ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filter) {
+  ask_neighbors(filter);
   const auto visit = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
-    wait(rank_a, rank_b);
+    wait(rank_a, rank_b, filter);
     return true;
   };
-  for (std::uint32_t leaf = 0; leaf < scene_.tree.leaf_count() && closest_.result.upper > 0; ++leaf) {
+  const std::uint32_t leaves = scene_.tree.leaf_count();
+  for (std::uint32_t leaf = 0; leaf < leaves && closest_.result.upper > 0 && !scene::ends_all(stopped_by_); ++leaf) {
     scene_.tree.visit_pairs(leaf, scene::margin_with_error(limit()), visit);
     if (waiting_.size() > most_waiting) ask_waiting();
   }
+  // There may be pairs of which nothing is known.
+  if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
   ask_waiting();
+  if (cache_ != nullptr) cache_->impl().closest = closest_.objects;
+  return finish();
+}
+
+ClosestObjects ClosestSearch::next_to(const Placed& model, std::optional<ObjectFilter> filter) {
+  model_ = &model;
+  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.model()), model.pose);
+  scene_.tree.visit_near(bounds, scene::margin_with_error(limit()), [&](std::uint32_t rank) {
+    const ObjectId id = scene_.tree.id_of(rank);
+    const double bound = scene_.tree.lower_bound(bounds, rank);
+    if (may_matter(bound) && (!filter || (*filter)(id))) waiting_.push_back({bound, {no_id, id}});
+    return true;
+  });
+  ask_waiting();
+  return finish();
+}
+
+/// Says what the result is.
+ClosestObjects ClosestSearch::finish() {
+  DistanceResult& result = closest_.result;
+  LIMBER_ASSERT(is_found() == result.witness.has_value());
   if (is_found()) {
-    DistanceResult& result = closest_.result;
     result.lower = std::min(result.lower, result.upper);
     if (result.upper > 0) result.status = result.lower == result.upper ? Status::exact : Status::within_error;
+    const double most = std::max(result.lower * (1 + options_.relative_error), result.lower + options_.absolute_error);
+    const bool is_interrupted = stopped_by_ != StoppedBy::nothing && result.upper > most;
+    result.stopped_by = is_interrupted ? stopped_by_ : StoppedBy::nothing;
+    if (is_interrupted) result.status = Status::interrupted;
   }
-  if (cache_ != nullptr) cache_->impl().closest = closest_.objects;
+  LIMBER_ASSERT(result.lower <= result.upper);
   return closest_;
 }
 
 }  // namespace
+
+ClosestObjects scene::find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain) {
+  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
+                                options.budget};
+  return ClosestSearch(scene, of_pair, options.cache, grain).among_objects(options.filter);
+}
 
 ClosestObjects Scene::closest_objects(const ClosestObjectsOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_objects");
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::closest_objects: objects or models have changed since the last commit");
-  const DistanceOptions errors{options.relative_error, options.absolute_error, options.max_distance};
-  base::check_options(errors, "limber::Scene::closest_objects");
-  return ClosestSearch(scene, errors, options).run();
+  base::check_options(DistanceOptions{options.relative_error, options.absolute_error, options.max_distance},
+                      "limber::Scene::closest_objects");
+  return scene::find_closest(scene, options, scene::pairs_per_task);
+}
+
+ClosestObject Scene::closest_object(const Placed& model, const ClosestObjectOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("closest_object");
+  LIMBER_REQUIRE(scene.is_committed(),
+                 "limber::Scene::closest_object: objects or models have changed since the last commit");
+  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
+                                options.budget};
+  base::check_options(of_pair, "limber::Scene::closest_object");
+  scene::check_placed(model, "limber::Scene::closest_object");
+  ClosestSearch search(scene, of_pair, nullptr, scene::pairs_per_task);
+  const ClosestObjects found = search.next_to(model, options.filter);
+  return {found.objects.b, found.result};
 }
 
 }  // namespace limber

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "geometry/rigid.h"
 #include "scene/scene_impl.h"
+#include "scene/searches.h"
 
 namespace limber {
 namespace {
@@ -35,9 +36,7 @@ Scene::Impl& Scene::impl(const char* function) { return const_cast<Impl&>(std::a
 ObjectId Scene::add(const Placed& object) {
   const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("add");
-  LIMBER_REQUIRE(object.model().is_committed(),
-                 "limber::Scene::add: the model has moves that are not committed, or has been moved from");
-  LIMBER_REQUIRE(geometry::is_rigid(object.pose), "limber::Scene::add: the pose is not rigid (see is_rigid())");
+  scene::check_placed(object, "limber::Scene::add");
   if (!scene.free_ids.empty()) {
     const ObjectId id = scene.free_ids.back();
     scene.objects[id] = {object};
@@ -66,8 +65,8 @@ void Scene::set_pose(ObjectId id, const Transform& world_from_model) {
   LIMBER_REQUIRE(scene.contains(id), "limber::Scene::set_pose: id names no object of the scene");
   LIMBER_REQUIRE(geometry::is_rigid(world_from_model),
                  "limber::Scene::set_pose: the pose is not rigid (see is_rigid())");
-  scene.objects[id].placed.pose = world_from_model;
-  scene.objects[id].is_moved = scene.is_changed = true;
+  scene.set_pose(id, world_from_model);
+  scene.is_changed = true;
 }
 
 void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> poses) {
@@ -79,10 +78,7 @@ void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> 
     LIMBER_REQUIRE(geometry::is_rigid(poses[i]),
                    "limber::Scene::set_poses: one of the poses is not rigid (see is_rigid())");
   }
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    scene.objects[ids[i]].placed.pose = poses[i];
-    scene.objects[ids[i]].is_moved = true;
-  }
+  for (std::size_t i = 0; i < ids.size(); ++i) scene.set_pose(ids[i], poses[i]);
   scene.is_changed = scene.is_changed || !ids.empty();
 }
 
@@ -177,6 +173,29 @@ PairCount Scene::candidate_pairs(double margin, std::span<ObjectPair> pairs, con
     return true;
   };
   return visit_candidate_pairs(margin, write, options);
+}
+
+void scene::check_placed(const Placed& model, const char* function) {
+  const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
+  LIMBER_REQUIRE(model.model().is_committed(),
+                 text("the model has moves that are not committed, or has been moved from").c_str());
+  LIMBER_REQUIRE(geometry::is_rigid(model.pose), text("the pose is not rigid (see is_rigid())").c_str());
+}
+
+PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit) const {
+  const base::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("visit_candidates");
+  LIMBER_REQUIRE(scene.is_committed(),
+                 "limber::Scene::visit_candidates: objects or models have changed since the last commit");
+  base::check_margin(margin, "limber::Scene::visit_candidates");
+  scene::check_placed(model, "limber::Scene::visit_candidates");
+  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.model()), model.pose);
+  PairCount found;
+  found.is_complete = scene.tree.visit_near(bounds, scene::margin_with_error(margin), [&](std::uint32_t rank) {
+    ++found.count;
+    return visit(scene.tree.id_of(rank));
+  });
+  return found;
 }
 
 }  // namespace limber

@@ -31,6 +31,11 @@ struct Scene::Impl {
 
   bool contains(ObjectId id) const { return id < objects.size() && objects[id].exists; }
   bool is_committed() const;
+  void set_pose(ObjectId id, const Transform& world_from_model) {
+    LIMBER_ASSERT(contains(id));
+    objects[id].placed.pose = world_from_model;
+    objects[id].is_moved = true;
+  }
   void update_bounds(ObjectId id);
 
   ObjectPair pair_of(std::uint32_t rank_a, std::uint32_t rank_b) const {

@@ -236,6 +236,14 @@ bool play_scene(const Model& ball, std::int64_t k, Failing failing) {
     const auto are_not_next = [](ObjectId a, ObjectId b) { return b != a + 1; };
     failing_call(scene, [&] { closest = scene.closest_objects({.filter = are_not_next, .cache = &cache}); });
     EXPECT_NEAR(closest.result.upper, 1, 0.1);
+    const std::vector<ObjectId> ids{5};
+    const std::vector<Transform> poses(17, {{}, {1.5 * 5, 0, 3}});
+    std::vector<ClosestObjects> results(poses.size());
+    failing_call(scene, [&] { scene.closest_objects_many(ids, poses, results, {.filter = are_not_next}); });
+    EXPECT_NEAR(results[16].result.upper, 1, 0.1);
+    ObjectContacts contacts;
+    failing_call(scene, [&] { contacts = scene.contacts(std::span(pairs).first(count), 0); });
+    EXPECT_TRUE(contacts.offsets.size() == count + 1 && contacts.offsets[count] >= count);
   }
   return failing_call.has_failed();
 }

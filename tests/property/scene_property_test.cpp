@@ -129,6 +129,9 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
         const auto visit = [&](const ObjectPair& pair) { return !(is_candidate = pair == ObjectPair{a, b}); };
         c.scene.visit_candidate_pairs(exactly, visit);
         RC_ASSERT(is_candidate);
+        is_candidate = false;
+        c.scene.visit_candidates(c.scene.object(a), exactly, [&](ObjectId id) { return !(is_candidate = id == b); });
+        RC_ASSERT(is_candidate);
       }
     }
     const ClosestObjects found = c.scene.closest_objects({.cache = c.rng.below(2) == 0 ? &cache : nullptr});
@@ -138,6 +141,50 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
     }
     RC_ASSERT((found.result.upper == 0) == (closest == 0));
     RC_ASSERT(std::abs(found.result.upper - closest) <= 1e-13 * (c.size() + closest));
+  }
+}
+
+RC_GTEST_PROP(Scenes, AnswerManyConfigurationsAsBruteForce, (std::uint64_t seed)) {
+  SceneCase c(seed);
+  c.scene.commit();
+  std::vector<ObjectId> ids;
+  for (ObjectId id = 0; id < c.objects.size(); ++id) {
+    if (c.rng.below(4) > 0) ids.push_back(id);
+  }
+  ObjectPairMatrix counts(c.objects.size());
+  for (std::uint64_t i = c.rng.below(6); i > 0 && c.objects.size() > 1; --i) {
+    const auto a = static_cast<ObjectId>(c.rng.below(c.objects.size() - 1));
+    counts.set(a, a + 1 + static_cast<ObjectId>(c.rng.below(c.objects.size() - 1 - a)), false);
+  }
+  const double margin = c.rng.below(3) == 0 ? 0 : c.scale * c.range * c.rng.uniform(0, 0.3);
+  const std::size_t count = c.rng.below(4);
+  std::vector<Transform> poses(count * ids.size());
+  for (Transform& pose : poses) pose = c.pose();
+  std::vector<ClosestObjects> closest(count);
+  std::vector<CloseObjects> any(count);
+  c.scene.closest_objects_many(ids, poses, closest, {.filter = counts});
+  c.scene.any_within_many(ids, poses, margin, any, {.filter = counts});
+  for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t j = 0; j < ids.size(); ++j) c.objects[ids[j]]->pose = poses[k * ids.size() + j];
+    double truth = INFINITY;
+    bool is_any = false;
+    for (ObjectId b = 0; b < c.objects.size(); ++b) {
+      for (ObjectId a = 0; a < b; ++a) {
+        if (!counts(a, b)) continue;
+        const Placed placed_a{*c.objects[a]->model, c.objects[a]->pose};
+        const Placed placed_b{*c.objects[b]->model, c.objects[b]->pose};
+        truth = std::min(truth, limber::distance(placed_a, placed_b).upper);
+        is_any = is_any || within(placed_a, placed_b, margin).is_yes();
+      }
+    }
+    RC_ASSERT(any[k].result.is_yes() == is_any);
+    RC_ASSERT(any[k].result.is_no() != is_any);
+    RC_ASSERT((closest[k].result.upper == 0) == (truth == 0));
+    const ObjectPair named = closest[k].objects;
+    const bool is_left_out = named.a != no_id && !counts(named.a, named.b);
+    RC_ASSERT(!is_left_out);
+    RC_ASSERT(std::isinf(truth) == (closest[k].result.status == Status::beyond_limit));
+    RC_ASSERT(std::isinf(truth) || std::abs(closest[k].result.upper - truth) <= 1e-13 * (c.size() + truth));
   }
 }
 

@@ -121,6 +121,77 @@ TEST_F(SceneMisuse, OfNumbersIsRefused) {
   refused("Scene::candidate_pairs", "margin", [&] { scene_.candidate_pairs(infinite, {}); });
 }
 
+TEST_F(SceneMisuse, OfConfigurationsIsRefused) {
+  const std::vector<ObjectId> ids{0, 1};
+  std::vector<Transform> poses(4);
+  std::vector<ClosestObjects> closest(2);
+  std::vector<CloseObjects> any(2);
+  const auto both_refuse = [&](const std::string& what) {
+    refused("Scene::closest_objects_many", what, [&] { scene_.closest_objects_many(ids, poses, closest); });
+    refused("Scene::any_within_many", what, [&] { scene_.any_within_many(ids, poses, 1, any); });
+  };
+  for (const std::size_t count : {0U, 3U, 5U, 6U}) {
+    poses.assign(count, {});
+    both_refuse("poses");
+  }
+  poses.assign(4, {});
+  refused("Scene::any_within_many", "poses", [&] { scene_.any_within_many({}, poses, 1, any); });
+  poses[3] = bad_pose_;
+  both_refuse("entry 1 of configuration 1");
+  poses[3] = {};
+  for (const ObjectId bad : {ObjectId{2}, ObjectId{3}, no_id}) {
+    const std::vector<ObjectId> bad_ids{0, bad};
+    refused("Scene::any_within_many", "ids", [&] { scene_.any_within_many(bad_ids, poses, 1, any); });
+  }
+  for (const double bad : bad_numbers) {
+    refused("Scene::any_within", "max_distance", [&] { (void)scene_.any_within(bad); });
+    refused("Scene::any_within_many", "max_distance", [&] { scene_.any_within_many(ids, poses, bad, any); });
+    refused("Scene::closest_objects_many", "absolute_error",
+            [&] { scene_.closest_objects_many(ids, poses, closest, {.absolute_error = bad}); });
+  }
+  refused("Scene::any_within", "max_distance", [&] { (void)scene_.any_within(infinite); });
+  SceneCache cache;
+  refused("Scene::closest_objects_many", "cache",
+          [&] { scene_.closest_objects_many(ids, poses, closest, {.cache = &cache}); });
+  const auto throws = [](ObjectId, ObjectId) -> bool { throw std::runtime_error("enough"); };
+  EXPECT_THROW(scene_.any_within_many(ids, poses, 1, any, {.filter = throws}), std::runtime_error);
+  const ObjectPairMatrix small(1);
+  refused("ObjectPairMatrix", "id", [&] { scene_.any_within_many(ids, poses, 1, any, {.filter = small}); });
+}
+
+TEST_F(SceneMisuse, OfModelsNextToTheSceneIsRefused) {
+  const auto visit = [](ObjectId) { return true; };
+  refused("Scene::visit_candidates", "pose", [&] { scene_.visit_candidates({ball_, bad_pose_}, 0, visit); });
+  refused("Scene::closest_object", "pose", [&] { (void)scene_.closest_object({ball_, bad_pose_}); });
+  Model moved(scenes::ball(6, 4));
+  ASSERT_TRUE(static_cast<bool>(moved.move_all(moved.mesh().positions())));
+  refused("Scene::visit_candidates", "commit", [&] { scene_.visit_candidates({moved}, 0, visit); });
+  refused("Scene::closest_object", "commit", [&] { (void)scene_.closest_object({moved}); });
+  for (const double bad : bad_numbers) {
+    refused("Scene::visit_candidates", "margin", [&] { scene_.visit_candidates({ball_}, bad, visit); });
+    refused("Scene::closest_object", "relative_error",
+            [&] { (void)scene_.closest_object({ball_}, {.relative_error = bad}); });
+    refused("Scene::contacts", "margin", [&] { (void)scene_.contacts(pair_, bad); });
+  }
+  const std::vector<ObjectPair> bad_pair{{0, 2}};
+  refused("Scene", "pairs", [&] { (void)scene_.contacts(bad_pair, 0); });
+}
+
+TEST_F(SceneMisuse, OfMatricesIsRefused) {
+  ObjectPairMatrix counts(3);
+  const std::vector<ObjectId> good{0, 1}, bad{0, 3};
+  refused("ObjectPairMatrix::set", "same", [&] { counts.set(1, 1, false); });
+  refused("ObjectPairMatrix", "same", [&] { (void)counts(1, 1); });
+  refused("ObjectPairMatrix::set", "size", [&] { counts.set(0, 3, false); });
+  refused("ObjectPairMatrix::set_among", "size", [&] { counts.set_among(bad, false); });
+  refused("ObjectPairMatrix::set_between", "size", [&] { counts.set_between(good, bad, false); });
+  refused("ObjectPairMatrix", "size", [&] { (void)counts(3, 0); });
+  EXPECT_TRUE(counts(0, 1) && counts(0, 2) && counts(1, 2));
+  ObjectPairMatrix taken(std::move(counts));
+  refused("ObjectPairMatrix", "size", [&] { (void)counts(0, 1); });
+  EXPECT_TRUE(taken(0, 1));
+}
+
 TEST_F(SceneMisuse, OfResultsIsRefused) {
   const std::vector<ObjectPair> pairs{{0, 1}, {1, 0}};
   refused("Scene", "results", [&] { scene_.collide(pairs, answer_); });
@@ -133,6 +204,12 @@ TEST_F(SceneMisuse, OfChangesThatAreNotCommittedIsRefused) {
   refused("Scene::candidate_pairs", "commit", [&] { scene_.candidate_pairs(0, {}); });
   refused("Scene", "committed", [&] { scene_.collide(pair_, answer_); });
   refused("Scene::closest_objects", "commit", [&] { (void)scene_.closest_objects(); });
+  refused("Scene::closest_object", "commit", [&] { (void)scene_.closest_object({ball_}); });
+  refused("Scene::visit_candidates", "commit",
+          [&] { scene_.visit_candidates({ball_}, 0, [](ObjectId) { return true; }); });
+  refused("Scene::any_within", "commit", [&] { (void)scene_.any_within(1); });
+  refused("Scene::any_within_many", "commit", [&] { scene_.any_within_many({}, {}, 1, {}); });
+  refused("Scene", "committed", [&] { (void)scene_.contacts(pair_, 0); });
   refused("Scene::bounding_box", "commit", [&] { (void)scene_.bounding_box(0); });
   scene_.set_pose(0, {});
   scene_.commit();

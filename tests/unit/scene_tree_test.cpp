@@ -151,6 +151,30 @@ TEST(SceneTree, FindsTheSamePairsAsAllPairs) {
   }
 }
 
+TEST(SceneTree, FindsWhatIsNearOneAsAllPairs) {
+  Rng rng(8102);
+  for (const std::size_t count : {0, 1, 2, 8, 9, 64, 65, 150}) {
+    for (std::uint64_t kind = 0; kind < kinds; ++kind) {
+      const std::vector<WorldBounds> bounds = some_bounds(rng, count + 1, kind);  // the last one is not in the tree
+      const auto own = static_cast<std::uint32_t>(count);
+      BoxTree tree;
+      tree.build(all_ids(count), bounds);
+      for (const double margin : {0.0, 0.1, 1e3, 0x1p180}) {
+        std::vector<int> found(count);
+        EXPECT_TRUE(tree.visit_near(bounds[own], margin, [&](std::uint32_t rank) {
+          EXPECT_LE(tree.lower_bound(bounds[own], rank), margin);
+          return ++found[tree.id_of(rank)] == 1;
+        }));
+        for (const auto& [a, b, gap, error] : true_gaps(bounds)) {
+          if (b != own) continue;
+          ASSERT_TRUE(found[a] == 1 || gap > margin) << count << " of kind " << kind;
+          ASSERT_TRUE(found[a] == 0 || gap <= margin + error + 1e-12L * margin) << count << " of kind " << kind;
+        }
+      }
+    }
+  }
+}
+
 TEST(SceneTree, FindsSpheresThatTouchWhereSquaresVanish) {
   Rng rng(8110);
   for (int i = 0; i < 3000; ++i) {

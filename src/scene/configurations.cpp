@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Many configurations of one scene.
+#include <chrono>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "base/parallel.h"
+#include "geometry/rigid.h"
+#include "scene/scene_impl.h"
+#include "scene/searches.h"
+
+namespace limber {
+namespace {
+
+// Each task has a scene of its own. Copying one takes less than placing all of its objects.
+constexpr std::size_t configurations_per_task = 16;
+
+/// Which objects are where, in how many configurations.
+struct Configurations {
+  std::span<const ObjectId> ids;
+  std::span<const Transform> poses;
+  std::size_t count;
+};
+
+void check_configurations(const Scene::Impl& scene, const Configurations& all, const char* function) {
+  const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
+  LIMBER_REQUIRE(scene.is_committed(), text("objects or models have changed since the last commit").c_str());
+  // By a division: a product might wrap around.
+  const bool is_whole = all.ids.empty()
+                            ? all.poses.empty()
+                            : all.poses.size() % all.ids.size() == 0 && all.poses.size() / all.ids.size() == all.count;
+  LIMBER_REQUIRE(is_whole, text("poses: there must be one of each id for each result").c_str());
+  for (const ObjectId id : all.ids) {
+    LIMBER_REQUIRE(scene.contains(id), text("ids: one of them names no object of the scene").c_str());
+  }
+  for (std::size_t i = 0; i < all.poses.size(); ++i) {
+    if (geometry::is_rigid(all.poses[i])) continue;
+    const std::string where = "poses: the one of entry " + std::to_string(i % all.ids.size()) + " of configuration " +
+                              std::to_string(i / all.ids.size()) + " is not rigid (see is_rigid())";
+    base::throw_invalid_argument(text(where.c_str()).c_str());
+  }
+}
+
+/// What a filter says of every two objects: threads may ask that at the same time.
+std::optional<ObjectPairMatrix> answers_of(const std::optional<ObjectPairFilter>& filter, const Scene::Impl& scene) {
+  if (!filter) return std::nullopt;
+  ObjectPairMatrix counts(scene.objects.size(), false);
+  for (const ObjectId b : scene.ids) {
+    for (const ObjectId a : scene.ids) {
+      if (a >= b) break;  // ids ascend
+      if ((*filter)(a, b)) counts.set(a, b, true);
+    }
+  }
+  return counts;
+}
+
+/// Which limit has ended a call, if one has.
+StoppedBy ended_by(const QueryBudget& budget) {
+  if (budget.cancel != nullptr && budget.cancel->load(std::memory_order_relaxed)) return StoppedBy::cancel;
+  const bool is_late = budget.deadline && std::chrono::steady_clock::now() >= *budget.deadline;
+  return is_late ? StoppedBy::deadline : StoppedBy::nothing;
+}
+
+/// Sets results[k] to ask(scene in configuration k), or to what left_out() says once the budget has ended.
+template <typename Result, typename Ask, typename LeftOut>
+void ask_configurations(const Scene::Impl& scene, const Configurations& all, const QueryBudget& budget,
+                        std::span<Result> results, const Ask& ask, const LeftOut& left_out) {
+  base::parallel_for_ranges(all.count, configurations_per_task, [&](std::size_t begin, std::size_t end) {
+    Scene::Impl own = scene;
+    for (std::size_t k = begin; k < end; ++k) {
+      const StoppedBy stopped_by = ended_by(budget);
+      if (stopped_by != StoppedBy::nothing) {
+        results[k] = left_out(stopped_by);
+        continue;
+      }
+      for (std::size_t j = 0; j < all.ids.size(); ++j) own.set_pose(all.ids[j], all.poses[k * all.ids.size() + j]);
+      for (const ObjectId id : all.ids) own.update_bounds(id);
+      own.tree.build(own.ids, own.bounds);
+      results[k] = ask(own);
+    }
+  });
+}
+
+}  // namespace
+
+void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
+                                 std::span<ClosestObjects> results, const ClosestObjectsOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  constexpr const char* function = "limber::Scene::closest_objects_many";
+  const Impl& scene = impl("closest_objects_many");
+  const Configurations all{ids, poses, results.size()};
+  check_configurations(scene, all, function);
+  base::check_options(DistanceOptions{options.relative_error, options.absolute_error, options.max_distance}, function);
+  LIMBER_REQUIRE(options.cache == nullptr, "limber::Scene::closest_objects_many: takes no cache");
+  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene);
+  ClosestObjectsOptions of_each = options;
+  if (counts) of_each.filter = *counts;
+  ask_configurations(
+      scene, all, options.budget, results,
+      [&](const Impl& own) { return scene::find_closest(own, of_each, scene::no_tasks); },
+      [](StoppedBy stopped_by) {
+        ClosestObjects unknown;
+        unknown.result.upper = std::numeric_limits<double>::infinity();
+        unknown.result.status = Status::interrupted, unknown.result.stopped_by = stopped_by;
+        return unknown;
+      });
+}
+
+void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
+                            std::span<CloseObjects> results, const AnyWithinOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("any_within_many");
+  const Configurations all{ids, poses, results.size()};
+  check_configurations(scene, all, "limber::Scene::any_within_many");
+  LIMBER_REQUIRE(base::is_finite_and_not_negative(max_distance),
+                 "limber::Scene::any_within_many: max_distance must be finite and at least 0");
+  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene);
+  AnyWithinOptions of_each = options;
+  if (counts) of_each.filter = *counts;
+  ask_configurations(
+      scene, all, options.budget, results,
+      [&](const Impl& own) { return scene::find_any_within(own, max_distance, of_each, scene::no_tasks); },
+      [](StoppedBy stopped_by) {
+        CloseObjects unknown;
+        unknown.result.stopped_by = stopped_by;
+        return unknown;
+      });
+}
+
+}  // namespace limber

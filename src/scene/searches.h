@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "limber/scene.h"
+
+/// Searches of a scene for one pair, which queries of one configuration and of many share. Their answers do not depend
+/// on the tasks that they make.
+namespace limber::scene {
+
+/// Every pair may be a task of its own: the shortest queries take as long as starting one, others a thousand times as
+/// long.
+constexpr std::size_t pairs_per_task = 1;
+/// A search that is itself a part of a task makes none: it would wait for tasks, and take up others meanwhile.
+constexpr std::size_t no_tasks = std::numeric_limits<std::size_t>::max();
+
+/// Searches ask rounds of pairs, all of a round at once. The first round is small, because it decides how many pairs
+/// there are to be asked at all; every other one is twice as large as the one before, up to this.
+constexpr std::size_t most_in_round = 64;
+
+/// Pre: the scene is committed, and the options are what they have to be.
+ClosestObjects find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain);
+CloseObjects find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
+                             std::size_t grain);
+
+/// Throws   std::invalid_argument, naming the function, unless a model may be asked about where it is placed.
+void check_placed(const Placed& model, const char* function);
+
+/// Whether a budget ends all queries that share it, not one of them alone.
+inline bool ends_all(StoppedBy stopped_by) {
+  return stopped_by == StoppedBy::deadline || stopped_by == StoppedBy::cancel;
+}
+
+}  // namespace limber::scene

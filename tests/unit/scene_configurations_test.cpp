@@ -1,0 +1,337 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Many configurations of a scene in one call, whether any two objects are within a distance, and which pairs count.
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "limber/scene.h"
+#include "reference/reference.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool has_same_bits(const std::optional<Witness>& s, const std::optional<Witness>& t) {
+  return s.has_value() == t.has_value() && (!s || std::memcmp(&*s, &*t, sizeof(Witness)) == 0);
+}
+bool has_same_bits(const QueryStats& s, const QueryStats& t) {
+  return s.node_tests == t.node_tests && s.triangle_tests == t.triangle_tests;
+}
+bool has_same_bits(const ClosestObjects& s, const ClosestObjects& t) {
+  return s.objects == t.objects && s.result.lower == t.result.lower && s.result.upper == t.result.upper &&
+         s.result.status == t.result.status && s.result.stopped_by == t.result.stopped_by &&
+         has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
+}
+bool has_same_bits(const CloseObjects& s, const CloseObjects& t) {
+  return s.objects == t.objects && s.result.answer == t.result.answer && s.result.stopped_by == t.result.stopped_by &&
+         has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
+}
+
+/// A scene of several kinds of models, one id of which is free, and many configurations of some of them.
+struct Plan {
+  std::vector<Model> models;
+  limber::Scene scene;
+  std::vector<ObjectId> ids;
+  std::vector<Transform> poses;
+  std::size_t count;
+
+  Plan(Rng& rng, std::size_t objects, std::size_t moving, std::size_t configurations, double range)
+      : count(configurations) {
+    models.emplace_back(scenes::ball(8, 5));
+    models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
+    models.emplace_back(scenes::random_soup(rng, 9, 0.5));
+    for (std::size_t i = 0; i < objects; ++i) scene.add({models[i % 3], random_pose(rng, range)});
+    if (objects > 4) scene.remove(3);
+    scene.commit();
+    for (ObjectId id = 0; id < scene.id_bound() && ids.size() < moving; ++id) {
+      if (scene.contains(id)) ids.push_back(id);
+    }
+    for (std::size_t i = 0; i < ids.size() * configurations; ++i) {
+      // Many places are the same, and many poses tie.
+      poses.push_back(rng.below(3) == 0 ? Transform{{}, 2 * lattice_point(rng, 3)} : random_pose(rng, range));
+    }
+  }
+  std::span<const Transform> poses_of(std::size_t k) const {
+    return std::span(poses).subspan(k * ids.size(), ids.size());
+  }
+};
+
+// --- which pairs count ---
+
+TEST(ObjectPairMatrixTest, HoldsABitForEachTwoIds) {
+  Rng rng(8301);
+  for (const std::size_t size : {0U, 1U, 2U, 3U, 12U, 65U, 130U}) {
+    for (const bool counts : {false, true}) {
+      ObjectPairMatrix matrix(size, counts);
+      EXPECT_EQ(matrix.size(), size);
+      std::vector<std::vector<bool>> expected(size, std::vector<bool>(size, counts));
+      const auto set = [&](ObjectId a, ObjectId b, bool value) { expected[a][b] = expected[b][a] = value; };
+      const auto some_ids = [&] {
+        std::vector<ObjectId> ids(rng.below(5));
+        for (ObjectId& id : ids) id = static_cast<ObjectId>(rng.below(size));
+        return ids;
+      };
+      for (int i = 0; i < 40 && size > 1; ++i) {
+        const auto a = static_cast<ObjectId>(rng.below(size)), b = static_cast<ObjectId>((a + 1) % size);
+        const bool value = rng.below(2) == 0;
+        const std::vector<ObjectId> ids_a = some_ids(), ids_b = some_ids();
+        matrix.set(a, b, value), set(a, b, value);
+        matrix.set_among(ids_a, !value);
+        for (const ObjectId s : ids_a) {
+          for (const ObjectId t : ids_a) set(s, t, !value);
+        }
+        matrix.set_between(ids_a, ids_b, value);
+        for (const ObjectId s : ids_a) {
+          for (const ObjectId t : ids_b) set(s, t, value);
+        }
+      }
+      for (ObjectId a = 0; a < size; ++a) {
+        for (ObjectId b = 0; b < size; ++b) {
+          ASSERT_TRUE(a == b || matrix(a, b) == expected[a][b]) << a << ", " << b;
+        }
+      }
+    }
+  }
+}
+
+TEST(ObjectPairMatrixTest, IsAFilter) {
+  const Model ball(scenes::ball(8, 5));
+  limber::Scene scene;
+  for (const double x : {0.0, 1.0, 3.5, 7.0}) scene.add({ball, {{}, {x, 0, 0}}});
+  scene.commit();
+  ObjectPairMatrix counts(scene.id_bound());
+  counts.set(1, 0, false);
+  EXPECT_EQ(scene.closest_objects({.filter = counts}).objects, (ObjectPair{1, 2}));
+  EXPECT_FALSE(scene.any_within(0.1, {.filter = counts}).result.is_yes());
+  EXPECT_TRUE(scene.any_within(0.1).result.is_yes());
+  counts.set_among(std::vector<ObjectId>{0, 1, 2}, false);
+  EXPECT_EQ(scene.closest_objects({.filter = counts}).objects, (ObjectPair{2, 3}));
+  // A matrix for fewer objects says so instead of guessing.
+  const ObjectPairMatrix small(3);
+  EXPECT_THROW((void)scene.closest_objects({.filter = small}), std::invalid_argument);
+}
+
+// --- any pair within a distance ---
+
+TEST(SceneConfigurationsTest, TellWhetherAnyTwoObjectsAreWithinADistance) {
+  Rng rng(8302);
+  for (int i = 0; i < 60; ++i) {
+    const Plan plan(rng, rng.below(12), 0, 0, rng.below(2) == 0 ? 3 : 9);
+    std::vector<reference::Placed> twins;
+    for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
+      if (!plan.scene.contains(id)) continue;
+      twins.push_back({plan.scene.object(id).model().mesh(), plan.scene.object(id).pose});
+    }
+    const double truth = reference::closest_objects(twins).result.upper;
+    for (const double max_distance : {0.0, 0.3, truth * 0.999, truth * 1.001}) {
+      if (!std::isfinite(max_distance)) continue;
+      const auto [objects, result] = plan.scene.any_within(max_distance);
+      ASSERT_EQ(result.is_yes(), truth <= max_distance) << max_distance << ", " << truth;
+      ASSERT_EQ(result.is_no(), !result.is_yes());
+      ASSERT_EQ(objects.a != no_id, result.is_yes());
+      if (!result.is_yes()) continue;
+      ASSERT_TRUE(within(plan.scene.object(objects.a), plan.scene.object(objects.b), max_distance).is_yes());
+      ASSERT_LE(length(result.witness->point_b - result.witness->point_a), max_distance + 1e-13);
+    }
+  }
+}
+
+// --- many configurations ---
+
+TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
+  Rng rng(8303);
+  const std::array<Plan, 6> plans{Plan(rng, 12, 12, 50, 4), Plan(rng, 12, 5, 50, 4),  Plan(rng, 2, 2, 40, 3),
+                                  Plan(rng, 1, 1, 3, 3),    Plan(rng, 60, 20, 20, 9), Plan(rng, 120, 7, 20, 5)};
+  for (const Plan& plan : plans) {
+    ObjectPairMatrix counts(plan.scene.id_bound());
+    for (ObjectId b = 0; b < counts.size(); ++b) {
+      for (ObjectId a = 0; a < b; ++a) counts.set(a, b, rng.below(2) == 0);
+    }
+    for (const bool has_filter : {false, true}) {
+      ClosestObjectsOptions how{.relative_error = has_filter ? 0.1 : 0, .max_distance = has_filter ? 1.5 : INFINITY};
+      AnyWithinOptions which;
+      if (has_filter) how.filter = which.filter = counts;
+      std::vector<ClosestObjects> expected(plan.count), closest(plan.count);
+      std::vector<CloseObjects> expected_any(plan.count), any(plan.count);
+      Plan moved(rng, 0, 0, 0, 1);
+      for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
+        moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0]));
+      }
+      for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
+        if (!plan.scene.contains(id)) moved.scene.remove(id);
+      }
+      for (std::size_t k = 0; k < plan.count; ++k) {
+        moved.scene.set_poses(plan.ids, plan.poses_of(k));
+        moved.scene.commit();
+        expected[k] = moved.scene.closest_objects(how);
+        expected_any[k] = moved.scene.any_within(0.4, which);
+      }
+      const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, 5);
+      for (const int threads : {1, 2, 5}) {
+        oneapi::tbb::task_arena arena(threads);
+        arena.execute([&] {
+          plan.scene.closest_objects_many(plan.ids, plan.poses, closest, how);
+          plan.scene.any_within_many(plan.ids, plan.poses, 0.4, any, which);
+          for (std::size_t k = 0; k < plan.count; ++k) {
+            ASSERT_TRUE(has_same_bits(closest[k], expected[k])) << k;
+            ASSERT_TRUE(has_same_bits(any[k], expected_any[k])) << k;
+          }
+        });
+      }
+      EXPECT_TRUE(plan.scene.is_committed());
+    }
+  }
+}
+
+TEST(SceneConfigurationsTest, MayBeNoneOrOfNoObject) {
+  Rng rng(8304);
+  const Plan plan(rng, 6, 3, 0, 4);
+  plan.scene.closest_objects_many(plan.ids, {}, {});
+  plan.scene.any_within_many(plan.ids, {}, 1, {});
+  std::vector<ClosestObjects> closest(3);
+  plan.scene.closest_objects_many({}, {}, closest);  // the scene as it is
+  for (const ClosestObjects& c : closest) EXPECT_TRUE(has_same_bits(c, plan.scene.closest_objects()));
+  const limber::Scene empty;
+  std::vector<CloseObjects> any(3);
+  empty.any_within_many({}, {}, 1, any);
+  for (const CloseObjects& c : any) EXPECT_TRUE(c.result.is_no());
+  empty.closest_objects_many({}, {}, closest);
+  for (const ClosestObjects& c : closest) EXPECT_EQ(c.result.status, Status::beyond_limit);
+}
+
+TEST(SceneConfigurationsTest, LetTheLastPoseOfAnIdCount) {
+  Rng rng(8305);
+  const Plan plan(rng, 4, 0, 0, 50);
+  const std::vector<ObjectId> ids{1, 0, 1};
+  const std::vector<Transform> poses{{{}, {0, 0, 0}}, {{}, {0, 0, 0}}, {{}, {500, 0, 0}}};
+  std::vector<ClosestObjects> closest(1);
+  ObjectPairMatrix counts(4, false);
+  counts.set(0, 1, true);
+  plan.scene.closest_objects_many(ids, poses, closest, {.filter = counts});
+  EXPECT_GT(closest[0].result.upper, 400);
+}
+
+TEST(SceneConfigurationsTest, AskAFilterOnlyInTheCallingThread) {
+  Rng rng(8306);
+  const Plan plan(rng, 10, 10, 64, 3);
+  const std::thread::id caller = std::this_thread::get_id();
+  std::size_t calls = 0;
+  const auto filter = [&](ObjectId a, ObjectId b) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_LT(a, b);
+    EXPECT_TRUE(a != 3 && b != 3);  // which was removed
+    return ++calls % 2 == 0;
+  };
+  std::vector<ClosestObjects> closest(plan.count);
+  plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.filter = filter});
+  EXPECT_EQ(calls, 36U);
+}
+
+// --- budgets ---
+
+TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
+  Rng rng(8307);
+  const Plan plan(rng, 12, 12, 100, 30);
+  std::vector<ClosestObjects> closest(plan.count);
+  std::vector<CloseObjects> any(plan.count);
+  const std::atomic<bool> cancel = true;
+  const std::pair<QueryBudget, StoppedBy> spent[] = {{{.deadline = Clock::now()}, StoppedBy::deadline},
+                                                     {{.cancel = &cancel}, StoppedBy::cancel}};
+  for (const auto& [budget, reason] : spent) {
+    plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
+    plan.scene.any_within_many(plan.ids, plan.poses, 100, any, {.budget = budget});
+    for (std::size_t k = 0; k < plan.count; ++k) {
+      ASSERT_EQ(closest[k].result.status, Status::interrupted);
+      ASSERT_EQ(closest[k].result.stopped_by, reason);
+      ASSERT_EQ(closest[k].result.lower, 0);
+      ASSERT_EQ(closest[k].result.upper, INFINITY);
+      ASSERT_TRUE(closest[k].objects == ObjectPair{} && !closest[k].result.witness);
+      ASSERT_EQ(any[k].result.answer, Answer::unknown);
+      ASSERT_EQ(any[k].result.stopped_by, reason);
+    }
+  }
+  // Time enough changes no bit.
+  std::vector<ClosestObjects> all(plan.count);
+  plan.scene.closest_objects_many(plan.ids, plan.poses, closest,
+                                  {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}});
+  plan.scene.closest_objects_many(plan.ids, plan.poses, all);
+  for (std::size_t k = 0; k < plan.count; ++k) ASSERT_NEAR(closest[k].result.upper, all[k].result.upper, 1e-13);
+}
+
+TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
+  Rng rng(8308);
+  std::size_t interrupted = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Plan plan(rng, i % 2 == 0 ? 8 : 70, 1, 8, i % 2 == 0 ? 6 : 25);
+    const double truth = plan.scene.closest_objects().result.upper;
+    const std::atomic<bool> cancel = true;
+    const QueryBudget budgets[] = {
+        {.max_steps = 0}, {.max_steps = 1}, {.max_steps = 6}, {.deadline = Clock::now()}, {.cancel = &cancel}};
+    for (const QueryBudget& budget : budgets) {
+      const auto [objects, result] = plan.scene.closest_objects({.budget = budget});
+      ASSERT_LE(result.lower, truth + 1e-13);
+      ASSERT_GE(result.upper, truth - 1e-13);
+      ASSERT_EQ(result.status == Status::interrupted, result.stopped_by != StoppedBy::nothing);
+      ASSERT_TRUE(result.status == Status::interrupted || result.lower == result.upper);
+      ASSERT_TRUE(result.witness.has_value() && objects.a != no_id);
+      interrupted += result.status == Status::interrupted ? 1 : 0;
+      const CloseObjects any = plan.scene.any_within(truth * 1.01, {.budget = budget});
+      ASSERT_FALSE(any.result.is_no());
+      const CloseObjects none = plan.scene.any_within(truth * 0.99, {.budget = budget});
+      ASSERT_TRUE(truth == 0 || !none.result.is_yes());
+      ASSERT_EQ(none.result.answer == Answer::unknown, none.result.stopped_by != StoppedBy::nothing);
+      // Steps are counted for each pair, so they give the same bits on any number of threads.
+      if (budget.deadline || budget.cancel != nullptr) continue;
+      std::vector<ClosestObjects> closest(8), again(8);
+      plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
+      oneapi::tbb::task_arena(5).execute(
+          [&] { plan.scene.closest_objects_many(plan.ids, plan.poses, again, {.budget = budget}); });
+      for (std::size_t k = 0; k < 8; ++k) ASSERT_TRUE(has_same_bits(closest[k], again[k]));
+    }
+  }
+  EXPECT_GT(interrupted, 80U);
+}
+
+TEST(SceneBudgets, EndQueriesOfPairs) {
+  Rng rng(8309);
+  const Plan plan(rng, 40, 0, 0, 4);
+  std::vector<ObjectPair> pairs(1000);
+  pairs.resize(plan.scene.candidate_pairs(0.2, pairs).count);
+  ASSERT_GT(pairs.size(), 50U);
+  std::vector<CollideResult> collisions(pairs.size()), withins(pairs.size());
+  std::vector<DistanceResult> distances(pairs.size());
+  const std::atomic<bool> cancel = true;
+  plan.scene.collide(pairs, collisions, {.budget = {.cancel = &cancel}});
+  plan.scene.within(pairs, 0.1, withins, {.budget = {.max_steps = 0}});
+  plan.scene.distance(pairs, distances, {.budget = {.max_steps = 0}});
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Placed &a = plan.scene.object(pairs[i].a), &b = plan.scene.object(pairs[i].b);
+    ASSERT_TRUE(collisions[i].answer == Answer::unknown || collisions[i].is_yes() == collide(a, b).is_yes());
+    ASSERT_TRUE(withins[i].answer == Answer::unknown || withins[i].is_yes() == within(a, b, 0.1).is_yes());
+    const double truth = distance(a, b).upper;
+    ASSERT_TRUE(distances[i].lower <= truth + 1e-13 && truth <= distances[i].upper + 1e-13);
+    open += distances[i].status == Status::interrupted && withins[i].answer == Answer::unknown &&
+            collisions[i].stopped_by == StoppedBy::cancel;
+  }
+  EXPECT_GT(open, pairs.size() / 2);
+}
+
+}  // namespace
+}  // namespace limber::testing
