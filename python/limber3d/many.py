@@ -13,7 +13,7 @@ from typing import Any
 import numpy
 
 from . import _core
-from .typing import ArrayLike, PosesLike, RecordArray
+from .typing import ArrayLike, ObjectFilter, PosesLike, RecordArray
 
 _LEAST_SECONDS, _MOST_SECONDS = 0.03, 0.12  # of one part of a batch: how soon Ctrl-C ends it
 
@@ -64,7 +64,7 @@ def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
 
 
 def _records(
-    batch: _core.Batch, dtype: numpy.dtype[numpy.void], is_shown: bool, ask: Callable[[RecordArray, int, int], None]
+    batch: _core.Batch | _core.SceneBatch, dtype: numpy.dtype[numpy.void], is_shown: bool, ask: Callable[[RecordArray, int, int], None]
 ) -> RecordArray:
     """The records of all poses: ask(records, begin, end) writes those of a part."""
     count = 1 if batch.size is None else batch.size
@@ -246,6 +246,62 @@ def least_distance_many(
         batch.least_distance(records, begin, end, max_time, distance_error)
 
     return _records(batch, _core.path_distance_dtype, progress, ask)
+
+
+def closest_objects_many(
+    scene: _core.Scene,
+    ids: ArrayLike,
+    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    filter: ObjectFilter = None,
+    relative_error: float = 0.0,
+    absolute_error: float = 0.0,
+    max_distance: float = float("inf"),
+    budget: _core.QueryBudget | None = None,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """Scene.closest_objects() of many configurations, such as those of a robot. The scene does not change.
+
+    Shape    ids are k objects; poses are (n, k, 4, 4), or a tuple of rotations (n, k, 3, 3) or quaternions (n, k, 4)
+             and translations (n, k, 3): in configuration i, ids[j] is at poses[i, j], and all other objects are where
+             they were at the last commit. The result is an array of n records, limber3d.closest_objects_dtype:
+             object_a and object_b, and the fields of distance_dtype.
+    Promise  Record i holds what closest_objects() would answer, to the bit, had set_poses() and commit() placed the
+             objects so; on any number of threads. Without a witness objects and triangles are 2^32 - 1.
+    Budget   Configurations that are left when time is up have status `interrupted`, lower 0 and upper infinity.
+    Raises   ValueError as set_poses() and closest_objects(), before anything is asked where a pose is malformed;
+             BatchInterrupted, which holds the records that were done.
+    Threads  As distance_many(). A filter that is a function is called before, once for every two objects.
+    """
+    batch = _core.SceneBatch(scene, ids, poses, filter, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.closest_objects(records, begin, end, relative_error, absolute_error, max_distance, budget)
+
+    return _records(batch, _core.closest_objects_dtype, progress, ask)
+
+
+def any_within_many(
+    scene: _core.Scene,
+    ids: ArrayLike,
+    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    max_distance: float,
+    *,
+    filter: ObjectFilter = None,
+    budget: _core.QueryBudget | None = None,
+    threads: int | None = None,
+    progress: bool = False,
+) -> RecordArray:
+    """Scene.any_within() of many configurations: an array of records, limber3d.any_within_dtype. Field `is_yes` is
+    true where two objects are within the distance, `answer` an Answer: unknown where the budget was spent. Everything
+    else is as closest_objects_many() says."""
+    batch = _core.SceneBatch(scene, ids, poses, filter, threads)
+
+    def ask(records: RecordArray, begin: int, end: int) -> None:
+        batch.any_within(records, begin, end, max_distance, budget)
+
+    return _records(batch, _core.any_within_dtype, progress, ask)
 
 
 def track(

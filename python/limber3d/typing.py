@@ -31,8 +31,11 @@ PosesLike = PoseLike
 TriangleFilter = Union["_core.NeighborRings", Callable[[int, int], object], None]
 """Which pairs of triangles count: rings of neighbors, or a function of two ids, which makes a query hold the GIL."""
 
-ObjectFilter = Union[Callable[[int, int], object], None]
-"""Which pairs of objects of a scene count: a function of two ids, which makes a query hold the GIL."""
+ObjectFilter = Union["_core.ObjectPairMatrix", Callable[[int, int], object], None]
+"""Which pairs of objects of a scene count: a matrix, or a function of two ids, which makes a query hold the GIL."""
+
+SingleObjectFilter = Union[Callable[[int], object], None]
+"""Which objects of a scene count next to a model: a function of an id, which makes a query hold the GIL."""
 
 
 class MeshWithFaces(Protocol):
@@ -75,5 +78,6 @@ __all__ = [
     "PoseLike",
     "PosesLike",
     "RecordArray",
+    "SingleObjectFilter",
     "TriangleFilter",
 ]

@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "limber/contacts.h"
+#include "limber/scene.h"
 
 /// Arguments that queries share.
 namespace limber::python {
@@ -32,14 +33,32 @@ class PlacedPair {
   Placed a_, b_;
 };
 
-/// A filter of pairs as Python passes it: None, rings of neighbors, or something that is called with two ids.
+using WholeNumber = Named<"int">;  // that thread_count() looks at
+
+/// How many threads an argument asks for; nothing for None.
+///
+/// Throws   nb::value_error for a number out of range, nb::python_error (TypeError) for what is no whole number.
+std::optional<int> thread_count(nb::handle argument, const char* name);
+
+using ObjectFilter = Named<"ObjectFilter">;  // of pairs
+
+/// A filter of pairs as Python passes it: None, rings of neighbors for triangles, a matrix for objects, or something
+/// that is called with two ids.
 template <typename FilterRef>
 class PairFilter {
  public:
   explicit PairFilter(nb::handle filter) {
     if (filter.is_none()) return;
-    if constexpr (std::is_same_v<FilterRef, TrianglePairFilter>) {
+    if constexpr (has_rings) {
       if (nb::try_cast(filter, rings_)) return;
+    }
+    if constexpr (has_matrix) {
+      const ObjectPairMatrix* matrix = nullptr;
+      if (nb::try_cast(filter, matrix)) {
+        const nb::ft_object_guard lock(filter);
+        matrix_ = *matrix;  // a copy: other threads may change theirs
+        return;
+      }
     }
     if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
     predicate_ = {nb::borrow(filter)};
@@ -51,8 +70,11 @@ class PairFilter {
   /// For the options of a query; refers to this object.
   std::optional<FilterRef> get() const {
     if (needs_gil()) return FilterRef(predicate_);
-    if constexpr (std::is_same_v<FilterRef, TrianglePairFilter>) {
+    if constexpr (has_rings) {
       if (rings_ != nullptr) return FilterRef(*rings_);
+    }
+    if constexpr (has_matrix) {
+      if (matrix_) return FilterRef(*matrix_);
     }
     return std::nullopt;
   }
@@ -62,8 +84,11 @@ class PairFilter {
     nb::object function;
     bool operator()(std::uint32_t a, std::uint32_t b) const { return nb::cast<bool>(nb::bool_(function(a, b))); }
   };
+  static constexpr bool has_rings = std::is_same_v<FilterRef, TrianglePairFilter>;
+  static constexpr bool has_matrix = std::is_same_v<FilterRef, ObjectPairFilter>;
   Predicate predicate_;
   const NeighborRings* rings_ = nullptr;
+  std::optional<ObjectPairMatrix> matrix_;
 };
 
 }  // namespace limber::python

@@ -229,10 +229,14 @@ constexpr const char* poses_form =
     "None, one pose, n 4 x 4 matrices, (n rotations, n translations) or (n quaternions, n translations), "
     "of float32, float64, or integers of 32 or 64 bits";
 
+constexpr const char* configurations_form =
+    "for n configurations of k ids: (n, k, 4, 4), or a tuple of (n, k, 3, 3) or (n, k, 4) and (n, k, 3), of float32, "
+    "float64, or integers of 32 or 64 bits";
+
 /// The pose that numbers stand for: a matrix of 16; or a rotation of 9 or a quaternion, and a translation. `index` is
-/// that in a list, where there is one.
+/// that in a list, where there is one; messages have it by rows of so many columns, if it is a list of rows.
 Transform rigid_or_raise(std::span<const double> turn, std::span<const double> shift, const char* name,
-                         std::optional<std::size_t> index) {
+                         std::optional<std::size_t> index, std::optional<std::size_t> columns = std::nullopt) {
   const auto converted = [&]() -> Result<Transform> {
     const auto& q = turn;
     const auto& t = shift;
@@ -245,7 +249,11 @@ Transform rigid_or_raise(std::span<const double> turn, std::span<const double> s
   const Result<Transform> result = converted();
   if (result) return *result;
   std::string text = name;
-  if (index) text.append("[").append(std::to_string(*index)).append("]");
+  if (index && columns) {
+    text.append("[" + std::to_string(*index / *columns) + ", " + std::to_string(*index % *columns) + "]");
+  } else if (index) {
+    text.append("[").append(std::to_string(*index)).append("]");
+  }
   raise({result.error().code, text.append(": ").append(result.error().text), index});
 }
 
@@ -257,13 +265,13 @@ std::optional<std::array<nb::handle, 2>> parts_of(nb::handle object) {
 
 /// Poses of as many numbers: matrices without shifts, or turns with them.
 std::vector<Transform> all_rigid(std::size_t count, const std::vector<double>& turns, const std::vector<double>& shifts,
-                                 const char* name) {
+                                 const char* name, std::optional<std::size_t> columns = std::nullopt) {
   std::vector<Transform> poses;
   poses.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t turn_size = turns.size() / count, shift_size = shifts.size() / count;
     poses.push_back(rigid_or_raise(std::span(turns).subspan(i * turn_size, turn_size),
-                                   std::span(shifts).subspan(i * shift_size, shift_size), name, i));
+                                   std::span(shifts).subspan(i * shift_size, shift_size), name, i, columns));
   }
   return poses;
 }
@@ -302,6 +310,20 @@ PoseList::PoseList(nb::handle object, const char* name) {
     }
   }
   if (is_one_for_all_) poses_.push_back(pose_from(object, name));
+}
+
+std::vector<Transform> configurations_from(nb::handle object, std::size_t objects, const char* name) {
+  const auto k = static_cast<std::ptrdiff_t>(objects);
+  if (const auto parts = parts_of(object)) {
+    const Array turns((*parts)[0], name, configurations_form, Lists::floats);
+    const Array shifts((*parts)[1], name, configurations_form, Lists::floats);
+    if (!turns.has_numbers({-1, k, 3, 3}) && !turns.has_numbers({-1, k, 4})) turns.refuse();
+    if (!shifts.has_numbers({static_cast<std::ptrdiff_t>(turns.size(0)), k, 3})) shifts.refuse();
+    return all_rigid(turns.size(0) * objects, turns.numbers(), shifts.numbers(), name, objects);
+  }
+  const Array matrices(object, name, configurations_form, Lists::floats);
+  if (!matrices.has_numbers({-1, k, 4, 4})) matrices.refuse();
+  return all_rigid(matrices.size(0) * objects, matrices.numbers(), {}, name, objects);
 }
 
 }  // namespace limber::python

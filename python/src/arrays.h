@@ -136,4 +136,10 @@ class PoseList {
   bool is_one_for_all_ = true;
 };
 
+/// Poses of many configurations, of as many objects each, one configuration after the other: the forms of PoseList with
+/// an axis of configurations, then one of objects, before the others.
+///
+/// Throws   As pose_from(), naming configuration and object.
+std::vector<Transform> configurations_from(nb::handle object, std::size_t objects, const char* name);
+
 }  // namespace limber::python

@@ -23,14 +23,11 @@
 namespace limber::python {
 namespace {
 
-using WholeNumber = Named<"int">;  // that thread_count() looks at
-
 /// The most threads that an argument may ask for. oneTBB takes memory for each of them at once.
 constexpr Py_ssize_t most_threads = 4096;
 
-/// How many threads an argument asks for; nothing for None.
-///
-/// Throws   nb::value_error for a number out of range, nb::python_error (TypeError) for what is no whole number.
+}  // namespace
+
 std::optional<int> thread_count(nb::handle argument, const char* name) {
   if (argument.is_none()) return std::nullopt;
   const Py_ssize_t count = PyNumber_AsSsize_t(argument.ptr(), nullptr);  // the nearest one, for numbers beyond
@@ -38,6 +35,8 @@ std::optional<int> thread_count(nb::handle argument, const char* name) {
   if (count >= 1 && count <= most_threads) return static_cast<int>(count);
   throw nb::value_error((std::string(name) + ": expected 1 to " + std::to_string(most_threads) + ", or None").c_str());
 }
+
+namespace {
 
 /// Two models and many poses. The package asks for a part at a time, so that it can show progress and be interrupted.
 class Batch {

@@ -36,6 +36,7 @@ void bind_elements(nb::module_& module);
 void bind_motion(nb::module_& module);
 void bind_points(nb::module_& module);
 void bind_scene(nb::module_& module);
+void bind_scene_batch(nb::module_& module);
 void bind_batch(nb::module_& module);
 
 // --- signatures ---

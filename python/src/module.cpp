@@ -92,5 +92,6 @@ NB_MODULE(_core, module) {
   python::bind_contacts(module);
   python::bind_points(module);
   python::bind_scene(module);
+  python::bind_scene_batch(module);
   python::bind_batch(module);
 }

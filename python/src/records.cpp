@@ -61,6 +61,23 @@ nb::object collide_dtype() {
                   r.triangle_a, r.triangle_b);
 }
 
+nb::object closest_objects_dtype() {
+  const ClosestObjectsRecord c{};
+  const DistanceRecord& r = c.result;
+  return dtype_of(c,
+                  {"object_a", "object_b", "lower", "upper", "point_a", "point_b", "triangle_a", "triangle_b", "status",
+                   "stopped_by"},
+                  c.object_a, c.object_b, r.lower, r.upper, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.status,
+                  r.stopped_by);
+}
+
+nb::object any_within_dtype() {
+  const CloseObjectsRecord r{};
+  return dtype_of(
+      r, {"object_a", "object_b", "is_yes", "answer", "point_a", "point_b", "triangle_a", "triangle_b", "stopped_by"},
+      r.object_a, r.object_b, r.is_yes, r.answer, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.stopped_by);
+}
+
 nb::object surface_point_dtype() {
   const SurfacePointRecord r{};
   return dtype_of(r, {"distance", "position", "barycentric", "triangle", "feature"}, r.distance, r.position,
@@ -151,6 +168,16 @@ CollideRecord record_of(const CollideResult& r) {
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes()};
 }
 
+ClosestObjectsRecord record_of(const ClosestObjects& c) { return {record_of(c.result), c.objects.a, c.objects.b}; }
+
+CloseObjectsRecord record_of(const CloseObjects& c) {
+  const Witness w = witness_or_nowhere(c.result.witness);
+  const auto answer = static_cast<std::uint8_t>(c.result.answer);
+  const auto stopped_by = static_cast<std::uint8_t>(c.result.stopped_by);
+  return {w.point_a,   w.point_b,         w.triangle_a, w.triangle_b, c.objects.a,
+          c.objects.b, c.result.is_yes(), answer,       stopped_by};
+}
+
 PathImpactRecord record_of(const PathImpact& r) {
   const Witness w = witness_or_nowhere(r.witness);
   return {r.time, w.point_a, w.point_b, r.distances, w.triangle_a, w.triangle_b, r.status};
@@ -233,6 +260,8 @@ void bind_records(nb::module_& module) {
                 .edge_edge = keep("edge_edge_dtype", edge_edge_dtype()),
                 .element_pair = keep("element_pair_dtype", element_pair_dtype()),
                 .impact = keep("impact_dtype", impact_dtype())};
+  module.attr("closest_objects_dtype") = closest_objects_dtype();
+  module.attr("any_within_dtype") = any_within_dtype();
   module.attr("path_impact_dtype") = path_impact_dtype();
   module.attr("path_distance_dtype") = path_distance_dtype();
 }

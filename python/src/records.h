@@ -35,6 +35,21 @@ struct CollideRecord {
   bool is_yes;
 };
 
+/// One answer of closest_objects().
+struct ClosestObjectsRecord {
+  DistanceRecord result;
+  ObjectId object_a, object_b;  // no_id without a witness
+};
+
+/// One answer of any_within().
+struct CloseObjectsRecord {
+  Vec3 point_a, point_b;  // not a number without a witness
+  TriangleId triangle_a, triangle_b;
+  ObjectId object_a, object_b;
+  bool is_yes;
+  std::uint8_t answer, stopped_by;
+};
+
 /// One answer of time_of_impact() of rigid bodies.
 struct PathImpactRecord {
   double time;
@@ -64,6 +79,8 @@ struct SurfacePointRecord {
 
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
+ClosestObjectsRecord record_of(const ClosestObjects& closest);
+CloseObjectsRecord record_of(const CloseObjects& close);
 PathImpactRecord record_of(const PathImpact& result);
 PathDistanceRecord record_of(const PathDistance& result);
 SurfacePointRecord record_of(const PointResult& result);

@@ -2,136 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 
 #include <array>
 #include <cstddef>
-#include <map>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
 #include "bindings.h"
+#include "budget.h"
 #include "docstrings.h"
 #include "limber/limber.h"
 #include "records.h"
+#include "scene_object.h"
 #include "value_class.h"
 
 namespace limber::python {
 namespace {
 
-using ObjectFilter = Named<"ObjectFilter">;
 using Filter = PairFilter<ObjectPairFilter>;
 using SceneCacheObject = CacheObject<SceneCache>;
-
-/// A scene as Python holds it, with the models that its objects refer to.
-///
-/// Threads  Functions are called with the GIL. Queries read the scene and all of its models.
-class SceneObject {
- public:
-  /// Calls query(scene) while nobody changes the scene; models may change meanwhile.
-  template <typename Query>
-  auto look(const Query& query) {
-    const Reading guard =
-        users_.read("the scene is being changed by another thread, or by a call that has not returned");
-    return query(static_cast<const Scene&>(scene_));
-  }
-
-  /// Calls query(scene) while nobody changes the scene or one of its models.
-  template <typename Query>
-  auto read(const Query& query) {
-    return look([&](const Scene& scene) {
-      const std::vector<Reading> guards = reading_models();
-      return query(scene);
-    });
-  }
-
-  ObjectId add(nb::handle_t<ModelObject> model, const PoseLike& pose) {
-    auto& object = nb::cast<ModelObject&>(model);
-    const Transform placed = pose_from(pose, "pose");
-    const Changing guard = changing();
-    const Reading model_guard = reading(object);
-    const auto [entry, is_new] = models_.try_emplace(&object, Shared{nb::borrow(model), 0});
-    try {
-      model_of_.reserve(scene_.size() + model_of_.size() + 1);
-      const ObjectId id = scene_.add({object.model, placed});
-      if (id >= model_of_.size()) model_of_.resize(id + 1, nullptr);
-      model_of_[id] = &object;
-      ++entry->second.objects;
-      return id;
-    } catch (...) {
-      if (is_new) models_.erase(entry);
-      throw;
-    }
-  }
-
-  void remove(ObjectId id) {
-    const Changing guard = changing();
-    scene_.remove(id);
-    const auto entry = models_.find(model_of_[id]);
-    model_of_[id] = nullptr;
-    if (--entry->second.objects == 0) models_.erase(entry);
-  }
-
-  void set_pose(ObjectId id, const PoseLike& pose) {
-    const Transform placed = pose_from(pose, "pose");
-    const Changing guard = changing();
-    scene_.set_pose(id, placed);
-  }
-
-  void set_poses(const ArrayLike& ids, const PosesLike& poses) {
-    const std::vector<ObjectId> objects = ids_from(ids, "ids");
-    const PoseList list(poses, "poses");
-    const std::vector<Transform> placed =
-        list.is_one_for_all() ? std::vector<Transform>(objects.size(), list[0]) : list.poses();
-    const Changing guard = changing();
-    without_gil([&] { scene_.set_poses(objects, placed); });
-  }
-
-  void commit() {
-    const Changing guard = changing();
-    const std::vector<Reading> guards = reading_models();
-    without_gil([&] { scene_.commit(); });
-  }
-
-  Named<"Model"> model(ObjectId id) {
-    return look([&](const Scene& scene) {
-      (void)scene.object(id);  // throws unless there is such an object
-      return models_.at(model_of_[id]).owner;
-    });
-  }
-
-  /// For the garbage collector: calls visit(object, argument) for what this keeps alive, until it returns something
-  /// other than 0; returns that.
-  int visit_references(visitproc visit, void* argument) const {
-    for (const auto& [model, shared] : models_) {
-      if (const int result = visit(shared.owner.ptr(), argument); result != 0) return result;
-    }
-    return 0;
-  }
-
- private:
-  struct Shared {
-    nb::object owner;
-    std::size_t objects = 0;  // that show the model
-  };
-
-  Changing changing() {
-    return users_.change("the scene is in use by another thread, or by a query that has not returned");
-  }
-
-  std::vector<Reading> reading_models() {
-    std::vector<Reading> guards;
-    guards.reserve(models_.size());
-    for (auto& [model, shared] : models_) guards.push_back(reading(*model));
-    return guards;
-  }
-
-  Users users_;
-  std::map<ModelObject*, Shared> models_;
-  std::vector<ModelObject*> model_of_;  // by id; nullptr where there is no object
-  Scene scene_;                         // ends before the models that it refers to
-};
 
 IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter& filter) {
   const Filter which(filter);
@@ -145,13 +40,89 @@ IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter&
   return array_of(std::span<const ObjectPair>(pairs), nb::str("uint32"), {pairs.size(), 2});
 }
 
+/// A filter of objects as Python passes it: None, or something that is called with an id.
+class SingleFilter {
+ public:
+  explicit SingleFilter(nb::handle filter) {
+    if (filter.is_none()) return;
+    if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
+    predicate_ = {nb::borrow(filter)};
+  }
+  bool needs_gil() const { return predicate_.function.is_valid(); }
+  /// For the options of a query; refers to this object.
+  std::optional<limber::ObjectFilter> get() const {
+    return needs_gil() ? std::optional<limber::ObjectFilter>(predicate_) : std::nullopt;
+  }
+
+ private:
+  struct Predicate {
+    nb::object function;
+    bool operator()(ObjectId id) const { return nb::cast<bool>(nb::bool_(function(id))); }
+  };
+  Predicate predicate_;
+};
+using SingleObjectFilter = Named<"SingleObjectFilter">;
+
+IdArray candidates_of(SceneObject& self, nb::handle_t<ModelObject> model, double margin, const PoseLike& pose) {
+  auto& object = nb::cast<ModelObject&>(model);
+  const Reading model_guard = reading(object);
+  const Placed placed{object.model, pose_from(pose, "pose")};
+  std::vector<ObjectId> ids;
+  self.read([&](const Scene& scene) {
+    without_gil([&] { scene.visit_candidates(placed, margin, [&](ObjectId id) { return ids.push_back(id), true; }); });
+  });
+  return array_of(std::span<const ObjectId>(ids));
+}
+
+ClosestObject closest_object_of(SceneObject& self, nb::handle_t<ModelObject> model, const PoseLike& pose,
+                                double relative_error, double absolute_error, double max_distance,
+                                const SingleObjectFilter& filter, const BudgetObject* budget) {
+  auto& object = nb::cast<ModelObject&>(model);
+  const Reading model_guard = reading(object);
+  const Placed placed{object.model, pose_from(pose, "pose")};
+  const SingleFilter which(filter);
+  return self.read([&](const Scene& scene) {
+    return without_gil_unless(which.needs_gil(), [&] {
+      return scene.closest_object(placed,
+                                  {relative_error, absolute_error, max_distance, which.get(), budget_of(budget)});
+    });
+  });
+}
+
+CloseObjects any_within_of(SceneObject& self, double max_distance, const ObjectFilter& filter,
+                           const BudgetObject* budget) {
+  const Filter which(filter);
+  return self.read([&](const Scene& scene) {
+    return without_gil_unless(which.needs_gil(), [&] {
+      return scene.any_within(max_distance, {which.get(), budget_of(budget)});
+    });
+  });
+}
+
+std::vector<ObjectPair> object_pairs_from(nb::handle pairs) {
+  std::vector<ObjectPair> asked;
+  for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
+  return asked;
+}
+
+using Offsets = Named<"NDArray[numpy.int64]">;
+
+std::pair<RecordArray, Offsets> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
+                                                     std::optional<OrientedFaces> oriented_faces) {
+  const std::vector<ObjectPair> asked = object_pairs_from(pairs);
+  const ObjectContacts found = self.read(
+      [&](const Scene& scene) { return without_gil([&] { return scene.contacts(asked, margin, {oriented_faces}); }); });
+  const std::vector<std::int64_t> offsets(found.offsets.begin(), found.offsets.end());
+  return {array_of(std::span<const Contact>(found.contacts), dtypes().contact),
+          array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()})};
+}
+
 /// Asks query(scene, pairs, results, cache) about pairs of objects; its answers as an array of records.
 template <typename Result, typename Query>
 RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
                            const Query& query) {
   const Used used(cache);
-  std::vector<ObjectPair> asked;
-  for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
+  const std::vector<ObjectPair> asked = object_pairs_from(pairs);
   std::vector<Result> results(asked.size());
   self.read([&](const Scene& scene) { without_gil([&] { query(scene, asked, results, used.get()); }); });
   return recorded(results, dtype);
@@ -172,20 +143,21 @@ RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_d
 }
 
 RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double relative_error, double absolute_error,
-                           double max_distance, SceneCacheObject* cache) {
+                           double max_distance, SceneCacheObject* cache, const BudgetObject* budget) {
   return asked_of_pairs<DistanceResult>(
       self, pairs, cache, dtypes().distance, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c});
+        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c, budget_of(budget)});
       });
 }
 
 ClosestObjects closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
-                                  const ObjectFilter& filter, SceneCacheObject* cache) {
+                                  const ObjectFilter& filter, SceneCacheObject* cache, const BudgetObject* budget) {
   const Filter which(filter);
   const Used used(cache);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
-      return scene.closest_objects({relative_error, absolute_error, max_distance, which.get(), used.get()});
+      return scene.closest_objects(
+          {relative_error, absolute_error, max_distance, which.get(), used.get(), budget_of(budget)});
     });
   });
 }
@@ -213,6 +185,31 @@ void bind_scene(nb::module_& m) {
   ValueClass<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
       .field("objects", &ClosestObjects::objects, "The ids of the two, or None if the result has no witness.")
       .field("result", &ClosestObjects::result, docs::ClosestObjects_result);
+  ValueClass<CloseObjects>(m, "CloseObjects", docs::CloseObjects)
+      .field("objects", &CloseObjects::objects, "The ids of the two, or None unless the answer is yes.")
+      .field("result", &CloseObjects::result, docs::CloseObjects_result);
+  ValueClass<ClosestObject>(m, "ClosestObject", docs::ClosestObject)
+      .field("object", &ClosestObject::object, "Its id, or 2^32 - 1 if the result has no witness.")
+      .field("result", &ClosestObject::result, docs::ClosestObject_result);
+  nb::class_<ObjectPairMatrix>(m, "ObjectPairMatrix", docs::ObjectPairMatrix)
+      .def(nb::init<std::size_t, bool>(), "size"_a, "counts"_a = true,
+           "All pairs of ids below `size` count, or none does.")
+      .def_prop_ro("size", &ObjectPairMatrix::size, "Ids are less than this.")
+      .def("set", &ObjectPairMatrix::set, "a"_a, "b"_a, "counts"_a, nb::lock_self(),
+           "Says whether two ids count as a pair.")
+      .def(
+          "set_among",
+          [](ObjectPairMatrix& self, const ArrayLike& ids, bool counts) {
+            self.set_among(ids_from(ids, "ids"), counts);
+          },
+          "ids"_a, "counts"_a, nb::lock_self(), docs::ObjectPairMatrix_set_among)
+      .def(
+          "set_between",
+          [](ObjectPairMatrix& self, const ArrayLike& ids_a, const ArrayLike& ids_b, bool counts) {
+            self.set_between(ids_from(ids_a, "ids_a"), ids_from(ids_b, "ids_b"), counts);
+          },
+          "ids_a"_a, "ids_b"_a, "counts"_a, nb::lock_self(), docs::ObjectPairMatrix_set_between)
+      .def("__call__", &ObjectPairMatrix::operator(), "a"_a, "b"_a, nb::lock_self(), "Whether a pair counts.");
   nb::class_<SceneCacheObject>(m, "SceneCache", docs::SceneCache)
       .def(nb::init<std::size_t>(), "max_pairs"_a = SceneCache::usual_max_pairs)
       .def("clear", &clear<SceneCache>, docs::SceneCache_clear);
@@ -248,10 +245,22 @@ void bind_scene(nb::module_& m) {
       .def("within", &pairs_within, "pairs"_a, "max_distance"_a, nb::kw_only(), "cache"_a = nb::none(),
            asked_documentation("collide_dtype.").c_str())
       .def("distance", &pair_distances, "pairs"_a, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
-           max_distance_argument(), "cache"_a = nb::none(),
+           max_distance_argument(), "cache"_a = nb::none(), "budget"_a = nb::none(),
            (asked_documentation("distance_dtype, with these fields.") + distance_fields()).c_str())
       .def("closest_objects", &closest_objects_of, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
-           max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(), docs::Scene_closest_objects);
+           max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(), "budget"_a = nb::none(),
+           docs::Scene_closest_objects)
+      .def("contacts", &contacts_of_pairs, "pairs"_a, "margin"_a, nb::kw_only(), "oriented_faces"_a = nb::none(),
+           (std::string(docs::Scene_contacts) +
+            "\n\nReturns  All contacts, pair by pair, limber3d.contact_dtype, and n + 1 offsets: pair i has those from "
+            "offsets[i] to offsets[i + 1].")
+               .c_str())
+      .def("any_within", &any_within_of, "max_distance"_a, nb::kw_only(), "filter"_a = nb::none(),
+           "budget"_a = nb::none(), docs::Scene_any_within)
+      .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), docs::Scene_visit_candidates)
+      .def("closest_object", &closest_object_of, "model"_a, "pose"_a = nb::none(), nb::kw_only(),
+           "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(),
+           "budget"_a = nb::none(), docs::Scene_closest_object);
 }
 
 }  // namespace limber::python
