@@ -251,7 +251,7 @@ def least_distance_many(
 def closest_objects_many(
     scene: _core.Scene,
     ids: ArrayLike,
-    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    poses: PosesLike,
     *,
     filter: ObjectFilter = None,
     relative_error: float = 0.0,
@@ -285,7 +285,7 @@ def closest_objects_many(
 def any_within_many(
     scene: _core.Scene,
     ids: ArrayLike,
-    poses: ArrayLike | tuple[ArrayLike, ArrayLike],
+    poses: PosesLike,
     max_distance: float,
     *,
     filter: ObjectFilter = None,

@@ -23,7 +23,7 @@ namespace {
 /// A scene and many configurations of some of its objects. The package asks for a part at a time.
 class SceneBatch {
  public:
-  SceneBatch(nb::handle_t<SceneObject> scene, const ArrayLike& ids, const ArrayLike& poses, const ObjectFilter& filter,
+  SceneBatch(nb::handle_t<SceneObject> scene, const ArrayLike& ids, const PosesLike& poses, const ObjectFilter& filter,
              const WholeNumber& threads)
       : owner_(nb::borrow(scene)),
         scene_(nb::cast<SceneObject&>(scene)),
@@ -100,7 +100,7 @@ class SceneBatch {
 
 void bind_scene_batch(nb::module_& m) {
   nb::class_<SceneBatch>(m, "SceneBatch", "A scene and many configurations.")
-      .def(nb::init<nb::handle_t<SceneObject>, ArrayLike, ArrayLike, ObjectFilter, WholeNumber>(), "scene"_a, "ids"_a,
+      .def(nb::init<nb::handle_t<SceneObject>, ArrayLike, PosesLike, ObjectFilter, WholeNumber>(), "scene"_a, "ids"_a,
            "poses"_a, "filter"_a.none(), "threads"_a.none())
       .def_prop_ro("size", &SceneBatch::size, "How many configurations there are.")
       .def("closest_objects", &SceneBatch::closest_objects, "records"_a, "begin"_a, "end"_a, "relative_error"_a,

@@ -149,7 +149,7 @@ def test_contacts_of_pairs_are_those_of_two_models(scene: limber3d.Scene) -> Non
     assert scene.contacts(numpy.zeros((0, 2), int), 0.1)[1].tolist() == [0]
 
 
-def test_budgets_leave_answers_open(scene: limber3d.Scene) -> None:
+def test_budgets_leave_answers_open(scene: limber3d.Scene, ball: limber3d.Model) -> None:
     late = limber3d.QueryBudget(deadline=time.monotonic() - 1)
     poses = configurations(40)
     closest = limber3d.closest_objects_many(scene, IDS, poses, budget=late)
@@ -162,8 +162,12 @@ def test_budgets_leave_answers_open(scene: limber3d.Scene) -> None:
     assert rough.lower <= true.lower <= true.upper <= rough.upper
     pairs = scene.candidate_pairs(9.0)
     assert (scene.distance(pairs, budget=steps)["lower"] <= scene.distance(pairs)["upper"]).all()
+    meeting = limber3d.Scene()
+    for x in (0.0, 1.99):
+        meeting.add(ball, ([1, 0, 0, 0], [x, 0, 0]))
+    meeting.commit()
     with pytest.raises(RuntimeError):
-        bool(scene.any_within(9.0, budget=steps).result)
+        bool(meeting.any_within(0.0, budget=steps).result)
 
 
 def test_other_threads_go_on_meanwhile(ball: limber3d.Model) -> None:

@@ -20,6 +20,7 @@
 #: bench motion F   how far moving meshes can go, next to the IPC Toolkit from PyPI; F is a folder with cloth_ball_92.ply,
 #:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
+#: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # processor KEY: a value of the first processor's entry in /proc/cpuinfo, if it has one.
@@ -190,6 +191,15 @@ bench_scene() {
   run_bench scene "$@"
 }
 
+bench_configurations() {
+  need build io python
+  tests_environment
+  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python"
+  build release --target limber_python
+  PYTHONPATH=$root/build/release/python PYTHONDONTWRITEBYTECODE=1 "$root/build/python/bin/python" \
+    "$root/bench/scene/configurations.py" --out "$results" "$@" </dev/null
+}
+
 name=${1:-thesis}
 results=$root/bench/results/$(machine)
 mkdir -p -- "$results"
@@ -205,7 +215,8 @@ case $name in
   contacts) bench_contacts "${@:2}" ;;
   motion) bench_motion "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
+  configurations) bench_configurations "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, scene" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, scene, configurations" ;;
 esac
 say "results are in $results"
