@@ -152,6 +152,31 @@ TEST(SceneConfigurationsTest, TellWhetherAnyTwoObjectsAreWithinADistance) {
   }
 }
 
+TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance) {
+  Rng rng(8310);
+  std::size_t late = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Plan plan(rng, 60, 0, 0, 6);
+    const auto filter = [&](ObjectId a, ObjectId b) { return (a * 7 + b * 3) % 5 == static_cast<ObjectId>(i % 5); };
+    CloseObjects expected;
+    expected.result.answer = Answer::no;
+    std::size_t asked = 0;
+    const auto ask = [&](const ObjectPair& pair) {
+      const CollideResult r = within(plan.scene.object(pair.a), plan.scene.object(pair.b), 1e-3);
+      expected.result.stats.node_tests += r.stats.node_tests;
+      expected.result.stats.triangle_tests += r.stats.triangle_tests;
+      ++asked;
+      if (!r.is_yes()) return true;
+      expected.objects = pair, expected.result.answer = Answer::yes, expected.result.witness = r.witness;
+      return false;
+    };
+    plan.scene.visit_candidate_pairs(1e-3, ask, {.filter = filter});
+    ASSERT_TRUE(has_same_bits(plan.scene.any_within(1e-3, {.filter = filter}), expected));
+    late += expected.result.is_yes() && asked > 3 ? 1 : 0;
+  }
+  EXPECT_GT(late, 3U);
+}
+
 // --- many configurations ---
 
 TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
