@@ -2,10 +2,10 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Question        What does the closest pair of links cost in Python, for each of many configurations of a robot?
-Workload        The two arms of ten links of python/examples/two_arms.py, 156 pairs that count, random joint angles, or
-                paths of 100 steps between such.
-Metric          Time, and time of processors, of one call, of a loop over closest_objects(), with a matrix and with a function as filter; and of
-                python-fcl's distance() of few pairs. Least of the rounds.
+Workload        The two arms of ten links of python/examples/two_arms.py, 156 pairs that count, random joint angles,
+                or paths of 100 steps between such.
+Metric          Time, and time of processors, of one call; of a loop over closest_objects(), with a matrix and with a
+                function as filter; and of python-fcl's distance() of few pairs. Least of the rounds.
 Expected shape  One call takes a fraction of the time of a loop where there are several processors.
 Checked         The call has the bits of the loop; FCL's distances are the same to 1e-6.
 
@@ -103,7 +103,8 @@ def rows(kind: str, count: int, fcl_count: int, rounds: int) -> list[str]:
         return limber3d.closest_objects_many(scene, ids, poses, filter=counts, threads=threads)
 
     closest, single = many(), loop(scene, poses, counts)
-    if any(c["upper"] != s.result.upper or (c["object_a"], c["object_b"]) != s.objects for c, s in zip(closest, single)):
+    expected = [(s.result.upper, *(s.objects or (0, 0))) for s in single]
+    if closest[["upper", "object_a", "object_b"]].tolist() != expected:
         sys.exit("one call and the loop answer differently")
     of_fcl = numpy.array([peer.closest(of_links) for of_links in poses[:fcl_count]])
     if numpy.abs(of_fcl - closest["upper"][:fcl_count]).max() > 1e-6:
@@ -128,9 +129,14 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="a few configurations, to see that everything works")
     options = parser.parse_args()
     count, fcl_count, rounds = (200, 20, 1) if options.quick else (10_000, 500, 3)
-    lines = [f"# {count} configurations of two arms, {len(os.sched_getaffinity(0))} processors", "",
-             f"Milliseconds of all configurations; python-fcl's from {fcl_count} of them. `./dev bench configurations`.",
-             "", "| configurations | | ms | over one call | of processors | over one call |", "|:--|:--|--:|--:|--:|--:|"]
+    lines = [
+        f"# {count} configurations of two arms, {len(os.sched_getaffinity(0))} processors",
+        "",
+        f"Milliseconds of all configurations; python-fcl's from {fcl_count} of them. `./dev bench configurations`.",
+        "",
+        "| configurations | | ms | over one call | of processors | over one call |",
+        "|:--|:--|--:|--:|--:|--:|",
+    ]
     for kind in ("random", "path"):
         lines += rows(kind, count, fcl_count, rounds)
     text = "\n".join(lines) + "\n"

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import limber3d
 import numpy
-from limber3d.typing import FloatArray
+from limber3d.typing import FloatArray, RecordArray
 
 LINK_COUNT, ARM_DISTANCE = 10, 1.2  # arms stand beside each other along x
 
@@ -40,13 +40,15 @@ def capsule(length: float, radius: float, around: int = 16, rings: int = 5) -> l
     heights = numpy.concatenate([-radius * numpy.cos(angle), length + radius * numpy.sin(angle[:-1] - angle[0])])
     radii = numpy.concatenate([radius * numpy.sin(angle), radius * numpy.cos(angle[:-1] - angle[0])])
     turn = 2 * numpy.pi * numpy.arange(around) / around
-    rows = numpy.stack(numpy.broadcast_arrays(radii[:, None] * numpy.cos(turn), radii[:, None] * numpy.sin(turn),
-                                              heights[:, None]), axis=-1)
+    x, y = radii[:, None] * numpy.cos(turn), radii[:, None] * numpy.sin(turn)
+    rows = numpy.stack([x, y, numpy.broadcast_to(heights[:, None], x.shape)], axis=-1)
     vertices = numpy.concatenate([rows.reshape(-1, 3), [[0, 0, -radius], [0, 0, length + radius]]])
     low, next_low = numpy.arange(around), numpy.roll(numpy.arange(around), -1)
     bottom, top, last = len(vertices) - 2, len(vertices) - 1, len(vertices) - 2 - around
-    faces = [numpy.stack([next_low, low, numpy.full(around, bottom)], 1),
-             numpy.stack([last + low, last + next_low, numpy.full(around, top)], 1)]
+    faces = [
+        numpy.stack([next_low, low, numpy.full(around, bottom)], 1),
+        numpy.stack([last + low, last + next_low, numpy.full(around, top)], 1),
+    ]
     for row in range(0, last, around):
         a, b = row + low, row + next_low
         faces += [numpy.stack([a, b, b + around], 1), numpy.stack([a, b + around, a + around], 1)]
@@ -72,8 +74,10 @@ def link_poses(angles: FloatArray) -> FloatArray:
         base[0, 3] = ARM_DISTANCE * arm
         first = len(poses)
         for i, link in enumerate(ARM):
-            parent = base if link.parent < 0 else poses[first + link.parent]
-            poses.append(parent @ joint(link.axis, angles[:, arm, i], 0.0 if link.parent < 0 else ARM[link.parent].length))
+            parent, shift = base, 0.0
+            if link.parent >= 0:
+                parent, shift = poses[first + link.parent], ARM[link.parent].length
+            poses.append(parent @ joint(link.axis, angles[:, arm, i], shift))
     return numpy.stack(poses, axis=1)
 
 
@@ -91,18 +95,21 @@ def two_arms() -> tuple[limber3d.Scene, limber3d.ObjectPairMatrix]:
     return scene, counts
 
 
-def main(arguments: list[str] | None = None) -> None:
+def main(arguments: list[str] | None = None) -> tuple[FloatArray, RecordArray]:
+    """Returns the poses of links, and the closest ones of each configuration."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--configurations", type=int, default=1000)
     options = parser.parse_args(arguments)
     angles = numpy.random.default_rng(5).uniform(-0.7, 0.7, (options.configurations, 2, LINK_COUNT))
     scene, counts = two_arms()
-    closest = limber3d.closest_objects_many(scene, range(len(scene)), link_poses(angles), filter=counts)
+    poses = link_poses(angles)
+    closest = limber3d.closest_objects_many(scene, range(len(scene)), poses, filter=counts)
     free = closest[closest["upper"] > 0]
     print(f"{len(closest) - len(free)} of {len(closest)} configurations collide")
-    (pair, times), = Counter(zip(free["object_a"].tolist(), free["object_b"].tolist())).most_common(1)
-    print(f"else links {pair[0]} and {pair[1]} are closest most often, {times} times; the least clearance is "
-          f"{free['upper'].min():.4f}")
+    [(pair, times)] = Counter(zip(free["object_a"].tolist(), free["object_b"].tolist())).most_common(1)
+    print(f"else links {pair[0]} and {pair[1]} are the closest ones most often, {times} times")
+    print(f"the least clearance is {free['upper'].min():.4f}")
+    return poses, closest
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import brute_force
+import limber3d
 import numpy
 import pytest
 from limber3d.typing import FloatArray
@@ -81,6 +82,19 @@ def test_the_arm_has_the_clearance_of_brute_force(
     # No other time is closer, by brute force on a coarse grid of them.
     for i in range(0, 600, 100):
         assert min(brute(swept["detour"], pair, i) for pair in swept["detour"].to_shelf) * 1000 >= expected - 1e-9
+
+
+def test_two_arms_have_the_clearance_of_all_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
+    arms = example("two_arms", monkeypatch)
+    poses, closest = arms.main(["--configurations", "60"])
+    scene, counts = arms.two_arms()
+    pairs = [(a, b) for b in range(20) for a in range(b) if counts(a, b)]
+    assert len(pairs) == 156 and closest.shape == (60,) and 0 < (closest["upper"] == 0).sum() < 60
+    for i in range(0, 60, 6):
+        a, b = closest["object_a"][i], closest["object_b"][i]
+        found = [limber3d.distance(scene.model(a), scene.model(b), poses[i, a], poses[i, b]).upper for a, b in pairs]
+        assert abs(min(found) - closest["upper"][i]) < 1e-13
+        assert abs(least(scene.model(a), scene.model(b), poses[i, a], poses[i, b]) - closest["upper"][i]) < 1e-9
 
 
 def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

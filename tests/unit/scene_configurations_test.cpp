@@ -11,7 +11,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -28,7 +27,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 bool has_same_bits(const std::optional<Witness>& s, const std::optional<Witness>& t) {
-  return s.has_value() == t.has_value() && (!s || std::memcmp(&*s, &*t, sizeof(Witness)) == 0);
+  if (!s || !t) return !s && !t;
+  return s->point_a == t->point_a && s->point_b == t->point_b && s->triangle_a == t->triangle_a &&
+         s->triangle_b == t->triangle_b;
 }
 bool has_same_bits(const QueryStats& s, const QueryStats& t) {
   return s.node_tests == t.node_tests && s.triangle_tests == t.triangle_tests;
