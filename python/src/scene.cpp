@@ -108,7 +108,7 @@ std::vector<ObjectPair> object_pairs_from(nb::handle pairs) {
 using Offsets = Named<"NDArray[numpy.int64]">;
 
 std::pair<RecordArray, Offsets> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
-                                                     std::optional<OrientedFaces> oriented_faces) {
+                                                  std::optional<OrientedFaces> oriented_faces) {
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
   const ObjectContacts found = self.read(
       [&](const Scene& scene) { return without_gil([&] { return scene.contacts(asked, margin, {oriented_faces}); }); });
