@@ -49,11 +49,14 @@ struct Feature {
   friend bool operator==(const Feature&, const Feature&) = default;
 };
 
-/// The closest points of two triangles, and the features that they lie on.
+/// The closest points of two triangles, the features that they lie on, and their weights.
 struct ClosestFeatures {
   double distance = 0;
   Vec3 point_a, point_b;
   Feature feature_a, feature_b;
+  /// Of the points, by corner of their triangles: barycentric coordinates, >= 0, together 1 up to rounding; exactly 0
+  /// for the corners that the feature does not have, and above 0 for the others.
+  Vec3 weights_a, weights_b;
 };
 
 /// Which of two triangles has an outside: the side that it is seen from with its corners counter-clockwise.
@@ -75,8 +78,9 @@ enum class NormalSide : std::uint8_t {
 struct TriangleContact {
   double distance = 0;  ///< 0 exactly when the triangles intersect
   double depth = 0;  ///< 0 unless they intersect: the least overlap of the two triangles, a motion of b that parts them
-  Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect
-  Vec3 normal;            ///< of length 1, from a to b
+  Vec3 point_a, point_b;      ///< closest points; one and the same where the triangles intersect
+  Vec3 normal;                ///< of length 1, from a to b
+  Vec3 weights_a, weights_b;  ///< of the points, by corner, as in ClosestFeatures
   Feature feature_a, feature_b;
   NormalSide normal_side = NormalSide::unknown;  ///< whether the normal points the way that parts bodies
 };
@@ -127,13 +131,13 @@ LIMBER_API ClosestPoints closest_points(const Vec3& point, const Triangle& trian
 /// Source   docs/algorithms/triangle_distance.md, docs/algorithms/numerics.md.
 LIMBER_API ClosestPoints closest_points(const Triangle& a, const Triangle& b);
 
-/// Closest points of two triangles, and the features that they lie on.
+/// Closest points of two triangles, the features that they lie on, and their weights.
 ///
-/// Promise  Distance and points are those of closest_points(), to the bit.
+/// Promise  Distance and points are those of closest_points(), to the bit. The corners of a times weights_a give
+///          point_a, those of b times weights_b give point_b.
 ///          Apart: each point lies inside its feature, and the distance of the two features is `distance`. The pair is
 ///          two vertices, a vertex and an edge, two edges, or a vertex and a face.
-///          Intersecting: the two features meet, and at most one of them is a face. The shared point lies on both, or
-///          the triangles cross in a line, and the features meet at the end of it that is next to the point.
+///          Intersecting: the shared point lies on both features, and at most one of them is a face.
 ///          All this holds up to twice the rounding of the points. A degenerate triangle may have several features in
 ///          one place; any of them is named, but none of length 0 that is not a vertex.
 /// Throws   As closest_points().
@@ -142,8 +146,8 @@ LIMBER_API ClosestFeatures closest_features(const Triangle& a, const Triangle& b
 
 /// What keeps two triangles apart, or would part them: closest features, normal and depth.
 ///
-/// Promise  Distance, points and features are those of closest_features(). The normal has length 1 within 2^-50, for
-///          every input.
+/// Promise  Distance, points, features and weights are those of closest_features(). The normal has length 1 within
+///          2^-50, for every input.
 ///          Apart: the normal is the direction from point_a to point_b, but for what rounding these has changed. It
 ///          differs from the true direction by no more than 2^-24 times the root of (extent / true distance), and the
 ///          triangles do not overlap along it by more than 2^-48 of the extent. The true distance may be less than

@@ -291,6 +291,7 @@ TriangleContact geometry::contact(const Triangle& a, const Triangle& b, Oriented
   contact.distance = closest.distance;
   contact.point_a = closest.point_a, contact.point_b = closest.point_b;
   contact.feature_a = closest.feature_a, contact.feature_b = closest.feature_b;
+  contact.weights_a = closest.weights_a, contact.weights_b = closest.weights_b;
   if (closest.distance == 0) {
     part(a, b, oriented, contact);
     return contact;

@@ -124,10 +124,9 @@ NearestOnFace nearest_on(const Face& face, const Vec3& p) {
 /// The point of an edge of one triangle, the owner, that is nearest to where the edge's line crosses the plane of the
 /// other triangle, the target. It is an end of the edge if both ends are on one side of the plane, or seem to be.
 struct Crossing {
-  double distance;  ///< of `point` from the target
+  NearestOnFace nearest;  ///< the point of the target that is nearest to `point`
   Vec3 point;
-  std::size_t edge;   ///< of the owner
-  double parameter;   ///< of `point` on the edge, from 0 to 1
+  Vec3 weights;       ///< of `point` in the owner
   bool is_edge_of_a;  ///< the owner is a
 };
 
@@ -151,7 +150,7 @@ class Crossings {
         if (start == end) continue;
         const double parameter = std::clamp(start / (start - end), 0.0, 1.0);
         const Vec3 point = owner.corner[i] + parameter * owner.edge[i];
-        crossings_[count_++] = {nearest_on(target, point).distance(), point, i, parameter, of_a};
+        crossings_[count_++] = {nearest_on(target, point), point, edge_weights(i, parameter), of_a};
       }
     }
   }
@@ -163,17 +162,26 @@ class Crossings {
   std::size_t count_ = 0;
 };
 
+/// A point of two triangles that intersect, and its weights in each.
+struct SharedPoint {
+  Vec3 point;
+  Vec3 weights_a, weights_b;
+};
+
 /// A point that is on both triangles as nearly as rounding allows. Pre: they intersect.
 ///
 /// Candidates are the closest point of a (Best) and all crossings. The one with the least misfit, the distance from the
 /// farther triangle, is taken, so no case distinction can pick a bad one.
-Vec3 shared_point_robust(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
-  Vec3 contact = point_at(a.corner, best.weights_a);
-  double misfit = nearest_on(b, contact).distance();  // its distance from a is 0
+SharedPoint shared_point_robust(const Face& a, const Face& b, const Best& best, [[maybe_unused]] double extent) {
+  SharedPoint shared{point_at(a.corner, best.weights_a), best.weights_a, best.weights_b};
+  double misfit = nearest_on(b, shared.point).distance();  // its distance from a is 0
   for (const Crossing& c : Crossings(a, b)) {
-    if (!(c.distance < misfit)) continue;
-    const double candidate = std::max(c.distance, nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
-    if (candidate < misfit) contact = c.point, misfit = candidate;
+    if (!(c.nearest.distance() < misfit)) continue;
+    const double candidate = std::max(c.nearest.distance(), nearest_on(c.is_edge_of_a ? a : b, c.point).distance());
+    if (!(candidate < misfit)) continue;
+    misfit = candidate;
+    shared = c.is_edge_of_a ? SharedPoint{c.point, c.weights, c.nearest.weights}
+                            : SharedPoint{c.point, c.nearest.weights, c.weights};
   }
   // Why the misfit is small. Some edge E of one triangle meets the other one, S. Let h be the smallest height of S.
   // 1. The misfit is at most about m = u * extent^2 / h. The normal of S is off by rounding, so the crossing of E with
@@ -184,28 +192,32 @@ Vec3 shared_point_robust(const Face& a, const Face& b, const Best& best, [[maybe
   // The worst case is where both bounds are equal: h = 2^-26 * extent, and the misfit is 2^-27 * extent. The assertion
   // allows twice that.
   LIMBER_ASSERT(misfit <= 0x1p-26 * extent);
-  return contact;
+  return shared;
 }
 
-/// Finds a point where an edge of `owner` crosses `target`, and that lies on `target` within `tolerance`. It may miss
-/// it, because it tries only edges whose ends seem to be on different sides. If it does, `point` means nothing.
-bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3& point) {
+/// Finds a point where an edge of `owner` crosses `target`, and that lies on `target` within `tolerance`, and its
+/// weights. It may miss it, because it tries only edges whose ends seem to be on different sides. If it does, what it
+/// has set means nothing.
+bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3& point, Vec3& weights_in_owner,
+                   Vec3& weights_in_target) {
   const std::array<double, 3> heights = scaled_heights(owner, target);
   for (std::size_t i = 0; i < 3; ++i) {
     const double start = heights[i], end = heights[next_corner[i]];
     if ((start < 0) == (end < 0)) continue;
-    point = owner.corner[i] + start / (start - end) * owner.edge[i];
-    Vec3 weights;
-    if (!target.foot(point, weights)) continue;
-    if (length_sq(point - point_at(target.corner, weights)) <= tolerance * tolerance) return true;
+    const double parameter = start / (start - end);
+    point = owner.corner[i] + parameter * owner.edge[i];
+    if (!target.foot(point, weights_in_target)) continue;
+    weights_in_owner = edge_weights(i, parameter);
+    if (length_sq(point - point_at(target.corner, weights_in_target)) <= tolerance * tolerance) return true;
   }
   return false;
 }
 
 /// Finds a point of both triangles the fast way. If it finds none, shared_point_robust() does.
-bool find_shared_point_fast(const Face& a, const Face& b, double extent, Vec3& point) {
+bool find_shared_point_fast(const Face& a, const Face& b, double extent, SharedPoint& shared) {
   const double tolerance = shared_point_tolerance * extent;
-  return find_crossing(a, b, tolerance, point) || find_crossing(b, a, tolerance, point);
+  return find_crossing(a, b, tolerance, shared.point, shared.weights_a, shared.weights_b) ||
+         find_crossing(b, a, tolerance, shared.point, shared.weights_b, shared.weights_a);
 }
 
 /// Two triangles compared once, for all answers about them. It refers to its arguments, which must outlive it.
@@ -222,26 +234,34 @@ class Comparison {
     best_ = best;
   }
 
-  ClosestPoints points() const {
-    if (intersect_) {
-      Vec3 shared;
-      if (!find_shared_point_fast(local_a_, local_b_, frame_.extent(), shared)) {
-        shared = shared_point_robust(local_a_, local_b_, best_, frame_.extent());
-      }
-      shared = frame_.from_local(shared);
-      return {0, shared, shared};
-    }
+  bool are_proven_apart() const { return are_proven_apart_; }
+  bool intersect() const { return intersect_; }
+  const Best& best() const { return best_; }
+
+  /// Pre: the triangles intersect.
+  SharedPoint shared_point() const {
+    LIMBER_ASSERT(intersect_);
+    SharedPoint shared;
+    if (find_shared_point_fast(local_a_, local_b_, frame_.extent(), shared)) return shared;
+    return shared_point_robust(local_a_, local_b_, best_, frame_.extent());
+  }
+  ClosestPoints points_that_are(const SharedPoint& shared) const {
+    const Vec3 point = frame_.from_local(shared.point);
+    return {0, point, point};
+  }
+  /// Pre: the triangles do not intersect.
+  ClosestPoints points_apart() const {
+    LIMBER_ASSERT(!intersect_);
     const double distance = frame_.length_from_local(safe_length(best_.a_to_b));
     // 0 would say that they intersect.
     return {std::max(distance, std::numeric_limits<double>::min()), point_at(a_, best_.weights_a),
             point_at(b_, best_.weights_b)};
   }
-  const Face& local_a() const { return local_a_; }
-  const Face& local_b() const { return local_b_; }
-  const Best& best() const { return best_; }
-  double extent() const { return frame_.extent(); }
-  bool are_proven_apart() const { return are_proven_apart_; }
-  bool intersect() const { return intersect_; }
+  /// Whether the closest points touch, there where a point of both triangles is.
+  bool best_touches_at(const Vec3& point) const {
+    const double touching = touching_distance * frame_.extent();
+    return max_abs(best_.a_to_b) <= touching && max_abs(point_at(local_a_.corner, best_.weights_a) - point) <= touching;
+  }
 
  private:
   const LocalFrame& frame_;
@@ -257,68 +277,48 @@ LocalFrame frame_of(const Triangle& a, const Triangle& b) {
   return {a.v0, {a.v1, a.v2, b.v0, b.v1, b.v2}};
 }
 
-struct FeaturePair {
-  Feature a, b;
-};
-
-FeaturePair features_of(const Best& best) { return {feature_of(best.weights_a), feature_of(best.weights_b)}; }
-
-/// The features that meet at the contact point of two intersecting triangles, or next to it.
-///
-/// The features of the closest points are returned if these touch. Otherwise the triangles cross in a line, which ends
-/// where an edge of one crosses the other triangle: the features are those at the end that is nearest to the contact
-/// point. Crossings count only if no other one is closer to its target, up to rounding.
-FeaturePair features_at(const Vec3& contact, const Comparison& c) {
-  const double touching = touching_distance * c.extent();
-  if (max_abs(c.best().a_to_b) <= touching) return features_of(c.best());
-  const Crossings crossings(c.local_a(), c.local_b());
-  double least_distance = std::numeric_limits<double>::infinity();
-  for (const Crossing& crossing : crossings) least_distance = std::min(least_distance, crossing.distance);
-  const Crossing* nearest = nullptr;
-  for (const Crossing& crossing : crossings) {
-    if (crossing.distance > least_distance + touching) continue;
-    if (nearest == nullptr || length_sq(crossing.point - contact) < length_sq(nearest->point - contact)) {
-      nearest = &crossing;
-    }
-  }
-  // No edge crosses the other plane: the triangles are parallel, or have no area. Then the closest points touch, so
-  // only unexpected rounding leads here.
-  if (nearest == nullptr) return features_of(c.best());
-  const Feature of_edge = feature_of(edge_weights(nearest->edge, nearest->parameter));
-  const Face& target = nearest->is_edge_of_a ? c.local_b() : c.local_a();
-  const Feature of_target = feature_of(nearest_on(target, nearest->point).weights);
-  return nearest->is_edge_of_a ? FeaturePair{of_edge, of_target} : FeaturePair{of_target, of_edge};
-}
-
 }  // namespace
 
 ClosestPoints geometry::closest_points(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return {0, a.v0, a.v0};
-  return Comparison(frame, a, b).points();
+  const Comparison c(frame, a, b);
+  return c.intersect() ? c.points_that_are(c.shared_point()) : c.points_apart();
 }
 
-// If, against the precondition, a and b do not intersect, the result is the closest point of a.
 Vec3 geometry::shared_point(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
   if (frame.extent() == 0) return a.v0;
-  Vec3 point;
-  if (find_shared_point_fast(Face(frame.to_local(a)), Face(frame.to_local(b)), frame.extent(), point)) {
-    return frame.from_local(point);
+  SharedPoint shared;
+  const Face local_a(frame.to_local(a)), local_b(frame.to_local(b));
+  if (!find_shared_point_fast(local_a, local_b, frame.extent(), shared)) {
+    shared = shared_point_robust(local_a, local_b, closest_pair(local_a, local_b), frame.extent());
   }
-  return Comparison(frame, a, b).points().point_a;
+  return frame.from_local(shared.point);
 }
 
+// The closest pair is a pair of features as small as can be. So it gives the weights of triangles that intersect too,
+// if it touches where the shared point is. Otherwise they cross there, an edge of one and the other triangle.
 geometry::FeaturesAndDirection geometry::features_and_direction(const Triangle& a, const Triangle& b) {
   const LocalFrame frame = frame_of(a, b);
-  const Feature vertex{FeatureKind::vertex, 0};
-  if (frame.extent() == 0) return {.closest = {0, a.v0, a.v0, vertex, vertex}, .a_to_b = {}, .are_proven_apart = false};
+  const Vec3 v0{1, 0, 0};  // the weights of corner v0
+  if (frame.extent() == 0) {
+    return {{0, a.v0, a.v0, feature_of(v0), feature_of(v0), v0, v0}, Vec3{}, false};
+  }
   const Comparison c(frame, a, b);
-  const ClosestPoints points = c.points();
-  const FeaturePair features = c.intersect() ? features_at(frame.to_local(points.point_a), c) : features_of(c.best());
-  return {.closest = {points.distance, points.point_a, points.point_b, features.a, features.b},
-          .a_to_b = c.best().a_to_b,
-          .are_proven_apart = c.are_proven_apart()};
+  Vec3 weights_a = c.best().weights_a, weights_b = c.best().weights_b;
+  ClosestPoints points;
+  if (c.intersect()) {
+    const SharedPoint shared = c.shared_point();
+    points = c.points_that_are(shared);
+    if (!c.best_touches_at(shared.point)) weights_a = shared.weights_a, weights_b = shared.weights_b;
+  } else {
+    points = c.points_apart();
+  }
+  return {{points.distance, points.point_a, points.point_b, feature_of(weights_a), feature_of(weights_b), weights_a,
+           weights_b},
+          c.best().a_to_b,
+          c.are_proven_apart()};
 }
 
 ClosestFeatures geometry::closest_features(const Triangle& a, const Triangle& b) {

@@ -38,8 +38,8 @@ auto values_of(const VertexFacePair& p) { return std::tuple(p.distance, p.weight
 auto values_of(const EdgeEdgePair& p) { return std::tuple(p.distance, p.parameter_a, p.parameter_b); }
 auto values_of(const Contact& c) {
   const auto bits = [](const Vec3& v) { return std::bit_cast<std::array<std::uint64_t, 3>>(v); };
-  return std::tuple(bits({c.distance, c.depth, 0}), bits(c.point_a), bits(c.point_b), bits(c.normal), c.feature_a,
-                    c.feature_b, c.normal_side);
+  return std::tuple(bits({c.distance, c.depth, 0}), bits(c.point_a), bits(c.point_b), bits(c.normal), bits(c.weights_a),
+                    bits(c.weights_b), c.feature_a, c.feature_b, c.normal_side);
 }
 
 const auto ids_in_order = [](const auto& p, const auto& q) { return ids_of(p) < ids_of(q); };

@@ -61,6 +61,24 @@ std::vector<FractionVec> separating_axes(const Triangle& a, const Triangle& b) {
   return axes;
 }
 
+double smallest_height_of(const Triangle& t) {
+  const double longest = std::max({length(t.v1 - t.v0), length(t.v2 - t.v1), length(t.v0 - t.v2)});
+  return longest == 0 ? 0 : length(cross(t.v1 - t.v0, t.v2 - t.v0)) / longest;
+}
+
+/// Checks that weights are those of the feature's corners, and give the point.
+void expect_weights(const Triangle& t, const Vec3& weights, const Feature& f, const Vec3& point, double tolerance) {
+  EXPECT_NEAR(weights.x + weights.y + weights.z, 1, 0x1p-50);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool has_corner = f.kind == FeatureKind::face || i == f.index ||
+                            (f.kind == FeatureKind::edge && i == (f.index + std::size_t{1}) % 3);
+    EXPECT_GE(weights[i], 0);
+    EXPECT_EQ(weights[i] != 0, has_corner) << i;
+  }
+  const Vec3 at = weights.x * (t.v0 - point) + weights.y * (t.v1 - point) + weights.z * (t.v2 - point);
+  EXPECT_LE(max_abs(at), tolerance);
+}
+
 /// Checks everything that does not depend on how well shaped the triangles are.
 void expect_sound(const Triangle& a, const Triangle& b) {
   const TriangleContact c = contact(a, b);
@@ -75,6 +93,8 @@ void expect_sound(const Triangle& a, const Triangle& b) {
   EXPECT_EQ(features.point_b, points.point_b);
   EXPECT_EQ(features.feature_a, c.feature_a);
   EXPECT_EQ(features.feature_b, c.feature_b);
+  EXPECT_EQ(features.weights_a, c.weights_a);
+  EXPECT_EQ(features.weights_b, c.weights_b);
 
   EXPECT_NEAR(length(c.normal), 1, 0x1p-50);
   const TriangleContact swapped = contact(b, a);
@@ -86,6 +106,8 @@ void expect_sound(const Triangle& a, const Triangle& b) {
     EXPECT_TRUE(is_pair_of_disjoint_triangles(c.feature_a, c.feature_b)) << pair;
     EXPECT_NEAR(closest_points(hull_a, hull_b).distance, c.distance, 0x1p-47 * extent) << pair;
     const double rounding = 0x1p-46 * extent + 0x1p-51 * largest_coordinate(a, b);
+    expect_weights(a, c.weights_a, c.feature_a, c.point_a, rounding + 0x1p-1000);
+    expect_weights(b, c.weights_b, c.feature_b, c.point_b, rounding + 0x1p-1000);
     // Points that are further apart than the closest by 8 u extent may be off sideways by the root of 16 u extent d.
     const double sideways = 2 * std::sqrt(16 * 0x1p-53 * extent * c.distance);
     const Vec3 between = points.point_b - points.point_a;
@@ -97,6 +119,14 @@ void expect_sound(const Triangle& a, const Triangle& b) {
     return;
   }
   EXPECT_FALSE(c.feature_a.kind == FeatureKind::face && c.feature_b.kind == FeatureKind::face);
+  // Touching features may be named within 2^-46 of the extent; and slivers have no point that fits better on both.
+  const double height = std::min(smallest_height_of(a), smallest_height_of(b));
+  const double of_slivers = height > 0 ? 32 * 0x1p-53 * extent / height * extent : extent;
+  const double off = 0x1p-44 * extent + 0x1p-51 * largest_coordinate(a, b) + std::min(of_slivers, 0x1p-25 * extent);
+  expect_weights(a, c.weights_a, c.feature_a, c.point_a, off + 0x1p-1000);
+  expect_weights(b, c.weights_b, c.feature_b, c.point_b, off + 0x1p-1000);
+  EXPECT_LE(closest_points(points.point_a, hull_a).distance, off + 0x1p-1000) << pair;
+  EXPECT_LE(closest_points(points.point_b, hull_b).distance, off + 0x1p-1000) << pair;
   EXPECT_LE(closest_points(hull_a, hull_b).distance, 0x1p-26 * extent) << pair;
   EXPECT_GE(c.depth, 0);
   EXPECT_LE(c.depth, 2 * extent);
@@ -106,11 +136,6 @@ void expect_sound(const Triangle& a, const Triangle& b) {
   const FractionVec n = exactly(c.normal);
   const Fraction room = exact::fraction(0x1p-1000 * (extent + 1));
   EXPECT_GE((exact::fraction(c.depth) + room) * exact_dot(n, n), overlap_along(n, a, b));
-}
-
-double smallest_height_of(const Triangle& t) {
-  const double longest = std::max({length(t.v1 - t.v0), length(t.v2 - t.v1), length(t.v0 - t.v2)});
-  return longest == 0 ? 0 : length(cross(t.v1 - t.v0, t.v2 - t.v0)) / longest;
 }
 
 /// Checks that the depth exceeds the overlap along no axis by more than docs/algorithms/numerics.md says.
@@ -161,6 +186,17 @@ TEST(ClosestFeatures, KnownValues) {
     EXPECT_EQ(swapped.feature_b, k.of_ground) << k.what << ", swapped: " << name_of(swapped.feature_b);
     EXPECT_EQ(swapped.feature_a, k.of_other) << k.what << ", swapped: " << name_of(swapped.feature_a);
   }
+}
+
+TEST(ClosestFeatures, OfTrianglesThatTouchInOnePlaceAndCrossInAnotherAreThoseOfThePoint) {
+  // Corner 0 is on the ground, and the edge opposite to it passes through.
+  const Triangle other{{1, 1, 0}, {2, 1, 1}, {2, 1, -1}};
+  const ClosestFeatures found = closest_features(ground, other);
+  EXPECT_EQ(found.point_b, (Vec3{2, 1, 0}));
+  EXPECT_EQ(found.feature_a, on_face);
+  EXPECT_EQ(found.feature_b, on_edge(1));
+  EXPECT_EQ(found.weights_a, (Vec3{0.25, 0.5, 0.25}));
+  EXPECT_EQ(found.weights_b, (Vec3{0, 0.5, 0.5}));
 }
 
 TEST(TriangleContact, KnownValues) {
