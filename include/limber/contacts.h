@@ -52,12 +52,14 @@ struct PairOptions {
   /// meshes where each edge, by vertex ids, is run through as often in one direction as in the other. For one model
   /// with itself, any but `none` means that its triangles do.
   std::optional<OrientedFaces> oriented_faces = std::nullopt;
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
 };
 
 /// How many pairs were found.
 struct PairCount {
   std::size_t count = 0;    ///< all that were found, whether or not they fitted
-  bool is_complete = true;  ///< false if the visitor has stopped the query: there may be more
+  bool is_complete = true;  ///< false if the visitor or the budget has ended the query: there may be more
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit of the budget, if it was that
   QueryStats stats{};
 };
 
@@ -67,6 +69,7 @@ struct PairCount {
 ///          them; count says how many there are.
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid; whatever a visitor or a
 ///          filter throws.
+/// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
@@ -80,8 +83,10 @@ LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<T
 /// Promise  Each pair exactly once. The second form writes the first contacts.size() of them; count says how many there
 ///          are. Each is the contact() of geometry.h of the two placed triangles, with the outsides that the options
 ///          say.
+/// Room     Where it may be short, or the time, ask closest_pairs() with `max_distance`: these are then the nearest.
 /// Depth    That of two triangles. It is not the depth of two bodies, and goes to 0 where meshes are refined.
 /// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
+/// Budget   As visit_intersections().
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
 LIMBER_API PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
@@ -89,15 +94,28 @@ LIMBER_API PairCount visit_contacts(const Placed& a, const Placed& b, double mar
 LIMBER_API PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
                               const PairOptions& options = {});
 
+/// Which pairs closest_pairs() looks for.
+///
+/// Alias    As PairOptions.
+struct ClosestPairsOptions {
+  double max_distance = std::numeric_limits<double>::infinity();  ///< pairs farther apart do not count; >= 0
+  std::optional<TrianglePairFilter> filter = std::nullopt;        ///< all pairs count without one
+  std::optional<OrientedFaces> oriented_faces = std::nullopt;     ///< as in PairOptions
+  QueryBudget budget = {};                                        ///< as in PairOptions
+};
+
 /// The closest pairs of triangles, as many as `closest` has room for.
 ///
 /// Promise  Nearest first. The count is that of the pairs written: smaller than the room if there are fewer pairs, or
-///          fewer that the filter lets through. Which of several equally close pairs are among them is not defined.
-/// Throws   As visit_intersections().
+///          fewer within `max_distance` that the filter lets through. Which of several equally close pairs are among
+///          them is not defined.
+/// Budget   If it is spent first, the pairs are the closest of those that were compared, each right, none twice, nearest
+///          first. Near pairs of nodes are compared before far ones.
+/// Throws   As visit_intersections(); also unless max_distance is >= 0 or infinite.
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().
 LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest,
-                                   const PairOptions& options = {});
+                                   const ClosestPairsOptions& options = {});
 
 // --- one model with itself ---
 //
@@ -175,11 +193,11 @@ LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<
 /// The closest pairs of triangles that meet or are no neighbors, as many as `closest` has room for, nearest first, as
 /// closest_pairs() says.
 ///
-/// Throws   As self_collide().
+/// Throws   As self_collide(); also unless max_distance is >= 0 or infinite.
 /// Cost     As self_collide().
 /// Threads  Reentrant.
 LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> closest,
-                                        const PairOptions& options = {});
+                                        const ClosestPairsOptions& options = {});
 
 /// Which triangles of a mesh are near each other along the surface: a TrianglePairFilter for self-queries, which widens
 /// the exclusion of neighbors.

@@ -87,8 +87,13 @@ using EdgeEdgeVisitor = FunctionRef<bool(const EdgeEdgePair&)>;
 /// How many pairs were found.
 struct ElementPairCount {
   std::size_t vertex_face = 0, edge_edge = 0;  ///< all that were found, whether or not they fitted
-  bool is_complete = true;                     ///< false if a visitor has stopped the query: there may be more
+  bool is_complete = true;                     ///< false if a visitor or the budget has ended the query
+  StoppedBy stopped_by = StoppedBy::nothing;   ///< which limit of the budget, if it was that
   QueryStats stats{};                          ///< `triangle_tests` counts the pairs of elements that were compared
+};
+
+struct ElementPairOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
 };
 
 /// The elements of two models that are at most `margin` apart: vertices of a and faces of b, vertices of b and faces of
@@ -99,15 +104,18 @@ struct ElementPairCount {
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the margin is finite and
 ///          >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
 /// Pre      The edges are those of the models' meshes.
+/// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
 /// Threads  Reentrant; any number of calls may share models and edges.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
                                                 const MeshEdges& edges_b, double margin,
-                                                VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge);
+                                                VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
+                                                const ElementPairOptions& options = {});
 LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
                                           const MeshEdges& edges_b, double margin,
-                                          std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge);
+                                          std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
+                                          const ElementPairOptions& options = {});
 
 /// The elements of one model that are at most `margin` apart and share no vertex, by id: vertices and faces of which
 /// they are no corner, edges and edges. Neighboring triangles have such elements too. Poses do not matter, so there
@@ -119,9 +127,10 @@ LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edge
 /// Threads  Reentrant.
 LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
                                                      VertexFaceVisitor visit_vertex_face,
-                                                     EdgeEdgeVisitor visit_edge_edge);
+                                                     EdgeEdgeVisitor visit_edge_edge,
+                                                     const ElementPairOptions& options = {});
 LIMBER_API ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                               std::span<VertexFacePair> vertex_face,
-                                               std::span<EdgeEdgePair> edge_edge);
+                                               std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
+                                               const ElementPairOptions& options = {});
 
 }  // namespace limber

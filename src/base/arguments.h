@@ -15,13 +15,17 @@ namespace limber::base {
 
 inline bool is_finite_and_not_negative(double x) { return x >= 0 && x <= std::numeric_limits<double>::max(); }
 
+inline void check_limit(double max_distance, const char* function) {
+  LIMBER_REQUIRE(max_distance >= 0, (std::string(function) + ": max_distance must be at least 0, or infinite").c_str());
+}
+
 inline void check_options(const DistanceOptions& options, const char* function) {
   const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
   LIMBER_REQUIRE(is_finite_and_not_negative(options.relative_error),
                  text("relative_error must be finite and at least 0").c_str());
   LIMBER_REQUIRE(is_finite_and_not_negative(options.absolute_error),
                  text("absolute_error must be finite and at least 0").c_str());
-  LIMBER_REQUIRE(options.max_distance >= 0, text("max_distance must be at least 0, or infinite").c_str());
+  check_limit(options.max_distance, function);
 }
 
 /// Whether a budget can end a query.
@@ -36,8 +40,7 @@ inline void check_has_no_cache_or_budget(const DistanceOptions& options, const c
 }
 
 inline void check_options(const PointOptions& options, const char* function) {
-  LIMBER_REQUIRE(options.max_distance >= 0,
-                 (std::string(function) + ": max_distance must be at least 0, or infinite").c_str());
+  check_limit(options.max_distance, function);
 }
 
 inline void check_point(const Vec3& point, const char* function) {

@@ -38,11 +38,12 @@ class AllPairs {
     limits_.update(search.pruning.distance());
   }
 
-  /// Offers the collector all pairs, until it is done. The models are at least `root_bound` apart.
+  /// Offers the collector all pairs, until it is done or the budget is spent. The models are at least `root_bound`
+  /// apart.
   void run(double root_bound) {
     if constexpr (Collector::is_self) {
       const std::size_t nodes = trees_.tree(Side::a).nodes.size();
-      for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !collector_.is_done(); --n) compare_siblings(n - 1);
+      for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !has_to_end(); --n) compare_siblings(n - 1);
     } else {
       push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0, false});
       visit_all();
@@ -55,8 +56,10 @@ class AllPairs {
     stack_[size_++] = pair;
   }
 
+  bool has_to_end() { return collector_.is_done() || search_.meter.is_spent(steps_); }
+
   void visit_all() {
-    while (size_ > 0 && !collector_.is_done()) visit(stack_[--size_]);
+    while (size_ > 0 && !has_to_end()) visit(stack_[--size_]);
   }
 
   /// Prunes a pair, compares two leaves, or expands one of two nodes.
@@ -66,6 +69,7 @@ class AllPairs {
       const Apart what = ComparesLeaves<Collector> ? Apart::elements : Apart::triangles;
       if (trees_.share_and_are_apart(pair, what, search_.pruning.distance())) return;
     }
+    ++steps_;
     if (trees_.are_leaves(pair)) return compare_leaves(pair);
     const auto [side, triangles_first] = trees_.choose(pair);
     if (triangles_first) {
@@ -85,6 +89,7 @@ class AllPairs {
   void compare_siblings(std::uint32_t n) {
     const bvh::Tree& tree = trees_.tree(Side::a);
     const std::uint32_t count = tree.nodes[n].child_count;
+    ++steps_;
     for (std::uint32_t k = 0; k < count; ++k) {
       const bvh::SlotId slot = n * bvh::width + k;
       if (bvh::has_leaf(tree, slot)) push({0, {slot, slot}, NodePair::no_record, 0, false});
@@ -123,7 +128,7 @@ class AllPairs {
                              search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
     if (found.count == 0) return;
     a_.take(self.a), b_.take(self.b);
-    for (std::uint32_t i = 0; i < found.count && !collector_.is_done(); ++i) {
+    for (std::uint32_t i = 0; i < found.count && !collector_.is_done() && !search_.meter.cuts_short(steps_); ++i) {
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
       if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
       ++search_.stats.triangle_tests;
@@ -144,6 +149,7 @@ class AllPairs {
   PlacedLeaf a_, b_;  // of the leaves that were compared last
   NodePair stack_[capacity];
   std::uint32_t size_ = 0;
+  std::uint64_t steps_ = 0;
 };
 
 }  // namespace limber::pair

@@ -27,46 +27,56 @@ using pair::PairsOfTwo;
 pair::PlacedPair with_itself(const Model& model) { return {Placed{model}, Placed{model}}; }
 
 template <typename Collector>
-PairCount count_all(const pair::PlacedPair& placed, Collector& collector) {
+PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const QueryBudget& budget) {
   PairCount result;
-  pair::search_all(placed, collector, result.stats);
+  pair::BudgetMeter meter(budget);
+  result.stopped_by = pair::search_all(placed, collector, meter, result.stats);
   result.count = collector.count;
-  result.is_complete = !collector.is_done();
+  result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
   return result;
 }
 
 template <typename Pairs>
-PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit) {
+PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
+                              const QueryBudget& budget) {
   pair::AllIntersections<Pairs> collector(pairs, visit);
-  return count_all(placed, collector);
+  return count_all(placed, collector, budget);
 }
 
 template <typename Pairs>
-PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit) {
+PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
+                         const QueryBudget& budget) {
   pair::PairsWithin<Pairs> collector(pairs, margin, visit);
-  return count_all(placed, collector);
+  return count_all(placed, collector, budget);
 }
 
 template <typename Pairs>
-PairCount closest_pairs(const pair::PlacedPair& placed, const Pairs& pairs, std::span<Contact> closest) {
-  pair::ClosestPairs<Pairs> collector(pairs, closest);
+PairCount closest_pairs(const pair::PlacedPair& placed, const Pairs& pairs, std::span<Contact> closest,
+                        const ClosestPairsOptions& options) {
+  pair::ClosestPairs<Pairs> collector(pairs, closest, options.max_distance);
   PairCount result;
+  pair::BudgetMeter meter(options.budget);
   if constexpr (Pairs::is_self) {
-    pair::search_self(placed, nullptr, collector, result.stats);
+    result.stopped_by = pair::search_self(placed, nullptr, collector, meter, result.stats).stopped_by;
   } else {
-    pair::BudgetMeter meter;  // without limits
-    pair::search(placed, nullptr, collector, meter, result.stats);
+    result.stopped_by = pair::search(placed, nullptr, collector, meter, result.stats).stopped_by;
   }
   result.count = collector.count;
+  result.is_complete = result.stopped_by == StoppedBy::nothing;
   collector.sort();
   return result;
+}
+
+PairOptions pair_options(const ClosestPairsOptions& options) {
+  return {.filter = options.filter, .oriented_faces = options.oriented_faces};
 }
 
 }  // namespace
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return visit_intersections(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), visit);
+  return visit_intersections(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), visit,
+                             options.budget);
 }
 
 PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -78,7 +88,8 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
                          const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_contacts");
-  return visit_contacts(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), margin, visit);
+  return visit_contacts(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), margin, visit,
+                        options.budget);
 }
 
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
@@ -87,9 +98,12 @@ PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Co
   return visit_contacts(a, b, margin, fill, options);
 }
 
-PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest, const PairOptions& options) {
+PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest,
+                        const ClosestPairsOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return closest_pairs(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), closest);
+  base::check_limit(options.max_distance, "limber::closest_pairs");
+  const PairsOfTwo pairs(a.model().mesh(), b.model().mesh(), pair_options(options));
+  return closest_pairs(pair::PlacedPair(a, b), pairs, closest, options);
 }
 
 CollideResult self_collide(const Model& model, const SelfQueryOptions& options) {
@@ -103,7 +117,8 @@ CollideResult self_collide(const Model& model, const SelfQueryOptions& options) 
     collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
                       pair::placed_triangle(placed, pair::Side::b, last->triangle_b));
   }
-  if (!collector.is_done()) pair::search_all(placed, collector, result.stats);
+  pair::BudgetMeter meter;  // without limits
+  if (!collector.is_done()) pair::search_all(placed, collector, meter, result.stats);
   if (collector.witness) pair::remember(options.cache, *collector.witness);
   result.answer = collector.witness ? Answer::yes : Answer::no;
   result.witness = collector.witness;
@@ -118,7 +133,8 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
   pair::ClosestSelfPair collector(PairsOfOne(model.mesh(), {.filter = options.filter}), errors);
   DistanceResult result;
   const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
-  const pair::Unsearched unsearched = pair::search_self(placed, last, collector, result.stats);
+  pair::BudgetMeter meter;  // without limits
+  const pair::Unsearched unsearched = pair::search_self(placed, last, collector, meter, result.stats);
   pair::set_answer(result, collector.closest, unsearched, errors);
   if (result.witness) pair::remember(options.cache, *result.witness);
   return result;
@@ -126,7 +142,7 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
 
 PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return visit_intersections(with_itself(model), PairsOfOne(model.mesh(), options), visit);
+  return visit_intersections(with_itself(model), PairsOfOne(model.mesh(), options), visit, options.budget);
 }
 
 PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -137,7 +153,7 @@ PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, 
 PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_self_contacts");
-  return visit_contacts(with_itself(model), PairsOfOne(model.mesh(), options), margin, visit);
+  return visit_contacts(with_itself(model), PairsOfOne(model.mesh(), options), margin, visit, options.budget);
 }
 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {
@@ -145,9 +161,10 @@ PairCount self_contacts(const Model& model, double margin, std::span<Contact> co
   return visit_self_contacts(model, margin, fill, options);
 }
 
-PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const PairOptions& options) {
+PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, const ClosestPairsOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return closest_pairs(with_itself(model), PairsOfOne(model.mesh(), options), closest);
+  base::check_limit(options.max_distance, "limber::self_closest_pairs");
+  return closest_pairs(with_itself(model), PairsOfOne(model.mesh(), pair_options(options)), closest, options);
 }
 
 }  // namespace limber

@@ -149,8 +149,8 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   const bool tries_pair = has_pair && (meter.is_limited() || last->pair.is_due());
   if (tries_pair) {
     compare(last->triangle_a, last->triangle_b, placed, collector, pruning, stats);
-  } else if (meter.is_limited()) {
-    // So there is an upper bound even if the budget allows no step.
+  } else if (meter.is_limited() && Collector::hits != Hits::k_closest) {
+    // So there is an upper bound even if the budget allows no step. The traversal will compare the pair once more.
     compare(placed.first_triangle(Side::a), placed.first_triangle(Side::b), placed, collector, pruning, stats);
   }
   if (collector.is_done()) {
@@ -186,11 +186,10 @@ inline bool has_self_pair(const QueryCache::Impl* last, const PlacedPair& placed
 /// Looks for the best among the triangles of one model, which stands on both sides. If there is a cache, the pair of
 /// the last answer is compared first, even if that was about another model: any two triangles give an upper bound.
 template <typename Collector>
-Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, Collector& collector,
+Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, Collector& collector, BudgetMeter& meter,
                        QueryStats& stats) {
   static_assert(Collector::is_self);
   LIMBER_ASSERT(&placed.tree(Side::a) == &placed.tree(Side::b) && placed.is_placed_exactly());
-  BudgetMeter meter;  // without limits
   Pruning pruning(placed, collector.initial_cutoff(), Ties::compared);
   if (has_self_pair(last, placed)) {
     compare(last->triangle_a, last->triangle_b, placed, collector, pruning, stats);
@@ -201,20 +200,20 @@ Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, C
 }
 
 /// Offers a collector all pairs of triangles, or of leaves, that may count: of two models, or of one that stands on
-/// both sides.
+/// both sides. Returns which limit of the budget has left some out.
 template <typename Collector>
-void search_all(const PlacedPair& placed, Collector& collector, QueryStats& stats) {
-  BudgetMeter meter;  // without limits
+StoppedBy search_all(const PlacedPair& placed, Collector& collector, BudgetMeter& meter, QueryStats& stats) {
   Pruning pruning(placed, collector.initial_cutoff());
   double root_bound = 0;
   if constexpr (!Collector::is_self) {
     ++stats.node_tests;
     root_bound = placed.root_bound();
-    if (root_bound >= pruning.distance()) return;
+    if (root_bound >= pruning.distance()) return StoppedBy::nothing;
   }
   Frames frames(placed);
   const Search context{placed, frames, pruning, meter, stats};
   AllPairs<Collector>(context, collector).run(root_bound);
+  return meter.stopped_by();
 }
 
 /// Notes an answer for the next query.

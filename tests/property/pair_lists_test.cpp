@@ -154,6 +154,20 @@ void expect_closest(const std::vector<Contact>& found, const std::vector<Contact
   EXPECT_EQ(std::adjacent_find(pairs.begin(), pairs.end(), same_ids), pairs.end()) << "a pair came twice";
 }
 
+/// A distance that tells the pairs before it, which are sorted, from those behind it, whatever their rounding.
+double between_distances(const std::vector<Contact>& sorted, Rng& rng, double rounding) {
+  const std::size_t k = rng.below(sorted.size() + 1);
+  const double below = k == 0 ? 0 : sorted[k - 1].distance,
+               above = k == sorted.size() ? 2 * below + 1 : sorted[k].distance;
+  return above - below > 4 * rounding ? 0.5 * (below + above) : std::numeric_limits<double>::infinity();
+}
+
+std::vector<Contact> up_to(double max_distance, std::vector<Contact> sorted) {
+  const auto is_near = [&](const Contact& c) { return c.distance <= max_distance; };
+  sorted.erase(std::partition_point(sorted.begin(), sorted.end(), is_near), sorted.end());
+  return sorted;
+}
+
 /// How many pairs have been compared with those of brute force.
 struct Totals {
   std::size_t intersecting = 0, close = 0, vertex_face = 0, edge_edge = 0, touching = 0;
@@ -203,6 +217,9 @@ TEST(ContactsProperty, AreThoseOfBruteForceInRandomScenes) {
     const std::vector<Contact> truth = reference::closest_pairs(twin_a, twin_b, closest.size());
     closest.resize(closest_pairs(a, b, closest).count);
     expect_closest(closest, truth, s.tolerance);
+    const ClosestPairsOptions limited{.max_distance = between_distances(truth, rng, s.tolerance)};
+    closest.resize(closest_pairs(a, b, closest, limited).count);
+    expect_closest(closest, up_to(limited.max_distance, truth), s.tolerance);
     check_elements(s, margin, totals);
     totals.intersecting += meeting.size(), totals.close += contacts.size();
   }
@@ -293,6 +310,9 @@ void check_self(const Model& model, const MeshEdges& edges, Rng& rng, Totals& to
   const std::vector<Contact> closest_truth = reference::self_closest_pairs(mesh, closest.size());
   closest.resize(self_closest_pairs(model, closest).count);
   expect_closest(closest, closest_truth, rounding);
+  const ClosestPairsOptions limited{.max_distance = between_distances(closest_truth, rng, rounding)};
+  closest.resize(self_closest_pairs(model, closest, limited).count);
+  expect_closest(closest, up_to(limited.max_distance, closest_truth), rounding);
   const double least = brute_force_self_distance(mesh);
   const double relative_error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
   const DistanceResult distance = self_distance(model, {.relative_error = relative_error});

@@ -48,7 +48,8 @@ std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance
   const pair::PlacedPair placed(a, b);
   CountWithin collector(max_distance);
   QueryStats stats;
-  pair::search_all(placed, collector, stats);
+  pair::BudgetMeter meter;
+  pair::search_all(placed, collector, meter, stats);
   return collector.count;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -14,16 +15,19 @@
 
 namespace limber::pair {
 
-/// The collector of closest_pairs(): the closest pairs of triangles, as many as there is room for.
+/// The collector of closest_pairs(): the closest pairs of triangles at most a distance apart, as many as there is room
+/// for.
 template <typename Pairs>
 class ClosestPairs {
  public:
   static constexpr Hits hits = Hits::k_closest;
   static constexpr bool is_self = Pairs::is_self;
 
-  ClosestPairs(const Pairs& pairs, std::span<Contact> closest) : pairs_(pairs), closest_(closest) {}
+  ClosestPairs(const Pairs& pairs, std::span<Contact> closest, double max_distance)
+      : pairs_(pairs), closest_(closest), max_distance_(max_distance) {}
 
-  double initial_cutoff() const { return std::numeric_limits<double>::infinity(); }
+  /// Just above the limit: a pair exactly that far apart counts.
+  double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
   /// Nothing is closer than a contact.
   bool is_done() const { return count == closest_.size() && (count == 0 || closest_.front().distance == 0); }
 
@@ -33,9 +37,9 @@ class ClosestPairs {
     const bool are_neighbors = pairs_.are_neighbors(a, b);
     if (are_neighbors && !pairs_.meet(a, b)) return std::nullopt;
     const bool is_full = count == closest_.size();
-    const double farthest = is_full ? closest_.front().distance : std::numeric_limits<double>::infinity();
+    const double farthest = is_full ? closest_.front().distance : max_distance_;
     const Contact contact = pairs_.contact(a, b, are_neighbors, farthest);
-    if (is_full && contact.distance >= farthest) return std::nullopt;
+    if (is_full ? contact.distance >= farthest : contact.distance > farthest) return std::nullopt;
     LIMBER_ASSERT(count <= closest_.size());
     // A heap with the farthest pair first.
     if (is_full) {
@@ -62,6 +66,7 @@ class ClosestPairs {
 
   Pairs pairs_;
   std::span<Contact> closest_;
+  double max_distance_;
 };
 
 }  // namespace limber::pair
