@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -240,10 +241,30 @@ class NeighborRings {
 
 // --- fewer contacts, for solvers of rigid bodies ---
 
+/// What reduce_contacts() works in, kept from call to call: it grows to what the largest call needs.
+///
+/// Cost     250 bytes a contact, allocated by calls that need more than those before.
+/// Threads  One call at a time.
+class ReductionMemory {
+ public:
+  LIMBER_API ReductionMemory();
+  LIMBER_API ReductionMemory(ReductionMemory&&) noexcept;
+  LIMBER_API ReductionMemory& operator=(ReductionMemory&&) noexcept;
+  LIMBER_API ~ReductionMemory();
+
+  /// For the library's own use.
+  struct Impl;
+  Impl& impl();
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
 struct ReductionOptions {
   double radius = 0;           ///< of a patch, in the length unit of the meshes; finite, above 0: there is no default
   double max_angle = 0.5;      ///< between normals of one patch, in radians; from 0 to pi
   std::size_t max_points = 4;  ///< contacts that are kept of a patch; at least 1
+  ReductionMemory* memory = nullptr;  ///< to work in; null to allocate it for the call alone
 };
 
 /// Keeps a few contacts of each patch, and moves them to the front.
@@ -261,11 +282,12 @@ struct ReductionOptions {
 /// Promise  Each removed contact is at most `radius` away from a kept one that is at least as deep and whose normal is
 ///          within `max_angle`, up to rounding. First contacts of patches are farther apart than that.
 ///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
-/// Throws   std::invalid_argument unless the options are what their comments say, and all numbers of the contacts are
-///          finite; std::bad_alloc. The contacts are then as they were.
-/// Cost     O(n log n) for n contacts wherever they are, times at most the number of patches that fit around one point:
-///          about 16 / max_angle^2, and never more than some thousand, where normals differ so much there. Allocates
-///          O(n), in five pieces.
+/// Throws   std::invalid_argument unless the options are what their comments say, all numbers of the contacts are
+///          finite, and no normal is longer than 1, up to rounding to float32; std::bad_alloc. The contacts are then as
+///          they were.
+/// Cost     O(n log n) for n contacts, wherever they are and however their normals lie: each is compared with the
+///          patches next to it, some hundred at most. Allocates nothing if `memory` has grown to it; else 250 bytes a
+///          contact in six pieces.
 /// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.

@@ -48,7 +48,8 @@ std::vector<Contact> patch(int k) {
 bool same_contact(const Contact& c, const Contact& d) {
   return c.triangle_a == d.triangle_a && c.triangle_b == d.triangle_b && c.point_a == d.point_a &&
          c.point_b == d.point_b && c.normal == d.normal && c.distance == d.distance && c.depth == d.depth &&
-         c.feature_a == d.feature_a && c.feature_b == d.feature_b && c.normal_side == d.normal_side;
+         c.weights_a == d.weights_a && c.weights_b == d.weights_b && c.feature_a == d.feature_a &&
+         c.feature_b == d.feature_b && c.normal_side == d.normal_side;
 }
 
 /// Reduces contacts, and compares them with those of the twin.
@@ -147,23 +148,50 @@ TEST(ContactReduction, TakesTimeInProportionWhereverContactsAre) {
   Rng rng(1402);
   struct Place {
     Vec3 at;
-    double spread, radius, max_angle;
+    double spread, radius, max_angle, turn = 1;
   };
-  const Place places[] = {{{}, 1e-6, 1e-10, 0.5},
-                          {{1e6, 1e6, 1e6}, 1e-5, 1e-10, 0.5},
-                          {{1e6, -1e6, 0}, 1e-5, 1e-14, 0.5},
-                          {{}, 1e-300, 1e-305, 0.5},
-                          {{1, 2, 3}, 0, 1, 0},
-                          {{1, 2, 3}, 0, 1, 1e-4}};
+  const Place places[] = {
+      {{}, 1e-6, 1e-10, 0.5},    {{1e6, 1e6, 1e6}, 1e-5, 1e-10, 0.5}, {{1e6, -1e6, 0}, 1e-5, 1e-14, 0.5},
+      {{}, 1e-300, 1e-305, 0.5}, {{}, 1e-310, 1e-320, 0.5},           {{1, 2, 3}, 0, 1, 0},
+      {{1, 2, 3}, 0, 1, 1e-4},   {{1, 2, 3}, 0, 1, 0, 1e-152}};
   for (const Place& place : places) {
     std::vector<Contact> contacts(200'000);
     for (Contact& c : contacts) {
-      const Vec3 normal = uniform_point(rng) + Vec3{0, 0, 2};
+      const Vec3 normal = place.turn * uniform_point(rng) + Vec3{0, 0, 2};
       const Vec3 up = place.spread == 0 ? normal * (1 / length(normal)) : Vec3{0, 0, 1};
       c = contact_at(place.at + place.spread * uniform_point(rng), rng.uniform(), up);
     }
     contacts.back().point_a = contacts.back().point_b = {1e300, -1e300, 0};
     EXPECT_GT(reduce_contacts(contacts, {.radius = place.radius, .max_angle = place.max_angle}), 150'000U);
+  }
+}
+
+TEST(ContactReduction, OfManyNormalsInOnePlaceIsThatOfTheTwin) {
+  Rng rng(1404);
+  for (const double max_angle : {0.0, 1e-160, 1e-9, 0.01, 0.0626, 0.1, 0.3, 0.5, 1.5, 3.0}) {
+    for (const double turn : {1e-161, 1e-160, 1e-8, 0.01, 1.0, 100.0}) {
+      std::vector<Contact> contacts(300);
+      for (Contact& c : contacts) {
+        const Vec3 normal = turn * uniform_point(rng) + (turn < 1 ? Vec3{1, 0, 0} : 1e-3 * Vec3{1, 1, 1});
+        const double size = rng.below(8) == 0 ? 1e-155 : 1 / length(normal);  // shorter ones are taken too
+        c = contact_at({1, 2, 3}, 0.01 * static_cast<double>(rng.below(9)), normal * size);
+      }
+      expect_twin(contacts, {.radius = 1, .max_angle = max_angle});
+    }
+  }
+}
+
+TEST(ContactReduction, InMemoryOfOtherContactsIsTheSame) {
+  Rng rng(1405);
+  ReductionMemory memory;
+  for (const int n : {9, 3, 30, 2, 5}) {
+    std::vector<Contact> contacts = patch(n), alone = contacts;
+    for (std::size_t k = contacts.size(); k > 1; --k) std::swap(contacts[k - 1], contacts[rng.below(k)]);
+    const ReductionOptions options{.radius = rng.uniform(0.1, 2)};
+    ReductionOptions with_memory = options;
+    with_memory.memory = &memory;
+    ASSERT_EQ(reduce_contacts(contacts, with_memory), reduce_contacts(alone, options));
+    EXPECT_TRUE(std::equal(contacts.begin(), contacts.end(), alone.begin(), alone.end(), same_contact));
   }
 }
 
@@ -285,6 +313,17 @@ TEST(ContactReduction, RefusesBadOptionsAndContacts) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Contact> contacts = patch(3);
+  std::vector<Contact> stretched = contacts;
+  stretched[4].normal = {0, 0, 1 + 0x1p-24};
+  EXPECT_GT(reduce_contacts(stretched, {.radius = 1}), 0U);
+  stretched = contacts;
+  stretched[4].normal = {0, 0, 1.01};
+  try {
+    reduce_contacts(stretched, {.radius = 1});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "limber::reduce_contacts: contact 4 has a normal longer than 1");
+  }
   for (const double bad : {0.0, -1.0, infinity, nan}) {
     EXPECT_THROW(reduce_contacts(contacts, {.radius = bad}), std::invalid_argument);
   }
