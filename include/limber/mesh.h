@@ -116,4 +116,31 @@ class Mesh {
   bool is_closed_;
 };
 
+/// Which vertices are at equal positions; -0 equals 0. Welding makes one vertex of them.
+struct Weld {
+  std::vector<VertexId> welded_of;  ///< for each vertex, the welded one that it becomes
+  std::vector<VertexId> first_of;   ///< for each welded vertex, the first vertex that is there
+};
+
+/// Finds equal positions. Welded vertices are numbered in order of first appearance.
+///
+/// Throws   std::invalid_argument if a coordinate is not a number, or if there are 2^32 - 1 positions or more;
+///          std::bad_alloc.
+/// Cost     O(n) expected; O(n log n) for positions chosen so that their hash values collide.
+LIMBER_API Weld weld(std::span<const Vec3> positions);
+
+struct WeldedMesh {
+  Mesh mesh;
+  Weld vertices;  ///< of the mesh that was welded
+};
+
+/// Makes one vertex of those at equal positions, as queries need it that go by vertex ids: is_closed(), ClosedSurface,
+/// and what neighbors are. A soup of triangles, whose corners are vertices of their own, becomes a surface.
+///
+/// Shape    Triangles keep their ids and the order of their corners. Those with two corners in one place name a vertex
+///          twice. Vertices of no triangle stay.
+/// Throws   std::invalid_argument if the mesh has been moved from; std::bad_alloc.
+/// Cost     As weld() of its positions, and O(triangles).
+LIMBER_API WeldedMesh weld(const Mesh& mesh);
+
 }  // namespace limber

@@ -12,7 +12,6 @@
 #include "base/float_environment.h"
 #include "io/file_bytes.h"
 #include "io/parse_mesh.h"
-#include "io/weld.h"
 
 namespace limber {
 namespace {
@@ -54,7 +53,7 @@ std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<Ver
 }
 
 /// Cuts every face into a fan of triangles from its first corner, and gives vertices the ids that `weld` has for them.
-Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, const io::Weld& weld) {
+Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, const Weld& weld) {
   std::size_t triangle_count = 0;
   for (std::size_t f = 0; f < soup.faces.size(); ++f)  // n corners make n - 2 triangles
     triangle_count += std::max<std::size_t>(soup.faces[f].size(), 2) - 2;
@@ -74,7 +73,7 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, cons
     }
   }
   LIMBER_ASSERT(triangles.size() == triangle_count);
-  Result<Mesh> mesh = Mesh::create(pick(soup.positions, weld.file_vertex_of), std::move(triangles));
+  Result<Mesh> mesh = Mesh::create(pick(soup.positions, weld.first_of), std::move(triangles));
   if (!mesh) return in_file(path, mesh.error());
   return MeshFile{std::move(*mesh), std::move(face_of_triangle), soup.faces.size()};
 }
@@ -84,14 +83,14 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, cons
 Result<MeshFile> read_mesh_file(const fs::path& path) {
   const Result<io::Soup> soup = read_soup(path);
   if (!soup) return soup.error();
-  return make_mesh_file(path, *soup, io::weld(soup->positions));
+  return make_mesh_file(path, *soup, weld(soup->positions));
 }
 
 Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const fs::path& name) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const Result<io::Soup> soup = parse_soup(name, text, {});
   if (!soup) return soup.error();
-  return make_mesh_file(name, *soup, io::weld(soup->positions));
+  return make_mesh_file(name, *soup, weld(soup->positions));
 }
 
 Result<Mesh> load_mesh(const fs::path& path) {
@@ -103,14 +102,14 @@ Result<Mesh> load_mesh(const fs::path& path) {
 Result<MeshSequence> MeshSequence::open(const fs::path& first_frame) {
   Result<io::Soup> soup = read_soup(first_frame);
   if (!soup) return soup.error();
-  io::Weld map = io::weld(soup->positions);
+  Weld map = weld(soup->positions);
   Result<MeshFile> file = make_mesh_file(first_frame, *soup, map);
   if (!file) return file.error();
   MeshSequence sequence(std::move(*file));
   sequence.file_vertex_count_ = soup->positions.size();
   sequence.file_corners_ = std::move(soup->faces.corners);
   sequence.file_face_ends_ = std::move(soup->faces.ends);
-  sequence.file_vertex_of_ = std::move(map.file_vertex_of);
+  sequence.file_vertex_of_ = std::move(map.first_of);
   return sequence;
 }
 

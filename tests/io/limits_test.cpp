@@ -106,6 +106,7 @@ std::vector<double> colliding_abscissas(std::size_t count) {
       h ^= h >> 32U;
       h *= inverse;
     }
+    h ^= h >> 32U;
     const auto x = std::bit_cast<double>(h);
     if (std::isnormal(x) && std::abs(x) < max_coordinate && std::abs(x) > 1e-200) abscissas.push_back(x);
   }
