@@ -9,6 +9,7 @@
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/geometry.h"
+#include "limber/gradients.h"
 #include "limber/math.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
