@@ -110,8 +110,8 @@ struct ClosestPairsOptions {
 /// Promise  Nearest first. The count is that of the pairs written: smaller than the room if there are fewer pairs, or
 ///          fewer within `max_distance` that the filter lets through. Which of several equally close pairs are among
 ///          them is not defined.
-/// Budget   If it is spent first, the pairs are the closest of those that were compared, each right, none twice, nearest
-///          first. Near pairs of nodes are compared before far ones.
+/// Budget   If it is spent first, the pairs are the closest of those that were compared, each right, none twice. Near
+///          pairs of nodes are compared before far ones.
 /// Throws   As visit_intersections(); also unless max_distance is >= 0 or infinite.
 /// Cost     As visit_intersections().
 /// Threads  As visit_intersections().

@@ -149,6 +149,7 @@ __all__ = [
     "track",
     "typing",
     "vertex_face_dtype",
+    "weld",
     "winding_number",
     "within",
     "within_many",

@@ -71,13 +71,13 @@ RecordArray found_contacts(nb::handle filter, std::optional<OrientedFaces> orien
 
 /// The contacts that search(room, options) writes, for room of that many.
 template <typename Search>
-RecordArray found_closest(nb::handle filter, std::optional<OrientedFaces> oriented_faces, std::size_t room,
-                          const Search& search) {
+RecordArray found_closest(nb::handle filter, double max_distance, std::optional<OrientedFaces> oriented_faces,
+                          std::size_t room, const Search& search) {
   const Filter which(filter);
   std::vector<Contact> found(room);
-  const PairCount count = without_gil_unless(which.needs_gil(), [&] {
-    return search(found, PairOptions{which.get(), oriented_faces});
-  });
+  const ClosestPairsOptions options{
+      .max_distance = max_distance, .filter = which.get(), .oriented_faces = oriented_faces};
+  const PairCount count = without_gil_unless(which.needs_gil(), [&] { return search(found, options); });
   return array_of(std::span<const Contact>(found).first(count.count), dtypes().contact);
 }
 
@@ -104,11 +104,11 @@ std::size_t most_pairs(const ModelObject& a, const ModelObject& b) {
 }
 
 RecordArray closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, const PoseLike& pose_a,
-                             const PoseLike& pose_b, const TriangleFilter& filter,
+                             const PoseLike& pose_b, double max_distance, const TriangleFilter& filter,
                              std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_closest(filter, oriented_faces, std::min(count, most_pairs(a, b)),
-                       [&](std::span<Contact> room, const PairOptions& options) {
+  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(a, b)),
+                       [&](std::span<Contact> room, const ClosestPairsOptions& options) {
                          return closest_pairs(pair.a(), pair.b(), room, options);
                        });
 }
@@ -170,11 +170,11 @@ RecordArray self_contacts_of(ModelObject& model, double margin, const TriangleFi
   });
 }
 
-RecordArray self_closest_pairs_of(ModelObject& model, std::size_t count, const TriangleFilter& filter,
-                                  std::optional<OrientedFaces> oriented_faces) {
+RecordArray self_closest_pairs_of(ModelObject& model, std::size_t count, double max_distance,
+                                  const TriangleFilter& filter, std::optional<OrientedFaces> oriented_faces) {
   const Reading guard = reading(model);
-  return found_closest(filter, oriented_faces, std::min(count, most_pairs(model, model)),
-                       [&](std::span<Contact> room, const PairOptions& options) {
+  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(model, model)),
+                       [&](std::span<Contact> room, const ClosestPairsOptions& options) {
                          return self_closest_pairs(model.model, room, options);
                        });
 }
@@ -217,8 +217,9 @@ void bind_self_queries(nb::module_& m) {
   m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
         "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
         contacts_documentation(docs::visit_self_contacts).c_str());
-  m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "oriented_faces"_a = nb::none(), closest_documentation(docs::self_closest_pairs).c_str());
+  m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
+        "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
+        closest_documentation(docs::self_closest_pairs).c_str());
 }
 
 }  // namespace
@@ -232,7 +233,7 @@ void bind_contacts(nb::module_& m) {
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
         contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
+        nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
         closest_documentation(docs::closest_pairs).c_str());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
         (std::string(docs::reduce_contacts) +

@@ -5,6 +5,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/tuple.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -45,15 +46,18 @@ void with_mesh(nb::handle vertices, nb::handle faces, const Use& use) {
 
 using MeshArgument = Named<"ArrayLike | MeshLike">;
 
-/// The vertices and faces that the arguments of a model stand for: two arrays, or an object that has both.
-std::pair<nb::object, nb::object> mesh_arrays(const nb::object& vertices, const nb::object& faces) {
+/// The vertices and faces that the arguments of a function stand for: two arrays, or an object that has both.
+std::pair<nb::object, nb::object> mesh_arrays(const nb::object& vertices, const nb::object& faces,
+                                              const char* function = "Model") {
   if (!faces.is_none()) return {vertices, faces};
   for (const char* const name : {"faces", "triangles"}) {
     if (nb::hasattr(vertices, "vertices") && nb::hasattr(vertices, name)) {
       return {vertices.attr("vertices"), vertices.attr(name)};
     }
   }
-  throw nb::type_error("Model: expected vertices and faces, or a mesh that has them: vertices and faces or triangles");
+  constexpr const char* expected =
+      ": expected vertices and faces, or a mesh that has them: vertices and faces or triangles";
+  throw nb::type_error((std::string(function) + expected).c_str());
 }
 
 void construct(ModelObject* self, const MeshArgument& vertices, const ArrayLike& faces, double motion_margin,
@@ -165,6 +169,15 @@ FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& p
   return array_of(std::span<const Vec3>(positions));
 }
 
+std::tuple<FloatArray, IdArray, IdArray> weld_of(const MeshArgument& vertices, const ArrayLike& faces) {
+  const auto [positions, triangles] = mesh_arrays(vertices, faces, "weld");
+  std::optional<WeldedMesh> welded;
+  with_mesh(positions, triangles, [&](const Mesh& mesh) { welded = weld(mesh); });
+  return {array_of(std::span<const Vec3>(welded->mesh.positions())),
+          array_of(std::span<const Corners>(welded->mesh.triangles())),
+          array_of(std::span<const std::uint32_t>(welded->vertices.welded_of))};
+}
+
 void bind_mesh_files(nb::module_& m) {
   m.def(
       "read_mesh_file", &mesh_file, "path"_a,
@@ -187,6 +200,16 @@ void bind_mesh_files(nb::module_& m) {
            nb::sig("def read_positions(self, path: str | os.PathLike[str], frame: int) -> FloatArray"),
            docs::MeshSequence_read_positions);
 }
+
+constexpr const char* weld_doc =
+    R"(Makes one vertex of those at equal positions, as queries need it that go by vertex ids. A soup of triangles whose
+corners are vertices of their own becomes a surface.
+
+Mesh     Vertices and faces, or one object that has both, as for a Model.
+Shape    Triangles keep their ids and the order of their corners. Those with two corners in one place name a vertex
+         twice. Vertices are numbered in order of first appearance; -0 equals 0.
+Returns  Vertices (v, 3), triangles (n, 3), and for each vertex that was given the one that it has become.
+Raises   As Model.)";
 
 constexpr const char* constructor_doc = R"(A model of a mesh.
 
@@ -215,6 +238,7 @@ std::shared_ptr<const MeshEdges> edges_of(ModelObject& object) {
 void bind_model(nb::module_& m) {
   bind_stats(m);
   bind_mesh_files(m);
+  m.def("weld", &weld_of, "vertices"_a, "faces"_a = nb::none(), weld_doc);
   nb::enum_<RebuildPolicy>(m, "RebuildPolicy", docs::RebuildPolicy)
       .value("off", RebuildPolicy::off, docs::RebuildPolicy_off)
       .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)

@@ -93,10 +93,10 @@ nb::object signed_distance_dtype() {
 nb::object contact_dtype() {
   const Contact c;
   return dtype_of(c,
-                  {"distance", "depth", "point_a", "point_b", "normal", "feature_a", "feature_b", "normal_side",
-                   "triangle_a", "triangle_b"},
-                  c.distance, c.depth, c.point_a, c.point_b, c.normal, c.feature_a, c.feature_b, c.normal_side,
-                  c.triangle_a, c.triangle_b);
+                  {"distance", "depth", "point_a", "point_b", "normal", "weights_a", "weights_b", "feature_a",
+                   "feature_b", "normal_side", "triangle_a", "triangle_b"},
+                  c.distance, c.depth, c.point_a, c.point_b, c.normal, c.weights_a, c.weights_b, c.feature_a,
+                  c.feature_b, c.normal_side, c.triangle_a, c.triangle_b);
 }
 
 nb::object vertex_face_dtype() {
@@ -204,6 +204,7 @@ std::string contact_fields() {
                  {"depth", docs::TriangleContact_depth},
                  {"point_a, point_b", docs::TriangleContact_point_a},
                  {"normal", docs::TriangleContact_normal},
+                 {"weights_a, weights_b", "of the points, by corner: >= 0, together 1; 0 off the feature"},
                  {"feature_a, feature_b", feature_text},
                  {"normal_side", "a NormalSide: whether the normal points the way that parts bodies"},
                  {"triangle_a, triangle_b", docs::Witness_triangle_a}});

@@ -25,6 +25,10 @@ def test_contacts_are_records(ball: limber3d.Model) -> None:
     assert contacts.dtype == limber3d.contact_dtype and 0 < contacts["distance"].max() <= 0.05
     meeting = {(c["triangle_a"], c["triangle_b"]) for c in contacts[contacts["distance"] == 0]}
     assert meeting == {tuple(pair) for pair in limber3d.intersections(ball, ball, pose_b=NEAR).tolist()}
+    weights = contacts["weights_a"]
+    assert (weights >= 0).all() and numpy.allclose(weights.sum(axis=1), 1)
+    corners = ball.vertices[ball.faces[contacts["triangle_a"]]]
+    assert numpy.allclose(numpy.einsum("ki,kij->kj", weights, corners), contacts["point_a"], atol=1e-12)
     with pytest.raises(ValueError, match="margin"):
         limber3d.contacts(ball, ball, -1.0)
 
@@ -46,6 +50,10 @@ def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
     assert len(pairs) == 7 and (numpy.diff(pairs["distance"]) >= 0).all()
     assert pairs["distance"][0] == limber3d.distance(ball, ball, pose_b=pose).upper
     assert len(limber3d.closest_pairs(ball, ball, 2**62, pose_b=pose)) == 720 * 720
+    near = limber3d.closest_pairs(ball, ball, 2**62, pose_b=pose, max_distance=0.52)
+    assert len(near) == len(limber3d.contacts(ball, ball, 0.52, pose_b=pose)) > 0
+    with pytest.raises(ValueError, match="max_distance"):
+        limber3d.closest_pairs(ball, ball, 1, max_distance=-1.0)
 
 
 def test_reduction_keeps_a_few_and_leaves_its_argument_alone(ball: limber3d.Model) -> None:

@@ -167,3 +167,13 @@ def tie(organ: Organ) -> bool:
     organ.surface, organ.scene = limber3d.ClosedSurface(organ), limber3d.Scene()
     organ.scene.add(organ)
     return True
+
+
+def test_weld_makes_a_surface_of_a_soup(ball: limber3d.Model) -> None:
+    corners = ball.vertices[ball.faces].reshape(-1, 3)
+    vertices, faces, welded_of = limber3d.weld(corners, numpy.arange(len(corners)).reshape(-1, 3))
+    assert len(vertices) == len(ball.vertices) and faces.shape == ball.faces.shape
+    assert (vertices[welded_of] == corners).all() and (vertices[faces] == ball.vertices[ball.faces]).all()
+    assert (limber3d.weld(ball)[1] == limber3d.weld(ball.vertices, ball.faces)[1]).all()
+    with pytest.raises(TypeError, match="weld: expected vertices and faces"):
+        limber3d.weld(corners)

@@ -28,7 +28,6 @@ namespace limber {
 namespace {
 
 using geometry::Face;
-using geometry::feature_of;
 using geometry::LocalFrame;
 using geometry::next_corner;
 using geometry::point_at;

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <new>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -53,7 +54,9 @@ void ask_everything(const Model& square, const MeshEdges& edges_of_square, const
     intersections(a, b, {});
     contacts(a, b, 0.5, contacts_found);
     closest_pairs(a, b, contacts_found);
+    closest_pairs(a, b, contacts_found, {.max_distance = 0.5, .budget = {.max_steps = 20}});
     element_pairs(a, edges_of_square, b, edges_of_ball, 0.5, vertex_face_found, edge_edge_found);
+    if (const auto near = distance(a, b); near.witness) contact_of(a, b, *near.witness);
   }
   self_collide(ball);
   self_distance(ball);
@@ -109,6 +112,20 @@ TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
       within(a, b, 1, {.cache = &cache, .budget = budget});
     }
   }
+  EXPECT_EQ(allocation_count(), before);
+}
+
+TEST(Allocation, DoesNotHappenInReductionsInMemoryThatHasGrown) {
+  const Model ball(scenes::thesis_ball());
+  std::vector<Contact> contacts(100'000);
+  ReductionMemory memory;
+  const auto reduce = [&](double gap) {
+    const std::size_t count = limber::contacts({ball}, {ball, {{}, {2 + gap, 0, 0}}}, 0.3, contacts).count;
+    return reduce_contacts(std::span(contacts).first(count), {.radius = 0.1, .memory = &memory});
+  };
+  EXPECT_GT(reduce(0), 2U);
+  const std::uint64_t before = allocation_count();
+  for (const double gap : {0.2, 0.0, 0.1}) reduce(gap);
   EXPECT_EQ(allocation_count(), before);
 }
 

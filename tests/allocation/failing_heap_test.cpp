@@ -409,14 +409,20 @@ TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
   contacts.resize(std::min(limber::contacts({ball}, {ball, {{}, {1.9, 0, 0}}}, 0.1, contacts).count, contacts.size()));
   ASSERT_GT(contacts.size(), 20U);
   const std::vector<Contact> before = contacts;
-  const int count = fail_each([&] { reduce_contacts(contacts, {.radius = 0.2}); },
-                              [&] {
-                                for (std::size_t i = 0; i < before.size(); ++i) {
-                                  ASSERT_EQ(contacts[i].triangle_a, before[i].triangle_a);
-                                  ASSERT_EQ(contacts[i].triangle_b, before[i].triangle_b);
-                                }
-                              });
-  EXPECT_EQ(count, 5);
+  const auto expect_unchanged = [&] {
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      ASSERT_EQ(contacts[i].triangle_a, before[i].triangle_a);
+      ASSERT_EQ(contacts[i].triangle_b, before[i].triangle_b);
+    }
+  };
+  EXPECT_EQ(fail_each([&] { reduce_contacts(contacts, {.radius = 0.2}); }, expect_unchanged), 6);
+  contacts = before;
+  std::optional<ReductionMemory> memory;
+  const auto reduce_in_memory = [&] {
+    memory.emplace();
+    reduce_contacts(contacts, {.radius = 0.2, .memory = &*memory});
+  };
+  EXPECT_EQ(fail_each(reduce_in_memory, expect_unchanged), 7);
 }
 
 }  // namespace

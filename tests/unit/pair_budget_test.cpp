@@ -171,6 +171,14 @@ TEST(PairBudget, OfTheClosestPairsGivesRightOnesNearestFirst) {
                 all, 0.4);
 }
 
+TEST(PairBudget, BringsNoPairTwice) {
+  const Model one(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}));
+  std::vector<Contact> room(3);
+  const PairCount count = closest_pairs({one}, {one, {{}, {0, 0, 1}}}, room, {.budget = {.max_steps = 100}});
+  EXPECT_EQ(count.count, 1U);
+  EXPECT_TRUE(count.is_complete);
+}
+
 TEST(PairBudget, IsNotSpentWhereBoundsPruneAll) {
   const Waves w;
   const Placed far{w.high, {{}, {0, 0, 50}}};

@@ -37,6 +37,11 @@ PairOptions options_from(bool has_filter, const NeighborRings* rings, int orient
   return options;
 }
 
+ClosestPairsOptions closest_options_from(bool has_filter, const NeighborRings* rings, int oriented_faces) {
+  const PairOptions options = options_from(has_filter, rings, oriented_faces);
+  return {.filter = options.filter, .oriented_faces = options.oriented_faces};
+}
+
 std::vector<TrianglePair> pairs;
 std::vector<Contact> contacts_found;
 std::vector<double> columns;
@@ -159,7 +164,7 @@ bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, Pos
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
     give_closest(count, triangles_of(*a) * triangles_of(*b), [&](std::span<Contact> closest) {
-      return closest_pairs(placed_a, placed_b, closest, options_from(has_filter, nullptr, oriented_faces));
+      return closest_pairs(placed_a, placed_b, closest, closest_options_from(has_filter, nullptr, oriented_faces));
     });
   });
 }
@@ -200,7 +205,7 @@ bool exported_self_closest_pairs(const Model* model, double count, bool has_filt
                                  int oriented_faces) {
   return guarded([&] {
     give_closest(count, triangles_of(*model) * triangles_of(*model), [&](std::span<Contact> closest) {
-      return self_closest_pairs(*model, closest, options_from(has_filter, rings, oriented_faces));
+      return self_closest_pairs(*model, closest, closest_options_from(has_filter, rings, oriented_faces));
     });
   });
 }
