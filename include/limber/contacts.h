@@ -54,6 +54,10 @@ struct PairOptions {
   /// with itself, any but `none` means that its triangles do.
   std::optional<OrientedFaces> oriented_faces = std::nullopt;
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+  /// Whether to search on all threads of the calling oneTBB arena: for large models with many pairs. The pairs and
+  /// their order stay the same, and the calling thread visits them, but after all have been found and stored. Several
+  /// threads call the filter. A query with a budget stays on one thread.
+  bool is_parallel = false;
 };
 
 /// How many pairs were found.
@@ -71,7 +75,7 @@ struct PairCount {
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid; whatever a visitor or a
 ///          filter throws.
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit,

@@ -94,6 +94,8 @@ struct ElementPairCount {
 
 struct ElementPairOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+  bool is_parallel =
+      false;  ///< whether to search on all threads, as in PairOptions; then vertices and faces come first
 };
 
 /// The elements of two models that are at most `margin` apart: vertices of a and faces of b, vertices of b and faces of
@@ -105,7 +107,7 @@ struct ElementPairOptions {
 ///          >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
 /// Pre      The edges are those of the models' meshes.
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
 /// Threads  Reentrant; any number of calls may share models and edges.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
@@ -123,7 +125,7 @@ LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edge
 ///
 /// Promise  As visit_element_pairs().
 /// Throws   As visit_element_pairs().
-/// Cost     O(n) plus the pairs, O(n^2) at worst. 40 kB of stack; allocates nothing.
+/// Cost     O(n) plus the pairs, O(n^2) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
 /// Threads  Reentrant.
 LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
                                                      VertexFaceVisitor visit_vertex_face,

@@ -6,6 +6,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/task_arena.h>
 #endif
 
 #include <algorithm>
@@ -17,6 +18,15 @@
 /// results do not depend on who runs what. Every body runs in the default floating-point environment, which a pool of
 /// threads need not have been started in.
 namespace limber::base {
+
+/// Whether the calling arena has several threads.
+inline bool has_several_threads() {
+#if defined(LIMBER_THREADS)
+  return oneapi::tbb::this_task_arena::max_concurrency() > 1;
+#else
+  return false;
+#endif
+}
 
 /// Calls body(i) for every i below `count`, in chunks of about `grain`.
 template <typename Body>

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace limber::base {
 
@@ -20,6 +21,17 @@ class SpanFiller {
  private:
   std::span<T> room_;
   std::size_t next_ = 0;
+};
+
+/// A visitor that keeps what it is called with.
+template <typename T>
+class ListFiller {
+ public:
+  const std::vector<T>& list() const { return list_; }
+  bool operator()(const T& found) { return list_.push_back(found), true; }
+
+ private:
+  std::vector<T> list_;
 };
 
 }  // namespace limber::base

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "base/check.h"
 #include "pair/collectors/collector.h"
@@ -14,6 +17,13 @@
 #include "pair/tree_pair.h"
 
 namespace limber::pair {
+
+/// A part of a search for all pairs: one pair of nodes and all below, or, for one model, the children of each of some
+/// nodes with each other.
+struct SearchPart {
+  NodePair pair;
+  std::uint32_t first_node = 0, end_node = 0;  ///< without `pair`, if there are any; the last one comes first
+};
 
 /// The loop of queries that need every pair of triangles within a cutoff: depth first, with a stack. The cutoff stays
 /// what it is, and there is no search direction.
@@ -42,15 +52,70 @@ class AllPairs {
   /// apart.
   void run(double root_bound) {
     if constexpr (Collector::is_self) {
-      const std::size_t nodes = trees_.tree(Side::a).nodes.size();
-      for (auto n = static_cast<std::uint32_t>(nodes); n > 0 && !has_to_end(); --n) compare_siblings(n - 1);
+      compare_siblings_of(0, node_count());
     } else {
-      push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0, false});
+      push_roots(root_bound);
       visit_all();
     }
   }
 
+  /// Offers the collector the pairs of a part.
+  void run(const SearchPart& part) {
+    LIMBER_ASSERT(size_ == 0);
+    if (part.first_node < part.end_node) return compare_siblings_of(part.first_node, part.end_node);
+    push(part.pair);
+    visit_all();
+  }
+
+  /// Splits the search into parts, at least `count` where there is so much work, some thousand at most. The parts in
+  /// this order, one after the other, offer what run() does, in its order.
+  std::vector<SearchPart> split(double root_bound, std::size_t count) {
+    LIMBER_ASSERT(size_ == 0 && count > 0);
+    std::vector<SearchPart> parts;
+    std::vector<NodePair> pairs, next;
+    if constexpr (Collector::is_self) {
+      // Most of the work is far down, but what is near the root is not little.
+      const std::uint32_t top = std::min(node_count(), top_nodes);
+      const auto size = static_cast<std::uint32_t>((node_count() - top) / count + 1);
+      for (std::uint32_t end = node_count(); end > top; end -= std::min(size, end - top)) {
+        parts.push_back({{}, end - std::min(size, end - top), end});
+      }
+      for (std::uint32_t n = top; n > 0; --n) {
+        push_siblings(n - 1);
+        move_stack_to(pairs);
+      }
+    } else {
+      push_roots(root_bound);
+      move_stack_to(pairs);
+    }
+    for (bool goes_on = true; goes_on && pairs.size() < count; pairs.swap(next)) {
+      goes_on = false, next.clear();
+      for (const NodePair& pair : pairs) {
+        if (trees_.are_leaves(pair)) {
+          next.push_back(pair);
+        } else {
+          visit(pair);
+          goes_on = goes_on || size_ > 0;
+          move_stack_to(next);
+        }
+      }
+    }
+    for (const NodePair& pair : pairs) parts.push_back({pair});
+    return parts;
+  }
+
  private:
+  std::uint32_t node_count() const { return static_cast<std::uint32_t>(trees_.tree(Side::a).nodes.size()); }
+
+  void push_roots(double root_bound) {
+    push({limits_.bound_of(root_bound), {bvh::root_slot, bvh::root_slot}, NodePair::no_record, 0, false});
+  }
+
+  /// Appends the pairs of the stack in the order in which they would be visited.
+  void move_stack_to(std::vector<NodePair>& pairs) {
+    while (size_ > 0) pairs.push_back(stack_[--size_]);
+  }
+
   void push(const NodePair& pair) {
     LIMBER_ASSERT(size_ < capacity);
     stack_[size_++] = pair;
@@ -84,9 +149,17 @@ class AllPairs {
     expand(e);
   }
 
-  /// Compares the child slots of a node of one model with each other, and its leaves with themselves. Larger subtrees
-  /// are compared with themselves when their own nodes are visited.
-  void compare_siblings(std::uint32_t n) {
+  /// Of one model: compares the children of each node with each other, those of the last node first.
+  void compare_siblings_of(std::uint32_t first_node, std::uint32_t end_node) {
+    for (std::uint32_t n = end_node; n > first_node && !has_to_end(); --n) {
+      push_siblings(n - 1);
+      visit_all();
+    }
+  }
+
+  /// Pairs the child slots of a node of one model with each other, and its leaves with themselves. Larger subtrees are
+  /// compared with themselves when their own nodes are visited.
+  void push_siblings(std::uint32_t n) {
     const bvh::Tree& tree = trees_.tree(Side::a);
     const std::uint32_t count = tree.nodes[n].child_count;
     ++steps_;
@@ -98,7 +171,6 @@ class AllPairs {
       e.start_siblings(slot, count);
       expand(e);
     }
-    visit_all();
   }
 
   /// Puts the children of a node that are not pruned on the stack.
@@ -140,6 +212,8 @@ class AllPairs {
   // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves. In all at most
   // 2 * 11 * 7 + 28 + 8 = 190.
   static constexpr std::uint32_t capacity = 256;
+  // Of two levels below the root, where the pairs of children are split further.
+  static constexpr std::uint32_t top_nodes = 64;
 
   Search search_;
   Collector& collector_;

@@ -8,6 +8,7 @@
 
 #include "base/arguments.h"
 #include "base/float_environment.h"
+#include "base/parallel.h"
 #include "base/span_filler.h"
 #include "limber/contacts.h"
 #include "pair/collectors/all_intersections.h"
@@ -36,18 +37,45 @@ PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const 
   return result;
 }
 
+/// As count_all(), on several threads. make_collector(visitor) makes one for a part of the search.
+template <typename Collector, typename Pair, typename Make>
+PairCount count_in_parts(const pair::PlacedPair& placed, const Make& make_collector,
+                         FunctionRef<bool(const Pair&)> visit) {
+  PairCount result;
+  const auto parts = pair::search_all_in_parts<Collector, base::ListFiller<Pair>>(
+      placed, make_collector, [](Collector&) {}, result.stats);
+  for (const base::ListFiller<Pair>& part : parts) {
+    for (const Pair& found : part.list()) {
+      ++result.count;
+      result.is_complete = visit(found);
+      if (!result.is_complete) return result;
+    }
+  }
+  return result;
+}
+
+bool is_parallel(const PairOptions& options) {
+  return options.is_parallel && base::has_several_threads() && !base::is_limited(options.budget);
+}
+
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
-                              const QueryBudget& budget) {
-  pair::AllIntersections<Pairs> collector(pairs, visit);
-  return count_all(placed, collector, budget);
+                              const PairOptions& options) {
+  using Collector = pair::AllIntersections<Pairs>;
+  const auto make = [&](TrianglePairVisitor visitor) { return Collector(pairs, visitor); };
+  if (is_parallel(options)) return count_in_parts<Collector, TrianglePair>(placed, make, visit);
+  Collector collector = make(visit);
+  return count_all(placed, collector, options.budget);
 }
 
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
-                         const QueryBudget& budget) {
-  pair::PairsWithin<Pairs> collector(pairs, margin, visit);
-  return count_all(placed, collector, budget);
+                         const PairOptions& options) {
+  using Collector = pair::PairsWithin<Pairs>;
+  const auto make = [&](ContactVisitor visitor) { return Collector(pairs, margin, visitor); };
+  if (is_parallel(options)) return count_in_parts<Collector, Contact>(placed, make, visit);
+  Collector collector = make(visit);
+  return count_all(placed, collector, options.budget);
 }
 
 template <typename Pairs>
@@ -76,7 +104,7 @@ PairOptions pair_options(const ClosestPairsOptions& options) {
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return visit_intersections(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), visit,
-                             options.budget);
+                             options);
 }
 
 PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -89,7 +117,7 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_contacts");
   return visit_contacts(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), margin, visit,
-                        options.budget);
+                        options);
 }
 
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
@@ -142,7 +170,7 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
 
 PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return visit_intersections(with_itself(model), PairsOfOne(model.mesh(), options), visit, options.budget);
+  return visit_intersections(with_itself(model), PairsOfOne(model.mesh(), options), visit, options);
 }
 
 PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -153,7 +181,7 @@ PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs, 
 PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_self_contacts");
-  return visit_contacts(with_itself(model), PairsOfOne(model.mesh(), options), margin, visit, options.budget);
+  return visit_contacts(with_itself(model), PairsOfOne(model.mesh(), options), margin, visit, options);
 }
 
 PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts, const PairOptions& options) {

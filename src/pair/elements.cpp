@@ -4,9 +4,11 @@
 // The public queries for pairs of elements: each checks its arguments, and searches with one collector.
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "base/arguments.h"
 #include "base/float_environment.h"
+#include "base/parallel.h"
 #include "base/span_filler.h"
 #include "limber/elements.h"
 #include "pair/collectors/elements_within.h"
@@ -20,9 +22,59 @@ void check_edges(const MeshEdges& edges, const Mesh& mesh, const char* function,
                  (std::string(function) + ": " + which + " must be made of the model's mesh").c_str());
 }
 
+/// The pairs of elements that a part of a search has found.
+struct ElementLists {
+  base::ListFiller<VertexFacePair> vertex_face;
+  base::ListFiller<EdgeEdgePair> edge_edge;
+};
+
+/// Visits one kind of pairs, part by part, and counts them. Returns whether the visitor wants to go on.
+template <typename Pair>
+bool visit_parts(const std::vector<ElementLists>& parts, base::ListFiller<Pair> ElementLists::*kind,
+                 FunctionRef<bool(const Pair&)> visit, std::size_t& count) {
+  for (const ElementLists& part : parts) {
+    for (const Pair& found : (part.*kind).list()) {
+      ++count;
+      if (!visit(found)) return false;
+    }
+  }
+  return true;
+}
+
+/// What the queries look for.
 template <bool is_self>
-ElementPairCount count_elements(const pair::PlacedPair& placed, pair::ElementsWithin<is_self>& collector,
-                                const ElementPairOptions& options) {
+struct ElementSearch {
+  const pair::PlacedPair& placed;
+  const MeshEdges &edges_a, &edges_b;
+  double margin;
+
+  using Collector = pair::ElementsWithin<is_self>;
+  Collector collector(VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) const {
+    return Collector(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
+  }
+};
+
+template <bool is_self>
+ElementPairCount count_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
+                                EdgeEdgeVisitor visit_edge_edge) {
+  using Collector = pair::ElementsWithin<is_self>;
+  ElementPairCount result;
+  const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
+      search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); },
+      [](Collector& collector) { collector.compare_collected(); }, result.stats);
+  result.is_complete = visit_parts(parts, &ElementLists::vertex_face, visit_vertex_face, result.vertex_face) &&
+                       visit_parts(parts, &ElementLists::edge_edge, visit_edge_edge, result.edge_edge);
+  return result;
+}
+
+template <bool is_self>
+ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
+                                EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
+  if (options.is_parallel && base::has_several_threads() && !base::is_limited(options.budget)) {
+    return count_in_parts(search, visit_vertex_face, visit_edge_edge);
+  }
+  const pair::PlacedPair& placed = search.placed;
+  pair::ElementsWithin<is_self> collector = search.collector(visit_vertex_face, visit_edge_edge);
   ElementPairCount result;
   pair::BudgetMeter meter(options.budget);
   result.stopped_by = pair::search_all(placed, collector, meter, result.stats);
@@ -42,8 +94,8 @@ ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, 
   const pair::PlacedPair placed(a, b);
   check_edges(edges_a, a.model().mesh(), "limber::visit_element_pairs", "edges_a");
   check_edges(edges_b, b.model().mesh(), "limber::visit_element_pairs", "edges_b");
-  pair::ElementsWithin<false> collector(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
-  return count_elements(placed, collector, options);
+  const ElementSearch<false> search{placed, edges_a, edges_b, margin};
+  return count_elements(search, visit_vertex_face, visit_edge_edge, options);
 }
 
 ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
@@ -61,8 +113,8 @@ ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& e
   base::check_margin(margin, "limber::visit_self_element_pairs");
   const pair::PlacedPair placed(Placed{model}, Placed{model});
   check_edges(edges, model.mesh(), "limber::visit_self_element_pairs", "edges");
-  pair::ElementsWithin<true> collector(placed, edges, edges, margin, visit_vertex_face, visit_edge_edge);
-  return count_elements(placed, collector, options);
+  const ElementSearch<true> search{placed, edges, edges, margin};
+  return count_elements(search, visit_vertex_face, visit_edge_edge, options);
 }
 
 ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,

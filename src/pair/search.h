@@ -3,8 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <vector>
 
 #include "base/check.h"
+#include "base/parallel.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/all_pairs.h"
@@ -214,6 +217,44 @@ StoppedBy search_all(const PlacedPair& placed, Collector& collector, BudgetMeter
   const Search context{placed, frames, pruning, meter, stats};
   AllPairs<Collector>(context, collector).run(root_bound);
   return meter.stopped_by();
+}
+
+/// As search_all() without a budget, on the threads of the calling arena: parts of the work have a collector of their
+/// own each, make_collector(found), for which finish(collector) is called in the end. Returns what they have found.
+///
+/// Promise  The parts do not depend on the number of threads. One after the other they offer the pairs of search_all()
+///          in its order.
+template <typename Collector, typename Found, typename Make, typename Finish>
+std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& make_collector, const Finish& finish,
+                                       QueryStats& stats) {
+  constexpr std::size_t part_count = 256;  // many more than threads, as parts differ in size
+  BudgetMeter meter;                       // without limits
+  Found none;
+  Collector lister = make_collector(none);
+  Pruning pruning(placed, lister.initial_cutoff());
+  double root_bound = 0;
+  if constexpr (!Collector::is_self) {
+    ++stats.node_tests;
+    root_bound = placed.root_bound();
+    if (root_bound >= pruning.distance()) return {};
+  }
+  Frames frames(placed);
+  const std::vector<SearchPart> parts =
+      AllPairs<Collector>({placed, frames, pruning, meter, stats}, lister).split(root_bound, part_count);
+  std::vector<Found> found(parts.size());
+  std::vector<QueryStats> stats_of(parts.size());
+  base::parallel_for(parts.size(), 1, [&](std::size_t i) {
+    BudgetMeter own_meter;
+    Pruning own_pruning(pruning);
+    Frames own_frames(frames);
+    Collector collector = make_collector(found[i]);
+    AllPairs<Collector>({placed, own_frames, own_pruning, own_meter, stats_of[i]}, collector).run(parts[i]);
+    finish(collector);
+  });
+  for (const QueryStats& s : stats_of) {
+    stats.node_tests += s.node_tests, stats.triangle_tests += s.triangle_tests;
+  }
+  return found;
 }
 
 /// Notes an answer for the next query.
