@@ -15,6 +15,7 @@
 #include "pair/collectors/closest_pairs.h"
 #include "pair/collectors/pairs_within.h"
 #include "pair/collectors/self_pairs.h"
+#include "pair/contacts_in_parts.h"
 #include "pair/distance_answer.h"
 #include "pair/search.h"
 
@@ -37,23 +38,6 @@ PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const 
   return result;
 }
 
-/// As count_all(), on several threads. make_collector(visitor) makes one for a part of the search.
-template <typename Collector, typename Pair, typename Make>
-PairCount count_in_parts(const pair::PlacedPair& placed, const Make& make_collector,
-                         FunctionRef<bool(const Pair&)> visit) {
-  PairCount result;
-  const auto parts = pair::search_all_in_parts<Collector, base::ListFiller<Pair>>(
-      placed, make_collector, [](Collector&) {}, result.stats);
-  for (const base::ListFiller<Pair>& part : parts) {
-    for (const Pair& found : part.list()) {
-      ++result.count;
-      result.is_complete = visit(found);
-      if (!result.is_complete) return result;
-    }
-  }
-  return result;
-}
-
 bool is_parallel(const PairOptions& options) {
   return options.is_parallel && base::has_several_threads() && !base::is_limited(options.budget);
 }
@@ -61,20 +45,16 @@ bool is_parallel(const PairOptions& options) {
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
                               const PairOptions& options) {
-  using Collector = pair::AllIntersections<Pairs>;
-  const auto make = [&](TrianglePairVisitor visitor) { return Collector(pairs, visitor); };
-  if (is_parallel(options)) return count_in_parts<Collector, TrianglePair>(placed, make, visit);
-  Collector collector = make(visit);
+  if (is_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
+  pair::AllIntersections<Pairs> collector(pairs, visit);
   return count_all(placed, collector, options.budget);
 }
 
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
                          const PairOptions& options) {
-  using Collector = pair::PairsWithin<Pairs>;
-  const auto make = [&](ContactVisitor visitor) { return Collector(pairs, margin, visitor); };
-  if (is_parallel(options)) return count_in_parts<Collector, Contact>(placed, make, visit);
-  Collector collector = make(visit);
+  if (is_parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
+  pair::PairsWithin<Pairs> collector(pairs, margin, visit);
   return count_all(placed, collector, options.budget);
 }
 
