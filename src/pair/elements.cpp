@@ -55,8 +55,8 @@ struct ElementSearch {
 };
 
 template <bool is_self>
-ElementPairCount count_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
-                                EdgeEdgeVisitor visit_edge_edge) {
+ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
+                                         EdgeEdgeVisitor visit_edge_edge) {
   using Collector = pair::ElementsWithin<is_self>;
   ElementPairCount result;
   const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
@@ -71,7 +71,7 @@ template <bool is_self>
 ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
                                 EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
   if (options.is_parallel && base::has_several_threads() && !base::is_limited(options.budget)) {
-    return count_in_parts(search, visit_vertex_face, visit_edge_edge);
+    return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge);
   }
   const pair::PlacedPair& placed = search.placed;
   pair::ElementsWithin<is_self> collector = search.collector(visit_vertex_face, visit_edge_edge);
