@@ -41,7 +41,10 @@ SENTENCES = (
     (" if the mesh has been moved from; MemoryError", " MemoryError"),
     ("Keeps a pointer to each model: a model must outlive its objects, at its address\\.", "Keeps its models alive."),
     ("; allocates nothing but a cache's memory", ""),
-    (" 40 kB of stack; allocates nothing\\.", ""),
+    (" 40 kB of stack; allocates nothing, unless it is parallel\\.", ""),
+    ("^Budget   (If it is spent first, the pairs are .*|As intersections\\(\\)\\.)$", ""),
+    ("^Room     .* closest_pairs\\(\\) with `max_distance`.*", "Nearest  closest_pairs() with `max_distance` finds them."),
+    (" Allocates nothing if `memory` has grown to it; else 250 bytes a contact in six pieces\\.", ""),
     (": a TrianglePairFilter for self-queries", ": a filter for self-queries"),
     (r"Functions that allocate raises MemoryError when they cannot", "MemoryError"),
 )
@@ -82,15 +85,16 @@ def wrapped(block: str) -> str:
 
 def translated(lines: list[str]) -> str:
     result = []
-    for block in blocks(lines):
-        block = re.sub(r"^Throws   ", "Raises   ", block)
+    for given in blocks(lines):
+        block = re.sub(r"^Throws   ", "Raises   ", given)
         for pattern, replacement in WORDS:
             block = re.sub(pattern, replacement, block)
         for pattern, replacement in SENTENCES:
             block, count = re.subn(pattern, replacement, block)
             if count:
                 found_sentences.add(pattern)
-        result.append(wrapped(block))
+        if block or not given:  # some are about what Python does not have
+            result.append(wrapped(block))
     return re.sub(r"\n{3,}", "\n\n", "\n".join(result)).strip()
 
 
