@@ -43,7 +43,7 @@ SENTENCES = (
     ("; allocates nothing but a cache's memory", ""),
     (" 40 kB of stack; allocates nothing, unless it is parallel\\.", ""),
     ("^Budget   (If it is spent first, the pairs are .*|As intersections\\(\\)\\.)$", ""),
-    ("^Room     .* closest_pairs\\(\\) with `max_distance`.*", "Nearest  closest_pairs() with `max_distance` finds them."),
+    ("^Room     .* closest_pairs\\(\\) with .*", "Nearest  closest_pairs() with `max_distance` finds them."),
     (" Allocates nothing if `memory` has grown to it; else 250 bytes a contact in six pieces\\.", ""),
     (": a TrianglePairFilter for self-queries", ": a filter for self-queries"),
     (r"Functions that allocate raises MemoryError when they cannot", "MemoryError"),
