@@ -18,3 +18,4 @@
 #include "limber/penetration.h"
 #include "limber/points.h"
 #include "limber/scene.h"
+#include "limber/solids.h"

@@ -90,7 +90,7 @@ class ClosedSurface {
   static Result<ClosedSurface> create(const Model&&) = delete;  // would point to a temporary
 
   const Model& model() const { return *model_; }
-  /// The model, placed.
+  /// The model, placed by world_from_model.
   ///
   /// Throws   std::invalid_argument if the model has been reset().
   LIMBER_API Placed placed(const Transform& world_from_model) const;

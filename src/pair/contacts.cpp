@@ -17,6 +17,7 @@
 #include "pair/collectors/self_pairs.h"
 #include "pair/contacts_in_parts.h"
 #include "pair/distance_answer.h"
+#include "pair/placed_self_intersections.h"
 #include "pair/search.h"
 
 namespace limber {
@@ -80,6 +81,11 @@ PairOptions pair_options(const ClosestPairsOptions& options) {
 }
 
 }  // namespace
+
+void pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisitor visit, QueryStats& stats) {
+  AllIntersections<PairsOfOne> collector(PairsOfOne(model.model().mesh(), {}), visit);
+  search_all(PlacedPair(model, model), collector, stats);
+}
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;

@@ -90,7 +90,9 @@ class TreePair {
 
   /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
   /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
+  /// Under a pose nothing is said: the test does not know by how much placing rounds.
   bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {
+    if (!placed_.is_placed_exactly()) return false;
     const bvh::Tree& tree = placed_.tree(Side::a);
     if (bvh::has_leaf(tree, pair.slot[0]) || bvh::has_leaf(tree, pair.slot[1])) return false;
     return pair::share_and_are_apart(placed_, pair.slot[0], pair.slot[1], what, margin);

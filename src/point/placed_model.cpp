@@ -63,31 +63,54 @@ simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {
   return in;
 }
 
-std::optional<AxisRay> PlacedModel::ray_from(const Vec3& point) const {
-  const simd::QueryPoint in = in_frame(point);
+Vec3 PlacedModel::half_box() const {
   const bvh::ChildBounds& n = tree_->nodes[0].bounds;
   const Vec3 half = tree_->unit * Vec3{n.half_x[0], n.half_y[0], n.half_z[0]};
-  const Vec3 to_center = pose_(center_) - point;
+  const Mat3& r = pose_.rotation;
+  return Vec3{dot(abs(r.row0), half), dot(abs(r.row1), half), dot(abs(r.row2), half)} * (1 + base::root_error);
+}
+
+AxisRay PlacedModel::ray(const Vec3& point, const simd::QueryPoint& in, std::size_t axis, bool is_upward) const {
+  AxisRay ray{point, axis, is_upward, {}};
   const Vec3 rows[3] = {pose_.rotation.row0, pose_.rotation.row1, pose_.rotation.row2};
-  AxisRay ray{point, 0, true, {}};
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double support = dot(abs(rows[k]), half) * (1 + base::root_error) + in.error;
-    if (std::abs(to_center[k]) > support) return std::nullopt;
-    for (const bool is_upward : {true, false}) {
-      const double left = support + (is_upward ? to_center[k] : -to_center[k]);
-      if (left < least) least = left, ray.axis = k, ray.is_upward = is_upward;
-    }
-  }
   simd::QueryRay& r = ray.in_frame;
   std::copy(in.position, in.position + 4, r.origin);
   r.unit = in.unit, r.per_unit = in.per_unit, r.error = in.error, r.error_units = in.error_units;
-  const auto store = [](const Vec3& v, float(&to)[3]) {
+  const auto store_float = [](const Vec3& v, float(&to)[3]) {
     for (std::size_t k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
   };
-  store(ray.is_upward ? rows[ray.axis] : -rows[ray.axis], r.forward);
-  store(rows[(ray.axis + 1) % 3], r.left), store(rows[(ray.axis + 2) % 3], r.up);
+  store_float(is_upward ? rows[axis] : -rows[axis], r.forward);
+  store_float(rows[(axis + 1) % 3], r.left), store_float(rows[(axis + 2) % 3], r.up);
   return ray;
+}
+
+std::optional<AxisRay> PlacedModel::ray_from(const Vec3& point) const {
+  const simd::QueryPoint in = in_frame(point);
+  const Vec3 half = half_box(), to_center = pose_(center_) - point;
+  std::size_t best_axis = 0;
+  bool best_is_upward = true;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double support = half[k] + in.error;
+    if (std::abs(to_center[k]) > support) return std::nullopt;
+    for (const bool is_upward : {true, false}) {
+      const double left = support + (is_upward ? to_center[k] : -to_center[k]);
+      if (left < least) least = left, best_axis = k, best_is_upward = is_upward;
+    }
+  }
+  return ray(point, in, best_axis, best_is_upward);
+}
+
+std::optional<AxisRay> PlacedModel::ray_along(const Vec3& point, double off, std::size_t axis, bool is_upward) const {
+  LIMBER_ASSERT(axis < 3 && off >= 0);
+  simd::QueryPoint in = in_frame(point);
+  in.error += off;
+  in.error_units = base::float_up(base::or_infinite(in.error * in.per_unit)) + base::smallest_error_units;
+  const Vec3 half = half_box(), to_center = pose_(center_) - point;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (std::abs(to_center[k]) > half[k] + in.error) return std::nullopt;
+  }
+  return ray(point, in, axis, is_upward);
 }
 
 }  // namespace limber::point

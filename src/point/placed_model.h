@@ -54,8 +54,15 @@ class PlacedModel {
   /// The ray from a point of the world that is soonest beyond the model; none if the point is outside of a box around
   /// the model.
   std::optional<AxisRay> ray_from(const Vec3& point) const;
+  /// The ray from a point in a given direction, where the point is known up to `off` in each coordinate; none if it is
+  /// outside of that box.
+  std::optional<AxisRay> ray_along(const Vec3& point, double off, std::size_t axis, bool is_upward) const;
 
  private:
+  /// How far the box around the model reaches from its center along each axis of the world.
+  Vec3 half_box() const;
+  AxisRay ray(const Vec3& point, const simd::QueryPoint& in, std::size_t axis, bool is_upward) const;
+
   const bvh::Tree* tree_;
   MeshView mesh_;
   Transform pose_;

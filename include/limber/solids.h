@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "limber/base.h"
+#include "limber/distance.h"
+#include "limber/math.h"
+#include "limber/points.h"
+
+/// Solids: how the volumes of two closed surfaces lie to each other.
+namespace limber {
+
+/// How two solids lie to each other. A solid is where the winding number of its closed surface is not 0, without the
+/// surface itself; so a cavity does not belong to it. Solids overlap if they have a point in common.
+enum class SolidRelation {
+  apart,        ///< no overlap, and the surfaces have no common point
+  touching,     ///< no overlap, but the surfaces have a common point
+  overlapping,  ///< overlap, and each reaches out of the other
+  a_inside_b,   ///< overlap, and a does not reach out of b; the surfaces may have common points
+  b_inside_a,   ///< overlap, and b does not reach out of a
+  equal,        ///< overlap, and neither reaches out of the other
+};
+
+struct SolidRelationResult {
+  SolidRelation relation = SolidRelation::apart;
+  /// A point that both surfaces have in common, if and only if there is one: it tells a body that touches the wall
+  /// around it from one that does not.
+  std::optional<Witness> witness;
+  QueryStats stats{};
+};
+
+/// How the solids of two placed closed surfaces lie to each other.
+///
+/// Promise  The relation is decided exactly for the placed vertices, for all closed surfaces: also where they meet
+///          themselves, where faces coincide, and where triangles are degenerate. It does not depend on the direction
+///          of normals. A surface that encloses nothing overlaps nothing, so it is apart or touching.
+/// Pose     Vertices are placed in float64, so a pose that turns flush faces may make them overlap, or part them.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and no model has been reset()
+///          since its surface was created; std::bad_alloc.
+/// Cost     A few contacts or points where the solids are far apart or cross; O(n log n) where they touch, coincide, or
+///          one is inside the other, and more where many triangles cross at improper contacts. Allocates.
+/// Threads  Reentrant; any number of calls may share models. Runs on the calling thread.
+/// Source   docs/algorithms/solids.md.
+LIMBER_API SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& world_from_a,
+                                              const ClosedSurface& b, const Transform& world_from_b);
+
+}  // namespace limber

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+#include "base/check.h"
+
+namespace limber::solid {
+
+/// Disjoint sets of the numbers below some count: union-find with path halving.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+
+  /// The representative of a number's set, the least of its members.
+  std::size_t find(std::size_t i) {
+    LIMBER_ASSERT(i < parent_.size());
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::size_t i, std::size_t j) {
+    const auto [low, high] = std::minmax({find(i), find(j)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+}  // namespace limber::solid

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "limber/geometry.h"
+
+/// Points where edges and planes of placed triangles cross, and exact decisions about them.
+namespace limber::solid {
+
+/// Up to 512 bits are stored in place; more are allocated.
+using Integer = boost::multiprecision::number<
+    boost::multiprecision::cpp_int_backend<512, 0, boost::multiprecision::signed_magnitude,
+                                           boost::multiprecision::unchecked>,
+    boost::multiprecision::et_off>;
+using IntegerVec = std::array<Integer, 3>;
+
+/// A power of two, at most 1, that some doubles are multiples of; as its exponent.
+class CommonUnit {
+ public:
+  CommonUnit& include(const Vec3& v);
+  CommonUnit& include(const Triangle& t) { return include(t.v0).include(t.v1).include(t.v2); }
+  int exponent() const { return exponent_; }
+
+ private:
+  int exponent_ = 0;
+};
+
+/// The point p / w * 2^unit, where w > 0. Beside it stands a rounded one, so that most signs need no big integers.
+class ExactPoint {
+ public:
+  /// Pre: the unit is at most that of `v`.
+  ExactPoint(const Vec3& v, int unit);
+
+  const Vec3& rounded() const { return rounded_; }
+  /// A bound of what rounding has changed a coordinate by.
+  double rounding() const;
+
+  /// On which side of the line from a to b the point is, seen along an axis: as orient2d().
+  int side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
+  /// On which side of the plane of a triangle the point is: as orient3d().
+  int side_of_plane(const Triangle& t) const;
+
+ private:
+  friend std::optional<ExactPoint> crossing(const ExactPoint& from, const ExactPoint& to, const Triangle& plane);
+  friend IntegerVec direction(const ExactPoint& from, const ExactPoint& to);
+
+  ExactPoint(IntegerVec p, Integer w, int unit);
+  /// The numerators in another unit. Pre: it is at most that of the point.
+  IntegerVec numerators_in(int unit) const;
+  int exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
+  /// How far the point is beside a plane, as a multiple of some positive number that depends on the plane, the units
+  /// and w. Pre: `unit` is at most that of the point and of the triangle.
+  Integer height(const Triangle& t, int unit) const;
+
+  IntegerVec p_;
+  Integer w_;
+  int unit_;
+  Vec3 rounded_;
+};
+
+/// The point in which the line through two points crosses the plane of a triangle; none if it is parallel to it.
+///
+/// Pre      Both points have the same unit. The triangle is not degenerate.
+std::optional<ExactPoint> crossing(const ExactPoint& from, const ExactPoint& to, const Triangle& plane);
+
+/// A positive multiple of the difference of two points. Pre: both have the same unit.
+IntegerVec direction(const ExactPoint& from, const ExactPoint& to);
+
+/// To which side of the line from a to b a direction leads, seen along an axis: +1 to the left.
+int side_of_direction(const Vec3& a, const Vec3& b, const IntegerVec& direction, std::size_t axis);
+/// To which side of the plane of a triangle a direction leads: +1 to that of its normal.
+int side_of_direction(const Triangle& t, const IntegerVec& direction);
+
+}  // namespace limber::solid
