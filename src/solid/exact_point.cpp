@@ -14,6 +14,7 @@
 
 #include "base/check.h"
 #include "base/decoded.h"
+#include "geometry/primitives.h"
 
 namespace limber::solid {
 namespace {
@@ -66,9 +67,23 @@ ExactPoint::ExactPoint(IntegerVec p, Integer w, int unit) : p_(std::move(p)), w_
     w_ = -w_;
   }
   for (std::size_t k = 0; k < 3; ++k) rounded_[k] = quotient(p_[k], w_, unit_);
+  if (is_finite(rounded_)) {
+    const ExactPoint of_rounded(rounded_, std::min(unit_, CommonUnit().include(rounded_).exponent()));
+    is_rounded_exactly_ = *this == of_rounded;
+  } else {
+    is_rounded_exactly_ = false;
+  }
 }
 
-double ExactPoint::rounding() const { return point_error * max_abs(rounded_) + std::numeric_limits<double>::min(); }
+double ExactPoint::rounding() const {
+  return is_rounded_exactly_ ? 0 : point_error * max_abs(rounded_) + std::numeric_limits<double>::min();
+}
+
+bool ExactPoint::operator==(const ExactPoint& other) const {
+  const int unit = std::min(unit_, other.unit_);
+  const IntegerVec p = numerators_in(unit), q = other.numerators_in(unit);
+  return p[0] * other.w_ == q[0] * w_ && p[1] * other.w_ == q[1] * w_ && p[2] * other.w_ == q[2] * w_;
+}
 
 IntegerVec ExactPoint::numerators_in(int unit) const {
   LIMBER_ASSERT(unit <= unit_);
@@ -78,6 +93,7 @@ IntegerVec ExactPoint::numerators_in(int unit) const {
 
 int ExactPoint::side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const {
   LIMBER_ASSERT(axis < 3);
+  if (is_rounded_exactly_) return geometry::orient2d(a, b, rounded_, axis);
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
   const double along_i = b[i] - a[i], along_j = b[j] - a[j];
   const double left = along_i * (rounded_[j] - a[j]), right = along_j * (rounded_[i] - a[i]);
@@ -97,6 +113,7 @@ int ExactPoint::exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axi
 }
 
 int ExactPoint::side_of_plane(const Triangle& t) const {
+  if (is_rounded_exactly_) return geometry::orient3d(t.v0, t.v1, t.v2, rounded_);
   const Vec3 p = t.v1 - t.v0, q = t.v2 - t.v0, r = rounded_ - t.v0;
   const Vec3 normal = cross(p, q);
   const Vec3 size{std::abs(p.y * q.z) + std::abs(p.z * q.y), std::abs(p.z * q.x) + std::abs(p.x * q.z),

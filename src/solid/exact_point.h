@@ -38,8 +38,9 @@ class ExactPoint {
   ExactPoint(const Vec3& v, int unit);
 
   const Vec3& rounded() const { return rounded_; }
-  /// A bound of what rounding has changed a coordinate by.
+  /// A bound of what rounding has changed a coordinate by; 0 if it has changed nothing.
   double rounding() const;
+  bool operator==(const ExactPoint& other) const;
 
   /// On which side of the line from a to b the point is, seen along an axis: as orient2d().
   int side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
@@ -62,6 +63,7 @@ class ExactPoint {
   Integer w_;
   int unit_;
   Vec3 rounded_;
+  bool is_rounded_exactly_ = true;
 };
 
 /// The point in which the line through two points crosses the plane of a triangle; none if it is parallel to it.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -72,9 +73,22 @@ class CutProbe {
   AxisDirection off_;
 };
 
+/// Whether the ray of a probe, or its line, may meet a triangle, by the shadow of the triangle's box.
+template <typename Probe>
+bool is_in_shadow(const Probe& probe, const Triangle& t) {
+  const Vec3& p = probe.position();
+  const double off = probe.rounding();
+  const auto is_beside = [&](std::size_t k) {
+    return std::max({t.v0[k], t.v1[k], t.v2[k]}) < p[k] - off || std::min({t.v0[k], t.v1[k], t.v2[k]}) > p[k] + off;
+  };
+  const std::size_t axis = probe.off().axis;
+  return !is_beside((axis + 1) % 3) && !is_beside((axis + 2) % 3);
+}
+
 /// What a triangle adds to the winding number of its surface around a probe, counted along the probe's ray.
 template <typename Probe>
 int winding_along(const Probe& probe, const Triangle& t) {
+  if (!is_in_shadow(probe, t)) return 0;
   const int turn = probe.side_of_line(t.v0, t.v1);
   if (turn == 0 || probe.side_of_line(t.v1, t.v2) != turn || probe.side_of_line(t.v2, t.v0) != turn) return 0;
   const int side = probe.side_of_plane(t);

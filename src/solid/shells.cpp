@@ -233,11 +233,11 @@ void Shells::look_beside_cut(const Triangle& t, FacetId cutter, std::span<const 
     if (const auto base = crossing(chord[0], chord[1], triangle(m.other))) bases.push_back(*base);
   }
   const IntegerVec along = direction(chord[0], chord[1]);
-  for (const ExactPoint& base : bases) {
-    if (!is_near(base, t)) continue;
+  for (auto base = bases.begin(); base != bases.end(); ++base) {
+    if (!is_near(*base, t) || std::find(bases.begin(), base, *base) != base) continue;
     for (const int side : {1, -1}) {
       const auto corner = static_cast<std::size_t>(std::find(of_t.begin(), of_t.end(), side) - of_t.begin());
-      cells_.look(CutProbe(base, along, t[corner], off));
+      cells_.look(CutProbe(*base, along, t[corner], off));
     }
   }
 }

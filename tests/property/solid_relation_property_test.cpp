@@ -1,0 +1,329 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Relations of solids against references that know nothing of surfaces: cells of a lattice, mapped to parallelepipeds,
+// and convex bodies between lattice points, which exact separating axes compare.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/solids.h"
+#include "simd/kernels.h"
+#include "support/counts.h"
+#include "support/lattice_solids.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+const char* name_of(SolidRelation r) {
+  constexpr const char* names[] = {"apart", "touching", "overlapping", "a inside b", "b inside a", "equal"};
+  return names[static_cast<std::size_t>(r)];
+}
+
+SolidRelation turned_round(SolidRelation r) {
+  if (r == SolidRelation::a_inside_b) return SolidRelation::b_inside_a;
+  return r == SolidRelation::b_inside_a ? SolidRelation::a_inside_b : r;
+}
+
+/// Counts how often each relation has come, so that a test shows that it has seen all.
+class RelationCounts {
+ public:
+  void add(SolidRelation r) { ++counts_[static_cast<std::size_t>(r)]; }
+  std::uint64_t least() const { return *std::min_element(counts_.begin(), counts_.end()); }
+  void print() const {
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+      std::cout << counts_[i] << " " << name_of(static_cast<SolidRelation>(i)) << (i == 5 ? "\n" : ", ");
+    }
+  }
+
+ private:
+  std::array<std::uint64_t, 6> counts_{};
+};
+
+/// Asks in both orders, with either surface turned inside out now and then, on another instruction set each time.
+void expect_relation(Rng& rng, const Mesh& a, const Transform& pose_a, const Mesh& b, const Transform& pose_b,
+                     SolidRelation expected, bool surfaces_meet, const std::string& what) {
+  const auto turned = [&](const Mesh& mesh) {
+    std::vector<Corners> triangles = mesh.triangles();
+    if (rng.below(2) == 0) {
+      for (Corners& c : triangles) std::swap(c[1], c[2]);
+    }
+    return Mesh::create(mesh.positions(), std::move(triangles)).value();
+  };
+  const auto sets = simd::all_kernels();
+  simd::use_kernels(&sets[rng.below(sets.size())]);
+  const Model model_a(turned(a)), model_b(turned(b));
+  const ClosedSurface surface_a = ClosedSurface::create(model_a).value();
+  const ClosedSurface surface_b = ClosedSurface::create(model_b).value();
+  const SolidRelationResult found = solid_relation(surface_a, pose_a, surface_b, pose_b);
+  const SolidRelationResult reversed = solid_relation(surface_b, pose_b, surface_a, pose_a);
+  simd::use_kernels(nullptr);
+  ASSERT_EQ(name_of(found.relation), std::string(name_of(expected))) << what;
+  ASSERT_EQ(name_of(turned_round(reversed.relation)), std::string(name_of(expected))) << what << ", reversed";
+  ASSERT_EQ(found.witness.has_value(), surfaces_meet) << what;
+  ASSERT_EQ(reversed.witness.has_value(), surfaces_meet) << what << ", reversed";
+}
+
+/// An invertible matrix of small integers; now and then the identity, or a turn.
+Mat3 small_matrix(Rng& rng) {
+  if (rng.below(3) == 0) return {};
+  for (;;) {
+    const auto entry = [&] { return static_cast<double>(rng.below(5)) - 2; };
+    Vec3 rows[3];
+    for (Vec3& row : rows) row.x = entry(), row.y = entry(), row.z = entry();
+    const double volume = dot(rows[0], cross(rows[1], rows[2]));
+    // Orientation does not matter.
+    if (volume != 0) return {rows[0], rows[1], rows[2]};
+  }
+}
+
+/// A turn by right angles, and an offset that is exact.
+Transform exact_pose(Rng& rng) {
+  const Mat3 turns[3] = {{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {}};
+  const Vec3 offset = lattice_point(rng, 9) - Vec3{4, 4, 4};
+  return {turns[rng.below(3)], rng.below(4) == 0 ? 0x1p20 * offset : 0.5 * offset};
+}
+
+/// Two solids of cells in one lattice: the second is moved by whole cells as a part of its mesh, and both are mapped and
+/// placed alike.
+void check_cells(Rng& rng, const CellSolid& a, const CellSolid& b, RelationCounts& counts, const std::string& what) {
+  bool surfaces_meet = false;
+  const SolidRelation expected = relation_of_cells(a, b, surfaces_meet);
+  const Mat3 map = small_matrix(rng);
+  const double scale = rng.below(4) == 0 ? std::ldexp(1, static_cast<int>(rng.below(200)) - 100) : 1;
+  Transform pose = rng.below(2) == 0 ? exact_pose(rng) : Transform{};
+  pose.translation *= scale;
+  const auto mesh_of = [&](const CellSolid& solid) {
+    std::vector<Vec3> positions = solid.positions;
+    for (Vec3& p : positions) p = scale * (map * p);
+    return Mesh::create(std::move(positions), solid.triangles).value();
+  };
+  counts.add(expected);
+  expect_relation(rng, mesh_of(a), pose, mesh_of(b), pose, expected, surfaces_meet, what);
+}
+
+bool is_closed_surface(const CellSolid& solid) {
+  const Model model(Mesh::create(solid.positions, solid.triangles).value());
+  return static_cast<bool>(ClosedSurface::create(model));
+}
+
+TEST(SolidRelationProperty, OfBoxesThatMeetThemselvesIsThatOfTheirCells) {
+  Rng rng(2601);
+  RelationCounts counts;
+  const std::uint64_t pairs = count_from("LIMBER_SOLID_PAIRS", 3000);
+  for (std::uint64_t i = 0; i < pairs && !HasFatalFailure(); ++i) {
+    const std::size_t most = 1 + rng.below(4);
+    const CellSolid a = boxes_of_cells(rng, most);
+    CellSolid b = boxes_of_cells(rng, most);
+    if (rng.below(20) == 0) b = a;
+    check_cells(rng, a, b, counts, "pair " + std::to_string(i));
+  }
+  counts.print();
+  EXPECT_GT(counts.least(), 0U);
+}
+
+TEST(SolidRelationProperty, OfBoundariesOfCellsIsThatOfTheirCells) {
+  Rng rng(2602);
+  RelationCounts counts;
+  std::uint64_t refused = 0;
+  const std::uint64_t pairs = count_from("LIMBER_SOLID_PAIRS", 3000);
+  for (std::uint64_t i = 0; i < pairs && !HasFatalFailure();) {
+    const CellSolid a = random_cells(rng);
+    CellWindings other{};
+    CellSolid b = random_cells(rng);
+    const std::uint64_t kind = rng.below(5), change = rng.below(2) == 0 ? 16 : 1000;
+    if (kind == 4) {  // one cell anywhere
+      other[rng.below(other.size())] = 1;
+      b = CellBoundary(other).surface(rng);
+    }
+    if (kind < 2) {  // the same cells, or all others, but for some of them
+      for (std::size_t k = 0; k < other.size(); ++k) {
+        const bool is_in_a = a.windings[k] != 0;
+        other[k] = (rng.below(change) == 0 ? rng.below(2) == 0 : kind == 0 ? is_in_a : !is_in_a) ? 1 : 0;
+      }
+      b = CellBoundary(other).surface(rng);
+    }
+    // A few share edges between more than two triangles.
+    if (b.triangles.empty() || !is_closed_surface(a) || !is_closed_surface(b)) {
+      ASSERT_LT(++refused, 10 * pairs + 100);
+      continue;
+    }
+    check_cells(rng, a, b, counts, "pair " + std::to_string(i));
+    ++i;
+  }
+  counts.print();
+  EXPECT_GT(counts.least(), 0U);
+}
+
+// --- convex bodies ---
+
+using Place = std::array<std::int64_t, 3>;
+
+Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+std::int64_t inner(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Place across(const Place& a, const Place& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The convex hull of some lattice points, with triangles that see their back from inside.
+struct ConvexBody {
+  std::vector<Place> corners;
+  std::vector<std::array<std::size_t, 3>> faces;
+
+  Place normal(const std::array<std::size_t, 3>& f) const {
+    return across(corners[f[1]] - corners[f[0]], corners[f[2]] - corners[f[0]]);
+  }
+  /// On which side of a face a point is: above 0 outside.
+  std::int64_t height(const std::array<std::size_t, 3>& f, const Place& p) const {
+    return inner(normal(f), p - corners[f[0]]);
+  }
+  bool contains(const Place& p) const {
+    return std::all_of(faces.begin(), faces.end(), [&](const auto& f) { return height(f, p) <= 0; });
+  }
+  Mesh mesh() const {
+    std::vector<Vec3> positions;
+    for (const Place& p : corners) {
+      positions.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    std::vector<Corners> triangles;
+    for (const auto& f : faces) {
+      triangles.push_back({static_cast<VertexId>(f[0]), static_cast<VertexId>(f[1]), static_cast<VertexId>(f[2])});
+    }
+    return Mesh::create(std::move(positions), std::move(triangles)).value();
+  }
+};
+
+/// A tetrahedron to which points outside are added one by one: faces that see a point give way to its cone. Points in
+/// the plane of a face are outside of it if they are outside of the body.
+std::optional<ConvexBody> convex_body(Rng& rng, int side, int points) {
+  const auto place = [&] {
+    const Vec3 p = lattice_point(rng, static_cast<std::uint64_t>(side));
+    return Place{static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y), static_cast<std::int64_t>(p.z)};
+  };
+  ConvexBody body;
+  for (int i = 0; i < 4; ++i) body.corners.push_back(place());
+  body.faces = {{0, 1, 2}};
+  const std::int64_t height = body.height(body.faces[0], body.corners[3]);
+  if (height == 0) return std::nullopt;
+  if (height > 0) std::swap(body.corners[0], body.corners[1]);
+  body.faces = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+  for (int i = 0; i < points; ++i) {
+    const Place p = place();
+    std::vector<std::array<std::size_t, 3>> kept, seen;
+    for (const auto& f : body.faces) (body.height(f, p) > 0 ? seen : kept).push_back(f);
+    if (seen.empty()) continue;
+    const auto has_edge = [&](std::size_t from, std::size_t to) {
+      return std::any_of(seen.begin(), seen.end(), [&](const auto& f) {
+        return (f[0] == from && f[1] == to) || (f[1] == from && f[2] == to) || (f[2] == from && f[0] == to);
+      });
+    };
+    body.corners.push_back(p);
+    bool is_flat = false;
+    for (const auto& f : seen) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (has_edge(f[(k + 1) % 3], f[k])) continue;
+        kept.push_back({f[k], f[(k + 1) % 3], body.corners.size() - 1});
+        is_flat = is_flat || body.normal(kept.back()) == Place{};
+      }
+    }
+    if (is_flat) {  // the point is on the line of an edge
+      body.corners.pop_back();
+      continue;
+    }
+    body.faces = kept;
+  }
+  return body;
+}
+
+/// Whether the interiors of two convex bodies have a point in common: no separating axis [exact].
+bool interiors_meet(const ConvexBody& a, const ConvexBody& b) {
+  const auto is_separating = [&](const Place& axis) {
+    if (axis == Place{}) return false;
+    const auto range = [&](const ConvexBody& body) {
+      std::int64_t low = inner(axis, body.corners[0]), high = low;
+      for (const auto& f : body.faces) {
+        for (const std::size_t c : f) {
+          low = std::min(low, inner(axis, body.corners[c])), high = std::max(high, inner(axis, body.corners[c]));
+        }
+      }
+      return std::pair{low, high};
+    };
+    const auto ra = range(a), rb = range(b);
+    return ra.second <= rb.first || rb.second <= ra.first;
+  };
+  for (const auto& f : a.faces) {
+    if (is_separating(a.normal(f))) return false;
+  }
+  for (const auto& f : b.faces) {
+    if (is_separating(b.normal(f))) return false;
+  }
+  for (const auto& f : a.faces) {
+    for (const auto& g : b.faces) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Place u = a.corners[f[(i + 1) % 3]] - a.corners[f[i]], v = b.corners[g[(k + 1) % 3]] - b.corners[g[k]];
+          if (is_separating(across(u, v))) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+bool reaches_out_of(const ConvexBody& a, const ConvexBody& b) {
+  return std::any_of(a.faces.begin(), a.faces.end(), [&](const auto& f) {
+    return !b.contains(a.corners[f[0]]) || !b.contains(a.corners[f[1]]) || !b.contains(a.corners[f[2]]);
+  });
+}
+
+bool do_surfaces_meet(const Mesh& a, const Mesh& b) {
+  for (TriangleId i = 0; i < a.triangles().size(); ++i) {
+    for (TriangleId k = 0; k < b.triangles().size(); ++k) {
+      if (intersects(a.triangle(i), b.triangle(k))) return true;
+    }
+  }
+  return false;
+}
+
+TEST(SolidRelationProperty, OfConvexBodiesIsThatOfSeparatingAxes) {
+  Rng rng(2603);
+  RelationCounts counts;
+  const std::uint64_t pairs = count_from("LIMBER_SOLID_PAIRS", 3000);
+  for (std::uint64_t i = 0; i < pairs && !HasFatalFailure();) {
+    const int side = 2 + static_cast<int>(rng.below(5));
+    auto a = convex_body(rng, side, static_cast<int>(rng.below(8)));
+    auto b = convex_body(rng, side, static_cast<int>(rng.below(8)));
+    if (!a || !b) continue;
+    if (rng.below(20) == 0) b = a;
+    if (rng.below(8) == 0) {  // smaller ones inside of larger ones
+      for (Place& p : a->corners) {
+        for (std::int64_t& x : p) x = 3 * x - 3;
+      }
+    }
+    const bool both = interiors_meet(*a, *b), a_out = reaches_out_of(*a, *b), b_out = reaches_out_of(*b, *a);
+    const Mesh mesh_a = a->mesh(), mesh_b = b->mesh();
+    const bool surfaces_meet = do_surfaces_meet(mesh_a, mesh_b);
+    SolidRelation expected = surfaces_meet ? SolidRelation::touching : SolidRelation::apart;
+    if (both) {
+      expected = a_out ? (b_out ? SolidRelation::overlapping : SolidRelation::b_inside_a)
+                       : (b_out ? SolidRelation::a_inside_b : SolidRelation::equal);
+    }
+    counts.add(expected);
+    const Transform pose = exact_pose(rng);
+    expect_relation(rng, mesh_a, pose, mesh_b, pose, expected, surfaces_meet, "pair " + std::to_string(i));
+    ++i;
+  }
+  counts.print();
+  EXPECT_GT(counts.least(), 0U);
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// How solids lie to each other: each situation that has a name, in both orders and both orientations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "limber/solids.h"
+#include "scenes/scenes.h"
+#include "solid/exact_point.h"
+#include "support/random_geometry.h"
+#include "unit/refusals.h"
+#include "unit/shapes.h"
+
+namespace limber::testing {
+namespace {
+
+Mesh inside_out(const Mesh& mesh) {
+  std::vector<Corners> triangles = mesh.triangles();
+  for (Corners& c : triangles) std::swap(c[1], c[2]);
+  return Mesh::create(mesh.positions(), std::move(triangles)).value();
+}
+
+SolidRelation reversed(SolidRelation r) {
+  if (r == SolidRelation::a_inside_b) return SolidRelation::b_inside_a;
+  return r == SolidRelation::b_inside_a ? SolidRelation::a_inside_b : r;
+}
+
+SolidRelationResult relation_of(const Mesh& a, const Mesh& b, const Transform& pose_a = {},
+                                const Transform& pose_b = {}) {
+  const Model model_a(a), model_b(b);
+  return solid_relation(ClosedSurface::create(model_a).value(), pose_a, ClosedSurface::create(model_b).value(), pose_b);
+}
+
+void expect(const Mesh& a, const Mesh& b, SolidRelation relation, bool surfaces_meet, const std::string& what) {
+  for (const bool is_a_turned : {false, true}) {
+    for (const bool is_b_turned : {false, true}) {
+      const Mesh of_a = is_a_turned ? inside_out(a) : a, of_b = is_b_turned ? inside_out(b) : b;
+      const SolidRelationResult found = relation_of(of_a, of_b);
+      EXPECT_EQ(found.relation, relation) << what;
+      EXPECT_EQ(found.witness.has_value(), surfaces_meet) << what;
+      const SolidRelationResult back = relation_of(of_b, of_a);
+      EXPECT_EQ(back.relation, reversed(relation)) << what;
+      EXPECT_EQ(back.witness.has_value(), surfaces_meet) << what;
+    }
+  }
+}
+
+const Mesh& unit_box() {
+  static const Mesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+  return mesh;
+}
+
+TEST(SolidRelation, OfABoxAndABox) {
+  const auto to = [](const Vec3& low, const Vec3& high, SolidRelation relation, bool surfaces_meet, const char* what) {
+    expect(unit_box(), box_mesh(low, high), relation, surfaces_meet, what);
+  };
+  to({2, 0, 0}, {3, 1, 1}, SolidRelation::apart, false, "far");
+  to({0x1.0000000000001p0, 0, 0}, {2, 1, 1}, SolidRelation::apart, false, "next to each other");
+  to({1, 0, 0}, {2, 1, 1}, SolidRelation::touching, true, "face on equal face");
+  to({1, 0.25, 0.25}, {2, 0.5, 0.75}, SolidRelation::touching, true, "flush, smaller");
+  to({1, 0.5, 0.5}, {2, 3, 3}, SolidRelation::touching, true, "flush, shifted");
+  to({-5, -5, -1}, {5, 5, 0}, SolidRelation::touching, true, "on a floor");
+  to({1, 1, 0}, {2, 2, 1}, SolidRelation::touching, true, "edge on edge");
+  to({1, 1, 0.5}, {2, 2, 3}, SolidRelation::touching, true, "edge on edge, shifted");
+  to({1, 1, 1}, {2, 2, 2}, SolidRelation::touching, true, "corner on corner");
+  to({0x1.fffffffffffffp-1, 0, 0}, {2, 1, 1}, SolidRelation::overlapping, true, "by one bit");
+  to({0.5, 0, 0}, {1.5, 1, 1}, SolidRelation::overlapping, true, "aligned walls");
+  to({0.5, 0.5, 0.5}, {2, 2, 2}, SolidRelation::overlapping, true, "corners in each other");
+  to({0.25, 0.25, -1}, {0.75, 0.75, 2}, SolidRelation::overlapping, true, "a bar through a box");
+  to({0.25, 0, -1}, {0.75, 1, 2}, SolidRelation::overlapping, true, "a flush bar through a box");
+  to({0, 0, 0}, {1, 1, 1}, SolidRelation::equal, true, "the same");
+  to({0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}, SolidRelation::b_inside_a, false, "in the middle");
+  to({0.25, 0.25, 0}, {0.5, 0.5, 0.5}, SolidRelation::b_inside_a, true, "on the bottom, from inside");
+  to({0, 0, 0}, {0.5, 0.5, 0.5}, SolidRelation::b_inside_a, true, "in a corner");
+  to({0, 0, 0}, {0.5, 1, 1}, SolidRelation::b_inside_a, true, "one half");
+}
+
+/// An octahedron with corners at a distance of 1 from a center.
+Mesh octahedron(const Vec3& c) {
+  return small_mesh({c + Vec3{1, 0, 0}, c - Vec3{1, 0, 0}, c + Vec3{0, 1, 0}, c - Vec3{0, 1, 0}, c + Vec3{0, 0, 1},
+                     c - Vec3{0, 0, 1}},
+                    {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+}
+
+TEST(SolidRelation, OfCornersAndEdgesOnFaces) {
+  expect(unit_box(), octahedron({0.3, 0.4, 2}), SolidRelation::touching, true, "a corner on a face");
+  expect(unit_box(), octahedron({0.3, 0.4, -1}), SolidRelation::touching, true, "a corner on a face, below");
+  expect(unit_box(), octahedron({0.5, 0.5, 2}), SolidRelation::touching, true, "a corner on a diagonal");
+  expect(unit_box(), octahedron({0.5, 0, 2}), SolidRelation::touching, true, "a corner on an edge");
+  expect(unit_box(), octahedron({0, 0, 2}), SolidRelation::touching, true, "a corner on a corner");
+  expect(unit_box(), octahedron({0.3, 0.4, 1.75}), SolidRelation::overlapping, true, "a corner in a face");
+  expect(unit_box(), octahedron({0.5, 1.5, 1.5}), SolidRelation::touching, true, "an edge across an edge");
+  expect(unit_box(), octahedron({0.5, 0.5, 0.5}), SolidRelation::overlapping, true, "corners out of all faces");
+  expect(box_mesh({-1, -1, -1}, {1, 1, 1}), octahedron({0, 0, 0}), SolidRelation::b_inside_a, true,
+         "corners on all faces, from inside");
+  // A ridge: an edge on a face.
+  const Mesh ridge = small_mesh({{0.25, 0.5, 1}, {0.75, 0.5, 1}, {0.25, 0, 2}, {0.75, 0, 2}, {0.25, 1, 2}, {0.75, 1, 2}},
+                                {{0, 2, 4}, {1, 5, 3}, {0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}, {2, 3, 5}, {2, 5, 4}});
+  expect(unit_box(), ridge, SolidRelation::touching, true, "an edge on a face");
+}
+
+TEST(SolidRelation, OfCavitiesAndNotches) {
+  const Mesh hollow = joined(box_mesh({0, 0, 0}, {4, 4, 4}), inside_out(box_mesh({1, 1, 1}, {3, 3, 3})));
+  expect(hollow, box_mesh({1, 1, 1}, {3, 3, 3}), SolidRelation::touching, true, "it fills the cavity");
+  expect(hollow, box_mesh({1, 1, 1}, {2, 2, 2}), SolidRelation::touching, true, "in a corner of the cavity");
+  expect(hollow, box_mesh({1.5, 1.5, 1.5}, {2, 2, 2}), SolidRelation::apart, false, "floating in the cavity");
+  expect(hollow, box_mesh({0.5, 0.5, 0.5}, {3.5, 3.5, 3.5}), SolidRelation::overlapping, false, "around the cavity");
+  expect(hollow, box_mesh({1, 1, 0}, {3, 3, 3}), SolidRelation::overlapping, true, "through the wall");
+  expect(hollow, box_mesh({1, 1, 0}, {3, 3, 1}), SolidRelation::b_inside_a, true, "a part of the wall");
+  expect(hollow, box_mesh({-1, -1, -1}, {5, 5, 5}), SolidRelation::a_inside_b, false, "all around");
+  expect(hollow, box_mesh({0, 0, 0}, {4, 4, 4}), SolidRelation::a_inside_b, true, "without the cavity");
+  expect(hollow, hollow, SolidRelation::equal, true, "the same");
+  // An L: a box with a notch.
+  const Mesh l = small_mesh({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0},
+                             {0, 0, 1}, {2, 0, 1}, {2, 1, 1}, {1, 1, 1}, {1, 2, 1}, {0, 2, 1}},
+                            {{0, 3, 1}, {1, 3, 2}, {0, 5, 3}, {3, 5, 4}, {6, 7, 9}, {7, 8, 9}, {6, 9, 11}, {9, 10, 11},
+                             {0, 1, 7}, {0, 7, 6}, {1, 2, 8}, {1, 8, 7}, {2, 3, 9}, {2, 9, 8}, {3, 4, 10}, {3, 10, 9},
+                             {4, 5, 11}, {4, 11, 10}, {5, 0, 6}, {5, 6, 11}});
+  expect(l, box_mesh({1, 1, 0}, {2, 2, 1}), SolidRelation::touching, true, "it fills the notch");
+  expect(l, box_mesh({1.25, 1.25, 0}, {2, 2, 1}), SolidRelation::apart, false, "in the notch, apart");
+  expect(l, box_mesh({0, 0, 0}, {2, 2, 1}), SolidRelation::a_inside_b, true, "the box without the notch");
+  expect(l, box_mesh({0.5, 0.5, 0.25}, {1, 1, 0.75}), SolidRelation::b_inside_a, true, "an edge in the notch's edge");
+  expect(l, box_mesh({0.75, 0.75, 0.25}, {1.5, 1.5, 0.75}), SolidRelation::overlapping, true, "into the notch");
+}
+
+TEST(SolidRelation, OfSurfacesThatMeetThemselves) {
+  // Four long boxes leave a void between their crossing walls that no vertex is near.
+  const Mesh tunnel = joined(joined(box_mesh({-9, -9, -9}, {9, 9, -1}), box_mesh({-9, -9, 1}, {9, 9, 9})),
+                             joined(joined(box_mesh({-9, -9, -9}, {9, -1, 9}), box_mesh({-9, 1, -9}, {9, 9, 9})),
+                                    joined(box_mesh({-9, -9, -9}, {-1, 9, 9}), box_mesh({1, -9, -9}, {9, 9, 9}))));
+  expect(tunnel, box_mesh({-2, -2, -2}, {2, 2, 2}), SolidRelation::overlapping, true, "around the void");
+  expect(tunnel, box_mesh({-1, -1, -1}, {1, 1, 1}), SolidRelation::touching, true, "it fills the void");
+  expect(tunnel, box_mesh({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}), SolidRelation::apart, false, "in the void");
+  expect(tunnel, box_mesh({-9, -9, -9}, {9, 9, 9}), SolidRelation::a_inside_b, true, "without the void");
+  // Two boxes that overlap are one solid; where a box is taken away twice, it is solid again.
+  const Mesh two = joined(box_mesh({0, 0, 0}, {2, 1, 1}), box_mesh({1, 0, 0}, {3, 1, 1}));
+  expect(two, box_mesh({0, 0, 0}, {3, 1, 1}), SolidRelation::equal, true, "two boxes as one");
+  const Mesh twice = joined(joined(unit_box(), inside_out(unit_box())), inside_out(unit_box()));
+  expect(twice, unit_box(), SolidRelation::equal, true, "taken away twice");
+  expect(joined(unit_box(), inside_out(unit_box())), unit_box(), SolidRelation::touching, true, "taken away");
+}
+
+TEST(SolidRelation, OfSurfacesWithoutVolume) {
+  const Mesh sheet = small_mesh({{0.25, 0.25, 0.5}, {0.75, 0.25, 0.5}, {0.25, 0.75, 0.5}}, {{0, 1, 2}, {2, 1, 0}});
+  expect(sheet, unit_box(), SolidRelation::apart, false, "two sides of a sheet");
+  expect(sheet, sheet, SolidRelation::touching, true, "the same sheet");
+  const Mesh point = mapped(unit_box(), [](const Vec3&) { return Vec3{0.5, 0.5, 0.5}; });
+  expect(point, unit_box(), SolidRelation::apart, false, "a point");
+  const Mesh line = mapped(unit_box(), [](const Vec3& p) { return Vec3{0.5, 0.5, p.z}; });
+  expect(line, unit_box(), SolidRelation::touching, true, "a line");
+  // A box with an edge split by a vertex that belongs to a triangle without area.
+  std::vector<Corners> triangles = box_triangles();
+  std::vector<Vec3> corners = box_corners({0, 0, 0}, {1, 1, 1});
+  corners.push_back({0.5, 0, 0});
+  const auto split = std::find(triangles.begin(), triangles.end(), Corners{0, 2, 1});
+  ASSERT_NE(split, triangles.end());
+  *split = {0, 2, 8};
+  triangles.insert(triangles.end(), {{8, 2, 1}, {0, 8, 1}});
+  const Mesh with_sliver = small_mesh(corners, triangles);
+  expect(with_sliver, unit_box(), SolidRelation::equal, true, "with a sliver");
+  expect(with_sliver, box_mesh({0, 0, -1}, {1, 1, 0}), SolidRelation::touching, true, "flush at a sliver");
+}
+
+TEST(SolidRelation, AtAnyScaleAndPlace) {
+  for (const double scale : {0x1p-300, 0x1p-20, 0x1p60, 0x1p190}) {
+    const auto box = [&](const Vec3& low, const Vec3& high) { return box_mesh(scale * low, scale * high); };
+    expect(box({0, 0, 0}, {1, 1, 1}), box({1, 0.5, 0}, {2, 3, 1}), SolidRelation::touching, true, "flush");
+    expect(box({0, 0, 0}, {1, 1, 1}), box({0.5, 0.5, 0.5}, {1, 1, 1}), SolidRelation::b_inside_a, true, "in a corner");
+  }
+  expect(box_mesh({0, 0, 0}, {1, 1, 0x1p-200}), box_mesh({0, 0, 0}, {0x1p-200, 1, 1}), SolidRelation::overlapping, true,
+         "plates across");
+  expect(box_mesh({0, 0, 0}, {1, 1, 0x1p-200}), box_mesh({0.5, 0.5, 0x1p-200}, {2, 2, 1}), SolidRelation::touching,
+         true, "on a plate");
+  expect(unit_box(), box_mesh({0.5, 0.5, 1}, {0.5 + 0x1p-40, 0.5 + 0x1p-40, 1 + 0x1p-40}), SolidRelation::touching,
+         true, "a tiny one on a face");
+  const double far = 0x1p30;
+  const Transform pose{{}, {far, 2 * far, -far}};
+  EXPECT_EQ(relation_of(unit_box(), box_mesh({1, 0, 0}, {2, 1, 1}), pose, pose).relation, SolidRelation::touching);
+  EXPECT_EQ(relation_of(unit_box(), unit_box(), pose, {{}, {far + 1, 2 * far, -far}}).relation,
+            SolidRelation::touching);
+}
+
+TEST(SolidRelation, OfAModelWithItselfUnderAnyPoseIsEqual) {
+  Rng rng(2620);
+  const Mesh ring = scenes::ring(12, 7, 0.4);
+  const Mesh touching = joined(unit_box(), box_mesh({1, 0, 0}, {2, 1, 1}));  // which rounding may part or press together
+  for (const Mesh& mesh : {ring, touching}) {
+    for (int i = 0; i < 20; ++i) {
+      const Transform pose = random_pose(rng, 100);
+      EXPECT_EQ(relation_of(mesh, mesh, pose, pose).relation, SolidRelation::equal) << i;
+    }
+  }
+}
+
+TEST(SolidRelation, TheWitnessIsACommonPoint) {
+  const SolidRelationResult found = relation_of(unit_box(), box_mesh({1, 0.25, 0.25}, {2, 0.5, 0.75}));
+  ASSERT_TRUE(found.witness);
+  EXPECT_EQ(found.witness->point_a, found.witness->point_b);
+  EXPECT_EQ(found.witness->point_a.x, 1);
+  EXPECT_LT(found.witness->triangle_a, 12U);
+  EXPECT_LT(found.witness->triangle_b, 12U);
+  EXPECT_GT(found.stats.triangle_tests, 0U);
+}
+
+TEST(SolidRelation, RefusesWhatOtherQueriesRefuse) {
+  Model moved(unit_box());
+  const Model box(unit_box());
+  const ClosedSurface of_moved = ClosedSurface::create(moved).value(), of_box = ClosedSurface::create(box).value();
+  Transform reflection;
+  reflection.rotation.row0.x = -1;
+  EXPECT_THROW(solid_relation(of_box, reflection, of_box, {}), std::invalid_argument);
+  EXPECT_THROW(solid_relation(of_box, {}, of_box, reflection), std::invalid_argument);
+  moved.move_all(box_corners({0, 0, 0}, {2, 2, 2})).value();
+  EXPECT_THROW(solid_relation(of_moved, {}, of_box, {}), std::invalid_argument);
+  moved.commit();
+  EXPECT_EQ(solid_relation(of_moved, {}, of_box, {}).relation, SolidRelation::b_inside_a);
+  moved.reset(unit_box());
+  EXPECT_THROW(solid_relation(of_moved, {}, of_box, {}), std::invalid_argument);
+}
+
+// --- exact points ---
+
+TEST(ExactPoint, KnowsOnWhichSideItIsWhereRoundingCannotTell) {
+  const Triangle plane{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, tilted{{0, 0, 0}, {3, 0, 1}, {0, 3, 1}};
+  const Vec3 from{1, 1, 1}, to{2, 3, -2};
+  const int unit = solid::CommonUnit().include(from).include(to).exponent();
+  const solid::ExactPoint p = *solid::crossing(solid::ExactPoint(from, unit), solid::ExactPoint(to, unit), plane);
+  EXPECT_NEAR(p.rounded().x, 4.0 / 3, p.rounding());
+  EXPECT_NEAR(p.rounded().y, 5.0 / 3, p.rounding());
+  EXPECT_EQ(p.side_of_plane(plane), 0);
+  EXPECT_EQ(p.side_of_plane(tilted), -1);
+  EXPECT_EQ(p.side_of_line({0, 0, 0}, {4, 5, 7}, 2), 0);  // on the line y = 5/4 x
+  EXPECT_EQ(p.side_of_line({0, 0, 0}, {4, 0x1.3fffffffffffcp2, 7}, 2), 1);
+  EXPECT_EQ(p.side_of_line({0, 0, 0}, {4, 0x1.4000000000004p2, 7}, 2), -1);
+  EXPECT_FALSE(solid::crossing(solid::ExactPoint({0, 0, 1}, 0), solid::ExactPoint({1, 0, 1}, 0), plane));
+}
+
+}  // namespace
+}  // namespace limber::testing
