@@ -31,8 +31,10 @@ int geometry::orient2d(const Vec3& a, const Vec3& b, const Vec3& c, std::size_t 
   const double det = left - right;
   const double permanent = std::abs(left) + std::abs(right);
   const bool certain = std::abs(det) > area_bound * permanent + underflow_bound;
-  return certain && std::isfinite(permanent) ? sign(det)
-                                             : geometry::exact_area_sign(a[i], a[j], b[i], b[j], c[i], c[j]);
+  if (certain && std::isfinite(permanent)) return sign(det);
+  const auto are_equal = [i, j](const Vec3& p, const Vec3& q) { return p[i] == q[i] && p[j] == q[j]; };
+  if (are_equal(a, b) || are_equal(b, c) || are_equal(c, a)) return 0;
+  return geometry::exact_area_sign(a[i], a[j], b[i], b[j], c[i], c[j]);
 }
 
 }  // namespace limber

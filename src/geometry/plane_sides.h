@@ -37,6 +37,8 @@ class PlaneSides {
     const bool is_certain = std::abs(det) > volume_bound * permanent + underflow_bound && max_abs(r) < largest_filtered;
     if (is_certain && std::isfinite(permanent)) [[likely]]
       return det > 0 ? 1 : -1;
+    // Equal points are what fails the filter most often, in meshes that lie on each other.
+    if (d == a_ || d == b_ || d == c_ || a_ == b_ || b_ == c_ || c_ == a_) return 0;
     return exact_volume_sign(a_, b_, c_, d);
   }
 

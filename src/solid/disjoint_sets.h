@@ -14,7 +14,9 @@ namespace limber::solid {
 /// Disjoint sets of the numbers below some count: union-find with path halving.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
 
   /// The representative of a number's set, the least of its members.
   std::size_t find(std::size_t i) {

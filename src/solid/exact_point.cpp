@@ -98,8 +98,7 @@ int ExactPoint::side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) con
   const double along_i = b[i] - a[i], along_j = b[j] - a[j];
   const double left = along_i * (rounded_[j] - a[j]), right = along_j * (rounded_[i] - a[i]);
   const double of_point = std::abs(along_i * rounded_[j]) + std::abs(along_j * rounded_[i]);
-  const double bound =
-      4 * epsilon * (std::abs(left) + std::abs(right)) + point_error * of_point + underflow_bound;
+  const double bound = 4 * epsilon * (std::abs(left) + std::abs(right)) + point_error * of_point + underflow_bound;
   const int sign = certain_sign(left - right, bound);
   return sign != 0 ? sign : exact_side_of_line(a, b, axis);
 }

@@ -26,10 +26,10 @@ struct Meeting {
 
 /// Looks into all cells of two surfaces, by probes on both sides of all triangles.
 ///
-/// One side of a triangle is a half-facet. Where no other triangle crosses a half-facet it lies in one cell. Two of them
-/// lie in the same cell if they are neighbors across an edge and nothing is between them there. Half-facets that are
-/// joined that way are a shell, and one probe looks for all of them. A half-facet that others cross falls into pieces;
-/// each has a part of a cut as border, and is looked into from there.
+/// One side of a triangle is a half-facet. It lies in one cell if no other triangle crosses it. Two of them lie in the
+/// same cell if they are neighbors across an edge and nothing is between them there. Half-facets that are joined that
+/// way are a shell, and one probe looks for all of them. A half-facet that others cross falls into pieces; each has a
+/// part of a cut as border, and is looked into from there.
 class Shells {
  public:
   /// `contacts` are all pairs of triangles of a and b that meet.
@@ -61,12 +61,12 @@ class Shells {
 
   Cells& cells_;
   FacetId count_of_a_, count_;
-  std::vector<Meeting> meetings_;     // sorted
-  std::vector<std::size_t> begin_;    // of the meetings of each facet, and the end
-  std::vector<Reach> reaches_;        // of the other facet of each meeting
-  std::vector<bool> is_degenerate_;   // for each facet
-  std::vector<Reach> cut_halves_;     // for each facet: its half-facets that others cross
-  DisjointSets shells_;               // of half-facets: 2 f, and 2 f + 1 for the back
+  std::vector<Meeting> meetings_;    // sorted
+  std::vector<std::size_t> begin_;   // of the meetings of each facet, and the end
+  std::vector<Reach> reaches_;       // of the other facet of each meeting
+  std::vector<bool> is_degenerate_;  // for each facet
+  std::vector<Reach> cut_halves_;    // for each facet: its half-facets that others cross
+  DisjointSets shells_;              // of half-facets: 2 f, and 2 f + 1 for the back
 };
 
 }  // namespace limber::solid

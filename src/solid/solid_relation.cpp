@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The public question of how two solids lie to each other. What is cheapest to look at comes first: the triangles of the
-// first contacts, then whole components of surfaces without a contact, then everything.
+// The public question of how two solids lie to each other. What is cheapest to look at comes first: the triangles of
+// the first contacts, then whole components of surfaces without a contact, then everything.
 #include "limber/solids.h"
 
 #include <vector>
@@ -31,8 +31,8 @@ struct InAndOut {
   bool in = false, out = false;
 };
 
-/// Where the components of one surface are that has no contact with the other one: each is inside of that or outside, as
-/// a whole. Looks at the cells beside one triangle of each.
+/// Where the components of one surface are that has no contact with the other one: each is inside of that or outside,
+/// as a whole. Looks at the cells beside one triangle of each.
 InAndOut look_at_components(Cells& cells, Side s) {
   const point::PlacedModel& model = cells.model(s);
   const std::span<const Corners> triangles = model.mesh().triangles;

@@ -100,8 +100,9 @@ TEST(SolidRelation, OfCornersAndEdgesOnFaces) {
   expect(box_mesh({-1, -1, -1}, {1, 1, 1}), octahedron({0, 0, 0}), SolidRelation::b_inside_a, true,
          "corners on all faces, from inside");
   // A ridge: an edge on a face.
-  const Mesh ridge = small_mesh({{0.25, 0.5, 1}, {0.75, 0.5, 1}, {0.25, 0, 2}, {0.75, 0, 2}, {0.25, 1, 2}, {0.75, 1, 2}},
-                                {{0, 2, 4}, {1, 5, 3}, {0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}, {2, 3, 5}, {2, 5, 4}});
+  const Mesh ridge =
+      small_mesh({{0.25, 0.5, 1}, {0.75, 0.5, 1}, {0.25, 0, 2}, {0.75, 0, 2}, {0.25, 1, 2}, {0.75, 1, 2}},
+                 {{0, 2, 4}, {1, 5, 3}, {0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}, {2, 3, 5}, {2, 5, 4}});
   expect(unit_box(), ridge, SolidRelation::touching, true, "an edge on a face");
 }
 
@@ -117,11 +118,21 @@ TEST(SolidRelation, OfCavitiesAndNotches) {
   expect(hollow, box_mesh({0, 0, 0}, {4, 4, 4}), SolidRelation::a_inside_b, true, "without the cavity");
   expect(hollow, hollow, SolidRelation::equal, true, "the same");
   // An L: a box with a notch.
-  const Mesh l = small_mesh({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0},
-                             {0, 0, 1}, {2, 0, 1}, {2, 1, 1}, {1, 1, 1}, {1, 2, 1}, {0, 2, 1}},
-                            {{0, 3, 1}, {1, 3, 2}, {0, 5, 3}, {3, 5, 4}, {6, 7, 9}, {7, 8, 9}, {6, 9, 11}, {9, 10, 11},
-                             {0, 1, 7}, {0, 7, 6}, {1, 2, 8}, {1, 8, 7}, {2, 3, 9}, {2, 9, 8}, {3, 4, 10}, {3, 10, 9},
-                             {4, 5, 11}, {4, 11, 10}, {5, 0, 6}, {5, 6, 11}});
+  const Mesh l = small_mesh({{0, 0, 0},
+                             {2, 0, 0},
+                             {2, 1, 0},
+                             {1, 1, 0},
+                             {1, 2, 0},
+                             {0, 2, 0},
+                             {0, 0, 1},
+                             {2, 0, 1},
+                             {2, 1, 1},
+                             {1, 1, 1},
+                             {1, 2, 1},
+                             {0, 2, 1}},
+                            {{0, 3, 1},   {1, 3, 2},  {0, 5, 3},  {3, 5, 4},   {6, 7, 9}, {7, 8, 9}, {6, 9, 11},
+                             {9, 10, 11}, {0, 1, 7},  {0, 7, 6},  {1, 2, 8},   {1, 8, 7}, {2, 3, 9}, {2, 9, 8},
+                             {3, 4, 10},  {3, 10, 9}, {4, 5, 11}, {4, 11, 10}, {5, 0, 6}, {5, 6, 11}});
   expect(l, box_mesh({1, 1, 0}, {2, 2, 1}), SolidRelation::touching, true, "it fills the notch");
   expect(l, box_mesh({1.25, 1.25, 0}, {2, 2, 1}), SolidRelation::apart, false, "in the notch, apart");
   expect(l, box_mesh({0, 0, 0}, {2, 2, 1}), SolidRelation::a_inside_b, true, "the box without the notch");
@@ -189,7 +200,8 @@ TEST(SolidRelation, AtAnyScaleAndPlace) {
 TEST(SolidRelation, OfAModelWithItselfUnderAnyPoseIsEqual) {
   Rng rng(2620);
   const Mesh ring = scenes::ring(12, 7, 0.4);
-  const Mesh touching = joined(unit_box(), box_mesh({1, 0, 0}, {2, 1, 1}));  // which rounding may part or press together
+  const Mesh touching =
+      joined(unit_box(), box_mesh({1, 0, 0}, {2, 1, 1}));  // which rounding may part or press together
   for (const Mesh& mesh : {ring, touching}) {
     for (int i = 0; i < 20; ++i) {
       const Transform pose = random_pose(rng, 100);
