@@ -3,11 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "limber/base.h"
 #include "limber/distance.h"
 #include "limber/math.h"
 #include "limber/points.h"
+#include "limber/scene.h"
 
 /// Solids: how the volumes of two closed surfaces lie to each other.
 namespace limber {
@@ -45,5 +47,20 @@ struct SolidRelationResult {
 /// Source   docs/algorithms/solids.md.
 LIMBER_API SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& world_from_a,
                                               const ClosedSurface& b, const Transform& world_from_b);
+
+/// A closed surface and where it stands. Keeps a pointer: the surface must outlive it.
+struct PlacedSurface {
+  const ClosedSurface* surface = nullptr;  ///< may be null where no pair names it
+  Transform world_from_model;
+};
+
+/// Answers for many pairs, which name surfaces by their index: results[i] is that of pairs[i]. If surfaces[id] is that
+/// of object `id` of a Scene, the pairs may be those of Scene::candidate_pairs().
+///
+/// Throws   As solid_relation(), or if there are not as many results as pairs, or a pair names no surface; no result
+///          has been written then, unless memory is missing.
+/// Cost     On the threads of the calling oneTBB arena.
+LIMBER_API void solid_relations(std::span<const PlacedSurface> surfaces, std::span<const ObjectPair> pairs,
+                                std::span<SolidRelationResult> results);
 
 }  // namespace limber

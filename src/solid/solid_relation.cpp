@@ -7,7 +7,9 @@
 
 #include <vector>
 
+#include "base/check.h"
 #include "base/float_environment.h"
+#include "base/parallel.h"
 #include "geometry/collinear.h"
 #include "geometry/primitives.h"
 #include "limber/contacts.h"
@@ -103,6 +105,23 @@ SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& worl
   result.stats.node_tests += found.stats.node_tests + cells.stats.node_tests;
   result.stats.triangle_tests += found.stats.triangle_tests + cells.stats.triangle_tests;
   return result;
+}
+
+void solid_relations(std::span<const PlacedSurface> surfaces, std::span<const ObjectPair> pairs,
+                     std::span<SolidRelationResult> results) {
+  const base::DefaultFloatEnvironment environment;
+  LIMBER_REQUIRE(pairs.size() == results.size(), "limber::solid_relations: results: there are not as many as pairs");
+  const auto is_named = [&](ObjectId id) { return id < surfaces.size() && surfaces[id].surface != nullptr; };
+  const auto placed = [&](ObjectId id) { return surfaces[id].surface->placed(surfaces[id].world_from_model); };
+  for (const ObjectPair& pair : pairs) {
+    LIMBER_REQUIRE(is_named(pair.a) && is_named(pair.b),
+                   "limber::solid_relations: pairs: one of them names no surface");
+    pair::PlacedPair(placed(pair.a), placed(pair.b));  // which checks both
+  }
+  base::parallel_for(pairs.size(), 1, [&](std::size_t i) {
+    const PlacedSurface &a = surfaces[pairs[i].a], &b = surfaces[pairs[i].b];
+    results[i] = solid_relation(*a.surface, a.world_from_model, *b.surface, b.world_from_model);
+  });
 }
 
 }  // namespace limber

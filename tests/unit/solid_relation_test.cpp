@@ -5,16 +5,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "limber/scene.h"
 #include "limber/solids.h"
 #include "scenes/scenes.h"
 #include "solid/exact_point.h"
 #include "support/random_geometry.h"
-#include "unit/refusals.h"
+#include "support/rational_winding.h"
 #include "unit/shapes.h"
 
 namespace limber::testing {
@@ -141,20 +143,34 @@ TEST(SolidRelation, OfCavitiesAndNotches) {
 }
 
 TEST(SolidRelation, OfSurfacesThatMeetThemselves) {
-  // Four long boxes leave a void between their crossing walls that no vertex is near.
-  const Mesh tunnel = joined(joined(box_mesh({-9, -9, -9}, {9, 9, -1}), box_mesh({-9, -9, 1}, {9, 9, 9})),
-                             joined(joined(box_mesh({-9, -9, -9}, {9, -1, 9}), box_mesh({-9, 1, -9}, {9, 9, 9})),
-                                    joined(box_mesh({-9, -9, -9}, {-1, 9, 9}), box_mesh({1, -9, -9}, {9, 9, 9}))));
-  expect(tunnel, box_mesh({-2, -2, -2}, {2, 2, 2}), SolidRelation::overlapping, true, "around the void");
-  expect(tunnel, box_mesh({-1, -1, -1}, {1, 1, 1}), SolidRelation::touching, true, "it fills the void");
-  expect(tunnel, box_mesh({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}), SolidRelation::apart, false, "in the void");
-  expect(tunnel, box_mesh({-9, -9, -9}, {9, 9, 9}), SolidRelation::a_inside_b, true, "without the void");
+  // Thick plates leave a void between their crossing walls. No vertex is near, and no edge crosses a wall of it.
+  const auto plates = [](std::size_t axis, double low, double high) {
+    Vec3 below{9, 9, 9}, above{-9, -9, -9};
+    below[axis] = low, above[axis] = high;
+    return joined(box_mesh({-9, -9, -9}, below), box_mesh(above, {9, 9, 9}));
+  };
+  const Mesh room = joined(plates(0, 4, 5), joined(plates(1, 1, 2), plates(2, -7, -6)));
+  expect(room, box_mesh({3.5, 0.5, -7.5}, {5.5, 2.5, -5.5}), SolidRelation::overlapping, true, "around the void");
+  expect(room, box_mesh({4, 1, -7}, {5, 2, -6}), SolidRelation::touching, true, "it fills the void");
+  expect(room, box_mesh({4.25, 1.25, -6.75}, {4.75, 1.75, -6.25}), SolidRelation::apart, false, "in the void");
+  expect(room, box_mesh({-9, -9, -9}, {9, 9, 9}), SolidRelation::a_inside_b, true, "without the void");
   // Two boxes that overlap are one solid; where a box is taken away twice, it is solid again.
   const Mesh two = joined(box_mesh({0, 0, 0}, {2, 1, 1}), box_mesh({1, 0, 0}, {3, 1, 1}));
   expect(two, box_mesh({0, 0, 0}, {3, 1, 1}), SolidRelation::equal, true, "two boxes as one");
   const Mesh twice = joined(joined(unit_box(), inside_out(unit_box())), inside_out(unit_box()));
   expect(twice, unit_box(), SolidRelation::equal, true, "taken away twice");
   expect(joined(unit_box(), inside_out(unit_box())), unit_box(), SolidRelation::touching, true, "taken away");
+}
+
+TEST(SolidRelation, OfWallsThatStandOnEachOther) {
+  // Four plates around a void, each of which ends at the side of the next one, between a floor and a ceiling. All sides
+  // of the void are parts of larger faces, which others touch in edges alone.
+  const Mesh plates = joined(joined(box_mesh({-1, -1, 0}, {1, 0, 1}), box_mesh({1, -1, 0}, {2, 1, 1})),
+                             joined(box_mesh({2, 2, 1}, {0, 1, 0}), box_mesh({0, 2, 1}, {-1, 0, 0})));
+  const Mesh room = joined(plates, joined(box_mesh({-3, -3, -1}, {3, 3, 0}), box_mesh({3, 3, 2}, {-3, -3, 1})));
+  expect(room, box_mesh({-0.5, -0.5, -0.5}, {1.5, 1.5, 1.5}), SolidRelation::overlapping, true, "around the void");
+  expect(room, box_mesh({0, 0, 0}, {1, 1, 1}), SolidRelation::touching, true, "it fills the void");
+  expect(room, box_mesh({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}), SolidRelation::apart, false, "in the void");
 }
 
 TEST(SolidRelation, OfSurfacesWithoutVolume) {
@@ -236,6 +252,46 @@ TEST(SolidRelation, RefusesWhatOtherQueriesRefuse) {
   EXPECT_THROW(solid_relation(of_moved, {}, of_box, {}), std::invalid_argument);
 }
 
+TEST(SolidRelation, OfManyPairsIsThatOfEach) {
+  const Model box(unit_box()), ball(scenes::ball(8, 6));
+  const ClosedSurface of_box = ClosedSurface::create(box).value(), of_ball = ClosedSurface::create(ball).value();
+  std::vector<PlacedSurface> surfaces;
+  std::vector<ObjectPair> pairs;
+  Scene scene;
+  Rng rng(2621);
+  for (int i = 0; i < 30; ++i) {
+    const Transform pose{{}, 0.5 * lattice_point(rng, 6)};
+    surfaces.push_back({i % 2 == 0 ? &of_box : &of_ball, pose});
+    scene.add({i % 2 == 0 ? box : ball, pose});
+  }
+  scene.commit();
+  pairs.resize(1000);
+  pairs.resize(scene.candidate_pairs(0, pairs).count);
+  std::vector<SolidRelationResult> results(pairs.size());
+  solid_relations(surfaces, pairs, results);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PlacedSurface &a = surfaces[pairs[i].a], &b = surfaces[pairs[i].b];
+    const SolidRelationResult alone = solid_relation(*a.surface, a.world_from_model, *b.surface, b.world_from_model);
+    EXPECT_EQ(results[i].relation, alone.relation) << i;
+    EXPECT_EQ(results[i].stats.triangle_tests, alone.stats.triangle_tests) << i;
+  }
+  EXPECT_GT(pairs.size(), 30U);
+
+  results[0].relation = SolidRelation::equal;
+  const auto refuses = [&](std::size_t count) {
+    EXPECT_THROW(solid_relations(surfaces, pairs, std::span(results).first(count)), std::invalid_argument);
+    EXPECT_EQ(results[0].relation, SolidRelation::equal);
+  };
+  refuses(pairs.size() - 1);
+  pairs.back().b = static_cast<ObjectId>(surfaces.size());
+  refuses(pairs.size());
+  pairs.back().b = 0;
+  surfaces[0].surface = nullptr;
+  refuses(pairs.size());
+  surfaces[0] = {&of_box, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}};
+  refuses(pairs.size());
+}
+
 // --- exact points ---
 
 TEST(ExactPoint, KnowsOnWhichSideItIsWhereRoundingCannotTell) {
@@ -251,6 +307,45 @@ TEST(ExactPoint, KnowsOnWhichSideItIsWhereRoundingCannotTell) {
   EXPECT_EQ(p.side_of_line({0, 0, 0}, {4, 0x1.3fffffffffffcp2, 7}, 2), 1);
   EXPECT_EQ(p.side_of_line({0, 0, 0}, {4, 0x1.4000000000004p2, 7}, 2), -1);
   EXPECT_FALSE(solid::crossing(solid::ExactPoint({0, 0, 1}, 0), solid::ExactPoint({1, 0, 1}, 0), plane));
+}
+
+/// A point that lies nearly on a line and in a plane, decided by rationals.
+TEST(ExactPoint, DecidesAsRationalsDo) {
+  Rng rng(2622);
+  int zeros = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const bool on_lattice = rng.below(4) == 0;
+    const auto some = [&] { return on_lattice ? lattice_point(rng) : uniform_point(rng); };
+    const Vec3 from = some(), to = some();
+    const Triangle plane{some(), some(), some()};
+    const int unit = solid::CommonUnit().include(from).include(to).include(plane).exponent();
+    const auto p = solid::crossing(solid::ExactPoint(from, unit), solid::ExactPoint(to, unit), plane);
+    if (!p || max_abs(p->rounded()) > 100) continue;
+    const auto height = [](const Triangle& t, const RationalVec& q) {
+      const RationalVec v0 = rational(t.v0);
+      return volume(minus(rational(t.v1), v0), minus(rational(t.v2), v0), minus(q, v0));
+    };
+    const Rational h0 = height(plane, rational(from)), h1 = height(plane, rational(to)), part = h0 / (h0 - h1);
+    RationalVec exact = rational(from);
+    for (std::size_t k = 0; k < 3; ++k) exact[k] += part * (rational(to)[k] - exact[k]);
+
+    const Vec3 a = some(), c = some(), q = p->rounded();
+    const Vec3 b = q + rng.uniform() * (q - a);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t x = (axis + 1) % 3, y = (axis + 2) % 3;
+      const RationalVec along = minus(rational(b), rational(a)), to_point = minus(exact, rational(a));
+      const int side = sgn(along[x] * to_point[y] - along[y] * to_point[x]);
+      ASSERT_EQ(p->side_of_line(a, b, axis), side) << i;
+      zeros += side == 0 ? 1 : 0;
+    }
+    const Triangle near{a, c, q + rng.uniform() * (q - a) + rng.uniform() * (q - c)};
+    ASSERT_EQ(p->side_of_plane(near), sgn(height(near, exact))) << i;
+    ASSERT_EQ(p->side_of_plane(plane), 0) << i;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_LE(abs(Rational(exact[k] - rational(q)[k])), Rational(p->rounding())) << i;
+    }
+  }
+  EXPECT_GT(zeros, 100);
 }
 
 }  // namespace
