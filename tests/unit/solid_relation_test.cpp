@@ -142,6 +142,29 @@ TEST(SolidRelation, OfCavitiesAndNotches) {
   expect(l, box_mesh({0.75, 0.75, 0.25}, {1.5, 1.5, 0.75}), SolidRelation::overlapping, true, "into the notch");
 }
 
+/// Two boxes that share a vertex, so that they are one component: the last of the first and the first of the second.
+Mesh chained(const Mesh& a, const Mesh& b) {
+  const Mesh both = joined(a, b);
+  std::vector<Corners> triangles = both.triangles();
+  const auto count = static_cast<VertexId>(a.positions().size());
+  EXPECT_EQ(both.positions()[count - 1], both.positions()[count]);
+  for (Corners& c : triangles) {
+    for (VertexId& v : c) v = v == count ? count - 1 : v;
+  }
+  return Mesh::create(both.positions(), std::move(triangles)).value();
+}
+
+TEST(SolidRelation, OfComponentsWithPartsOfManyKinds) {
+  const Mesh outer = box_mesh({0, 0, 0}, {9, 9, 9}), middle = box_mesh({1, 1, 1}, {8, 8, 8});
+  const Mesh low = box_mesh({3, 3, 3}, {4, 4, 4}), high = box_mesh({4, 4, 4}, {5, 5, 5});
+  // Doubly inside first, then a cavity.
+  expect(joined(outer, chained(low, inside_out(high))), middle, SolidRelation::overlapping, false, "a cavity behind");
+  // Nothing first, then a body.
+  const Mesh nothing = joined(inside_out(low), low);
+  expect(chained(nothing, high), outer, SolidRelation::a_inside_b, false, "a body behind");
+  expect(chained(nothing, high), joined(outer, inside_out(middle)), SolidRelation::apart, false, "in a cavity");
+}
+
 TEST(SolidRelation, OfSurfacesThatMeetThemselves) {
   // Thick plates leave a void between their crossing walls. No vertex is near, and no edge crosses a wall of it.
   const auto plates = [](std::size_t axis, double low, double high) {
@@ -218,8 +241,9 @@ TEST(SolidRelation, OfAModelWithItselfUnderAnyPoseIsEqual) {
   const Mesh ring = scenes::ring(12, 7, 0.4);
   const Mesh touching =
       joined(unit_box(), box_mesh({1, 0, 0}, {2, 1, 1}));  // which rounding may part or press together
-  for (const Mesh& mesh : {ring, touching}) {
-    for (int i = 0; i < 20; ++i) {
+  const Mesh with_fans = scenes::ball(300, 3);
+  for (const Mesh& mesh : {ring, touching, with_fans}) {
+    for (int i = 0; i < 8; ++i) {
       const Transform pose = random_pose(rng, 100);
       EXPECT_EQ(relation_of(mesh, mesh, pose, pose).relation, SolidRelation::equal) << i;
     }
