@@ -19,6 +19,7 @@
 #include "support/counts.h"
 #include "support/lattice_solids.h"
 #include "support/random_geometry.h"
+#include "unit/exhaustive_relation.h"
 
 namespace limber::testing {
 namespace {
@@ -65,7 +66,9 @@ void expect_relation(Rng& rng, const Mesh& a, const Transform& pose_a, const Mes
   const ClosedSurface surface_b = ClosedSurface::create(model_b).value();
   const SolidRelationResult found = solid_relation(surface_a, pose_a, surface_b, pose_b);
   const SolidRelationResult reversed = solid_relation(surface_b, pose_b, surface_a, pose_a);
+  const SolidRelation by_shells = relation_by_shells({model_a, pose_a}, {model_b, pose_b});
   simd::use_kernels(nullptr);
+  ASSERT_EQ(name_of(by_shells), std::string(name_of(expected))) << what << ", by shells";
   ASSERT_EQ(name_of(found.relation), std::string(name_of(expected))) << what;
   ASSERT_EQ(name_of(turned_round(reversed.relation)), std::string(name_of(expected))) << what << ", reversed";
   ASSERT_EQ(found.witness.has_value(), surfaces_meet) << what;

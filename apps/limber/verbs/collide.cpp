@@ -8,6 +8,7 @@
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
+#include "limber/solids.h"
 #include "verbs/answers.h"
 
 /// The verbs collide and within: yes or no, and where.
@@ -17,6 +18,7 @@ namespace {
 struct CollideArguments {
   PairArguments pair;
   std::optional<double> max_distance;  // empty: the models have to meet
+  bool has_solids = false;
 };
 
 /// The answer. On a path it is yes at `path_time` first.
@@ -55,8 +57,27 @@ Nesting nesting_unless_they_meet(const CollideArguments& arguments, const Collid
   return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
 }
 
+const char* words_of(SolidRelation relation) {
+  static constexpr const char* words[] = {"apart", "touching", "overlapping", "a_inside_b", "b_inside_a", "equal"};
+  return words[static_cast<std::size_t>(relation)];
+}
+
+/// How the volumes lie to each other, at the start of a path.
+///
+/// Errors   BadInput unless both models are closed.
+SolidRelation solids_of(const CollideArguments& arguments, const Pair& pair) {
+  if (arguments.pair.engine != Engine::fast) throw BadInput("--solids: belongs to --engine fast");
+  const auto surface_of = [](const PlacedModel& placed, const std::string& name) {
+    return value_or_bad_input(ClosedSurface::create(placed.model.fast()), "--solids: " + name + ": ");
+  };
+  const ClosedSurface a = surface_of(pair.a(), arguments.pair.a), b = surface_of(pair.b(), arguments.pair.b);
+  return solid_relation(a, pair.a().pose, b, pair.b().pose).relation;
+}
+
 ExitCode run(const CollideArguments& arguments) {
   const Pair pair(arguments.pair);
+  std::optional<SolidRelation> solids;
+  if (arguments.has_solids) solids = solids_of(arguments, pair);
   const auto [result, elapsed_us, path_time] = answer_to(arguments, pair);
   const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
   const Nesting nesting = nesting_unless_they_meet(arguments, result, pair);
@@ -67,17 +88,19 @@ ExitCode run(const CollideArguments& arguments) {
     if (arguments.max_distance) json["max_distance"] = *arguments.max_distance;
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
+    if (solids) json["solids"] = words_of(*solids);
     if (pair.path()) json["path_time"] = to_json(path_time);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
     write_line("{:<10}{}", fact, result.is_yes() ? "yes" : "no");
     if (arguments.max_distance) write_line("limit     {}", to_text(*arguments.max_distance));
+    if (solids) write_line("solids    {}", words_of(*solids));
     write_lines(witness);
     if (path_time) write_line("path time {}", to_text(*path_time));
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
-  warn_about(nesting, verb);
+  if (!solids) warn_about(nesting, verb);
   return arguments.pair.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
 }
 
@@ -87,16 +110,21 @@ Verb add_collide(CLI::App& app) {
   const auto arguments = std::make_shared<CollideArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
   add_pair_arguments(command, arguments->pair, "the models collide");
+  command.add_flag("--solids", arguments->has_solids, "fast: also how the volumes of closed models lie to each other");
   command.footer(std::string(R"(
 Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it. Where a closed
 model has the other inside, a warning says so, and the field inside in JSON.
+
+With --solids, solids is one of apart, touching (flush, no common volume), overlapping (a clash: each reaches out of the
+other), a_inside_b, b_inside_a (enclosed, with or without contact) and equal. It is decided exactly, for models whose
+every edge belongs to two triangles that run through it in opposite directions.
 
 The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
 The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.
 
 With --path-a or --path-b the question is whether the models meet on the path, and path_time is when they first do:
 before, they are apart. Then they are closer than 2^-20 of the sum of their radii, so a path that passes as closely may
-count as one on which they meet. inside is about the start.
+count as one on which they meet. inside and solids are about the start.
 )") + path_help);
   return {&command, [arguments] { return run(*arguments); }};
 }
