@@ -198,6 +198,13 @@ TEST(SolidRelation, OfWallsThatStandOnEachOther) {
                                   joined(bar(-3, -1, 0, 4, 0, 1), bar(-3, 1, 0, 4, 2, 1))),
                            joined(bar(0, -3, -1, 1, 4, 0), bar(0, -3, 1, 1, 4, 2)));
   expect(burr, box_mesh({-0.5, 0, 0}, {1, 1, 1}), SolidRelation::overlapping, true, "the void and a part of a bar");
+  // With all bars as cavities of a large box, what is in the void is solid. The octahedron is in bars and in the void
+  // alone, of which its faces meet the corners.
+  const Mesh octahedron_around = mapped(octahedron({0, 0, 0}), [](const Vec3& p) {
+    return 1.5 * p + Vec3{0.5, 0.5, 0.5};
+  });
+  expect(joined(burr, inside_out(box_mesh({-5, -5, -5}, {6, 6, 6}))), octahedron_around, SolidRelation::overlapping,
+         true, "the void as a solid");
   expect(burr, box_mesh({0, 0, 0}, {1, 1, 1}), SolidRelation::touching, true, "it fills the void");
   expect(burr, box_mesh({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}), SolidRelation::apart, false, "in the void");
 }
