@@ -236,8 +236,8 @@ LIMBER_KERNEL void find_spans(const LeafCorners& c, const Packet3& along, Spans&
 }
 
 /// The `wanted` pairs that are not pruned along the cross product of two edges, the longest of the first wanted pair.
-/// Tubes of long thin triangles that pass each other are apart in this direction. With `wants_pruned_bound`, `pruned_sq`
-/// becomes at most the squared gap of each pair pruned here. Pre: a pair is wanted.
+/// Tubes of long thin triangles that pass each other are apart in this direction. With `wants_pruned_bound`,
+/// `pruned_sq` becomes at most the squared gap of each pair pruned here. Pre: a pair is wanted.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_across_edges(const LeafCorners& a, const LeafCorners& b, float limit,
                                               std::uint64_t wanted, float& pruned_sq) {
@@ -375,7 +375,7 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
     }
   }
   if (wants_pruned_bound) {
-    // pruned_sq comes from gaps of boxes, across edges, and along w, n and m. Errors were not subtracted: here they are.
+    // pruned_sq is of gaps of boxes, across edges, and along w, n and m. Errors were not subtracted: here they are.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }
