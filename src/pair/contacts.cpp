@@ -84,7 +84,8 @@ PairOptions pair_options(const ClosestPairsOptions& options) {
 
 void pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisitor visit, QueryStats& stats) {
   AllIntersections<PairsOfOne> collector(PairsOfOne(model.model().mesh(), {}), visit);
-  search_all(PlacedPair(model, model), collector, stats);
+  BudgetMeter meter;  // without limits
+  search_all(PlacedPair(model, model), collector, meter, stats);
 }
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
