@@ -22,9 +22,9 @@
 namespace limber::testing {
 namespace {
 
-constexpr double step = 1e-6;
+constexpr double difference_step = 1e-6;
 
-/// Compares a derivative with what the distance becomes a step forward and a step back.
+/// Compares a derivative with what the distance becomes a difference_step forward and a difference_step back.
 ///
 /// The distance is the least over pairs of points, so it is never above the straight line of one closest pair, but for
 /// its curvature. Where there is one closest pair, it is on the line.
@@ -32,7 +32,7 @@ struct Slopes {
   double forward, back;
 
   void expect_derivative(double derivative, double curvature, double rounding) const {
-    const double tolerance = curvature * step + rounding / step;
+    const double tolerance = curvature * difference_step + rounding / difference_step;
     EXPECT_LE(forward, derivative + tolerance);
     EXPECT_GE(back, derivative - tolerance);
     const bool is_smooth = std::abs(forward - back) <= 2 * tolerance;
@@ -45,7 +45,7 @@ struct Slopes {
 /// The slopes of distance(t) at 0.
 template <typename Distance>
 Slopes slopes_of(double now, const Distance& distance) {
-  return {(distance(step) - now) / step, (now - distance(-step)) / step};
+  return {(distance(difference_step) - now) / difference_step, (now - distance(-difference_step)) / difference_step};
 }
 
 Vec3 axis_of(std::size_t i) {
