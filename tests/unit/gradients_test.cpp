@@ -24,7 +24,7 @@ namespace {
 
 constexpr double difference_step = 1e-6;
 
-/// Compares a derivative with what the distance becomes a difference_step forward and a difference_step back.
+/// Compares a derivative with what the distance becomes a step forward and a step back.
 ///
 /// The distance is the least over pairs of points, so it is never above the straight line of one closest pair, but for
 /// its curvature. Where there is one closest pair, it is on the line.
