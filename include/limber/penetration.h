@@ -52,7 +52,7 @@ LIMBER_API DeepestVertices deepest_vertices(const ClosedSurface& a, const Transf
 /// How far a body has to be moved along a direction to leave another one for good.
 struct SeparatingTranslation {
   Vec3 direction;    ///< that was asked for, of length 1
-  double lower = 0;  ///< moved by this, the surfaces meet, up to rounding; 0 if they meet at no move from there on
+  double lower = 0;  ///< moved by this, the surfaces meet or nearly do; 0 if they do at no move from there on
   double upper = 0;  ///< moved by this or more, the bodies are apart; 0 if they are apart at every move >= 0
   /// Where they meet last: points of a and of b, which meet when b is moved by `lower`. b is where its pose says.
   std::optional<Witness> witness;
@@ -63,9 +63,10 @@ struct SeparatingTranslation {
 /// How far b has to be moved along a direction, while a rests, until it is apart from a and stays so however far it
 /// goes on. Surfaces that slide along each other meet: so a box in a corner moves along a wall to its end.
 ///
-/// Promise  lower <= true length <= upper, where `lower` is up to rounding: 2^-43 of the sum of both models' largest
-///          coordinates and translations. collide() says no for any pose of b that is moved by `upper` or more. Without
-///          a budget the two differ by little more than that rounding, unless surfaces pass each other as closely.
+/// Promise  true length <= upper: collide() says no for any pose of b that is moved by `upper` or more. When b is moved
+///          by `lower`, points of both surfaces are at most 2^-43 of the sum of both models' largest coordinates and
+///          translations apart. Where surfaces pass each other as closely as that, the true length may be below
+///          `lower`; where they pass each other at a slant, `upper` exceeds it by that over the slope.
 /// Throws   As deepest_vertices(), and unless the direction is finite and its length above 0.
 /// Cost     A branch and bound over pairs of nodes: some ten times that of a distance. Allocates.
 /// Budget   A step expands a pair of nodes, or compares two leaves. If the budget is spent, the interval still holds.

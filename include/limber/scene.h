@@ -39,7 +39,7 @@ using ObjectPairFilter = FunctionRef<bool(ObjectId a, ObjectId b)>;
 ///   counts.set_among(shelf, false);         // the models of one body, as ids
 ///   scene.closest_objects({.filter = counts});
 ///
-/// Cost     Half a bit for each two ids. Every function takes O(1) for each pair that it names.
+/// Cost     A bit for each two ids. Every function takes O(1) for each pair that it names.
 /// Throws   std::invalid_argument if an id is not below size(), or two ids are the same where a pair is named; the
 ///          matrix is then as before. A filter throws so too: it has to be as large as id_bound() of the scene.
 /// Threads  Const functions may run concurrently.

@@ -81,7 +81,7 @@ constexpr double spacing = 0.25;
 
 bool is_all_finite(const Contact& c) {
   return is_finite(c.point_a) && is_finite(c.point_b) && is_finite(c.normal) && std::isfinite(c.distance) &&
-         std::isfinite(c.depth);
+         std::isfinite(c.depth) && is_finite(c.weights_a) && is_finite(c.weights_b);
 }
 
 void check(std::span<const Contact> contacts, const ReductionOptions& options) {
@@ -109,7 +109,8 @@ void sort_by_gap(std::span<const Contact> contacts, Memory& memory) {
   const auto others = [&](const Memory::Key& key) {
     const Contact& x = contacts[key.contact];
     return std::tie(x.triangle_a, x.triangle_b, x.point_a.x, x.point_a.y, x.point_a.z, x.point_b.x, x.point_b.y,
-                    x.point_b.z, x.normal.x, x.normal.y, x.normal.z, x.distance);
+                    x.point_b.z, x.normal.x, x.normal.y, x.normal.z, x.distance, x.weights_a.x, x.weights_a.y,
+                    x.weights_a.z, x.weights_b.x, x.weights_b.y, x.weights_b.z);
   };
   std::sort(memory.keys.begin(), memory.keys.end(), [&](const Memory::Key& c, const Memory::Key& d) {
     return c.gap != d.gap ? c.gap < d.gap : others(c) < others(d);

@@ -100,6 +100,7 @@ class AllPairs {
         }
       }
     }
+    parts.reserve(parts.size() + pairs.size());
     for (const NodePair& pair : pairs) parts.push_back({pair});
     return parts;
   }

@@ -21,7 +21,8 @@ namespace {
 
 constexpr double epsilon = 0x1p-53;
 constexpr double point_error = 0x1p-50;  // as a part of a coordinate; rounding it twice makes less than 2^-52
-constexpr double underflow_bound = 0x1p-760;
+// What rounding near zero can add: 2^-1074 of a coordinate times a component of a normal, which is below 2^405.
+constexpr double underflow_bound = 0x1p-660;
 
 /// As a multiple of 2^unit. Pre: it is one.
 IntegerVec whole(const Vec3& v, int unit) {

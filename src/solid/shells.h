@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <tuple>
 #include <vector>
 
 #include "limber/contacts.h"
@@ -21,7 +21,10 @@ using FacetId = std::size_t;
 /// A facet, and another one that it meets elsewhere than in what they share by vertex ids.
 struct Meeting {
   FacetId facet, other;
-  auto operator<=>(const Meeting&) const = default;
+  friend bool operator==(const Meeting&, const Meeting&) = default;
+  friend bool operator<(const Meeting& x, const Meeting& y) {
+    return std::tie(x.facet, x.other) < std::tie(y.facet, y.other);
+  }
 };
 
 /// Looks into all cells of two surfaces, by probes on both sides of all triangles.
