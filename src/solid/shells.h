@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "limber/contacts.h"
