@@ -26,7 +26,8 @@ bool comes_before(const Placing& p, const Placing& q) {
   const auto key = [](const Placing& x) {
     const Contact& c = x.contact;
     return std::tuple(x.gap, c.triangle_a, c.triangle_b, c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x,
-                      c.point_b.y, c.point_b.z, c.normal.x, c.normal.y, c.normal.z, c.distance);
+                      c.point_b.y, c.point_b.z, c.normal.x, c.normal.y, c.normal.z, c.distance, c.weights_a.x,
+                      c.weights_a.y, c.weights_a.z, c.weights_b.x, c.weights_b.y, c.weights_b.z);
   };
   return key(p) < key(q);
 }
