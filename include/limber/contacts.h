@@ -88,7 +88,8 @@ LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<T
 /// Promise  Each pair exactly once. The second form writes the first contacts.size() of them; count says how many there
 ///          are. Each is the contact() of geometry.h of the two placed triangles, with the outsides that the options
 ///          say.
-/// Room     Where it may be short, or the time, ask closest_pairs() with `max_distance`: these are then the nearest.
+/// Room     Where there may be more contacts than room, or not enough time, closest_pairs() with `max_distance` gives
+///          the nearest ones.
 /// Depth    That of two triangles. It is not the depth of two bodies, and goes to 0 where meshes are refined.
 /// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
 /// Budget   As visit_intersections().

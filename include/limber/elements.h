@@ -94,8 +94,9 @@ struct ElementPairCount {
 
 struct ElementPairOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
-  bool is_parallel =
-      false;  ///< whether to search on all threads, as in PairOptions; then vertices and faces come first
+  /// Whether to search on all threads, as in PairOptions. All pairs of vertices and faces are then visited before the
+  /// first pair of edges.
+  bool is_parallel = false;
 };
 
 /// The elements of two models that are at most `margin` apart: vertices of a and faces of b, vertices of b and faces of

@@ -43,7 +43,8 @@ struct DeepestVertices {
 ///          after its surface was made; std::bad_alloc.
 /// Cost     In practice 50 to 300 signed distances for each body; one for each vertex where all are about equally deep.
 ///          Allocates.
-/// Budget   A step is a signed distance. If the budget is spent, the vertices are the deepest found so far.
+/// Budget   A step asks for the signed distance of a node's center, or of the vertices of a leaf. If the budget is
+///          spent, the vertices are the deepest found so far.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
@@ -79,14 +80,16 @@ LIMBER_API SeparatingTranslation separating_translation(const ClosedSurface& a, 
 struct PenetrationOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.
   double relative_error = 0.01;
-  QueryBudget budget = {};  ///< a step is one of deepest_vertices() or separating_translation(), or a contact
+  /// Steps of distance(), and all others together, may each be so many: of deepest_vertices() and
+  /// separating_translation(), contacts, and balls.
+  QueryBudget budget = {};
 };
 
 /// The signed distance of two bodies: their distance if they are apart, otherwise minus the length of the shortest
 /// translation of b that makes them so.
 struct SolidDistance {
-  double lower = 0, upper = 0;     ///< an interval that holds the signed distance
-  Vec3 translation;                ///< moved by it, b is apart from a: as long as -lower; 0 if they are apart
+  double lower = 0, upper = 0;  ///< an interval that holds the signed distance
+  Vec3 translation;             ///< moved by it, b is apart from a: as long as -lower; 0 if they are known to be apart
   std::optional<Witness> witness;  ///< the closest points, if the bodies are apart
   DeepestVertices deepest;         ///< without statistics of its own
   StoppedBy stopped_by = StoppedBy::nothing;
@@ -104,7 +107,7 @@ struct SolidDistance {
 ///          lower   is minus the length of `translation`. For b moved by it, collide() says no, and neither body is in
 ///                  the other. The shortest translation of two bodies that are not convex is a problem that no local
 ///                  search solves, so this one need not be the shortest.
-///          Bodies that only touch have an interval that ends at 0.
+///          Where bodies only touch, `upper` is 0; `lower` may be far below, as for a key in its lock.
 /// Throws   As deepest_vertices(), and unless the relative error is what its comment says.
 /// Cost     That of a distance and of deepest vertices, if the bodies are apart. Otherwise that of some 20 to 100
 ///          separating translations, fewer if the interval is soon small enough. Allocates.

@@ -29,6 +29,7 @@ struct ObjectPair {
 using ObjectPairVisitor = FunctionRef<bool(const ObjectPair&)>;
 
 /// Which pairs count: called for pairs whose bounds are close, with a < b, by the thread that asks, now and then twice.
+/// The functions for many configurations call it once for every two objects, close or not.
 using ObjectPairFilter = FunctionRef<bool(ObjectId a, ObjectId b)>;
 
 /// Which pairs of objects count, as a symmetric matrix of bits: an ObjectPairFilter. Robots call it the allowed
@@ -128,7 +129,7 @@ class SceneCache {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How many pairs are asked the same question of yes or no.
+/// How the same question of yes or no is asked about many pairs.
 ///
 /// Budget   In all options of scenes, the deadline and the flag are those of the whole call, a number of steps is that
 ///          of each pair. Pairs that are asked after the deadline make one step each.

@@ -5,7 +5,6 @@
 #include "limber/penetration.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/arguments.h"
 #include "base/check.h"
@@ -52,9 +51,7 @@ SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, c
   const Placed placed_a = a.placed(pose_a), placed_b = b.placed(pose_b);
   penetration::Meter meter(options.budget);
   SolidDistance result;
-  QueryBudget time = options.budget;
-  time.max_steps = std::numeric_limits<std::uint64_t>::max();
-  const DistanceResult apart = distance(placed_a, placed_b, {.budget = time});
+  const DistanceResult apart = distance(placed_a, placed_b, {.budget = options.budget});
   result.deepest = penetration::find_deepest(point::PlacedModel(placed_a), point::PlacedModel(placed_b), meter);
   const bool has_vertex_inside = result.deepest.of_a || result.deepest.of_b;
   if (!has_vertex_inside && apart.lower > 0 && meter.stopped_by() == StoppedBy::nothing) {
@@ -66,7 +63,7 @@ SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, c
     if (have_common_point) translation.run(result.deepest);
     result.translation = translation.translation();
     result.lower = -translation.upper();
-    result.upper = have_common_point ? -translation.lower() : apart.upper;
+    result.upper = have_common_point ? 0 - translation.lower() : apart.upper;
     result.stopped_by = meter.stopped_by() == StoppedBy::nothing ? apart.stopped_by : meter.stopped_by();
   }
   result.stats = meter.stats;
