@@ -309,6 +309,18 @@ TEST(ContactReduction, KeepsWhatItPromisesInAnyOrder) {
   EXPECT_GT(patches_seen, 10'000U);
 }
 
+TEST(ContactReduction, OfContactsThatDifferInTheirWeightsDoesNotDependOnTheirOrder) {
+  Contact first = contact_at({0, 0, 0}, 0.01), second = first;
+  first.weights_b = {0.25, 0.5, 0.25};
+  second.weights_b = {0.5, 0.25, 0.25};
+  for (const bool is_swapped : {false, true}) {
+    std::array<Contact, 2> contacts{first, second};
+    if (is_swapped) std::swap(contacts[0], contacts[1]);
+    EXPECT_EQ(reduce_contacts(contacts, {.radius = 1}), 1U);
+    EXPECT_EQ(contacts[0].weights_b, first.weights_b);
+  }
+}
+
 TEST(ContactReduction, RefusesBadOptionsAndContacts) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -333,10 +345,12 @@ TEST(ContactReduction, RefusesBadOptionsAndContacts) {
   EXPECT_THROW(reduce_contacts(contacts, {.radius = 1, .max_points = 0}), std::invalid_argument);
   EXPECT_THROW(reduce_contacts(contacts, {}), std::invalid_argument);
   for (const double bad : {infinity, -infinity, nan}) {
-    for (int k = 0; k < 5; ++k) {
+    for (int k = 0; k < 7; ++k) {
       std::vector<Contact> damaged = contacts;
       Contact& c = damaged[7];
-      (k == 0 ? c.point_a.x : k == 1 ? c.point_b.y : k == 2 ? c.normal.z : k == 3 ? c.depth : c.distance) = bad;
+      double* const numbers[] = {&c.point_a.x, &c.point_b.y,   &c.normal.z,   &c.depth,
+                                 &c.distance,  &c.weights_a.x, &c.weights_b.z};
+      *numbers[k] = bad;
       try {
         reduce_contacts(damaged, {.radius = 1});
         FAIL() << bad << ", " << k;

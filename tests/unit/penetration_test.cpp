@@ -297,6 +297,25 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
   EXPECT_EQ(signed_distance(ball.surface, {}, ring.surface, pose, {.budget = late}).stopped_by, StoppedBy::deadline);
 }
 
+TEST(Penetration, KeepsToItsStepsFromTheFirstDistanceOn) {
+  const Mesh ball = scenes::ball(40, 20);
+  std::vector<Vec3> farther = ball.positions();
+  for (Vec3& p : farther) p *= 1.0001;
+  const ModelOfSolid inner(ball), outer(Mesh::create(std::move(farther), ball.triangles()).value());
+  const auto work = [&](std::uint64_t steps) {
+    return signed_distance_of(outer, inner, {}, {.budget = {.max_steps = steps}}).stats.node_tests;
+  };
+  EXPECT_LT(work(0), 100U);
+  EXPECT_GT(work(1'000'000), 10'000U);
+}
+
+TEST(Penetration, OfBodiesThatOnlyTouchEndsAtZeroWithoutASign) {
+  const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1}));
+  const SolidDistance found = signed_distance_of(box, box, placed_at({1, 0, 0}));
+  EXPECT_EQ(found.upper, 0);
+  EXPECT_FALSE(std::signbit(found.upper));
+}
+
 TEST(Penetration, EndsAtTheAskedError) {
   const ModelOfSolid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
   const Transform pose{{}, {0.5, 0.3, 0.4}};

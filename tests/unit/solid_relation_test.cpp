@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -59,6 +60,23 @@ void expect(const Mesh& a, const Mesh& b, SolidRelation relation, bool surfaces_
 const Mesh& unit_box() {
   static const Mesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
   return mesh;
+}
+
+TEST(SolidRelation, DoesNotChangeWhereOneAxisIsSubnormalAndTheOthersHuge) {
+  const std::vector<Vec3> places_a{{2, 0, 2}, {0, 0, 0}, {0, 2, 2}, {2, 2, 1}, {0, 0, 0}};
+  const std::vector<Vec3> places_b{{2, 2, 2}, {1, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 1, 1}, {2, 1, 0}};
+  const std::vector<Corners> of_a{{0, 1, 3}, {1, 0, 4}, {1, 2, 3}, {2, 1, 4}, {2, 0, 3}, {0, 2, 4}};
+  const std::vector<Corners> of_b{{0, 1, 4}, {1, 0, 5}, {1, 2, 4}, {2, 1, 5},
+                                  {2, 3, 4}, {3, 2, 5}, {3, 0, 4}, {0, 3, 5}};
+  for (const int exponent : {0, 158, 198}) {
+    const double size = std::ldexp(1.0, exponent);
+    const auto scaled = [&](std::vector<Vec3> places, const std::vector<Corners>& triangles) {
+      for (Vec3& p : places) p = {0x1p-1074 * p.x, size * p.y, size * p.z};
+      return Mesh::create(std::move(places), triangles).value();
+    };
+    const SolidRelationResult found = relation_of(scaled(places_a, of_a), scaled(places_b, of_b));
+    EXPECT_EQ(found.relation, SolidRelation::overlapping) << exponent;
+  }
 }
 
 TEST(SolidRelation, OfABoxAndABox) {
