@@ -246,7 +246,7 @@ class NeighborRings {
 
 // --- fewer contacts, for solvers of rigid bodies ---
 
-/// What reduce_contacts() works in, kept from call to call: it grows to what the largest call needs.
+/// Scratch memory of reduce_contacts(), kept from call to call: it grows to what the largest call needs.
 ///
 /// Cost     250 bytes a contact, allocated by calls that need more than those before.
 /// Threads  One call at a time.

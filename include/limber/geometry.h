@@ -54,7 +54,7 @@ struct ClosestFeatures {
   double distance = 0;
   Vec3 point_a, point_b;
   Feature feature_a, feature_b;
-  /// Of the points, by corner of their triangles: barycentric coordinates, >= 0, together 1 up to rounding; exactly 0
+  /// Barycentric weights of the points, by corner of their triangles: >= 0, together 1 up to rounding; exactly 0
   /// for the corners that the feature does not have, and above 0 for the others.
   Vec3 weights_a, weights_b;
 };

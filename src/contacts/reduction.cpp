@@ -41,7 +41,7 @@ struct ReductionMemory::Impl {
     std::uint32_t next_in_bucket;  // the patch that was added before to the same bucket
     std::size_t end;               // where its members end in the list of all members; until then, see list_members()
   };
-  /// What has been decided about a contact.
+  /// The decision about one contact.
   struct Membership {
     std::uint32_t patch;
     bool is_kept = false;

@@ -150,7 +150,7 @@ class AllPairs {
     expand(e);
   }
 
-  /// Of one model: compares the children of each node with each other, those of the last node first.
+  /// Compares, for one model, the children of each node with each other, those of the last node first.
   void compare_siblings_of(std::uint32_t first_node, std::uint32_t end_node) {
     for (std::uint32_t n = end_node; n > first_node && !has_to_end(); --n) {
       push_siblings(n - 1);
@@ -213,7 +213,7 @@ class AllPairs {
   // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves. In all at most
   // 2 * 11 * 7 + 28 + 8 = 190.
   static constexpr std::uint32_t capacity = 256;
-  // Of two levels below the root, where the pairs of children are split further.
+  // Nodes of the two levels below the root: their pairs of children are split further.
   static constexpr std::uint32_t top_nodes = 64;
 
   Search search_;

@@ -41,7 +41,7 @@ bool visit_parts(const std::vector<ElementLists>& parts, base::ListFiller<Pair> 
   return true;
 }
 
-/// What the queries look for.
+/// The two models and the margin of a query for elements.
 template <bool is_self>
 struct ElementSearch {
   const pair::PlacedPair& placed;

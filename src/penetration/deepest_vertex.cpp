@@ -35,7 +35,7 @@ DeepestVertexSearch::DeepestVertexSearch(const point::PlacedModel& model, const 
       closest_(solid),
       error_(base::placement_error * (model.magnitude() + solid.magnitude())),
       is_compared_(model.mesh().positions.size()) {
-  // What is in the solid is in its sphere.
+  // Everything in the solid is in its sphere.
   waiting_.push_back({bvh::root_radius(solid.tree()) * stretch + error_, bvh::root_slot, false, {}});
 }
 

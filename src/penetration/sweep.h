@@ -33,7 +33,7 @@ class Sweep {
   /// Pre: the direction has length 1. Ends early once b has to move by `enough` at least.
   SweepResult along(const Vec3& direction, Meter& meter, double enough = std::numeric_limits<double>::infinity());
 
-  /// What rounding of placed vertices can change a length by, with room.
+  /// An upper bound of how much the rounding of placed vertices changes a length.
   double tolerance() const { return error_ / scale_; }
 
  private:
