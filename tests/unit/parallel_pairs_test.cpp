@@ -117,7 +117,7 @@ void check_self(const Model& model, double margin, std::size_t& total) {
       total);
 }
 
-TEST(ParallelPairs, OfALargeModelSharesModels) {
+TEST(ParallelPairs, OfLargeModelsAreThoseOfOneThread) {
   const Model sheet(scenes::wave_sheet(100, 100, 0)), other(scenes::wave_sheet(90, 110, 1));
   std::size_t total = 0;
   check_all({sheet}, {other, {{}, {0.1, 0.1, 0.02}}}, 0.03, total);
