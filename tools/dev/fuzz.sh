@@ -4,7 +4,7 @@
 
 #: fuzz [--seconds N] [target...]  run fuzz targets, all by default, N seconds each (60), as many at a time as there are
 #:                  processors; committed regressions come first
-#: fuzz --quick [target...]  20 seconds each, with kernels for two instruction sets
+#: fuzz --quick [target...]  10 seconds each, with kernels for two instruction sets
 #: fuzz --replay FILE target  run one input, under the same limits
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -52,7 +52,7 @@ seconds=60 options=() replay='' targets=()
 while (($#)); do
   case $1 in
     --seconds) seconds=${2:-} && shift ;;
-    --quick) seconds=20 options=(-DLIMBER_FEWER_KERNELS=ON) ;;
+    --quick) seconds=10 options=(-DLIMBER_FEWER_KERNELS=ON) ;;
     --replay) replay=${2:-} && shift ;;
     -*) die "fuzz has no option '$1'; see ./dev help" ;;
     *) targets+=("$1") ;;

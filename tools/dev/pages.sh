@@ -38,12 +38,17 @@ case $script in
   build | --check) run_script "${script#--}" ;;
   live) live_page ;;
   test | 'test live' | pictures)
-    need build io program pages_tests
-    if [[ $script == pictures ]]; then need pictures; fi
+    need_for_tests pages_tests
+    # Pages of pictures show times; those of tests come from the program that the tests have built.
+    preset=checked
+    if [[ $script == pictures ]]; then
+      preset=release
+      need pictures
+    fi
     if [[ $script != test ]]; then live_page; fi
-    configure release -DLIMBER_BUILD_TESTS=OFF
-    build release --target limber_program
-    export LIMBER_PROGRAM=$root/build/release/apps/limber/limber
+    configure "$preset"
+    build "$preset" --target limber_program
+    export LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber
     run_script "${script/ /-}"
     ;;
   *) die "pages has no '$script'; see ./dev help" ;;
