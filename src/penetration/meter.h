@@ -11,21 +11,30 @@ namespace limber::penetration {
 /// The budget of a query that consists of several searches, which count their steps together.
 class Meter {
  public:
-  explicit Meter(const QueryBudget& budget) : budget_(budget) {}
+  explicit Meter(const QueryBudget& budget)
+      : limits_of_time_{.deadline = budget.deadline, .cancel = budget.cancel}, budget_(budget) {}
 
   /// To be asked before every step, which it counts. Once it is spent, it stays so.
   bool is_spent() {
-    if (budget_.stopped_by() != StoppedBy::nothing || budget_.is_spent(steps_)) return true;
+    if (stopped_by_ == StoppedBy::nothing && budget_.is_spent(steps_)) stopped_by_ = budget_.stopped_by();
     ++steps_;
-    return false;
+    return stopped_by_ != StoppedBy::nothing;
   }
-  StoppedBy stopped_by() const { return budget_.stopped_by(); }
+  /// Takes over that one of the queries below was stopped, if it was.
+  void stop(StoppedBy reason) {
+    if (stopped_by_ == StoppedBy::nothing) stopped_by_ = reason;
+  }
+  StoppedBy stopped_by() const { return stopped_by_; }
+  /// For the public queries that a search asks, whose steps do not count: the deadline and the flag.
+  const QueryBudget& limits_of_time() const { return limits_of_time_; }
 
   QueryStats stats{};
 
  private:
+  QueryBudget limits_of_time_;
   pair::BudgetMeter budget_;
   std::uint64_t steps_ = 0;
+  StoppedBy stopped_by_ = StoppedBy::nothing;
 };
 
 }  // namespace limber::penetration

@@ -86,8 +86,9 @@ bool ShortestTranslation::accept(const Vec3& translation) {
   const double size = geometry::safe_length(translation) * base::outward;
   const Placed b = moved(b_, translation);
   if (size >= upper_ || !geometry::is_rigid(b.pose)) return false;
-  const CollideResult met = collide(a_, b);
+  const CollideResult met = collide(a_, b, {.budget = meter_.limits_of_time()});
   meter_.stats.node_tests += met.stats.node_tests, meter_.stats.triangle_tests += met.stats.triangle_tests;
+  meter_.stop(met.stopped_by);
   if (!met.is_no()) return false;
   translation_ = translation, upper_ = size;
   return true;
@@ -116,8 +117,9 @@ void ShortestTranslation::look_at_contacts() {
                                            sample.add(contact.point_a);
                                            return sample.count < most_contacts && !meter_.is_spent();
                                          },
-                                         {.oriented_faces = OrientedFaces::both});
+                                         {.oriented_faces = OrientedFaces::both, .budget = meter_.limits_of_time()});
   meter_.stats.node_tests += found.stats.node_tests, meter_.stats.triangle_tests += found.stats.triangle_tests;
+  meter_.stop(found.stopped_by);
   if (max_abs(way) > 0) directions_.push_back(unit(way));
   starts_ = std::move(sample.points);
   // Between two of them, both insides are nearer still.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "penetration/last_contact.h"
+#include "penetration/meter.h"
 #include "scenes/scenes.h"
 #include "support/random_solids.h"
 #include "support/rational_sweep.h"
@@ -295,6 +296,19 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
   EXPECT_GE(none.upper, all.upper);
   const QueryBudget late{.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1)};
   EXPECT_EQ(signed_distance(ball.surface, {}, ring.surface, pose, {.budget = late}).stopped_by, StoppedBy::deadline);
+}
+
+TEST(PenetrationMeter, IsSpentOnceAQueryBelowItWasStopped) {
+  const QueryBudget budget{.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1), .max_steps = 9};
+  penetration::Meter meter(budget);
+  EXPECT_EQ(meter.limits_of_time().deadline, budget.deadline);
+  EXPECT_EQ(meter.limits_of_time().max_steps, QueryBudget{}.max_steps);  // steps below do not count
+  meter.stop(StoppedBy::nothing);
+  EXPECT_FALSE(meter.is_spent());
+  meter.stop(StoppedBy::deadline);
+  meter.stop(StoppedBy::cancel);
+  EXPECT_TRUE(meter.is_spent());
+  EXPECT_EQ(meter.stopped_by(), StoppedBy::deadline);
 }
 
 TEST(Penetration, KeepsToItsStepsFromTheFirstDistanceOn) {
