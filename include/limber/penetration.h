@@ -111,8 +111,8 @@ struct SolidDistance {
 /// Throws   As deepest_vertices(), and unless the relative error is what its comment says.
 /// Cost     That of a distance and of deepest vertices, if the bodies are apart. Otherwise that of some 20 to 100
 ///          separating translations, fewer if the interval is soon small enough. Allocates.
-/// Budget   If it is spent, the interval still holds. A deadline is overrun by a step: some ms where all of a surface is
-///          about equally far from a point.
+/// Budget   If it is spent, the interval still holds. A deadline is overrun by a step: by some ms where all of one
+///          surface is about equally far from a point.
 /// Threads  As deepest_vertices().
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
