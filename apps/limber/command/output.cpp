@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "command/output.h"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>

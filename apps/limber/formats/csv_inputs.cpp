@@ -3,6 +3,7 @@
 #include "formats/csv_inputs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
