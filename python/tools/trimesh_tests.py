@@ -23,7 +23,7 @@ import numpy
 import trimesh
 import trimesh.collision
 
-FILE = "tests/test_collision.py"
+FILE = "test_collision.py"
 
 
 def mesh_of(file_name: str) -> Any:
@@ -51,7 +51,7 @@ def downloaded(folder: str) -> Path:
     subprocess.run(command, cwd=folder, check=True)
     (archive,) = Path(folder).glob("trimesh-*.tar.gz")
     with tarfile.open(archive) as members:
-        source = members.extractfile(f"trimesh-{trimesh.__version__}/{FILE}")
+        source = members.extractfile(f"trimesh-{trimesh.__version__}/tests/{FILE}")
         assert source is not None
         target = Path(folder, "trimesh_collision_tests.py")
         target.write_bytes(source.read())
