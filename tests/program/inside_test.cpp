@@ -102,7 +102,8 @@ TEST(ProgramInside, CavitiesAndPartsCount) {
   const Folder folder;
   const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
   Soup hollow = Soup().add_ball(5, {}).add_ball(3, {});
-  EXPECT_EQ(inside(hollow.stored(folder, "twice.obj"), seed), "b_in_a");  // both balls have their inside
+  const std::string twice = hollow.stored(folder, "twice.obj");  // both balls have their inside
+  for (const std::string verb : {"distance ", "collide "}) EXPECT_EQ(inside_of(verb + twice + ' ' + seed), "b_in_a");
   for (std::size_t t = hollow.triangles.size() / 2; t < hollow.triangles.size(); ++t) {
     std::swap(hollow.triangles[t][0], hollow.triangles[t][1]);
   }
