@@ -48,3 +48,4 @@ add_page(docs/guide/solids.md solids_page "^pipe at -3: clear\npipe at -2: touch
 add_page(docs/guide/mesh_files.md mesh_files_page "^1 triangles of 1 faces\n$")
 add_page(docs/guide/changes.md changes_page "apart; meet: no\n$")
 add_page(docs/guide/migration_cpp.md migration_page "^meet: 0\n2 apart, triangles 0 and 0\n0.5 apart\n$")
+add_page(docs/guide/migration_physics.md physics_page "at rest at height 0.51\nat rest at height 1.52\nat rest at height 2.53\n$")

@@ -36,10 +36,11 @@ void look_for_signals() {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-/// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search.
+/// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search. With a filter in
+/// Python it stays on one thread, as this one holds the GIL.
 template <typename Pair, typename Search>
 std::vector<Pair> collected(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
-                            std::optional<std::size_t> max_count, const Search& search) {
+                            std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
   std::vector<Pair> found;
   if (max_count == 0) return found;
   const Filter which(filter);
@@ -51,21 +52,22 @@ std::vector<Pair> collected(nb::handle filter, std::optional<OrientedFaces> orie
           if (found.size() % pairs_between_looks == 0) look_for_signals();
           return found.size() != max_count;
         },
-        PairOptions{which.get(), oriented_faces});
+        PairOptions{
+            .filter = which.get(), .oriented_faces = oriented_faces, .is_parallel = is_parallel && !which.needs_gil()});
   });
   return found;
 }
 
 template <typename Search>
-IdArray found_pairs(nb::handle filter, std::optional<std::size_t> max_count, const Search& search) {
-  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, std::nullopt, max_count, search);
+IdArray found_pairs(nb::handle filter, std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
+  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, std::nullopt, max_count, is_parallel, search);
   return array_of(std::span<const TrianglePair>(found), nb::str("uint32"), {found.size(), 2});
 }
 
 template <typename Search>
 RecordArray found_contacts(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
-                           std::optional<std::size_t> max_count, const Search& search) {
-  const std::vector<Contact> found = collected<Contact>(filter, oriented_faces, max_count, search);
+                           std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
+  const std::vector<Contact> found = collected<Contact>(filter, oriented_faces, max_count, is_parallel, search);
   return array_of(std::span<const Contact>(found), dtypes().contact);
 }
 
@@ -82,18 +84,18 @@ RecordArray found_closest(nb::handle filter, double max_distance, std::optional<
 }
 
 IdArray intersections_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
-                         const TriangleFilter& filter, std::optional<std::size_t> max_count) {
+                         const TriangleFilter& filter, std::optional<std::size_t> max_count, bool is_parallel) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_pairs(filter, max_count, [&](auto visit, const PairOptions& options) {
+  return found_pairs(filter, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
     visit_intersections(pair.a(), pair.b(), visit, options);
   });
 }
 
 RecordArray contacts_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
                         const TriangleFilter& filter, std::optional<std::size_t> max_count,
-                        std::optional<OrientedFaces> oriented_faces) {
+                        std::optional<OrientedFaces> oriented_faces, bool is_parallel) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+  return found_contacts(filter, oriented_faces, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
     visit_contacts(pair.a(), pair.b(), margin, visit, options);
   });
 }
@@ -116,21 +118,9 @@ RecordArray closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, 
 /// The kept contacts and their patches.
 std::pair<RecordArray, IdArray> reduce(const RecordArray& contacts, double radius, double max_angle,
                                        std::size_t max_points) {
-  const nb::module_ numpy = nb::module_::import_("numpy");
-  const nb::object given = numpy.attr("asarray")(contacts);
-  // Arrays that NumPy has put together have the fields, at other places.
-  const bool has_fields = given.attr("dtype").attr("names").equal(dtypes().contact.attr("names"));
-  if (!has_fields || nb::cast<std::size_t>(given.attr("ndim")) != 1) {
-    const nb::object text =
-        nb::str("contacts: expected shape (n,) and the fields of contact_dtype; got shape {} and fields {}")
-            .format(given.attr("shape"), given.attr("dtype").attr("names"));
-    throw nb::value_error(nb::cast<std::string>(text).c_str());
-  }
-  const nb::object packed = numpy.attr("array")(given, dtypes().contact);
-  const auto count = nb::cast<std::size_t>(packed.attr("size"));
-  // The copy is this call's own.
-  const std::span<Contact> all(static_cast<Contact*>(memory_of(packed, count * sizeof(Contact))), count);
-  std::vector<std::uint32_t> patches(count);
+  const GivenContacts given = contacts_from(contacts, 1);
+  const std::span<Contact> all = given.contacts;
+  std::vector<std::uint32_t> patches(all.size());
   const ReductionOptions options{.radius = radius, .max_angle = max_angle, .max_points = max_points};
   const std::size_t kept = without_gil([&] { return reduce_contacts(all, options, patches); });
   return {array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
@@ -155,17 +145,19 @@ DistanceResult self_distance_of(ModelObject& model, double relative_error, doubl
   return without_gil_unless(which.needs_gil(), [&] { return self_distance(model.model, options); });
 }
 
-IdArray self_intersections_of(ModelObject& model, const TriangleFilter& filter, std::optional<std::size_t> max_count) {
+IdArray self_intersections_of(ModelObject& model, const TriangleFilter& filter, std::optional<std::size_t> max_count,
+                              bool is_parallel) {
   const Reading guard = reading(model);
-  return found_pairs(filter, max_count, [&](auto visit, const PairOptions& options) {
+  return found_pairs(filter, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
     visit_self_intersections(model.model, visit, options);
   });
 }
 
 RecordArray self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
-                             std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces) {
+                             std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces,
+                             bool is_parallel) {
   const Reading guard = reading(model);
-  return found_contacts(filter, oriented_faces, max_count, [&](auto visit, const PairOptions& options) {
+  return found_contacts(filter, oriented_faces, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
     visit_self_contacts(model.model, margin, visit, options);
   });
 }
@@ -187,14 +179,18 @@ Ctrl-C   Ends the search with KeyboardInterrupt.)";
 
 const std::string faces_note = std::string("\nFaces    oriented_faces: ") + docs::PairOptions_oriented_faces;
 
+constexpr const char* parallel_note = R"(
+Parallel With is_parallel the search is on all threads: for large models with many pairs. Pairs and their order stay the
+         same. All are found before max_count counts. With a function as the filter it stays on one thread.)";
+
 std::string pairs_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + R"(
+  return std::string(documentation) + filter_note + parallel_note + R"(
 Limit    The search ends where max_count pairs have been found.
 Returns  Ids of triangles, one pair a row: shape (k, 2), uint32.)";
 }
 
 std::string contacts_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + faces_note + R"(
+  return std::string(documentation) + filter_note + parallel_note + faces_note + R"(
 Limit    The search ends where max_count pairs have been found.
 Returns  An array of k contacts, limber3d.contact_dtype, with these fields.)" +
          contact_fields();
@@ -213,9 +209,10 @@ void bind_self_queries(nb::module_& m) {
         "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
         docs::self_distance);
   m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), pairs_documentation(docs::visit_self_intersections).c_str());
+        "max_count"_a = nb::none(), "is_parallel"_a = false,
+        pairs_documentation(docs::visit_self_intersections).c_str());
   m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
+        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false,
         contacts_documentation(docs::visit_self_contacts).c_str());
   m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
         "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
@@ -227,11 +224,11 @@ void bind_self_queries(nb::module_& m) {
 void bind_contacts(nb::module_& m) {
   main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
   m.def("intersections", &intersections_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
+        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "is_parallel"_a = false,
         pairs_documentation(docs::visit_intersections).c_str());
   m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        contacts_documentation(docs::visit_contacts).c_str());
+        "is_parallel"_a = false, contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
         closest_documentation(docs::closest_pairs).c_str());

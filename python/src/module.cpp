@@ -90,7 +90,9 @@ NB_MODULE(_core, module) {
   python::bind_elements(module);
   python::bind_motion(module);
   python::bind_contacts(module);
+  python::bind_gradients(module);
   python::bind_points(module);
+  python::bind_solids(module);
   python::bind_scene(module);
   python::bind_scene_batch(module);
   python::bind_batch(module);

@@ -4,7 +4,9 @@
 
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "docstrings.h"
 
@@ -57,8 +59,8 @@ nb::object distance_dtype() {
 
 nb::object collide_dtype() {
   const CollideRecord r{};
-  return dtype_of(r, {"is_yes", "point_a", "point_b", "triangle_a", "triangle_b"}, r.is_yes, r.point_a, r.point_b,
-                  r.triangle_a, r.triangle_b);
+  return dtype_of(r, {"is_yes", "answer", "point_a", "point_b", "triangle_a", "triangle_b", "stopped_by"}, r.is_yes,
+                  r.answer, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.stopped_by);
 }
 
 nb::object closest_objects_dtype() {
@@ -134,6 +136,12 @@ nb::object path_distance_dtype() {
                   r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distances);
 }
 
+nb::object solid_relation_dtype() {
+  const SolidRelationRecord r{};
+  return dtype_of(r, {"relation", "point_a", "point_b", "triangle_a", "triangle_b"}, r.relation, r.point_a, r.point_b,
+                  r.triangle_a, r.triangle_b);
+}
+
 /// The end of a docstring: fields and what they are.
 std::string fields(std::initializer_list<std::array<const char*, 2>> lines) {
   std::string text;
@@ -165,17 +173,15 @@ DistanceRecord record_of(const DistanceResult& r) {
 
 CollideRecord record_of(const CollideResult& r) {
   const Witness w = witness_or_nowhere(r.witness);
-  return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes()};
+  const auto answer = static_cast<std::uint8_t>(r.answer), stopped_by = static_cast<std::uint8_t>(r.stopped_by);
+  return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes(), answer, stopped_by};
 }
 
 ClosestObjectsRecord record_of(const ClosestObjects& c) { return {record_of(c.result), c.objects.a, c.objects.b}; }
 
 CloseObjectsRecord record_of(const CloseObjects& c) {
-  const Witness w = witness_or_nowhere(c.result.witness);
-  const auto answer = static_cast<std::uint8_t>(c.result.answer);
-  const auto stopped_by = static_cast<std::uint8_t>(c.result.stopped_by);
-  return {w.point_a,   w.point_b,         w.triangle_a, w.triangle_b, c.objects.a,
-          c.objects.b, c.result.is_yes(), answer,       stopped_by};
+  const CollideRecord r = record_of(c.result);
+  return {r.point_a, r.point_b, r.triangle_a, r.triangle_b, c.objects.a, c.objects.b, r.is_yes, r.answer, r.stopped_by};
 }
 
 PathImpactRecord record_of(const PathImpact& r) {
@@ -195,6 +201,11 @@ SurfacePointRecord record_of(const SignedDistance& s) {
   record.is_inside = s.is_inside;
   if (s.closest) record.distance = s.distance();
   return record;
+}
+
+SolidRelationRecord record_of(const SolidRelationResult& r) {
+  const Witness w = witness_or_nowhere(r.witness);
+  return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, static_cast<std::uint8_t>(r.relation)};
 }
 
 const Dtypes& dtypes() { return all_dtypes; }
@@ -218,13 +229,30 @@ std::string surface_point_fields() {
                  {"feature", feature_text}});
 }
 
+constexpr const char* witness_points = "the points of the witness; not numbers without one";
+constexpr const char* witness_triangles = "their triangles; 2^32 - 1 without a witness";
+
 std::string distance_fields() {
   return fields({{"lower", docs::DistanceResult_lower},
                  {"upper", docs::DistanceResult_upper},
-                 {"point_a, point_b", "the points of the witness; not numbers without one"},
-                 {"triangle_a, triangle_b", "their triangles; 2^32 - 1 without a witness"},
+                 {"point_a, point_b", witness_points},
+                 {"triangle_a, triangle_b", witness_triangles},
                  {"status", "a Status"},
                  {"stopped_by", "a StoppedBy"}});
+}
+
+std::string collide_fields() {
+  return fields({{"is_yes", "whether the answer is yes; not so where it is unknown, which takes a budget"},
+                 {"answer", "an Answer"},
+                 {"point_a, point_b", witness_points},
+                 {"triangle_a, triangle_b", witness_triangles},
+                 {"stopped_by", "a StoppedBy"}});
+}
+
+std::string solid_relation_fields() {
+  return fields({{"relation", "a SolidRelation"},
+                 {"point_a, point_b", witness_points},
+                 {"triangle_a, triangle_b", witness_triangles}});
 }
 
 std::string vertex_face_fields() {
@@ -260,7 +288,8 @@ void bind_records(nb::module_& module) {
                 .vertex_face = keep("vertex_face_dtype", vertex_face_dtype()),
                 .edge_edge = keep("edge_edge_dtype", edge_edge_dtype()),
                 .element_pair = keep("element_pair_dtype", element_pair_dtype()),
-                .impact = keep("impact_dtype", impact_dtype())};
+                .impact = keep("impact_dtype", impact_dtype()),
+                .solid_relation = keep("solid_relation_dtype", solid_relation_dtype())};
   module.attr("closest_objects_dtype") = closest_objects_dtype();
   module.attr("any_within_dtype") = any_within_dtype();
   module.attr("path_impact_dtype") = path_impact_dtype();
@@ -281,6 +310,23 @@ void* memory_of(nb::handle array, std::size_t bytes) {
   PyBuffer_Release(&buffer);  // the caller holds the array
   if (available < bytes) throw nb::value_error("the array is too small");
   return memory;
+}
+
+GivenContacts contacts_from(nb::handle object, std::optional<std::size_t> axes) {
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  const nb::object given = numpy.attr("asarray")(object);
+  // Arrays that NumPy has put together have the fields, at other places.
+  const bool has_fields = given.attr("dtype").attr("names").equal(dtypes().contact.attr("names"));
+  if (!has_fields || (axes && nb::cast<std::size_t>(given.attr("ndim")) != *axes)) {
+    const nb::object text =
+        nb::str("contacts: expected shape {} and the fields of contact_dtype; got shape {} and fields {}")
+            .format(axes == 1 ? "(n,)" : "(...)", given.attr("shape"), given.attr("dtype").attr("names"));
+    throw nb::value_error(nb::cast<std::string>(text).c_str());
+  }
+  nb::object packed = numpy.attr("array")(given, dtypes().contact, "order"_a = "C");
+  const auto count = nb::cast<std::size_t>(packed.attr("size"));
+  auto* const first = static_cast<Contact*>(memory_of(packed, count * sizeof(Contact)));
+  return {std::move(packed), {first, count}};
 }
 
 FloatArray array_of(std::span<const Vec3> vectors) {

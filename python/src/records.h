@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -33,6 +34,7 @@ struct CollideRecord {
   Vec3 point_a, point_b;  // not a number without a witness
   TriangleId triangle_a, triangle_b;
   bool is_yes;
+  std::uint8_t answer, stopped_by;
 };
 
 /// One answer of closest_objects().
@@ -77,6 +79,13 @@ struct SurfacePointRecord {
   bool is_inside;  // of signed distances only
 };
 
+/// One answer of solid_relation().
+struct SolidRelationRecord {
+  Vec3 point_a, point_b;  // not a number without a witness
+  TriangleId triangle_a, triangle_b;
+  std::uint8_t relation;
+};
+
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
 ClosestObjectsRecord record_of(const ClosestObjects& closest);
@@ -85,10 +94,12 @@ PathImpactRecord record_of(const PathImpact& result);
 PathDistanceRecord record_of(const PathDistance& result);
 SurfacePointRecord record_of(const PointResult& result);
 SurfacePointRecord record_of(const SignedDistance& signed_distance);
+SolidRelationRecord record_of(const SolidRelationResult& result);
 
 /// The element types of such arrays, as NumPy describes them. They live as long as the process.
 struct Dtypes {
-  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge, element_pair, impact;
+  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge, element_pair, impact,
+      solid_relation;
 };
 const Dtypes& dtypes();
 
@@ -96,6 +107,8 @@ const Dtypes& dtypes();
 std::string contact_fields();
 std::string surface_point_fields();
 std::string distance_fields();
+std::string collide_fields();
+std::string solid_relation_fields();
 std::string vertex_face_fields();
 std::string edge_edge_fields();
 std::string element_pair_fields();
@@ -107,6 +120,16 @@ nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape)
 ///
 /// Throws   nb::value_error if it is no such array, or has fewer than `bytes`.
 void* memory_of(nb::handle array, std::size_t bytes);
+
+/// Contacts that come from Python: an array of records with the fields of contact_dtype, or one record.
+struct GivenContacts {
+  nb::object array;  // a copy, packed; the call's own
+  std::span<Contact> contacts;
+};
+/// `axes` says how many axes the array must have, for messages also as a shape; any number without it.
+///
+/// Throws   nb::value_error if the fields or the number of axes are others.
+GivenContacts contacts_from(nb::handle object, std::optional<std::size_t> axes = std::nullopt);
 
 /// A copy of numbers as an array of that shape. Pre: as many bytes as the shape has elements of the type.
 template <typename T>

@@ -128,17 +128,19 @@ RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject
   return recorded(results, dtype);
 }
 
-RecordArray collide_pairs(SceneObject& self, const ArrayLike& pairs, SceneCacheObject* cache) {
+RecordArray collide_pairs(SceneObject& self, const ArrayLike& pairs, SceneCacheObject* cache,
+                          const BudgetObject* budget) {
   return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
-                                       [](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-                                         scene.collide(asked, results, {.cache = c});
+                                       [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
+                                         scene.collide(asked, results, {c, budget_of(budget)});
                                        });
 }
 
-RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_distance, SceneCacheObject* cache) {
+RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_distance, SceneCacheObject* cache,
+                         const BudgetObject* budget) {
   return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
                                        [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-                                         scene.within(asked, max_distance, results, {.cache = c});
+                                         scene.within(asked, max_distance, results, {c, budget_of(budget)});
                                        });
 }
 
@@ -240,10 +242,11 @@ void bind_scene(nb::module_& m) {
           "id"_a, docs::Scene_bounding_box)
       .def("candidate_pairs", &candidate_pairs_of, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
            docs::Scene_visit_candidate_pairs)
-      .def("collide", &collide_pairs, "pairs"_a, nb::kw_only(), "cache"_a = nb::none(),
-           asked_documentation("collide_dtype.").c_str())
+      .def("collide", &collide_pairs, "pairs"_a, nb::kw_only(), "cache"_a = nb::none(), "budget"_a = nb::none(),
+           (asked_documentation("collide_dtype, with these fields.") + collide_fields()).c_str())
       .def("within", &pairs_within, "pairs"_a, "max_distance"_a, nb::kw_only(), "cache"_a = nb::none(),
-           asked_documentation("collide_dtype.").c_str())
+           "budget"_a = nb::none(),
+           (asked_documentation("collide_dtype, with these fields.") + collide_fields()).c_str())
       .def("distance", &pair_distances, "pairs"_a, nb::kw_only(), "relative_error"_a = 0.0, "absolute_error"_a = 0.0,
            max_distance_argument(), "cache"_a = nb::none(), "budget"_a = nb::none(),
            (asked_documentation("distance_dtype, with these fields.") + distance_fields()).c_str())

@@ -29,6 +29,11 @@ def boxes(*places: float) -> limber3d.CollisionManager:
     return manager
 
 
+def open_box() -> Any:
+    box = trimesh.creation.box()
+    return trimesh.Trimesh(box.vertices, box.faces[:-1])
+
+
 def test_methods_and_arguments_are_those_of_trimesh() -> None:
     theirs, ours = trimesh.collision.CollisionManager, limber3d.CollisionManager
     for name, method in inspect.getmembers(theirs, inspect.isfunction):
@@ -76,10 +81,54 @@ def test_distances() -> None:
     assert (distance, name) == (1, "c") and data.point("__external")[0] == 8.5
     distance, names = manager.min_distance_other(boxes(-3, 12), return_names=True)
     assert (distance, names) == (2, ("a", "a"))
-    assert manager.min_distance_single(box) == 0
+    assert manager.min_distance_single(open_box()) == 0
     assert math.isinf(boxes(0).min_distance_internal()) and math.isinf(
         limber3d.CollisionManager().min_distance_single(box)
     )
+
+
+def test_closed_meshes_that_meet_have_negative_distances() -> None:
+    manager = boxes(0, 3, 3.9)
+    distance, names, data = manager.min_distance_single(
+        trimesh.creation.box(), at(0.75), return_name=True, return_data=True
+    )
+    assert distance == pytest.approx(-0.25) and names == "a"
+    assert data.distance == distance and data.names == {"a", "__external"}
+    apart = data.point("__external") - data.point("a")
+    assert numpy.linalg.norm(apart) == pytest.approx(0.25) and 0 <= data.index("a") < 12
+    assert manager.min_distance_internal(return_names=True) == (pytest.approx(-0.1), ("b", "c"))
+    assert manager.min_distance_internal("a", return_names=True) == (2, ("a", "b"))
+    # The pair that is deepest counts, of all that meet.
+    other = boxes(3.2, 0.95)
+    assert manager.min_distance_other(other, return_names=True) == (pytest.approx(-0.8), ("b", "a"))
+    # Of meshes that are not closed only the closed pairs have depths.
+    manager.add_object("open", open_box(), at(3.9))
+    assert manager.min_distance_internal(return_names=True) == (pytest.approx(-0.1), ("b", "c"))
+    manager.remove_object("b")
+    assert manager.min_distance_internal(return_names=True) == (0, ("c", "open"))
+
+
+def test_depth_is_that_of_bodies_however_fine_their_meshes_are() -> None:
+    for subdivisions in (1, 3):
+        ball = trimesh.creation.icosphere(subdivisions=subdivisions)
+        manager = limber3d.CollisionManager()
+        manager.add_object("ball", ball)
+        distance = manager.min_distance_single(ball, at(1.5))
+        trimesh_manager: Any = trimesh.collision.CollisionManager
+        theirs = trimesh_manager()
+        theirs.add_object("ball", ball)
+        assert distance == pytest.approx(theirs.min_distance_single(ball, at(1.5)), rel=0.01)
+
+
+def test_convex_meshes_have_one_contact() -> None:
+    manager = boxes(0)
+    hit, data = manager.in_collision_single(trimesh.creation.box(), at(0.75), return_data=True)
+    (contact,) = data
+    assert hit and contact.depth == pytest.approx(0.25) and contact.point[0] == pytest.approx(0.375)
+    assert contact.normal == pytest.approx([1, 0, 0]) and contact.names == {"a", "__external"}
+    # A model does not say whether it is convex, so its contacts are those of triangles.
+    model = limber3d.Model(trimesh.creation.box())
+    assert len(manager.in_collision_single(model, at(0.75), return_data=True)[1]) > 1
 
 
 def test_meshes_are_surfaces() -> None:
@@ -92,7 +141,7 @@ def test_any_string_is_a_name() -> None:
     manager = boxes(0)
     manager.add_object("", trimesh.creation.box(), at(0.9))
     assert manager.in_collision_internal(return_names=True) == (True, {("", "a")})
-    assert manager.min_distance_internal("", return_names=True) == (0, ("", "a"))
+    assert manager.min_distance_internal("", return_names=True)[1] == ("", "a")
 
 
 def test_mistakes_are_errors() -> None:

@@ -33,6 +33,23 @@ def test_contacts_are_records(ball: limber3d.Model) -> None:
         limber3d.contacts(ball, ball, -1.0)
 
 
+def test_pairs_are_the_same_on_all_threads(ball: limber3d.Model) -> None:
+    one_by_one = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True) == one_by_one).all()
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, max_count=4) == one_by_one[:4]).all()
+    def even(a: int, b: int) -> bool:
+        return a % 2 == 0
+
+    some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, filter=even)
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, filter=even) == some).all()
+    pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
+    assert (limber3d.intersections(ball, ball, pose_b=NEAR, is_parallel=True) == pairs).all()
+    model, rings = folded(), limber3d.NeighborRings(folded(), 1)
+    assert (limber3d.self_intersections(model, is_parallel=True) == limber3d.self_intersections(model)).all()
+    own = limber3d.self_contacts(model, 0.3, filter=rings)
+    assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, is_parallel=True) == own).all()
+
+
 def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
     found = limber3d.contacts(ball, ball, 0.0, pose_b=NEAR)
     assert set(found["normal_side"]) == {limber3d.NormalSide.outward}

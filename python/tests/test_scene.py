@@ -38,6 +38,26 @@ def test_candidates_and_queries_of_pairs(ball: limber3d.Model) -> None:
         assert single.upper == scene.distance(far)["upper"][i]
 
 
+def test_budgets_end_queries_of_pairs(ball: limber3d.Model) -> None:
+    scene, pairs = row_of(ball, 4), [[0, 2], [0, 1], [1, 3]]
+    cancel = limber3d.CancelFlag()
+    cancel.set()
+    for budget, stopped_by in (
+        (limber3d.QueryBudget(max_steps=0), limber3d.StoppedBy.max_steps),
+        (limber3d.QueryBudget(cancel=cancel), limber3d.StoppedBy.cancel),
+    ):
+        for found in (scene.collide(pairs, budget=budget), scene.within(pairs, 1.0, budget=budget)):
+            assert not found["is_yes"].any()  # bounds alone may say no
+            assert found["answer"][1] == limber3d.Answer.unknown and found["stopped_by"][1] == stopped_by
+        distances = scene.distance(pairs, budget=budget)
+        assert (distances["status"] == limber3d.Status.interrupted).all()
+    enough = limber3d.QueryBudget(max_steps=100000)
+    found = scene.collide(pairs, budget=enough)
+    assert found["answer"].tolist() == [limber3d.Answer.no, limber3d.Answer.yes, limber3d.Answer.no]
+    assert found["is_yes"].tolist() == [False, True, False] and not found["stopped_by"].any()
+    assert scene.within(pairs, 1.1, budget=enough)["is_yes"].all()
+
+
 def test_objects_come_move_and_go(ball: limber3d.Model, tetra: limber3d.Model) -> None:
     scene = row_of(ball, 3)
     scene.remove(1)

@@ -34,7 +34,14 @@ def results() -> list[Any]:
     other = limber3d.MovingModel(tetra)
     other.set_motion(TETRA_VERTICES, FAR, ([1, 0, 0, 0], [0.5, 0.25, 0.25]))
     hit, stands = limber3d.time_of_impact(moving, other), limber3d.RigidMotion()
+    solids = (None, ([1, 0, 0, 0], [0.125, 0.125, 0.125]), FAR)
+    out = [1, 1, 0]
     return [
+        *(limber3d.solid_relation(surface, surface, pose_b=pose) for pose in solids),
+        *(limber3d.separating_translation(surface, surface, out, pose_b=pose) for pose in solids),
+        *(limber3d.deepest_vertices(surface, surface, pose_b=pose) for pose in solids),
+        *(limber3d.deepest_vertices(surface, surface, solids[1]).of_a,),
+        *(limber3d.signed_distance(surface, surface, pose_b=pose) for pose in solids[1:]),
         *(far, near, far.witness, near.witness, far.stats),
         *(limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, FAR)),
         *(limber3d.within(tetra, tetra, 2.5, FAR), limber3d.within(tetra, tetra, 1.0, FAR)),
@@ -59,7 +66,7 @@ CLASSES = {type(value) for value in VALUES}
 
 def test_all_classes_of_results_are_here() -> None:
     classes = [member for name in limber3d.__all__ if isinstance(member := getattr(limber3d, name), type)]
-    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 19
+    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 24
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
@@ -89,7 +96,7 @@ def test_values_cannot_be_changed(value: Any) -> None:
 
 
 def test_values_are_written_with_all_fields() -> None:
-    assert repr(VALUES[0]) == (
+    assert repr(VALUES[12]) == (
         "DistanceResult(lower=2.0, upper=2.0, status=Status.exact, witness=Witness(point_a=(1.0, 0.0, 0.0), "
         "point_b=(3.0, 0.0, 0.0), triangle_a=0, triangle_b=1), stopped_by=StoppedBy.nothing, "
         "stats=QueryStats(node_tests=1, triangle_tests=1))"

@@ -27,7 +27,7 @@ WORDS = (
     (r"\bwhatever (a visitor or )?(a|the) (filter|visitor) raises\b", "whatever the filter raises"),
     (r"\b(query|geometry)\.h states\b", "the guide to numerics states"),
     (r"\b(query|geometry)\.h\b", "the library"),
-    (r" \(contacts\.h\)", ""),
+    (r" \((contacts|distance)\.h\)", ""),
     (r"\b(\w+)::(\w+)", r"\1.\2"),
 )
 # Sentences about what Python does not have, or has otherwise. Each of them has to be found.
@@ -45,6 +45,8 @@ SENTENCES = (
     ("^Budget   (If it is spent first, the pairs are .*|As intersections\\(\\)\\.)$", ""),
     ("^Room     .* closest_pairs\\(\\) with .*", "Nearest  closest_pairs() with `max_distance` finds them."),
     (" Allocates nothing if `memory` has grown to it; else 250 bytes a contact in six pieces\\.", ""),
+    ("The contacts of contacts\\.h need no contact_of\\(\\): they are .*", "Those of contacts() need no contact_of()."),
+    (" For one model with itself, both are Placed.*", " For one model with itself, pass it twice, without poses."),
     (": a TrianglePairFilter for self-queries", ": a filter for self-queries"),
     (r"Functions that allocate raises MemoryError when they cannot", "MemoryError"),
 )
@@ -67,7 +69,7 @@ def blocks(lines: list[str]) -> list[str]:
         if not line.strip():
             result.append("")
         elif line.startswith("         ") or (result and result[-1] and not LABEL.match(line) and line[0] != " "):
-            result[-1] += " " + line.strip()
+            result[-1] += " " + re.sub(r"  +", " ", line.strip())  # columns inside of a label are lost
         elif line.startswith("  "):
             continue
         else:

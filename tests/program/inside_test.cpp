@@ -100,10 +100,20 @@ TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
 
 TEST(ProgramInside, CavitiesAndPartsCount) {
   const Folder folder;
-  const std::string hollow = Soup().add_ball(5, {}).add_ball(3, {}).stored(folder, "hollow.obj");
   const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
-  EXPECT_EQ(inside(hollow, seed, "4,0,0,1,0,0,0"), "b_in_a");
-  EXPECT_TRUE(inside(hollow, seed).is_null());  // in the cavity
+  Soup hollow = Soup().add_ball(5, {}).add_ball(3, {});
+  const std::string twice = hollow.stored(folder, "twice.obj");  // both balls have their inside
+  for (const std::string verb : {"distance ", "collide "}) EXPECT_EQ(inside_of(verb + twice + ' ' + seed), "b_in_a");
+  for (std::size_t t = hollow.triangles.size() / 2; t < hollow.triangles.size(); ++t) {
+    std::swap(hollow.triangles[t][0], hollow.triangles[t][1]);
+  }
+  const auto expect_cavity = [&](const std::string& file) {
+    EXPECT_EQ(inside(file, seed, "4,0,0,1,0,0,0"), "b_in_a");
+    EXPECT_TRUE(inside(file, seed).is_null());
+  };
+  expect_cavity(hollow.stored(folder, "hollow.obj"));
+  std::swap(hollow.triangles[0][0], hollow.triangles[0][1]);  // no orientation: what is crossed an odd number of times
+  expect_cavity(hollow.stored(folder, "turned_over.obj"));
   const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
   const std::string both = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {0, 3, 0}).stored(folder, "both.obj");
   const std::string one = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {4.5, 4.5, 0}).stored(folder, "one.obj");

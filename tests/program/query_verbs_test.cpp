@@ -18,8 +18,8 @@ const std::string raised_ball = " scene:ball scene:square --pose-a ";
 
 TEST(ProgramDistance, PrintsExactlyTheDocumentedKeys) {
   const nlohmann::json json = json_of("distance scene:ball scene:square");
-  EXPECT_EQ(keys_of(json), (Words{"build_us", "inside", "lower", "node_tests", "query", "query_us", "status",
-                                  "too_close", "triangle_tests", "upper", "witness"}));
+  EXPECT_EQ(keys_of(json), (Words{"build_us", "clash", "inside", "lower", "node_tests", "query", "query_us", "solids",
+                                  "status", "too_close", "triangle_tests", "upper", "witness"}));
   EXPECT_EQ(keys_of(json["witness"]), witness_keys);
   EXPECT_EQ(json["query"], "distance");
   EXPECT_GE(json["build_us"].get<double>(), 0);
@@ -58,7 +58,8 @@ TEST(ProgramDistance, LimitIsHeldByAllEngines) {
   for (const std::string& engine : engines) {
     const std::string line = "distance scene:ball " + square + " --pose-a 0,0,3,1,0,0,0 --engine " + engine;
     const std::string beyond = answer_to(line + " --max-distance 1.5");
-    EXPECT_NE(beyond.find("status    beyond_limit\nlower     1.5\ntests"), std::string::npos) << beyond;
+    EXPECT_NE(beyond.find("status    beyond_limit\nlower     1.5\nclash     surfaces apart\ntests"), std::string::npos)
+        << beyond;
     EXPECT_NE(answer_to(line + " --max-distance 2.5").find("status    exact"), std::string::npos) << engine;
     EXPECT_NE(answer_to(line + " --max-distance inf").find("status    exact"), std::string::npos) << engine;
     EXPECT_NE(answer_to(line + " --absolute-error 0.5").find("upper"), std::string::npos) << engine;

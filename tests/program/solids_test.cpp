@@ -22,9 +22,11 @@ TEST(Solids, SayHowVolumesLie) {
   EXPECT_FALSE(json_of("collide scene:ball scene:ball").contains("solids"));
 }
 
-TEST(Solids, NeedClosedModelsAndTheFastEngine) {
+TEST(Solids, NeedClosedModelsOfAnyEngine) {
   expect_refused("collide scene:ball scene:square --solids", "--solids: scene:square: the surface is not closed");
-  expect_refused("collide scene:ball scene:ball --solids --engine reference", "--solids: belongs to --engine fast");
+  for (const std::string engine : {"classic", "reference"}) {
+    EXPECT_EQ(json_of(two_balls + "0.5,0,0,1,0,0,0 --engine " + engine)["solids"], "overlapping");
+  }
 }
 
 }  // namespace

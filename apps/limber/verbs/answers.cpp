@@ -82,22 +82,26 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
   DistanceAnswer answer;
   answer.result = timed.answer;
   answer.witness = with_faces(timed.answer.witness, a.model, b.model);
-  if (clearance) answer.too_close = timed.answer.upper < *clearance;
-  if (timed.answer.status != Status::collision) answer.nesting = nesting_of(a, b);
+  answer.relation = relation_of(a, b, timed.answer.status == Status::collision);
+  if (clearance) answer.too_close = timed.answer.upper < *clearance || answer.relation.is_hard_clash();
+  answer.clash = clash_of(answer.relation, answer.too_close.value_or(false));
   answer.elapsed_us = timed.elapsed_us;
   return answer;
 }
 
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer) {
   if (!question.exit_code) return ExitCode::answered;
-  const bool is_found = answer.too_close ? *answer.too_close : answer.result.status != Status::beyond_limit;
+  const bool is_near = answer.result.status != Status::beyond_limit || answer.relation.is_hard_clash();
+  const bool is_found = answer.too_close.value_or(is_near);
   return is_found ? ExitCode::found : ExitCode::answered;
 }
 
 void append_answer(Json& json, const DistanceAnswer& answer) {
   append_distance(json, answer.result, answer.witness);
   json["too_close"] = to_json(answer.too_close);
-  json["inside"] = to_json(answer.nesting);
+  json["inside"] = to_json(answer.relation.nesting);
+  json["clash"] = answer.clash ? Json(to_text(*answer.clash)) : Json(nullptr);
+  json["solids"] = answer.relation.solids ? Json(to_text(*answer.relation.solids)) : Json(nullptr);
 }
 
 }  // namespace limber::program

@@ -9,6 +9,7 @@
 #include "command/output.h"
 #include "command/verb.h"
 #include "limber/distance.h"
+#include "verbs/clashes.h"
 #include "verbs/models.h"
 
 /// The parts of answers that several verbs write: in JSON, from which CSV is made, and as lines of text.
@@ -60,8 +61,9 @@ struct DistanceQuestion {
 struct DistanceAnswer {
   DistanceResult result;
   std::optional<FoundWitness> witness;
-  std::optional<bool> too_close;  ///< whether the models are closer than `min_clearance`; empty without one
-  Nesting nesting = Nesting::none;
+  std::optional<bool> too_close;    ///< whether the models are closer than `min_clearance`; empty without one
+  Relation relation;                ///< on a path: at the start, and only the nesting
+  std::optional<Clash> clash;       ///< empty on a path
   std::optional<double> path_time;  ///< on a path: when the models are so near
   double elapsed_us = 0;
 };
@@ -71,10 +73,10 @@ struct DistanceAnswer {
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b);
 
 /// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond
-/// `max_distance`, are found.
+/// `max_distance`, are found; so are hard clashes.
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer);
 
-/// Status, lower, upper, witness, too_close and inside.
+/// Status, lower, upper, witness, too_close, inside, clash and solids.
 void append_answer(Json& json, const DistanceAnswer& answer);
 
 }  // namespace limber::program

@@ -8,8 +8,8 @@
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
-#include "limber/solids.h"
 #include "verbs/answers.h"
+#include "verbs/clashes.h"
 
 /// The verbs collide and within: yes or no, and where.
 namespace limber::program {
@@ -57,21 +57,13 @@ Nesting nesting_unless_they_meet(const CollideArguments& arguments, const Collid
   return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
 }
 
-const char* words_of(SolidRelation relation) {
-  static constexpr const char* words[] = {"apart", "touching", "overlapping", "a_inside_b", "b_inside_a", "equal"};
-  return words[static_cast<std::size_t>(relation)];
-}
-
 /// How the volumes lie to each other, at the start of a path.
 ///
 /// Errors   BadInput unless both models are closed.
 SolidRelation solids_of(const CollideArguments& arguments, const Pair& pair) {
-  if (arguments.pair.engine != Engine::fast) throw BadInput("--solids: belongs to --engine fast");
-  const auto surface_of = [](const PlacedModel& placed, const std::string& name) {
-    return value_or_bad_input(ClosedSurface::create(placed.model.fast()), "--solids: " + name + ": ");
-  };
-  const ClosedSurface a = surface_of(pair.a(), arguments.pair.a), b = surface_of(pair.b(), arguments.pair.b);
-  return solid_relation(a, pair.a().pose, b, pair.b().pose).relation;
+  value_or_bad_input(pair.a().model.surface(), "--solids: " + arguments.pair.a + ": ");
+  value_or_bad_input(pair.b().model.surface(), "--solids: " + arguments.pair.b + ": ");
+  return solids_of(pair.a(), pair.b())->relation;
 }
 
 ExitCode run(const CollideArguments& arguments) {
@@ -88,14 +80,14 @@ ExitCode run(const CollideArguments& arguments) {
     if (arguments.max_distance) json["max_distance"] = *arguments.max_distance;
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
-    if (solids) json["solids"] = words_of(*solids);
+    if (solids) json["solids"] = to_text(*solids);
     if (pair.path()) json["path_time"] = to_json(path_time);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
     write_line("{:<10}{}", fact, result.is_yes() ? "yes" : "no");
     if (arguments.max_distance) write_line("limit     {}", to_text(*arguments.max_distance));
-    if (solids) write_line("solids    {}", words_of(*solids));
+    if (solids) write_line("solids    {}", to_text(*solids));
     write_lines(witness);
     if (path_time) write_line("path time {}", to_text(*path_time));
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
@@ -110,7 +102,7 @@ Verb add_collide(CLI::App& app) {
   const auto arguments = std::make_shared<CollideArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
   add_pair_arguments(command, arguments->pair, "the models collide");
-  command.add_flag("--solids", arguments->has_solids, "fast: also how the volumes of closed models lie to each other");
+  command.add_flag("--solids", arguments->has_solids, "also how the volumes of closed models lie to each other");
   command.footer(std::string(R"(
 Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it. Where a closed
 model has the other inside, a warning says so, and the field inside in JSON.

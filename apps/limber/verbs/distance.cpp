@@ -45,7 +45,7 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, double absolut
                         : found.lower == found.upper ? Status::exact
                                                      : Status::within_error;
   answer.result = {found.lower, found.upper, status, found.witness, found.stopped_by, found.stats};
-  if (status != Status::collision) answer.nesting = nesting_of(pair.a(), pair.b());
+  if (status != Status::collision) answer.relation.nesting = nesting_of(pair.a(), pair.b());
   return answer;
 }
 
@@ -66,12 +66,13 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   } else {
     write_distance_lines(answer.result, answer.witness);
     if (answer.path_time) write_line("path time {}", to_text(*answer.path_time));
+    if (answer.clash) write_line("clash     {}", clash_line(*answer.clash, answer.relation));
     if (answer.too_close) {
       write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(*arguments.min_clearance));
     }
     write_work_lines(answer.result.stats, pair.build_us(), answer.elapsed_us);
   }
-  warn_about(answer.nesting, "distance");
+  warn_about(answer.relation.nesting, "distance");
   return exit_code_of(question, answer);
 }
 
@@ -142,8 +143,8 @@ void warn_about(std::size_t nested_count) {
 
 /// The columns of the answer to a file of pairs, as csv_line() makes them from answer_in_row().
 std::string pairs_answer_columns() {
-  return fmt::format("row,model_a,model_b,{},{},too_close,inside,query_us,node_tests,triangle_tests", distance_columns,
-                     witness_columns);
+  return fmt::format("row,model_a,model_b,{},{},too_close,inside,clash,solids,query_us,node_tests,triangle_tests",
+                     distance_columns, witness_columns);
 }
 
 /// Answers the same question for every pair of a file, and writes a row for each. All rows are read, and each model is
@@ -163,7 +164,7 @@ ExitCode answer_pairs(const DistanceArguments& arguments) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     bar.draw(i);
     const DistanceAnswer answer = answer_to(question, {*pairs[i].a, rows[i].pose_a}, {*pairs[i].b, rows[i].pose_b});
-    if (answer.nesting != Nesting::none) ++nested_count;
+    if (answer.relation.nesting != Nesting::none) ++nested_count;
     if (exit_code_of(question, answer) == ExitCode::found) exit_code = ExitCode::found;
     if (out.is_terminal()) bar.clear();
     const Json row = answer_in_row(i, rows[i], answer);
@@ -186,12 +187,14 @@ into fans; faces are the file's own, counted from 0.
 
 --min-clearance is decided as for an exact distance, whatever the errors asked for.
 
-Models are surfaces, not solids: one wholly inside the other is as far from it as their surfaces are apart. Where a
-closed model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+Distances are of surfaces: a model wholly inside the other is as far from it as their surfaces are apart. Where a closed
+model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+)";
 
+constexpr const char* path_answer_help = R"(
 With --path-a or --path-b the answer is the least distance on the whole path, and path_time when the models are so near.
 lower and upper are at most --absolute-error apart; without it 2^-10 of the sum of the radii of both models, or of the
-distance if that is larger.
+distance if that is larger. There is no clash then.
 )";
 
 constexpr const char* pairs_help = R"(
@@ -213,10 +216,11 @@ Example, pairs.csv:
 
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
 
-Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other,
-upper and the witness where status is beyond_limit. JSON has the names of the columns, and an object witness or null:
-point_a and point_b, arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time
-for both trees. Columns of the answer, where row counts from 0:
+Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other
+without touching it, solids where a model is not closed, upper and the witness where status is beyond_limit. JSON has
+the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a,
+triangle_b, face_a, face_b. For one pair build_us is the time for both trees. Columns of the answer, where row counts
+from 0:
 
 )";
 
@@ -250,13 +254,14 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   const auto arguments = std::make_shared<DistanceArguments>();
   arguments->report.command_line = command_line;
   CLI::App& command = *app.add_subcommand("distance", "Shortest distance of two models and the points that attain it");
-  add_pair_arguments(command, arguments->pair,
-                     "a pair is at most --max-distance apart; where --min-clearance is given, that decides");
+  add_pair_arguments(
+      command, arguments->pair,
+      "a pair is at most --max-distance apart, or a hard clash; where --min-clearance is given, that decides");
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
   add_number(command, "--min-clearance", arguments->min_clearance,
              {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
-             "exit with 3 instead of 0 when a pair is closer than this length, at most --max-distance")
+             "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance")
       ->type_name("LENGTH");
   command
       .add_option("--pairs", arguments->pairs,
@@ -269,7 +274,8 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours");
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(std::string(help_text) + path_help + pairs_help + spaced(pairs_answer_columns()));
+  command.footer(std::string(help_text) + clash_help + path_answer_help + path_help + pairs_help +
+                 spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -114,9 +114,13 @@ bool lies_inside(MeshView inner, const Transform& inner_pose, MeshView outer, co
                      [&](VertexId v) { return is_inside(inner_pose(inner.positions[v]), placed, size); });
 }
 
+bool is_in_box(const PlacedModel& inner, const PlacedModel& outer) {
+  return is_in_box(inner.model.mesh(), inverse(outer.pose) * inner.pose, outer.model.box());
+}
+
+/// Pre: the inner model is in the box of the outer one.
 bool is_inside(const PlacedModel& inner, const PlacedModel& outer) {
-  return is_in_box(inner.model.mesh(), inverse(outer.pose) * inner.pose, outer.model.box()) &&
-         outer.model.is_closed() && lies_inside(inner.model.mesh(), inner.pose, outer.model.mesh(), outer.pose);
+  return outer.model.is_closed() && lies_inside(inner.model.mesh(), inner.pose, outer.model.mesh(), outer.pose);
 }
 
 }  // namespace
@@ -181,9 +185,33 @@ bool RigidModel::is_closed() const {
   return *is_closed_;
 }
 
+const Result<ClosedSurface>& RigidModel::surface() const {
+  if (!surface_) {
+    const Model* model = std::get_if<Model>(&model_);
+    if (model == nullptr) model = &model_of_surface_.emplace(mesh());
+    surface_ = ClosedSurface::create(*model);
+  }
+  return *surface_;
+}
+
+std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedModel& b) {
+  const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
+  if (!surface_a || !surface_b) return std::nullopt;
+  return solid_relation(surface_a.value(), a.pose, surface_b.value(), b.pose);
+}
+
+Nesting nesting_of(const SolidRelationResult& solids) {
+  if (solids.witness) return Nesting::none;
+  if (solids.relation == SolidRelation::b_inside_a) return Nesting::b_in_a;
+  return solids.relation == SolidRelation::a_inside_b ? Nesting::a_in_b : Nesting::none;
+}
+
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
-  if (is_inside(b, a)) return Nesting::b_in_a;
-  return is_inside(a, b) ? Nesting::a_in_b : Nesting::none;
+  const bool b_may_be = is_in_box(b, a), a_may_be = is_in_box(a, b);
+  if (!a_may_be && !b_may_be) return Nesting::none;
+  if (const auto solids = solids_of(a, b)) return nesting_of(*solids);
+  if (b_may_be && is_inside(b, a)) return Nesting::b_in_a;
+  return a_may_be && is_inside(a, b) ? Nesting::a_in_b : Nesting::none;
 }
 
 void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model) {

@@ -12,6 +12,8 @@
 #include "limber/classic.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "limber/points.h"
+#include "limber/solids.h"
 #include "reference/reference.h"
 #include "verbs/paths.h"
 
@@ -55,6 +57,8 @@ struct PlacedModel;
 class RigidModel {
  public:
   RigidModel(MeshFile file, Engine engine);
+  RigidModel(const RigidModel&) = delete;  // surface() points into it
+  RigidModel& operator=(const RigidModel&) = delete;
 
   const Mesh& mesh() const;
   /// Pre: the engine is the fast one.
@@ -64,6 +68,8 @@ class RigidModel {
   double build_us() const { return build_us_; }           ///< time for the tree
   const Box& box() const { return box_; }                 ///< of the triangles, in the model's frame
   bool is_closed() const;                                 ///< counted when it is first asked for
+  /// The surface as that of a solid, or what it lacks; looked at when it is first asked for.
+  const Result<ClosedSurface>& surface() const;
 
  private:
   template <typename Query>
@@ -75,6 +81,8 @@ class RigidModel {
   std::vector<std::uint32_t> face_of_triangle_;
   std::size_t face_count_ = 0;
   mutable std::optional<bool> is_closed_;
+  mutable std::optional<Model> model_of_surface_;  // where the engine is not the fast one
+  mutable std::optional<Result<ClosedSurface>> surface_;
 };
 
 /// A model and where it stands. The model must outlive it.
@@ -107,14 +115,20 @@ auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
   return std::visit(ask_engine, a.model.model_);
 }
 
+/// How the volumes of two models lie to each other; nothing unless RigidModel::surface() of both is closed.
+std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedModel& b);
+
 /// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to
 /// them such a pair is apart.
 enum class Nesting { none, a_in_b, b_in_a };
 
+/// How two models are nested whose volumes lie like that.
+Nesting nesting_of(const SolidRelationResult& solids);
+
 /// How two models are nested. The answer means nothing if they meet.
 ///
 /// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
-///          first time.
+///          first time, or more: that of solid_relation().
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
 
 /// Two rigid models, and where they stand or go.

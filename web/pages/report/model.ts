@@ -41,6 +41,8 @@ export interface ReportData {
   } | null;
   too_close: boolean | null;
   inside: 'a_in_b' | 'b_in_a' | null;
+  clash: 'hard_clash' | 'touching' | 'clearance' | 'clear' | 'surfaces_meet' | 'surfaces_apart';
+  solids: 'apart' | 'touching' | 'overlapping' | 'a_inside_b' | 'b_inside_a' | 'equal' | null;
   build_us: number;
   query_us: number;
   node_tests: number;

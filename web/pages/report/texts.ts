@@ -11,13 +11,37 @@ import type { ModelData, ReportData, ReportModel } from './model.ts';
 /** The distance as it stands next to the closest points. */
 export const shownDistance = ({ lower, upper }: ReportData): string => shownBounds(lower, upper);
 
+const clashWords = {
+  hard_clash: 'Hard clash',
+  touching: 'Touching',
+  clearance: 'Below the clearance',
+  clear: 'Clear',
+  surfaces_meet: 'Surfaces meet',
+  surfaces_apart: 'Surfaces are apart',
+};
+
+/** How the models lie, besides their distance; empty where the word of the clash says it all. */
+function placeOf({ clash, solids, inside }: ReportData): string {
+  if (solids === 'a_inside_b' || inside === 'a_in_b') return 'A is enclosed in B';
+  if (solids === 'b_inside_a' || inside === 'b_in_a') return 'B is enclosed in A';
+  if (solids === 'equal') return 'both volumes are equal';
+  if (clash === 'hard_clash') return 'the volumes overlap';
+  if (clash === 'touching') return 'the volumes do not overlap';
+  return solids === null ? 'a model is not closed' : '';
+}
+
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
   const tiles = [];
-  if (data.status === 'collision') {
-    tiles.push(tile('They collide', `${grouped(data.intersections)} pairs of triangles intersect`, 'bad'));
-  } else {
-    tiles.push(tile(capital(shownDistance(data)), 'clearance, in the meshes\u2019 unit'));
+  const [isHard, meets] = [data.clash === 'hard_clash', data.status === 'collision'];
+  if (isHard || meets) {
+    const kind = data.clash === 'touching' ? '' : 'bad';
+    tiles.push(tile(clashWords[data.clash], placeOf(data), kind));
   }
+  if (meets) tiles.push(tile(grouped(data.intersections), 'pairs of triangles intersect'));
+  else
+    tiles.push(
+      tile(capital(shownDistance(data)), `${isHard ? 'between surfaces' : 'clearance'}, in the meshes\u2019 unit`),
+    );
   if (data.min_clearance !== null) {
     const required = shown(data.min_clearance);
     if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
@@ -29,8 +53,8 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
   byId('tiles').append(...tiles);
 }
 
-function missing({ min_clearance: required, upper, status }: ReportData): string {
-  if (required === null || upper === null || status !== 'exact') return '';
+function missing({ min_clearance: required, upper, status, clash }: ReportData): string {
+  if (required === null || upper === null || status !== 'exact' || clash === 'hard_clash') return '';
   return `; ${shown(required - upper)} are missing`;
 }
 
@@ -44,7 +68,9 @@ const statusWords = {
 };
 
 export function showAnswer(data: ReportData): void {
+  const [word, place] = [clashWords[data.clash], placeOf(data)];
   const rows: (readonly (string | Node)[])[] = [
+    ['Clash', place === '' ? word : `${word}: ${place}`],
     ['Status', statusWords[data.status]],
     ['Distance, lower bound', String(data.lower)],
   ];
@@ -62,10 +88,6 @@ export function showAnswer(data: ReportData): void {
     const kind = data.status === 'collision' ? 'Shared point' : 'Closest point';
     rows.push([`${kind} of A`, shownPoint(point_a)], ['on', `triangle ${triangle_a}, face ${face_a} of A`]);
     rows.push([`${kind} of B`, shownPoint(point_b)], ['on', `triangle ${triangle_b}, face ${face_b} of B`]);
-  }
-  if (data.inside !== null) {
-    const where = data.inside === 'a_in_b' ? 'A lies inside B' : 'B lies inside A';
-    rows.push(['Nesting', `${where} without touching it; models are surfaces, not solids`]);
   }
   const tests = `${grouped(data.node_tests)} of nodes, ${grouped(data.triangle_tests)} of triangles`;
   rows.push(['Time', `trees ${shownTime(data.build_us)}, query ${shownTime(data.query_us)}`], ['Tests', tests]);

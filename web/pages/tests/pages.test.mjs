@@ -32,7 +32,20 @@ let browser;
 
 const path = (name) => folder.file(`${name}.html`);
 const look = (name, options) => open(browser, path(name), options);
-const reports = ['apart', 'close', 'kept', 'interval', 'collision', 'beyond', 'tiny', 'minute', 'huge'];
+const reports = [
+  'apart',
+  'close',
+  'kept',
+  'interval',
+  'collision',
+  'inside',
+  'flush',
+  'open',
+  'beyond',
+  'tiny',
+  'minute',
+  'huge',
+];
 const tracks = ['replay', 'twice', 'single'];
 const demos = ['usual', 'few', 'thinned'];
 
@@ -47,6 +60,9 @@ before(async () => {
     kept: [box, plate, '--min-clearance', '0.1'],
     interval: [box, 'scene:soup:1', '--pose-b', '5,3,3,1,0,0,0', '--relative-error', '0.5'],
     collision: [box, 'scene:ball'],
+    inside: [folder.store('room.obj', boxObj([-2, -2, -2], [3, 3, 3])), 'scene:ball', '--min-clearance', '0.1'],
+    flush: [box, box, '--pose-b', '2,0.25,0,1,0,0,0'],
+    open: [box, 'scene:square'],
     beyond: [box, 'scene:ball', '--pose-b', '9,0,0,1,0,0,0', '--max-distance', '2'],
     tiny: [box, 'scene:ball', '--pose-b', '0.5,0.5,2.00001,1,0,0,0'],
     minute: [minute, minute],
@@ -161,14 +177,39 @@ test('the answer is in tile, picture and table', async () => {
 });
 
 test('verdicts are those of the program', async () => {
-  const words = { close: 'Too close', kept: 'Kept', collision: 'They collide', beyond: 'More than' };
+  const words = {
+    close: 'Too close',
+    kept: 'Kept',
+    collision: 'Hard clash',
+    inside: 'Hard clash',
+    flush: 'Touching',
+    open: 'Surfaces meet',
+    beyond: 'More than',
+  };
   for (const [name, word] of Object.entries(words)) {
     const page = await look(name);
     assert.ok((await page.textContent('#tiles')).includes(word), name);
     await page.close();
   }
   assert.equal(answers.close.too_close, true);
+  assert.equal(answers.inside.too_close, true);
   assert.equal(answers.kept.too_close, false);
+});
+
+test('the kind of clash is in the table, and which model is enclosed', async () => {
+  const words = {
+    apart: 'Clear',
+    close: 'Below the clearance',
+    collision: 'Hard clash: the volumes overlap',
+    inside: 'Hard clash: B is enclosed in A',
+    flush: 'Touching: the volumes do not overlap',
+    open: 'Surfaces meet: a model is not closed',
+  };
+  for (const [name, text] of Object.entries(words)) {
+    const page = await look(name);
+    assert.equal(new Map(await rowsOf(page, '#answer')).get('Clash'), text);
+    await page.close();
+  }
 });
 
 test('the page decodes the meshes', () => {

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "limber/points.h"
+#include "records.h"
+
+namespace limber::python {
+
+/// A closed surface, and the model that it refers to.
+class ClosedSurfaceObject {
+  static ClosedSurface checked(ModelObject& model) {
+    const Reading guard = reading(model);
+    return value_or_raise(without_gil([&] { return ClosedSurface::create(model.model); }));
+  }
+
+  template <typename Query>
+  auto ask(const ArrayLike& point, const PoseLike& pose, const Query& query) {
+    const Reading guard = reading(model_);
+    const Vec3 p = point_from(point, "point");
+    const Transform placed = pose_from(pose, "pose");
+    return without_gil([&] { return query(p, placed); });
+  }
+
+ public:
+  explicit ClosedSurfaceObject(nb::handle_t<ModelObject> model)
+      : owner_(nb::borrow(model)), model_(nb::cast<ModelObject&>(model)), surface_(checked(model_)) {}
+
+  Named<"Model"> model() const { return nb::object(owner_); }
+
+  int visit_references(visitproc visit, void* argument) const { return visit(owner_.ptr(), argument); }
+
+  /// Nobody changes the model for as long as the result lives.
+  [[nodiscard]] Reading reading_model() { return reading(model_); }
+  const ClosedSurface& surface() const { return surface_; }
+
+  bool contains(const ArrayLike& point, const PoseLike& pose) {
+    return ask(point, pose, [&](const Vec3& p, const Transform& t) { return surface_.contains(p, t); });
+  }
+
+  std::optional<int> winding_number(const ArrayLike& point, const PoseLike& pose) {
+    return ask(point, pose, [&](const Vec3& p, const Transform& t) { return surface_.winding_number(p, t); });
+  }
+
+  SignedDistance signed_distance(const ArrayLike& point, const PoseLike& pose, double max_distance) {
+    return ask(point, pose,
+               [&](const Vec3& p, const Transform& t) { return surface_.signed_distance(p, t, {max_distance}); });
+  }
+
+  Named<"NDArray[numpy.bool_]"> contains_many(const ArrayLike& points, const PoseLike& pose) {
+    const Reading guard = reading(model_);
+    const std::vector<Vec3> asked = points_from(points, "points");
+    const Transform placed = pose_from(pose, "pose");
+    nb::object answers = new_array(nb::str("bool"), {asked.size()});
+    auto* const inside = static_cast<bool*>(memory_of(answers, asked.size()));
+    without_gil([&] {
+      constexpr std::size_t grain = 16;
+      using Range = oneapi::tbb::blocked_range<std::size_t>;
+      oneapi::tbb::parallel_for(Range(0, asked.size(), grain), [&](const Range& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) inside[i] = surface_.contains(asked[i], placed);
+      });
+    });
+    return answers;
+  }
+
+  RecordArray signed_distances(const ArrayLike& points, const PoseLike& pose, double max_distance) {
+    const Reading guard = reading(model_);
+    const std::vector<Vec3> asked = points_from(points, "points");
+    const Transform placed = pose_from(pose, "pose");
+    std::vector<SignedDistance> results(asked.size());
+    without_gil([&] { surface_.signed_distances(asked, results, placed, {max_distance}); });
+    return recorded(results, dtypes().signed_distance);
+  }
+
+ private:
+  nb::object owner_;
+  ModelObject& model_;
+  ClosedSurface surface_;
+};
+
+}  // namespace limber::python

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+#include "arrays.h"
+#include "bindings.h"
+#include "budget.h"
+#include "closed_surface.h"
+#include "docstrings.h"
+#include "limber/limber.h"
+#include "records.h"
+#include "value_class.h"
+
+namespace limber::python {
+namespace {
+
+/// Two closed surfaces whose models are read until the call returns, and where they stand.
+class SurfacePair {
+ public:
+  SurfacePair(ClosedSurfaceObject& a, ClosedSurfaceObject& b, nb::handle pose_a, nb::handle pose_b)
+      : reading_a_(a.reading_model()),
+        reading_b_(b.reading_model()),
+        a_(a.surface()),
+        b_(b.surface()),
+        pose_a_(pose_from(pose_a, "pose_a")),
+        pose_b_(pose_from(pose_b, "pose_b")) {}
+
+  /// Calls query(a, pose_a, b, pose_b, rest...) without the GIL.
+  template <typename Query, typename... Rest>
+  auto ask(const Query& query, const Rest&... rest) const {
+    return without_gil([&] { return query(a_, pose_a_, b_, pose_b_, rest...); });
+  }
+
+ private:
+  Reading reading_a_, reading_b_;
+  const ClosedSurface &a_, &b_;
+  Transform pose_a_, pose_b_;
+};
+
+SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
+                                const PoseLike& pose_b) {
+  return SurfacePair(a, b, pose_a, pose_b).ask(solid_relation);
+}
+
+using Surfaces = Named<"Iterable[ClosedSurface | None]">;
+
+RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const PosesLike& poses) {
+  std::vector<nb::object> owners;  // the caller's list may change meanwhile
+  for (const nb::handle surface : nb::iter(surfaces)) owners.push_back(nb::borrow(surface));
+  const PoseList standing(poses, "poses");
+  if (!standing.is_one_for_all() && standing.size() != owners.size()) {
+    throw nb::value_error("poses: expected one for all surfaces, or as many as surfaces");
+  }
+  std::vector<Reading> guards;
+  std::vector<PlacedSurface> placed(owners.size());
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i].is_none()) continue;
+    auto& surface = nb::cast<ClosedSurfaceObject&>(owners[i]);
+    guards.push_back(surface.reading_model());
+    placed[i] = {&surface.surface(), standing[i]};
+  }
+  std::vector<ObjectPair> asked;
+  for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
+  std::vector<SolidRelationResult> results(asked.size());
+  without_gil([&] { solid_relations(placed, asked, results); });
+  return recorded(results, dtypes().solid_relation);
+}
+
+DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
+                           const PoseLike& pose_b, const BudgetObject* budget) {
+  return SurfacePair(a, b, pose_a, pose_b).ask(deepest_vertices, budget_of(budget));
+}
+
+SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const ArrayLike& direction,
+                                    const PoseLike& pose_a, const PoseLike& pose_b, const BudgetObject* budget) {
+  const Vec3 along = point_from(direction, "direction");
+  return SurfacePair(a, b, pose_a, pose_b).ask(separating_translation, along, budget_of(budget));
+}
+
+SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
+                                 const PoseLike& pose_b, double relative_error, const BudgetObject* budget) {
+  const PenetrationOptions options{relative_error, budget_of(budget)};
+  return SurfacePair(a, b, pose_a, pose_b).ask([&](const auto&... bodies) {
+    return signed_distance(bodies..., options);
+  });
+}
+
+void bind_relations(nb::module_& m) {
+  nb::enum_<SolidRelation>(m, "SolidRelation", nb::is_arithmetic(), docs::SolidRelation)
+      .value("apart", SolidRelation::apart, docs::SolidRelation_apart)
+      .value("touching", SolidRelation::touching, docs::SolidRelation_touching)
+      .value("overlapping", SolidRelation::overlapping, docs::SolidRelation_overlapping)
+      .value("a_inside_b", SolidRelation::a_inside_b, docs::SolidRelation_a_inside_b)
+      .value("b_inside_a", SolidRelation::b_inside_a, docs::SolidRelation_b_inside_a)
+      .value("equal", SolidRelation::equal, docs::SolidRelation_equal);
+  ValueClass<SolidRelationResult>(m, "SolidRelationResult", "What solid_relation() has found.")
+      .field("relation", &SolidRelationResult::relation, docs::SolidRelation)
+      .field("witness", &SolidRelationResult::witness, docs::SolidRelationResult_witness)
+      .field("stats", &SolidRelationResult::stats, docs::QueryStats);
+  m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        docs::solid_relation);
+  m.def("solid_relations", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(),
+        (std::string(R"(solid_relation() of many pairs, on all threads.
+
+Pairs    name surfaces by their place in the list, (n, 2). If surfaces[id] is that of object `id` of a Scene, and
+         poses[id] its pose, they may be those of Scene.candidate_pairs(). A surface may be None where no pair names it.
+Shape    poses are one for each surface, or one for all.
+Returns  An array of n records, limber3d.solid_relation_dtype, with these fields.
+Raises   As solid_relation(), or if a pair names no surface; then nothing is returned.)") +
+         solid_relation_fields())
+            .c_str());
+}
+
+void bind_penetration(nb::module_& m) {
+  ValueClass<DeepestVertex>(m, "DeepestVertex", docs::DeepestVertex)
+      .field("vertex", &DeepestVertex::vertex, "Its id in the mesh of its own body.")
+      .field("depth", &DeepestVertex::depth, docs::DeepestVertex_depth)
+      .field("position", &DeepestVertex::position, "Where it is, in the world.")
+      .field("closest", &DeepestVertex::closest, docs::DeepestVertex_closest)
+      .field("direction", &DeepestVertex::direction, docs::DeepestVertex_direction);
+  ValueClass<DeepestVertices>(m, "DeepestVertices", "What deepest_vertices() has found.")
+      .field("of_a", &DeepestVertices::of_a, docs::DeepestVertices_of_a)
+      .field("of_b", &DeepestVertices::of_b, docs::DeepestVertices_of_b)
+      .field("upper", &DeepestVertices::upper, docs::DeepestVertices_upper)
+      .field("stopped_by", &DeepestVertices::stopped_by, "Which limit of its budget has ended it.")
+      .field("stats", &DeepestVertices::stats, docs::QueryStats);
+  ValueClass<SeparatingTranslation>(m, "SeparatingTranslation", docs::SeparatingTranslation)
+      .field("direction", &SeparatingTranslation::direction, docs::SeparatingTranslation_direction)
+      .field("lower", &SeparatingTranslation::lower, docs::SeparatingTranslation_lower)
+      .field("upper", &SeparatingTranslation::upper, docs::SeparatingTranslation_upper)
+      .field("witness", &SeparatingTranslation::witness, docs::SeparatingTranslation_witness)
+      .field("stopped_by", &SeparatingTranslation::stopped_by, "Which limit of its budget has ended it.")
+      .field("stats", &SeparatingTranslation::stats, docs::QueryStats);
+  ValueClass<SolidDistance>(m, "SolidDistance", docs::SolidDistance)
+      .field("lower", &SolidDistance::lower, docs::SolidDistance_lower)
+      .field("upper", &SolidDistance::upper, docs::SolidDistance_lower)  // one text for both
+      .field("translation", &SolidDistance::translation, docs::SolidDistance_translation)
+      .field("witness", &SolidDistance::witness, docs::SolidDistance_witness)
+      .field("deepest", &SolidDistance::deepest, docs::SolidDistance_deepest)
+      .field("stopped_by", &SolidDistance::stopped_by, "Which limit of its budget has ended it.")
+      .field("stats", &SolidDistance::stats, docs::QueryStats)
+      .binding()
+      .def_prop_ro("are_apart", &SolidDistance::are_apart, "Whether the bodies are known to be apart: lower > 0.");
+  m.def("deepest_vertices", &deepest_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(), docs::deepest_vertices);
+  m.def("separating_translation", &separating_of, "a"_a, "b"_a, "direction"_a, "pose_a"_a = nb::none(),
+        "pose_b"_a = nb::none(), nb::kw_only(), "budget"_a = nb::none(), docs::separating_translation);
+  m.def("signed_distance", &signed_distance_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        nb::kw_only(), "relative_error"_a = PenetrationOptions{}.relative_error, "budget"_a = nb::none(),
+        (std::string(docs::signed_distance) + "\n\nrelative_error: " + docs::PenetrationOptions_relative_error +
+         "\n\nbudget: " + docs::PenetrationOptions_budget)
+            .c_str());
+}
+
+}  // namespace
+
+void bind_solids(nb::module_& m) {
+  bind_relations(m);
+  bind_penetration(m);
+}
+
+}  // namespace limber::python
