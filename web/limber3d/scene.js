@@ -118,8 +118,8 @@ export class Scene extends Owner {
   }
 
   /**
-   * Prepares the scene for queries. Throws invalidArgument unless all models of the scene are committed. Cost: O(n), and
-   * O(n log n) where objects lie in clusters within clusters.
+   * Prepares the scene for queries. Throws invalidArgument unless all models of the scene are committed. Cost: O(n),
+   * and O(n log n) where objects lie in clusters within clusters.
    */
   commit() {
     check(engine().sceneCommit(this.#address()));
