@@ -42,6 +42,11 @@ import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
  */
 
 /**
+ * @typedef {object} MaxDistanceOptions
+ * @property {number} [maxDistance] pairs farther apart do not count; no limit if not given
+ */
+
+/**
  * Pairs of triangles, in an order that depends on the models, their history and their poses alone.
  *
  * @typedef {object} TrianglePairs
@@ -67,6 +72,8 @@ import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
  * @property {Point} pointA
  * @property {Point} pointB
  * @property {Point} normal of length 1, from a to b
+ * @property {Point} weightsA of pointA, by corner of its triangle: >= 0, together 1; 0 off the feature
+ * @property {Point} weightsB
  * @property {number} triangleA
  * @property {number} triangleB
  * @property {Feature} featureA
@@ -98,6 +105,9 @@ export class Contacts {
     this.pointsA = numbers(3);
     this.pointsB = numbers(3);
     this.normals = numbers(3);
+    /** Of the points, by corner of their triangles: three for each contact, >= 0, together 1. */
+    this.weightsA = numbers(3);
+    this.weightsB = numbers(3);
     this.trianglesA = new Uint32Array(bytes, at, n);
     this.trianglesB = new Uint32Array(bytes, at + 4 * n, n);
     /** For each contact kind (0 vertex, 1 edge, 2 face) and index of the feature of a, then those of b. */
@@ -126,6 +136,8 @@ export class Contacts {
       pointA: point(this.pointsA),
       pointB: point(this.pointsB),
       normal: point(this.normals),
+      weightsA: point(this.weightsA),
+      weightsB: point(this.weightsB),
       triangleA: this.trianglesA[i],
       triangleB: this.trianglesB[i],
       featureA: feature(4 * i),
@@ -230,22 +242,22 @@ export function contacts(a, b, margin, options = {}) {
 }
 
 /**
- * The closest pairs of triangles, nearest first: `count` of them, or fewer if there are not so many.
+ * The closest pairs of triangles, nearest first: `count` of them, or fewer if there are not so many within maxDistance.
  *
- * Throws as intersections().
+ * Throws as intersections(); invalidArgument unless maxDistance is >= 0.
  *
  * @param {Model} a
  * @param {Model} b
  * @param {number} count
- * @param {PoseOptions & PairOptions & OrientedFacesOptions} [options]
+ * @param {PoseOptions & PairOptions & MaxDistanceOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function closestPairs(a, b, count, options = {}) {
-  checkNames(options, ["poseA", "poseB", "filter", "orientedFaces"]);
-  const filter = filterOf(options);
+  checkNames(options, ["poseA", "poseB", "filter", "maxDistance", "orientedFaces"]);
+  const filter = filterOf(options), maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity);
   const faces = facesOf(options);
   const placed = placedModels(a, b, options);
-  callWithFilter(filter, "closestPairs", ...placed, countOf(count), filter ? 1 : 0, faces);
+  callWithFilter(filter, "closestPairs", ...placed, countOf(count), maxDistance, filter ? 1 : 0, faces);
   return new Contacts();
 }
 
@@ -329,14 +341,15 @@ export function selfContacts(model, margin, options = {}) {
  *
  * @param {Model} model
  * @param {number} count
- * @param {SelfPairOptions & OrientedFacesOptions} [options]
+ * @param {SelfPairOptions & MaxDistanceOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
  */
 export function selfClosestPairs(model, count, options = {}) {
-  checkNames(options, ["filter", "orientedFaces"]);
+  checkNames(options, ["filter", "maxDistance", "orientedFaces"]);
+  const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity);
   const [filter, rings] = filterAndRings(options);
   const faces = facesOf(options);
   const address = addressOf(model);
-  callWithFilter(filter, "selfClosestPairs", address, countOf(count), filter ? 1 : 0, rings, faces);
+  callWithFilter(filter, "selfClosestPairs", address, countOf(count), maxDistance, filter ? 1 : 0, rings, faces);
   return new Contacts();
 }

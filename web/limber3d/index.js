@@ -18,12 +18,17 @@ export { closestPairs, Contacts, contacts, intersections, NeighborRings } from "
 export { selfClosestPairs, selfCollide, selfContacts, selfDistance, selfIntersections } from "./contacts.js";
 export { edgeEdgeImpact, vertexFaceImpact } from "./elements.js";
 export { LimberError } from "./errors.js";
-export { Model, readMeshBytes } from "./model.js";
+export { contactOf, poseGradientA, poseGradientB, vertexGradientsA, vertexGradientsB } from "./gradients.js";
+export { Model, readMeshBytes, weld } from "./model.js";
 export { Impacts, impacts, MovingModel, selfImpacts, selfTimeOfImpact, timeOfImpact } from "./motion.js";
 export { leastDistance, RigidMotion } from "./path.js";
 export { closestPoint, closestPoints, ClosedSurface, SurfacePoints } from "./points.js";
 export { orthonormalized } from "./poses.js";
 export { collide, distance, QueryCache, within } from "./queries.js";
+export { Scene } from "./scene.js";
+export { ObjectPairMatrix, SceneCache } from "./scene_options.js";
+export { CollideResults, DistanceResults } from "./scene_results.js";
+export { deepestVertices, separatingTranslation, signedDistance, solidRelation } from "./solids.js";
 export { init } from "./wasm.js";
 
 /**
@@ -34,6 +39,7 @@ export { init } from "./wasm.js";
  * @typedef {import("./contacts.js").Contact} Contact
  * @typedef {import("./contacts.js").CountOptions} CountOptions
  * @typedef {import("./contacts.js").Feature} Feature
+ * @typedef {import("./contacts.js").MaxDistanceOptions} MaxDistanceOptions
  * @typedef {import("./contacts.js").PairOptions} PairOptions
  * @typedef {import("./contacts.js").SelfPairOptions} SelfPairOptions
  * @typedef {import("./contacts.js").TrianglePairFilter} TrianglePairFilter
@@ -42,10 +48,12 @@ export { init } from "./wasm.js";
  * @typedef {import("./elements.js").ElementImpactOptions} ElementImpactOptions
  * @typedef {import("./elements.js").ImpactStatus} ImpactStatus
  * @typedef {import("./errors.js").ErrorCode} ErrorCode
+ * @typedef {import("./gradients.js").PoseGradient} PoseGradient
  * @typedef {import("./model.js").MeshFile} MeshFile
  * @typedef {import("./model.js").MaintenanceStats} MaintenanceStats
  * @typedef {import("./model.js").ModelOptions} ModelOptions
  * @typedef {import("./model.js").TreeStats} TreeStats
+ * @typedef {import("./model.js").WeldedMesh} WeldedMesh
  * @typedef {import("./motion.js").ElementPair} ElementPair
  * @typedef {import("./motion.js").FirstImpactOptions} FirstImpactOptions
  * @typedef {import("./motion.js").Impact} Impact
@@ -73,4 +81,18 @@ export { init } from "./wasm.js";
  * @typedef {import("./queries.js").Status} Status
  * @typedef {import("./queries.js").StoppedBy} StoppedBy
  * @typedef {import("./queries.js").Witness} Witness
+ * @typedef {import("./scene.js").ClosestObjects} ClosestObjects
+ * @typedef {import("./scene.js").CloseObjects} CloseObjects
+ * @typedef {import("./scene.js").SceneQueryOptions} SceneQueryOptions
+ * @typedef {import("./scene_options.js").Matrices} Matrices
+ * @typedef {import("./scene_options.js").ObjectPairFilter} ObjectPairFilter
+ * @typedef {import("./scene_options.js").ObjectPairOptions} ObjectPairOptions
+ * @typedef {import("./solids.js").DeepestPair} DeepestPair
+ * @typedef {import("./solids.js").DeepestVertex} DeepestVertex
+ * @typedef {import("./solids.js").DeepestVertices} DeepestVertices
+ * @typedef {import("./solids.js").PenetrationOptions} PenetrationOptions
+ * @typedef {import("./solids.js").SeparatingTranslation} SeparatingTranslation
+ * @typedef {import("./solids.js").SolidDistance} SolidDistance
+ * @typedef {import("./solids.js").SolidRelation} SolidRelation
+ * @typedef {import("./solids.js").SolidRelationResult} SolidRelationResult
  */

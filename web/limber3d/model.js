@@ -63,6 +63,23 @@ function budgetOf(budget = "automatic") {
 }
 
 /**
+ * Reads a mesh, and then writes it for the next call; returns the counts as the module takes them.
+ *
+ * @param {Coordinates} vertices
+ * @param {Ids} faces
+ * @returns {[vertexCount: number, isFloat32: number, triangleCount: number]}
+ */
+function writeMesh(vertices, faces) {
+  const coordinates = coordinatesOf(vertices, "vertices");
+  const ids = idsOf(faces, "faces");
+  if (ids.length % 3 !== 0) {
+    throw new LimberError("sizeMismatch", `limber3d: faces has ${ids.length} ids, not three a triangle`);
+  }
+  writeInput(coordinates, ids);
+  return [coordinates.length / 3, coordinates instanceof Float32Array ? 1 : 0, ids.length / 3];
+}
+
+/**
  * A mesh and its bounding volume hierarchy. Vertices may move; connectivity is fixed.
  *
  * Its memory belongs to the module: dispose() frees it. Otherwise it is freed at some time after the model has become
@@ -87,24 +104,9 @@ export class Model extends Owner {
     const allocatesAtOnce = flagOf(preallocate, "preallocate");
     const margin = marginOf(motionMargin);
     const budget = budgetOf(rebuildBudgetUs);
-    const coordinates = coordinatesOf(vertices, "vertices");
-    const ids = idsOf(faces, "faces");
-    if (ids.length % 3 !== 0) {
-      throw new LimberError("sizeMismatch", `limber3d: faces has ${ids.length} ids, not three a triangle`);
-    }
-    writeInput(coordinates, ids);
-    super(
-      engine().newModel(
-        coordinates.length / 3,
-        coordinates instanceof Float32Array ? 1 : 0,
-        ids.length / 3,
-        margin,
-        rebuildPolicy === "inCommit" ? 1 : 0,
-        budget,
-        allocatesAtOnce,
-      ),
-      "deleteModel",
-    );
+    const mesh = writeMesh(vertices, faces);
+    const rebuilds = rebuildPolicy === "inCommit" ? 1 : 0;
+    super(engine().newModel(...mesh, margin, rebuilds, budget, allocatesAtOnce), "deleteModel");
   }
 
   /**
@@ -262,6 +264,38 @@ export class Model extends Owner {
 export function addressOf(model, name = "model") {
   if (!(model instanceof Model)) throw invalid(`${name} is no Model`);
   return Owner.addressOf(model, name);
+}
+
+/**
+ * A mesh whose vertices at equal positions are one.
+ *
+ * @typedef {object} WeldedMesh
+ * @property {Float64Array} vertices
+ * @property {Uint32Array} faces three vertices for each triangle
+ * @property {Uint32Array} weldedOf for each vertex that was given, the one that it has become
+ */
+
+/**
+ * Makes one vertex of those at equal positions, as queries need it that go by vertex ids: ClosedSurface, and what
+ * neighbors are. A soup of triangles, whose corners are vertices of their own, becomes a surface.
+ *
+ * Triangles keep their order and that of their corners. Those with two corners in one place name a vertex twice.
+ * Vertices are numbered in order of first appearance; -0 equals 0. Throws as the constructor of a Model. Cost: O(n).
+ *
+ * @param {Coordinates} vertices
+ * @param {Ids} faces three vertices for each triangle
+ * @returns {WeldedMesh}
+ */
+export function weld(vertices, faces) {
+  const [vertexCount, isFloat32, triangleCount] = writeMesh(vertices, faces);
+  check(engine().weld(vertexCount, isFloat32, triangleCount));
+  const welded = {
+    vertices: new Float64Array(copyOf(word(0), 24 * word(1))),
+    faces: new Uint32Array(copyOf(word(2), 12 * word(3))),
+    weldedOf: new Uint32Array(copyOf(word(4), 4 * vertexCount)),
+  };
+  engine().forgetWelded();
+  return welded;
 }
 
 /**

@@ -137,10 +137,18 @@ export class ClosedSurface extends Owner {
     return this.#model;
   }
 
-  /** @returns {number} */
-  #address() {
-    addressOf(this.#model, "the model of a closed surface");
-    return Owner.addressOf(this, "closed surface");
+  /**
+   * Private to the package.
+   *
+   * @override
+   * @param {ClosedSurface} surface
+   * @param {string} name of the argument
+   */
+  static addressOf(surface, name) {
+    if (!(surface instanceof ClosedSurface)) throw invalid(`${name} is no ClosedSurface`);
+    const address = super.addressOf(surface, name);
+    addressOf(surface.#model, `the model of ${name}`);
+    return address;
   }
 
   /**
@@ -152,7 +160,7 @@ export class ClosedSurface extends Owner {
   contains(point, options = {}) {
     checkNames(options, ["pose"]);
     const pose = poseOf(options.pose, "pose"), [x, y, z] = pointOf(point, "point");
-    const address = this.#address(), form = writePose(pose, 0);
+    const address = ClosedSurface.addressOf(this, "closed surface"), form = writePose(pose, 0);
     check(engine().contains(address, form, x, y, z));
     return word(0) === 1;
   }
@@ -168,7 +176,7 @@ export class ClosedSurface extends Owner {
     checkNames(options, pointOptions);
     const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
     const coordinates = coordinatesOf(points, "points");
-    const address = this.#address(), form = writePose(pose, 0);
+    const address = ClosedSurface.addressOf(this, "closed surface"), form = writePose(pose, 0);
     const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
     writeInput(coordinates);
     check(engine().signedDistances(address, form, coordinates.length / 3, isFloat32, maxDistance));

@@ -74,7 +74,7 @@ import { Owner, check, engine, number, point, word } from "./wasm.js";
  */
 
 /** @type {readonly Status[]} */
-const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupted"];
+export const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupted"];
 
 /**
  * Which limit of its budget has ended a query.
@@ -83,7 +83,7 @@ const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupt
  */
 
 /** @type {readonly StoppedBy[]} */
-const limits = ["nothing", "deadline", "maxSteps"];
+export const limits = ["nothing", "deadline", "maxSteps"];
 
 /**
  * What a question of yes or no is answered; "unknown" if a budget was spent before either was proven.
@@ -92,7 +92,7 @@ const limits = ["nothing", "deadline", "maxSteps"];
  */
 
 /** @type {readonly Answer[]} */
-const answers = ["no", "yes", "unknown"];
+export const answers = ["no", "yes", "unknown"];
 
 /**
  * @typedef {object} DistanceResult

@@ -29,13 +29,13 @@ let float32 = new Float32Array(0);
 let uint32 = new Uint32Array(0);
 let uint8 = new Uint8Array(0);
 
-// limber::web::Exchange: 2 x 16 numbers of poses, 32 numbers and 32 words of results.
+// limber::web::Exchange: 2 x 16 numbers of poses, 64 numbers and 32 words of results.
 const numbersOffset = 2 * 16 * 8;
-const wordsOffset = numbersOffset + 32 * 8;
+const wordsOffset = numbersOffset + 64 * 8;
 
-/** @typedef {(a: number, b: number) => boolean} TrianglePairFilter */
+/** @typedef {(a: number, b: number) => boolean} PairFilter */
 
-/** @type {TrianglePairFilter | undefined} */
+/** @type {PairFilter | undefined} */
 let filter;
 /** @type {unknown} */
 let thrownByFilter;
@@ -54,7 +54,7 @@ const imports = {
     /** @type {(a: number, b: number) => number} */
     filter(a, b) {
       try {
-        return /** @type {TrianglePairFilter} */ (filter)(a >>> 0, b >>> 0) ? 1 : 0;
+        return /** @type {PairFilter} */ (filter)(a >>> 0, b >>> 0) ? 1 : 0;
       } catch (error) {
         thrownByFilter = error;
         return 2;
@@ -151,9 +151,9 @@ export function check(succeeded) {
 }
 
 /**
- * Calls a function of the module while `wanted` answers for the pairs of triangles.
+ * Calls a function of the module while `wanted` answers for the pairs of triangles, or of objects.
  *
- * @param {TrianglePairFilter | undefined} wanted
+ * @param {PairFilter | undefined} wanted
  * @param {string} name
  * @param {...number} values
  */
@@ -228,6 +228,18 @@ export function writeInput(coordinates, ids) {
   if (coordinates instanceof Float32Array) float32.set(coordinates, at >>> 2);
   else float64.set(coordinates, at >>> 3);
   if (ids !== undefined) uint32.set(ids, (at + coordinates.byteLength) >>> 2);
+}
+
+/**
+ * Writes ids, then other ids, for the next call.
+ *
+ * @param {Uint32Array | Uint16Array} first
+ * @param {Uint32Array | Uint16Array} [second]
+ */
+export function writeIds(first, second) {
+  const at = reserveInput(4 * (first.length + (second?.length ?? 0)));
+  uint32.set(first, at >>> 2);
+  if (second !== undefined) uint32.set(second, (at >>> 2) + first.length);
 }
 
 /**

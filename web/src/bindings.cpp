@@ -8,11 +8,13 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace limber::web {
@@ -92,6 +94,34 @@ std::vector<Vec3> points_from(std::size_t count, bool is_float32) {
   std::vector<Vec3> points(count);
   positions_from(count, is_float32).copy_to(points);
   return points;
+}
+
+Mesh mesh_from(std::size_t vertex_count, bool is_float32, std::size_t triangle_count) {
+  std::vector<Corners> triangles(triangle_count);
+  const std::size_t coordinate_bytes = is_float32 ? sizeof(float) : sizeof(double);
+  if (triangle_count > 0) {
+    std::memcpy(triangles.data(), input() + 3 * vertex_count * coordinate_bytes, triangle_count * sizeof(Corners));
+  }
+  return Mesh::create(positions_from(vertex_count, is_float32), std::move(triangles)).value();
+}
+
+void give_mesh(const Mesh& mesh) {
+  exchange.words[0] = address_of(mesh.positions().data());
+  exchange.words[1] = static_cast<std::uint32_t>(mesh.positions().size());
+  exchange.words[2] = address_of(mesh.triangles().data());
+  exchange.words[3] = static_cast<std::uint32_t>(mesh.triangles().size());
+}
+
+extern "C" {
+/// The filter of the query under way: 1 if a pair counts, 0 if not, and something else if the filter has thrown.
+__attribute__((import_module("limber"), import_name("filter"))) std::int32_t limber_filter(std::uint32_t a,
+                                                                                           std::uint32_t b);
+}
+
+bool ask_filter(std::uint32_t a, std::uint32_t b) {
+  const std::int32_t answer = limber_filter(a, b);
+  if (answer != 0 && answer != 1) throw FilterHasThrown{};
+  return answer == 1;
 }
 
 void give_bytes(const void* first, std::size_t bytes) {

@@ -11,6 +11,7 @@
 #include "limber/base.h"
 #include "limber/distance.h"
 #include "limber/math.h"
+#include "limber/mesh.h"
 #include "limber/model.h"
 
 /// What web/limber3d, the JavaScript half of the package, calls and reads. Whatever is declared here is private to the
@@ -34,7 +35,7 @@ enum class PoseForm : std::uint32_t {
 /// Where JavaScript writes poses, and reads results.
 struct Exchange {
   double poses[2][16];
-  double numbers[32];
+  double numbers[64];
   std::uint32_t words[32];
 };
 extern Exchange exchange;
@@ -60,8 +61,20 @@ inline void put(double*& to, const Vec3& v) { *to++ = v.x, *to++ = v.y, *to++ = 
 /// Writes where a result begins, and how many bytes it has, to Exchange::words[0] and [1].
 void give_bytes(const void* first, std::size_t bytes);
 
+/// A mesh in input(): coordinates, then the ids of triangles.
+///
+/// Throws   BadResult, as Mesh::create().
+Mesh mesh_from(std::size_t vertex_count, bool is_float32, std::size_t triangle_count);
+/// Writes where vertices and triangles of a mesh are, and how many there are, to the first four of Exchange::words.
+void give_mesh(const Mesh& mesh);
+
 /// Thrown when a filter of JavaScript has thrown: ends the query.
 struct FilterHasThrown {};
+
+/// Asks the filter of the query under way whether a pair counts: of triangles, or of objects.
+///
+/// Throws   FilterHasThrown.
+bool ask_filter(std::uint32_t a, std::uint32_t b);
 
 /// Writes the error for what is being thrown. Pre: called by an exception handler.
 void keep_current_error();
@@ -97,6 +110,27 @@ void give_stats(const QueryStats& stats, std::size_t first);
 /// Writes how many there are of what give_bytes() has told of, to Exchange::words[2], whether they are all, to [3], and
 /// statistics to Exchange::numbers[0] and [1].
 void give_count(std::size_t count, bool is_complete, const QueryStats& stats);
+
+/// Memory for the columns of many answers.
+class Columns {
+ public:
+  /// Begins anew, with room for that many numbers, then that many ids, then that many bytes; tells where they are.
+  void begin(std::size_t number_count, std::size_t id_count, std::size_t byte_count) {
+    const std::size_t bytes = number_count * sizeof(double) + id_count * sizeof(std::uint32_t) + byte_count;
+    memory_.resize((bytes + sizeof(double) - 1) / sizeof(double));
+    number = memory_.data();
+    id = reinterpret_cast<std::uint32_t*>(number + number_count);
+    byte = reinterpret_cast<std::uint8_t*>(id + id_count);
+    give_bytes(memory_.data(), bytes);
+  }
+
+  double* number = nullptr;  ///< where the next number goes
+  std::uint32_t* id = nullptr;
+  std::uint8_t* byte = nullptr;
+
+ private:
+  std::vector<double> memory_;  // of double for the sake of alignment
+};
 
 /// Collects pairs, contacts or impacts until there are `most`; one more tells that they are not all.
 template <typename T>

@@ -15,12 +15,6 @@
 namespace limber::web {
 namespace {
 
-/// What follows those coordinates.
-template <typename T>
-const T* after_positions(std::size_t count, bool is_float32) {
-  return reinterpret_cast<const T*>(input() + 3 * count * (is_float32 ? sizeof(float) : sizeof(double)));
-}
-
 // Stands for ModelOptions::automatic.
 constexpr double automatic = -1;
 
@@ -28,14 +22,7 @@ void put_sphere(double*& to, const Sphere& sphere) { put(to, sphere.center), *to
 
 std::vector<double> spheres;  // of the last call of node_spheres()
 std::optional<MeshFile> last_file;
-
-/// Counts of vertices and triangles, and where they are.
-void give_mesh(const Mesh& mesh) {
-  exchange.words[0] = address_of(mesh.positions().data());
-  exchange.words[1] = static_cast<std::uint32_t>(mesh.positions().size());
-  exchange.words[2] = address_of(mesh.triangles().data());
-  exchange.words[3] = static_cast<std::uint32_t>(mesh.triangles().size());
-}
+std::optional<WeldedMesh> last_welded;
 
 }  // namespace
 
@@ -45,12 +32,7 @@ Model* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle
                  bool rebuilds, double rebuild_budget_us, bool preallocate) {
   Model* model = nullptr;
   guarded([&] {
-    std::vector<Corners> triangles(triangle_count);
-    if (triangle_count > 0) {
-      std::memcpy(triangles.data(), after_positions<Corners>(vertex_count, is_float32),
-                  triangle_count * sizeof(Corners));
-    }
-    Mesh mesh = Mesh::create(positions_from(vertex_count, is_float32), std::move(triangles)).value();
+    Mesh mesh = mesh_from(vertex_count, is_float32, triangle_count);
     const ModelOptions options{
         .motion_margin = motion_margin,
         .rebuild_policy = rebuilds ? RebuildPolicy::in_commit : RebuildPolicy::off,
@@ -66,7 +48,8 @@ LIMBER_EXPORT(deleteModel) void delete_model(Model* model) { delete model; }
 /// Positions in input(), then ids.
 LIMBER_EXPORT(moveVertices) bool move_vertices(Model* model, std::size_t count, bool is_float32) {
   return guarded([&] {
-    const std::span ids(after_positions<VertexId>(count, is_float32), count);
+    const std::byte* const after_positions = input() + 3 * count * (is_float32 ? sizeof(float) : sizeof(double));
+    const std::span ids(reinterpret_cast<const VertexId*>(after_positions), count);
     model->move_vertices(ids, positions_from(count, is_float32)).value();
   });
 }
@@ -138,6 +121,19 @@ LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const Model* model) {
                              stats.rebuild_us};
   std::memcpy(exchange.numbers, numbers, sizeof(numbers));
 }
+
+/// Welds the mesh in input(). Gives places and counts of vertices and triangles, and the place of the welded vertex of
+/// each; they stay until forgetWelded().
+LIMBER_EXPORT(weld)
+bool exported_weld(std::size_t vertex_count, bool is_float32, std::size_t triangle_count) {
+  return guarded([&] {
+    last_welded = weld(mesh_from(vertex_count, is_float32, triangle_count));
+    give_mesh(last_welded->mesh);
+    exchange.words[4] = address_of(last_welded->vertices.welded_of.data());
+  });
+}
+
+LIMBER_EXPORT(forgetWelded) void forget_welded() { last_welded.reset(); }
 
 /// Reads the mesh file in input(), whose name follows its bytes. Gives places and counts of vertices, triangles and
 /// faces; they stay until forgetMeshFile().

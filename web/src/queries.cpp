@@ -2,27 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "limber/contacts.h"
 
-#include <cstring>
 #include <limits>
 #include <vector>
 
 #include "bindings.h"
 #include "limber/distance.h"
+#include "limber/gradients.h"
 #include "limber/model.h"
 
 namespace limber::web {
 namespace {
-
-extern "C" {
-/// The filter of the query under way: 1 if a pair counts, 0 if not, and something else if the filter has thrown.
-__attribute__((import_module("limber"), import_name("filter"))) std::int32_t limber_filter(TriangleId a, TriangleId b);
-}
-
-bool ask_filter(TriangleId a, TriangleId b) {
-  const std::int32_t answer = limber_filter(a, b);
-  if (answer != 0 && answer != 1) throw FilterHasThrown{};
-  return answer == 1;
-}
 
 PairOptions options_from(bool has_filter, const NeighborRings* rings) {
   if (rings != nullptr) return {.filter = *rings};
@@ -37,43 +26,41 @@ PairOptions options_from(bool has_filter, const NeighborRings* rings, int orient
   return options;
 }
 
-ClosestPairsOptions closest_options_from(bool has_filter, const NeighborRings* rings, int oriented_faces) {
+ClosestPairsOptions closest_options_from(double max_distance, bool has_filter, const NeighborRings* rings,
+                                         int oriented_faces) {
   const PairOptions options = options_from(has_filter, rings, oriented_faces);
-  return {.filter = options.filter, .oriented_faces = options.oriented_faces};
+  return {.max_distance = max_distance, .filter = options.filter, .oriented_faces = options.oriented_faces};
 }
 
 std::vector<TrianglePair> pairs;
 std::vector<Contact> contacts_found;
-std::vector<double> columns;
+Columns columns;
 
 void give_pairs(const PairCount& count) {
   give_bytes(pairs.data(), pairs.size() * sizeof(TrianglePair));
   give_count(pairs.size(), count.is_complete, count.stats);
 }
 
-/// One column after the other: distances, depths, points of a, points of b, normals; then, in 32 bits, triangles of a
-/// and of b; then, in 8 bits, kind and index of the features of a and of b, contact by contact, and the normals' sides.
+/// One column after the other: distances, depths, points of a, points of b, normals, weights of a, weights of b; then,
+/// in 32 bits, triangles of a and of b; then, in 8 bits, kind and index of the features of a and of b, contact by
+/// contact, and the normals' sides.
 void give_contacts(const PairCount& count) {
   const std::size_t n = contacts_found.size();
-  const std::size_t bytes = n * (11 * sizeof(double) + 2 * sizeof(TriangleId) + 5);
-  columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
-  double* to = columns.data();
-  for (const Contact& c : contacts_found) *to++ = c.distance;
-  for (const Contact& c : contacts_found) *to++ = c.depth;
-  for (const Contact& c : contacts_found) put(to, c.point_a);
-  for (const Contact& c : contacts_found) put(to, c.point_b);
-  for (const Contact& c : contacts_found) put(to, c.normal);
-  auto* id = reinterpret_cast<TriangleId*>(to);
-  for (const Contact& c : contacts_found) *id++ = c.triangle_a;
-  for (const Contact& c : contacts_found) *id++ = c.triangle_b;
-  auto* byte = reinterpret_cast<std::uint8_t*>(id);
+  columns.begin(17 * n, 2 * n, 5 * n);
+  for (const Contact& c : contacts_found) *columns.number++ = c.distance;
+  for (const Contact& c : contacts_found) *columns.number++ = c.depth;
+  for (const auto part :
+       {&Contact::point_a, &Contact::point_b, &Contact::normal, &Contact::weights_a, &Contact::weights_b}) {
+    for (const Contact& c : contacts_found) put(columns.number, c.*part);
+  }
+  for (const Contact& c : contacts_found) *columns.id++ = c.triangle_a;
+  for (const Contact& c : contacts_found) *columns.id++ = c.triangle_b;
   for (const Contact& c : contacts_found) {
     for (const Feature& feature : {c.feature_a, c.feature_b}) {
-      *byte++ = static_cast<std::uint8_t>(feature.kind), *byte++ = feature.index;
+      *columns.byte++ = static_cast<std::uint8_t>(feature.kind), *columns.byte++ = feature.index;
     }
   }
-  for (const Contact& c : contacts_found) *byte++ = static_cast<std::uint8_t>(c.normal_side);
-  give_bytes(columns.data(), bytes);
+  for (const Contact& c : contacts_found) *columns.byte++ = static_cast<std::uint8_t>(c.normal_side);
   give_count(n, count.is_complete, count.stats);
 }
 
@@ -160,12 +147,26 @@ bool exported_contacts(const Model* a, PoseForm pose_a, const Model* b, PoseForm
 
 LIMBER_EXPORT(closestPairs)
 bool exported_closest_pairs(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, double count,
-                            bool has_filter, int oriented_faces) {
+                            double max_distance, bool has_filter, int oriented_faces) {
   return guarded([&] {
     const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
-    give_closest(count, triangles_of(*a) * triangles_of(*b), [&](std::span<Contact> closest) {
-      return closest_pairs(placed_a, placed_b, closest, closest_options_from(has_filter, nullptr, oriented_faces));
-    });
+    const ClosestPairsOptions options = closest_options_from(max_distance, has_filter, nullptr, oriented_faces);
+    give_closest(count, triangles_of(*a) * triangles_of(*b),
+                 [&](std::span<Contact> closest) { return closest_pairs(placed_a, placed_b, closest, options); });
+  });
+}
+
+/// The contact of two triangles, one of each model, as the only one of many.
+LIMBER_EXPORT(contactOf)
+bool exported_contact_of(const Model* a, PoseForm pose_a, const Model* b, PoseForm pose_b, TriangleId triangle_a,
+                         TriangleId triangle_b) {
+  return guarded([&] {
+    const Placed placed_a(*a, pose_from(pose_a, 0, "poseA")), placed_b(*b, pose_from(pose_b, 1, "poseB"));
+    Contact contact;
+    contact.triangle_a = triangle_a, contact.triangle_b = triangle_b;
+    static_cast<TriangleContact&>(contact) = contact_of(placed_a, placed_b, {{}, {}, triangle_a, triangle_b});
+    contacts_found.assign(1, contact);
+    give_contacts({});
   });
 }
 
@@ -201,12 +202,12 @@ bool exported_self_contacts(const Model* model, double margin, double most, bool
 }
 
 LIMBER_EXPORT(selfClosestPairs)
-bool exported_self_closest_pairs(const Model* model, double count, bool has_filter, const NeighborRings* rings,
-                                 int oriented_faces) {
+bool exported_self_closest_pairs(const Model* model, double count, double max_distance, bool has_filter,
+                                 const NeighborRings* rings, int oriented_faces) {
   return guarded([&] {
-    give_closest(count, triangles_of(*model) * triangles_of(*model), [&](std::span<Contact> closest) {
-      return self_closest_pairs(*model, closest, closest_options_from(has_filter, rings, oriented_faces));
-    });
+    const ClosestPairsOptions options = closest_options_from(max_distance, has_filter, rings, oriented_faces);
+    give_closest(count, triangles_of(*model) * triangles_of(*model),
+                 [&](std::span<Contact> closest) { return self_closest_pairs(*model, closest, options); });
   });
 }
 

@@ -3,178 +3,28 @@
 
 // Writes what is asked of the native library and what it answers, for answers.test.js to ask WebAssembly the same: a
 // line of JSON for each call, with the names of the JavaScript package. Decimals give back the bits of the numbers.
-#include <cmath>
+#include <array>
 #include <deque>
 #include <fstream>
 #include <iostream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "limber/contacts.h"
-#include "limber/distance.h"
+#include "json_of.h"
 #include "limber/elements.h"
-#include "limber/io.h"
-#include "limber/model.h"
-#include "limber/motion.h"
-#include "limber/path.h"
-#include "limber/points.h"
+#include "limber/limber.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"
 
 namespace {
 
 using namespace limber;
-using nlohmann::json;
+using namespace limber::web;
 using scenes::Rng;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-
-/// JSON has no number for infinity, so a text stands for it.
-json of(double x) { return std::isfinite(x) ? json(x) : json("Infinity"); }
-json of(const Vec3& v) { return {v.x, v.y, v.z}; }
-json of(const Transform& pose) { return matrix_of(pose, MatrixOrder::column_major); }
-json of(const QueryStats& stats) { return {{"nodeTests", stats.node_tests}, {"triangleTests", stats.triangle_tests}}; }
-
-template <typename Enum, std::size_t count>
-const char* name_in(const char* const (&names)[count], Enum value) {
-  return names[static_cast<std::size_t>(value)];
-}
-
-json of(StoppedBy stopped_by) { return name_in({"nothing", "deadline", "maxSteps"}, stopped_by); }
-
-json of(const std::optional<Witness>& w) {
-  if (!w) return nullptr;
-  return {{"pointA", of(w->point_a)},
-          {"pointB", of(w->point_b)},
-          {"triangleA", w->triangle_a},
-          {"triangleB", w->triangle_b}};
-}
-
-json of(const DistanceResult& r) {
-  return {{"lower", of(r.lower)},
-          {"upper", of(r.upper)},
-          {"status", name_in({"exact", "withinError", "collision", "beyondLimit", "interrupted"}, r.status)},
-          {"stoppedBy", of(r.stopped_by)},
-          {"witness", of(r.witness)},
-          {"stats", of(r.stats)}};
-}
-
-json of(const CollideResult& r) {
-  return {{"answer", name_in({"no", "yes", "unknown"}, r.answer)},
-          {"stoppedBy", of(r.stopped_by)},
-          {"witness", of(r.witness)},
-          {"stats", of(r.stats)}};
-}
-
-json of(const Feature& feature) {
-  return {{"kind", name_in({"vertex", "edge", "face"}, feature.kind)}, {"index", feature.index}};
-}
-
-json of(const Contact& c) {
-  return {{"distance", of(c.distance)},  {"depth", of(c.depth)},
-          {"pointA", of(c.point_a)},     {"pointB", of(c.point_b)},
-          {"normal", of(c.normal)},      {"triangleA", c.triangle_a},
-          {"triangleB", c.triangle_b},   {"featureA", of(c.feature_a)},
-          {"featureB", of(c.feature_b)}, {"normalSide", name_in({"unknown", "outward", "inward"}, c.normal_side)}};
-}
-
-json of(ImpactStatus status) { return name_in({"clear", "contact", "initialContact", "undecided"}, status); }
-
-json of(const ElementPair& pair) {
-  return {{"kind", name_in({"vertexFace", "faceVertex", "edgeEdge"}, pair.kind)}, {"a", pair.a}, {"b", pair.b}};
-}
-
-json of(const ElementImpact& impact) {
-  return {{"status", of(impact.status)}, {"lower", of(impact.lower)}, {"upper", of(impact.upper)}};
-}
-
-json of(const Impact& impact) {
-  json described = of(impact.time);
-  described["elements"] = of(impact.elements);
-  return described;
-}
-
-json of(const ImpactResult& r) {
-  return {{"status", of(r.status)},        {"lower", of(r.lower)},
-          {"upper", of(r.upper)},          {"elements", r.elements ? of(*r.elements) : json(nullptr)},
-          {"witness", of(r.witness)},      {"normal", of(r.normal)},
-          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}};
-}
-
-json of(const PathImpact& r) {
-  return {{"status", of(r.status)},        {"time", of(r.time)},
-          {"witness", of(r.witness)},      {"distances", r.distances},
-          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}};
-}
-
-json of(const PathDistance& r) {
-  return {{"lower", of(r.lower)},     {"upper", of(r.upper)},     {"time", of(r.time)},
-          {"witness", of(r.witness)}, {"distances", r.distances}, {"stoppedBy", of(r.stopped_by)},
-          {"stats", of(r.stats)}};
-}
-
-json of(const std::optional<SurfacePoint>& closest, bool is_inside) {
-  if (!closest) return {{"closest", nullptr}, {"isInside", is_inside}, {"distance", of(infinity)}};
-  const json point{{"distance", of(closest->distance)},
-                   {"position", of(closest->position)},
-                   {"triangle", closest->triangle},
-                   {"barycentric", closest->barycentric},
-                   {"feature", of(closest->feature)}};
-  const double distance = is_inside ? -closest->distance : closest->distance;
-  return {{"closest", point}, {"isInside", is_inside}, {"distance", of(distance)}};
-}
-
-json of(const Error& error) {
-  const char* const code =
-      name_in({"emptyMesh", "nonFinite", "tooLarge", "indexOutOfRange", "sizeMismatch", "notRigid", "unreadableFile",
-               "malformedFile", "unsupportedFormat", "changedConnectivity", "brokenInvariant", "notClosed"},
-              error.code);
-  json described{{"code", code}, {"message", error.text}};
-  if (error.where) described["where"] = *error.where;
-  return {{"error", described}};
-}
-
-/// What is there for each of several things.
-template <typename T>
-json each(const std::vector<T>& values) {
-  json list = json::array();
-  for (const T& value : values) list.push_back(of(value));
-  return list;
-}
-
-/// Positions as float32 has them, if it is to hold them.
-std::vector<Vec3> rounded(std::vector<Vec3> positions, bool is_float32) {
-  if (!is_float32) return positions;
-  std::vector<float> numbers;
-  for (const Vec3& p : positions) {
-    for (std::size_t axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(p[axis]));
-  }
-  PositionsView::packed(numbers).copy_to(positions);
-  return positions;
-}
-
-/// The numbers of points, one after the other, as an array of JavaScript of that type. A NaN is null.
-json numbers_of(std::span<const Vec3> points, bool is_float32 = false) {
-  json numbers = json::array();
-  for (const Vec3& p : points) {
-    for (std::size_t axis = 0; axis < 3; ++axis) numbers.push_back(p[axis]);
-  }
-  return {{is_float32 ? "Float32Array" : "Float64Array", numbers}};
-}
-
-/// The ids of triangles, pairs, ... one after the other.
-template <typename T>
-json ids_of(const T& values) {
-  json ids = json::array();
-  for (const auto& several : values) {
-    for (const std::uint32_t id : several) ids.push_back(id);
-  }
-  return ids;
-}
 
 /// How a query is asked beyond its models.
 struct Asked {
@@ -240,11 +90,13 @@ class Recorder {
     const PairCount count = visit_intersections(models_[a], {models_[b], pose}, keep);
     write("intersections", {a, b}, {}, options_of(pose), pairs_of(found, count));
   }
-  void closest_pairs(std::size_t a, std::size_t b, const Transform& pose, std::size_t most) {
+  void closest_pairs(std::size_t a, std::size_t b, const Transform& pose, std::size_t most, double max_distance) {
     std::vector<Contact> found(most);
-    const PairCount count = limber::closest_pairs(models_[a], {models_[b], pose}, found);
+    const PairCount count =
+        limber::closest_pairs(models_[a], {models_[b], pose}, found, {.max_distance = max_distance});
     found.resize(count.count);
-    write("closestPairs", {a, b}, {most}, options_of(pose), contacts_of(found, count));
+    json given{{"poseB", of(pose)}, {"maxDistance", of(max_distance)}};
+    write("closestPairs", {a, b}, {most}, given, contacts_of(found, count));
   }
 
   /// All questions about a model and itself.
@@ -282,6 +134,111 @@ class Recorder {
     json answer = json::array();
     for (const SignedDistance& result : results) answer.push_back(of(result.closest, result.is_inside));
     write("signedDistances", {m}, {numbers_of(points)}, {{"pose", of(pose)}}, answer);
+  }
+
+  /// All questions about two bodies.
+  void solids(std::size_t a, std::size_t b, const Transform& pose, const Vec3& direction, std::uint64_t max_steps) {
+    const ClosedSurface first = ClosedSurface::create(models_[a]).value();
+    const ClosedSurface second = ClosedSurface::create(models_[b]).value();
+    const Transform none;
+    json given{{"poseA", nullptr}, {"poseB", of(pose)}};
+    write("solidRelation", {a, b}, {}, given, of(solid_relation(first, none, second, pose)));
+    const QueryBudget budget{.max_steps = max_steps};
+    if (max_steps < unlimited) given["budget"] = {{"maxSteps", max_steps}};
+    write("deepestVertices", {a, b}, {}, given, of(deepest_vertices(first, none, second, pose, budget)));
+    write("separatingTranslation", {a, b}, {of(direction)}, given,
+          of(separating_translation(first, none, second, pose, direction, budget)));
+    given["relativeError"] = 0.1;
+    write("signedDistance", {a, b}, {}, given,
+          of(limber::signed_distance(first, none, second, pose, {.relative_error = 0.1, .budget = budget})));
+  }
+
+  /// The contact of the closest triangles, and all its gradients.
+  void gradients(std::size_t a, std::size_t b, const Transform& pose, const Vec3& center) {
+    const Placed placed(models_[b], pose);
+    const Witness witness = limber::distance(models_[a], placed).witness.value();
+    Contact contact;
+    contact.triangle_a = witness.triangle_a, contact.triangle_b = witness.triangle_b;
+    static_cast<TriangleContact&>(contact) = contact_of(models_[a], placed, witness);
+    const json given{{"poseA", nullptr}, {"poseB", of(pose)}}, described = of(contact);
+    write("contactOf", {a, b}, {of(std::optional(witness))}, given, described);
+    write("poseGradientA", {}, {described, of(center)}, {}, of(pose_gradient_a(contact, center)));
+    write("poseGradientB", {}, {described, of(center)}, {}, of(pose_gradient_b(contact, center)));
+    write("vertexGradientsA", {}, {described}, {}, of(vertex_gradients_a(contact)));
+    write("vertexGradientsB", {}, {described}, {}, of(vertex_gradients_b(contact)));
+  }
+
+  /// A mesh whose triangles have corners of their own, and what it is when welded.
+  void weld(const Mesh& mesh) {
+    std::vector<Vec3> positions;
+    std::vector<Corners> triangles;
+    for (const Corners& corners : mesh.triangles()) {
+      const auto first = static_cast<VertexId>(positions.size());
+      triangles.push_back({first, first + 1, first + 2});
+      for (const VertexId v : corners) positions.push_back(mesh.positions()[v]);
+    }
+    const WeldedMesh welded = limber::weld(Mesh::create(positions, triangles).value());
+    write("weld", {}, {numbers_of(positions), uint32s(ids_of(triangles))}, {},
+          {{"vertices", numbers_of(welded.mesh.positions())["Float64Array"]},
+           {"faces", ids_of(welded.mesh.triangles())},
+           {"weldedOf", welded.vertices.welded_of}});
+  }
+
+  // --- one scene ---
+
+  void add_object(std::size_t m, const Transform& pose) {
+    write("sceneAdd", {m}, {of(pose)}, {}, scene_.add({models_[m], pose}));
+  }
+  void remove_object(ObjectId id) {
+    scene_.remove(id);
+    write("sceneCall", {}, {"remove", id});
+  }
+  void commit_scene(const std::vector<ObjectId>& ids, const std::vector<Transform>& poses) {
+    scene_.set_poses(ids, poses);
+    write("sceneCall", {}, {"setPoses", uint32s(ids), matrices_of(poses)});
+    scene_.commit();
+    write("sceneCall", {}, {"commit"});
+  }
+
+  /// All questions about pairs of objects within a margin.
+  void pairs_of_scene(double margin, std::uint64_t max_steps, bool uses_cache) {
+    std::vector<ObjectPair> pairs;
+    scene_.visit_candidate_pairs(margin, [&](const ObjectPair& pair) { return pairs.push_back(pair), true; });
+    json ids = json::array();
+    for (const ObjectPair& pair : pairs) ids.push_back(pair.a), ids.push_back(pair.b);
+    write("sceneCall", {}, {"candidatePairs", margin}, {}, ids);
+    SceneCache* const cache = uses_cache ? &scene_cache_ : nullptr;
+    const QueryBudget budget{.max_steps = max_steps};
+    json given{{"sceneCache", uses_cache}};
+    if (max_steps < unlimited) given["budget"] = {{"maxSteps", max_steps}};
+    std::vector<CollideResult> answers(pairs.size());
+    scene_.collide(pairs, answers, {cache, budget});
+    write("sceneCall", {}, {"collide", uint32s(ids)}, given, each(answers));
+    scene_.within(pairs, 0.5 * margin, answers, {cache, budget});
+    write("sceneCall", {}, {"within", uint32s(ids), 0.5 * margin}, given, each(answers));
+    std::vector<DistanceResult> distances(pairs.size());
+    scene_.distance(pairs, distances, {.relative_error = 0.01, .cache = cache, .budget = budget});
+    given["relativeError"] = 0.01;
+    write("sceneCall", {}, {"distance", uint32s(ids)}, given, each(distances));
+  }
+
+  /// All questions about all pairs, but one that the matrix leaves out, and about some configurations.
+  void all_of_scene(ObjectId a, ObjectId b, const std::vector<ObjectId>& ids, const std::vector<Transform>& poses) {
+    ObjectPairMatrix counts(scene_.id_bound());
+    counts.set(a, b, false);
+    json given{{"leftOut", {a, b}}, {"sceneCache", true}};
+    write("sceneCall", {}, {"closestObjects"}, given,
+          of(scene_.closest_objects({.filter = counts, .cache = &scene_cache_})));
+    given.erase("sceneCache");
+    write("sceneCall", {}, {"anyWithin", 0.25}, given, of(scene_.any_within(0.25, {.filter = counts})));
+    const std::size_t configurations = poses.size() / ids.size();
+    std::vector<CloseObjects> close(configurations);
+    scene_.any_within_many(ids, poses, 0.25, close, {.filter = counts});
+    write("sceneCall", {}, {"anyWithinMany", uint32s(ids), matrices_of(poses), 0.25}, given, each(close));
+    std::vector<ClosestObjects> closest(configurations);
+    scene_.closest_objects_many(ids, poses, closest, {.max_distance = 2, .filter = counts});
+    given["maxDistance"] = 2;
+    write("sceneCall", {}, {"closestObjectsMany", uint32s(ids), matrices_of(poses)}, given, each(closest));
   }
 
   /// A vertex and a face, or two edges, by four points at the start and four at the end.
@@ -414,6 +371,13 @@ class Recorder {
     return given;
   }
   static json uint32s(const json& ids) { return {{"Uint32Array", ids}}; }
+  static json matrices_of(const std::vector<Transform>& poses) {
+    json numbers = json::array();
+    for (const Transform& pose : poses) {
+      for (const double x : matrix_of(pose, MatrixOrder::column_major)) numbers.push_back(x);
+    }
+    return {{"Float64Array", numbers}};
+  }
   static json contacts_of(const std::vector<Contact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"contacts", each(found)}, {"stats", of(count.stats)}};
   }
@@ -431,6 +395,8 @@ class Recorder {
   std::deque<MeshEdges> edges_;
   std::deque<MovingModel> moving_;
   std::vector<QueryCache> caches_;
+  Scene scene_;
+  SceneCache scene_cache_;
 };
 
 std::vector<Vec3> points_around(Rng& rng, std::size_t count, double size) {
@@ -458,7 +424,7 @@ void ask_of_poses(Recorder& record, std::size_t a, std::size_t b, std::size_t po
     if (i % 4 != 0) continue;
     record.intersections(a, b, pose);
     record.contacts(a, b, pose, 0.02);
-    record.closest_pairs(a, b, pose, 20);
+    record.closest_pairs(a, b, pose, 20, i % 8 == 0 ? infinity : 0.1 * distance);
   }
 }
 
@@ -520,6 +486,51 @@ void ask_of_steps(Recorder& record, const scenes::Motion& motion, std::size_t ot
     record.impacts(m, other, {.max_time = 0.1, .time_error = 1e-6});
     record.impacts(m, other, {.max_time = 0.05, .time_error = 1e-6, .min_separation = 0.001, .nearer_part = 0.5});
     record.move_all(m, motion.positions(step * (frame + 1)), frame % 2 == 0);
+  }
+}
+
+Mesh cube() {
+  std::vector<Vec3> corners(8);
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) corners[i][axis] = (i >> axis & 1) != 0 ? 1 : -1;
+  }
+  const std::vector<Corners> triangles{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return Mesh::create(corners, triangles).value();
+}
+
+/// Two bodies, apart, in each other, and flush.
+void ask_of_bodies(Recorder& record, std::size_t a, std::size_t b, double distance, Rng& rng) {
+  for (int i = 0; i < 24; ++i) {
+    const Transform pose = random_pose(rng, distance * rng.uniform());
+    record.solids(a, b, pose, points_around(rng, 1, 1)[0], i % 3 == 0 ? 1 + rng.below(40) : unlimited);
+    record.gradients(a, b, pose, points_around(rng, 1, 1)[0]);
+  }
+  for (const double shift : {0.0, 0.5, 1.0, 2.0, 3.0}) {
+    record.solids(a, a, {Mat3{}, {shift, 0, 0}}, {1, 1, 0}, unlimited);
+    record.solids(b, b, {Mat3{}, {0, 0, shift}}, {0, 0, 1}, unlimited);
+  }
+}
+
+/// Objects that move, come and go.
+void ask_of_scenes(Recorder& record, const std::vector<std::size_t>& models, Rng& rng) {
+  constexpr std::size_t count = 24;
+  std::vector<ObjectId> ids;
+  for (std::size_t i = 0; i < count; ++i) {
+    record.add_object(models[i % models.size()], random_pose(rng, 6));
+    ids.push_back(static_cast<ObjectId>(i));
+  }
+  std::vector<Transform> poses(count);
+  for (int frame = 0; frame < 12; ++frame) {
+    for (Transform& pose : poses) pose = random_pose(rng, frame % 2 == 0 ? 6 : 20);
+    if (frame % 4 == 3) {
+      record.remove_object(5);
+      record.add_object(models[static_cast<std::size_t>(frame) % models.size()], poses[5]);
+    }
+    record.commit_scene(ids, poses);
+    record.pairs_of_scene(1, frame % 3 == 1 ? 1 + rng.below(20) : unlimited, frame % 2 == 0);
+    for (Transform& pose : poses) pose = random_pose(rng, 12);
+    record.all_of_scene(static_cast<ObjectId>(frame), 20, {3, 7, 7, 11}, {poses.begin(), poses.begin() + 20});
   }
 }
 
@@ -625,6 +636,12 @@ void ask(Recorder& record) {
                 {.max_time = 0.75, .min_separation = 0.3, .distance_error = 0.01}, {.uses_cache = true});
     record.path(ball, b, start, points_around(rng, 1, 4)[0], {}, {.max_steps = 1 + rng.below(12)});
   }
+
+  const std::size_t box = record.add(cube());
+  ask_of_bodies(record, ball, box, 3, rng);
+  ask_of_scenes(record, {ball, box, soup}, rng);
+  record.weld(scenes::ball(12, 8));
+  record.weld(scenes::lattice_soup(rng, 100, 3));
 
   std::vector<Vec3> bad = positions;
   bad[77].y = std::numeric_limits<double>::quiet_NaN();

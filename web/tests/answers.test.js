@@ -25,11 +25,12 @@ function same(actual, expected, what) {
 }
 
 const models = [], caches = [], moving = [];
+let scene, sceneCache;
 
 /** An argument as it is given: typed arrays come with the name of their type, NaN as null. */
 function given(argument) {
   const [type] = Object.keys(argument ?? {});
-  const isTyped = typeof argument === "object" && type !== undefined;
+  const isTyped = typeof argument === "object" && type?.endsWith("Array");
   return isTyped ? globalThis[type].from(argument[type], (x) => x ?? NaN) : argument;
 }
 
@@ -37,6 +38,10 @@ function given(argument) {
 function said(result) {
   if (result instanceof limber.Contacts) return { ...result, contacts: [...result] };
   if (result instanceof limber.Impacts) return { ...result, impacts: [...result] };
+  if (result instanceof limber.CollideResults || result instanceof limber.DistanceResults) {
+    if (result.objects.length === 0) return [...result];
+    return [...result].map((one, i) => ({ objects: result.objectsAt(i), result: one }));
+  }
   if (!(result instanceof limber.SurfacePoints)) return result;
   return Array.from({ length: result.count }, (_, i) => ({
     closest: result.at(i),
@@ -60,6 +65,23 @@ const calls = {
     surface.dispose();
     return found;
   },
+  sceneAdd(model, pose) {
+    scene ??= new limber.Scene();
+    sceneCache ??= new limber.SceneCache();
+    return scene.add(model, pose);
+  },
+  sceneCall(_, name, ...args) {
+    const options = args.pop(), { sceneCache: usesCache, leftOut, ...others } = options;
+    if (usesCache) others.cache = sceneCache;
+    if (leftOut) {
+      others.filter = new limber.ObjectPairMatrix(scene.idBound);
+      others.filter.set(...leftOut, false);
+    }
+    const hasOptions = Object.keys(others).length > 0;
+    const result = hasOptions ? scene[name](...args, others) : scene[name](...args);
+    others.filter?.dispose();
+    return result;
+  },
   edges: (model) => model.edges(),
   setMotion: (model, ...args) => model.setMotion(...args),
   tree(model) {
@@ -69,7 +91,10 @@ const calls = {
   },
 };
 
-const withOptions = ["signedDistances", "setMotion"];
+const withOptions = ["signedDistances", "setMotion", "sceneCall"];
+const ofSurfaces = ["solidRelation", "deepestVertices", "separatingTranslation", "signedDistance"];
+const ofContacts = ["poseGradientA", "poseGradientB", "vertexGradientsA", "vertexGradientsB"];
+const withoutOptions = [...ofContacts, "weld", "readMeshBytes"];
 const ofMotion = ["edges", "setMotion", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts"];
 const functions = { ...limber, pathImpact: limber.timeOfImpact };
 
@@ -81,8 +106,10 @@ function ask({ call, of, args, options }) {
   if (edges !== undefined) others.filter = new limber.NeighborRings(asked[0], edges);
   if (motions) [others.motionA, others.motionB] = motions.map((poses) => new limber.RigidMotion(...poses));
   if (call in calls) return calls[call](asked[0], ...args.map(given), ...(withOptions.includes(call) ? [others] : []));
-  const result = functions[call](...asked, ...args.map(given), others);
-  for (const used of [others.filter, others.motionA, others.motionB]) used?.dispose();
+  const bodies = ofSurfaces.includes(call) ? asked.map((model) => new limber.ClosedSurface(model)) : [];
+  const last = withoutOptions.includes(call) ? [] : [others];
+  const result = functions[call](...(bodies.length > 0 ? bodies : asked), ...args.map(given), ...last);
+  for (const used of [others.filter, others.motionA, others.motionB, ...bodies]) used?.dispose();
   return result;
 }
 
@@ -110,7 +137,7 @@ test("every answer has the bits of the native library's", async () => {
   const names = ["distance", "collide", "within", "contacts", "intersections", "closestPairs", "selfCollide",
     "selfDistance", "selfContacts", "selfIntersections", "selfClosestPairs", "closestPoints", "readMeshBytes",
     "vertexFaceImpact", "edgeEdgeImpact", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts", "pathImpact",
-    "leastDistance"];
+    "leastDistance", "contactOf", ...ofSurfaces, ...withoutOptions];
   for (const name of [...names, ...Object.keys(calls)]) assert.ok(counts[name] > 0, `nothing was asked of ${name}`);
   console.log(counts);
 });

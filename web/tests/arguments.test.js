@@ -19,16 +19,27 @@ function staying(model) {
 }
 
 test("options that do not exist are refused with those that do", () => {
-  const a = tetrahedron(), surface = new limber.ClosedSurface(a), moving = staying(a);
+  const a = tetrahedron(), surface = new limber.ClosedSurface(a), moving = staying(a), scene = new limber.Scene();
   const calls = {
     "poseA, poseB, relativeError, absoluteError, maxDistance, budget, cache": [(o) => limber.distance(a, a, o)],
     "poseA, poseB, budget, cache": [(o) => limber.collide(a, a, o), (o) => limber.within(a, a, 1, o)],
     "poseA, poseB, filter, maxCount": [(o) => limber.intersections(a, a, o), (o) => limber.contacts(a, a, 1, o)],
-    "poseA, poseB, filter": [(o) => limber.closestPairs(a, a, 1, o)],
+    "poseA, poseB, filter, maxDistance": [(o) => limber.closestPairs(a, a, 1, o)],
     "filter, cache": [(o) => limber.selfCollide(a, o)],
     "relativeError, absoluteError, maxDistance, filter, cache": [(o) => limber.selfDistance(a, o)],
     "filter, maxCount": [(o) => limber.selfIntersections(a, o), (o) => limber.selfContacts(a, 1, o)],
-    "filter": [(o) => limber.selfClosestPairs(a, 1, o)],
+    "filter, maxDistance": [(o) => limber.selfClosestPairs(a, 1, o)],
+    "poseA, poseB": [(o) => limber.solidRelation(surface, surface, o)],
+    "poseA, poseB, budget": [
+      (o) => limber.deepestVertices(surface, surface, o),
+      (o) => limber.separatingTranslation(surface, surface, [1, 0, 0], o),
+    ],
+    "poseA, poseB, relativeError, budget": [(o) => limber.signedDistance(surface, surface, o)],
+    "budget, cache": [(o) => scene.collide([], o), (o) => scene.within([], 1, o)],
+    "relativeError, absoluteError, maxDistance, budget, cache": [(o) => scene.distance([], o)],
+    "relativeError, absoluteError, maxDistance, filter, budget, cache": [(o) => scene.closestObjects(o)],
+    "relativeError, absoluteError, maxDistance, filter, budget": [(o) => scene.closestObjectsMany([0], [], o)],
+    "filter, budget": [(o) => scene.anyWithin(1, o), (o) => scene.anyWithinMany([0], [], 1, o)],
     "pose, maxDistance": [
       (o) => limber.closestPoint(a, [0, 0, 0], o),
       (o) => limber.closestPoints(a, [0, 0, 0], o),
@@ -258,6 +269,23 @@ test("what is read may dispose of the arguments, which is then noticed", () => {
   disposing((a, free) => limber.selfImpacts(staying(a), reading({ maxCount: 5 }, free)));
   disposing((a, free, cache) => limber.leastDistance(b, b, reading({ cache, maxTime: 1 }, free)));
   disposing((a, free) => limber.timeOfImpact(b, a, { budget: reading({ maxSteps: 5 }, free) }));
+  disposing((a, free) => limber.contactOf(a, b, reading({ triangleA: 0, triangleB: 0 }, free)));
+  const solid = new limber.ClosedSurface(b);
+  const solidOf = (model) => new limber.ClosedSurface(model);
+  disposing((a, free) => limber.signedDistance(solid, solidOf(a), reading({ relativeError: 1 }, free)));
+  disposing((a, free) => limber.solidRelation(solidOf(a), solid, { poseB: reading(still, free) }));
+  const sceneOf = (model) => {
+    const scene = new limber.Scene();
+    for (const one of [model, b]) scene.add(one);
+    scene.commit();
+    return scene;
+  };
+  disposing((a, free) => sceneOf(b).add(a, reading(still, free)));
+  disposing((a, free) => sceneOf(a).setPose(1, reading(still, free)));
+  disposing((a, free) => sceneOf(a).setPoses(arrayReading([0], free), matrix));
+  disposing((a, free) => sceneOf(a).distance(arrayReading([0, 1], free), {}));
+  disposing((a, free) => sceneOf(a).closestObjects(reading({ relativeError: 0, filter: () => true }, free)));
+  disposing((a, free) => sceneOf(a).anyWithinMany([0], arrayReading(matrix, free), 1));
   disposing((a, free) => a.moveAll(arrayReading(corners, free)));
   disposing((a, free) => a.moveVertices(arrayReading([0], free), [0, 0, 0]));
   refuses(() => limber.within(b, b, zero), "invalidArgument", "maxDistance");

@@ -8,7 +8,7 @@ import { setFlagsFromString } from "node:v8";
 import { runInNewContext } from "node:vm";
 import { engine } from "../limber3d/wasm.js";
 import * as limber from "limber3d";
-import { grid } from "./support.js";
+import { grid, tetrahedron } from "./support.js";
 
 before(() => limber.init());
 
@@ -93,6 +93,30 @@ test("disposed objects leave nothing behind", () => {
   });
 });
 
+test("calls about bodies and scenes take no memory", () => {
+  const [vertices, faces] = roughSheet(6);
+  const model = new limber.Model(vertices, faces), ball = tetrahedron(), surface = new limber.ClosedSurface(ball);
+  const poseB = { translation: [0.2, 0.1, 0.3] };
+  staysFlat(2000, () => limber.solidRelation(surface, surface, { poseB }));
+  staysFlat(500, () => limber.signedDistance(surface, surface, { poseB }));
+  staysFlat(2000, () => limber.weld(vertices, faces));
+  const scene = new limber.Scene(), cache = new limber.SceneCache();
+  for (let i = 0; i < 6; ++i) scene.add(i % 2 === 0 ? model : ball, { translation: [0.5 * i, 0, 0] });
+  const poses = Array.from({ length: 16 }, (_, i) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, i / 4, 0, 0, 1]).flat();
+  staysFlat(2000, (i) => {
+    scene.setPose(2, { translation: [Math.sin(i), 0, 0.5] });
+    scene.commit();
+    scene.distance(scene.candidatePairs(0.5), { cache });
+    scene.closestObjects({ filter: (a, b) => b - a > 1 });
+    scene.anyWithinMany([1, 4], poses, 0.1);
+  });
+  staysFlat(5000, () => {
+    const passing = new limber.Scene(), matrix = new limber.ObjectPairMatrix(500);
+    passing.add(model);
+    passing.dispose(), matrix.dispose();
+  });
+});
+
 test("what is no longer reachable is freed", async () => {
   setFlagsFromString("--expose-gc");
   const collectGarbage = runInNewContext("gc");
@@ -119,6 +143,20 @@ test("a moving model keeps its model", async () => {
   for (let i = 0; i < 5; ++i) new limber.Model(vertices.map((x) => x + i), faces);  // would be where it was
   assert.equal(limber.selfTimeOfImpact(moving).status, status);
   assert.deepEqual(moving.model.vertices(), Float64Array.from(vertices));
+});
+
+test("a scene keeps its models", async () => {
+  setFlagsFromString("--expose-gc");
+  const collectGarbage = runInNewContext("gc");
+  const [vertices, faces] = roughSheet(20), scene = new limber.Scene();
+  for (let i = 0; i < 2; ++i) scene.add(new limber.Model(vertices, faces), { translation: [0, 0, 9 * i] });
+  scene.commit();
+  const { upper } = scene.closestObjects().result;
+  collectGarbage();
+  await new Promise((resolve) => setTimeout(resolve, 5));
+  for (let i = 0; i < 5; ++i) new limber.Model(vertices.map((x) => x + i), faces);  // would be where they were
+  assert.equal(scene.closestObjects().result.upper, upper);
+  assert.deepEqual(scene.model(1).vertices(), Float64Array.from(vertices));
 });
 
 test("too much memory is an error, and the engine goes on", () => {

@@ -47,6 +47,18 @@ const nearest: PathDistance = limber.leastDistance(a, b, { motionA, distanceErro
 const placed: Pose = motionA.at(0.5);
 const crossed: ElementImpact = limber.edgeEdgeImpact(new Float64Array(12), new Float64Array(12), { minSeparation: 1 });
 
+const surface = new limber.ClosedSurface(a);
+const relation: limber.SolidRelation = limber.solidRelation(surface, surface, { poseB: poses[0] }).relation;
+const body: limber.SolidDistance = limber.signedDistance(surface, surface, { relativeError: 0.1, budget: {} });
+const deepest: number | undefined = body.deepest.ofA?.closest.triangle;
+const moment: Point = limber.poseGradientB(limber.contactOf(a, b, near.witness!), vector3).moment;
+const weldedOf: Uint32Array = limber.weld(vertices, faces).weldedOf;
+const scene = new limber.Scene(), counts = new limber.ObjectPairMatrix(2), sceneCache = new limber.SceneCache();
+const id: number = scene.add(a, poses[0]);
+const uppers: Float64Array = scene.distance(scene.candidatePairs(1), { relativeError: 0.1, cache: sceneCache }).upper;
+const pair: [number, number] | null = scene.closestObjects({ filter: counts, cache: sceneCache }).objects;
+const close: CollideResult[] = [...scene.anyWithinMany([id], new Float64Array(32), 0, { filter: (m, n) => m < n })];
+
 // @ts-expect-error vertices are numbers
 new limber.Model("vertices", faces);
 // @ts-expect-error there is no worker
@@ -70,8 +82,12 @@ const wrong: ErrorCode = "not_rigid";
 limber.timeOfImpact(a, moving);
 // @ts-expect-error moving models have no motion but their own
 limber.timeOfImpact(moving, moving, { motionA });
+// @ts-expect-error surfaces, not models
+limber.solidRelation(a, b);
+// @ts-expect-error rings are of triangles
+scene.closestObjects({ filter: rings });
 // @ts-expect-error nothing may touch
 touching.elements.kind;
 
-export { code, crossed, depth, edges, element, file, found, ids, impacts, inside, isWithin, maybe, meets, nearest,
-  onPath, placed, point, soon, spheres, started, wrong };
+export { close, code, crossed, deepest, depth, edges, element, file, found, ids, impacts, inside, isWithin, maybe,
+  meets, moment, nearest, onPath, pair, placed, point, relation, soon, spheres, started, uppers, weldedOf, wrong };

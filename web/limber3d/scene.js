@@ -1,0 +1,321 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Many placed models: the pairs of them that may be close, and queries of many pairs and of many configurations.
+
+import { checkNames, idsOf, numberOf } from "./arrays.js";
+import { invalid } from "./errors.js";
+import { addressOf } from "./model.js";
+import { poseOf, writePose } from "./poses.js";
+import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
+import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
+import { CollideResults, DistanceResults } from "./scene_results.js";
+import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writeIds, writeInput } from "./wasm.js";
+/** @import { Ids, Point } from "./arrays.js" */
+/** @import { Model } from "./model.js" */
+/** @import { Pose } from "./poses.js" */
+/** @import { CollideResult, DistanceResult, ErrorOptions, QueryBudget } from "./queries.js" */
+/** @import { Matrices, ObjectPairOptions, SceneCache } from "./scene_options.js" */
+
+/**
+ * @typedef {object} SceneQueryOptions
+ * @property {QueryBudget} [budget] The deadline is that of the whole call, a number of steps that of each pair.
+ * @property {SceneCache} [cache] what the last frame has found, to start from
+ */
+
+/**
+ * The two objects of a scene that are closest to each other.
+ *
+ * @typedef {object} ClosestObjects
+ * @property {[a: number, b: number] | null} objects none exactly when the result has no witness
+ * @property {DistanceResult} result of a and b, in this order
+ */
+
+/**
+ * Two objects of a scene that are within a distance.
+ *
+ * @typedef {object} CloseObjects
+ * @property {[a: number, b: number] | null} objects there exactly when the answer is "yes"
+ * @property {CollideResult} result whether there are two such objects; the witness is of a and b, in this order
+ */
+
+/** The two objects of the last result. @returns {[a: number, b: number] | null} */
+const objects = () => (word(4) === 0xffffffff ? null : [word(4), word(5)]);
+
+/**
+ * Many models, each with a pose. Objects are added, moved and removed one by one; commit() takes over where they are,
+ * and reads the bounds of models that have been committed or rebuilt since the last time. After that the scene may be
+ * queried.
+ *
+ * A scene keeps its models from being collected, but not from being disposed of: it may not be used while it has an
+ * object of a disposed model, but to remove that. Any number of objects may share a model. Wrong ids are an
+ * invalidArgument; after an error the scene is as before the call.
+ */
+export class Scene extends Owner {
+  /** By id. @type {Map<number, Model>} */
+  #models = new Map();
+
+  constructor() {
+    super(engine().newScene(), "deleteScene");
+  }
+
+  /**
+   * Where the scene is in the module's memory, unless one of its models has been disposed of.
+   *
+   * @returns {number}
+   */
+  #address() {
+    for (const [id, model] of this.#models) addressOf(model, `the model of object ${id}`);
+    return Owner.addressOf(this, "scene");
+  }
+
+  /**
+   * Adds an object, and returns its id: the one that was freed last, otherwise the next number after all others. Throws
+   * invalidArgument unless the model is committed; notRigid.
+   *
+   * @param {Model} model
+   * @param {Pose | null} [pose]
+   */
+  add(model, pose) {
+    const read = poseOf(pose, "pose");
+    const scene = this.#address(), address = addressOf(model), form = writePose(read, 0);
+    check(engine().sceneAdd(scene, address, form));
+    const id = word(0);
+    this.#models.set(id, model);
+    return id;
+  }
+
+  /** Takes an object out. @param {number} id */
+  remove(id) {
+    check(engine().sceneRemove(Owner.addressOf(this, "scene"), idOf(id, "id")));
+    this.#models.delete(id);
+  }
+
+  /**
+   * Places an object elsewhere. Throws notRigid.
+   *
+   * @param {number} id
+   * @param {Pose | null} pose
+   */
+  setPose(id, pose) {
+    const read = poseOf(pose, "pose"), object = idOf(id, "id");
+    const scene = this.#address(), form = writePose(read, 0);
+    check(engine().sceneSetPose(scene, object, form));
+  }
+
+  /**
+   * Places object ids[i] at the i-th of the poses; later entries win where an id is repeated. If one entry is bad, no
+   * object is moved. Throws sizeMismatch; notRigid with the entry's index.
+   *
+   * @param {Ids} ids
+   * @param {Matrices} poses
+   */
+  setPoses(ids, poses) {
+    const list = idsOf(ids, "ids"), matrices = matricesOf(poses, list.length, true);
+    const scene = this.#address();
+    writeInput(matrices, list);
+    check(engine().sceneSetPoses(scene, list.length));
+  }
+
+  /**
+   * Prepares the scene for queries. Throws invalidArgument unless all models of the scene are committed. Cost: O(n),
+   * and O(n log n) where objects lie in clusters within clusters.
+   */
+  commit() {
+    check(engine().sceneCommit(this.#address()));
+  }
+
+  /** Whether nothing has changed since the last commit(), neither objects nor their models. */
+  get isCommitted() {
+    return engine().sceneIsCommitted(this.#address()) !== 0;
+  }
+
+  /** How many objects there are. */
+  get size() {
+    return engine().sceneSize(Owner.addressOf(this, "scene")) >>> 0;
+  }
+
+  /** All ids are less than this. */
+  get idBound() {
+    return engine().sceneIdBound(Owner.addressOf(this, "scene")) >>> 0;
+  }
+
+  /** Whether that is the id of an object. @param {number} id */
+  has(id) {
+    Owner.addressOf(this, "scene");
+    return this.#models.has(id);
+  }
+
+  /** The model of an object. @param {number} id @returns {Model} */
+  model(id) {
+    const model = this.#models.get(id);
+    if (model === undefined) throw invalid("id names no object of the scene");
+    return model;
+  }
+
+  /** The pose of an object: 16 numbers of a matrix, column by column. @param {number} id @returns {number[]} */
+  pose(id) {
+    check(engine().scenePose(this.#address(), idOf(id, "id")));
+    return Array.from({ length: 16 }, (_, i) => number(i));
+  }
+
+  /**
+   * A box along the axes of the world that contains the object where it was at the last commit.
+   *
+   * @param {number} id
+   * @returns {{ low: Point, high: Point }}
+   */
+  boundingBox(id) {
+    check(engine().sceneBoundingBox(this.#address(), idOf(id, "id")));
+    return { low: point(0), high: point(3) };
+  }
+
+  /**
+   * The pairs of objects whose bounds are at most `margin` apart: two ids for each, the smaller one first. No pair is
+   * missing for which distance() would answer at most the margin. Cost: about O(n + pairs).
+   *
+   * Throws, as all queries of a scene, invalidArgument unless it is committed and options are what their comments say;
+   * what the filter throws.
+   *
+   * @param {number} margin
+   * @param {ObjectPairOptions} [options]
+   */
+  candidatePairs(margin, options = {}) {
+    checkNames(options, ["filter"]);
+    const [wanted, ...filter] = filterOf(options), most = numberOf(margin, "margin");
+    callWithFilter(wanted, "sceneCandidatePairs", this.#address(), most, ...filter);
+    return new Uint32Array(copyOf(word(0), word(1)));
+  }
+
+  /**
+   * Asks collide() of each pair.
+   *
+   * @param {Ids} pairs two ids for each, as candidatePairs() gives them
+   * @param {SceneQueryOptions} [options]
+   */
+  collide(pairs, options = {}) {
+    checkNames(options, ["budget", "cache"]);
+    const asked = pairsOf(pairs), limits = limitsOf(options.budget), cache = options.cache;
+    const scene = this.#address(), kept = cacheAddress(cache);
+    writeIds(asked);
+    check(engine().sceneCollide(scene, asked.length / 2, ...limits, kept));
+    return new CollideResults(asked.length / 2);
+  }
+
+  /**
+   * Asks within() of each pair.
+   *
+   * @param {Ids} pairs
+   * @param {number} maxDistance
+   * @param {SceneQueryOptions} [options]
+   */
+  within(pairs, maxDistance, options = {}) {
+    checkNames(options, ["budget", "cache"]);
+    const asked = pairsOf(pairs), limits = limitsOf(options.budget), cache = options.cache;
+    const most = numberOf(maxDistance, "maxDistance");
+    const scene = this.#address(), kept = cacheAddress(cache);
+    writeIds(asked);
+    check(engine().sceneWithin(scene, asked.length / 2, most, ...limits, kept));
+    return new CollideResults(asked.length / 2);
+  }
+
+  /**
+   * Asks distance() of each pair.
+   *
+   * @param {Ids} pairs
+   * @param {ErrorOptions & SceneQueryOptions} [options]
+   */
+  distance(pairs, options = {}) {
+    checkNames(options, ["relativeError", "absoluteError", "maxDistance", "budget", "cache"]);
+    const asked = pairsOf(pairs), errors = errorsOf(options), limits = limitsOf(options.budget), cache = options.cache;
+    const scene = this.#address(), kept = cacheAddress(cache);
+    writeIds(asked);
+    check(engine().sceneDistance(scene, asked.length / 2, ...errors, ...limits, kept));
+    return new DistanceResults(asked.length / 2);
+  }
+
+  /**
+   * The clearance of the scene: the shortest distance of any two objects that the filter lets through. Which of several
+   * equally close pairs is named is not defined.
+   *
+   * @param {ErrorOptions & ObjectPairOptions & SceneQueryOptions} [options]
+   * @returns {ClosestObjects}
+   */
+  closestObjects(options = {}) {
+    checkNames(options, ["relativeError", "absoluteError", "maxDistance", "filter", "budget", "cache"]);
+    const errors = errorsOf(options), limits = limitsOf(options.budget), cache = options.cache;
+    const [wanted, ...filter] = filterOf(options);
+    const scene = this.#address(), kept = cacheAddress(cache);
+    callWithFilter(wanted, "sceneClosestObjects", scene, ...errors, ...limits, ...filter, kept);
+    return { objects: objects(), result: distanceResult() };
+  }
+
+  /**
+   * Whether any two objects that the filter lets through are at most `maxDistance` apart; with 0, whether any two meet.
+   * Stops at the first such pair.
+   *
+   * @param {number} maxDistance
+   * @param {ObjectPairOptions & { budget?: QueryBudget }} [options]
+   * @returns {CloseObjects}
+   */
+  anyWithin(maxDistance, options = {}) {
+    checkNames(options, ["filter", "budget"]);
+    const most = numberOf(maxDistance, "maxDistance"), limits = limitsOf(options.budget);
+    const [wanted, ...filter] = filterOf(options);
+    callWithFilter(wanted, "sceneAnyWithin", this.#address(), most, ...limits, ...filter);
+    return { objects: objects(), result: collideResult() };
+  }
+
+  /**
+   * Asks closestObjects() of many configurations. In configuration k, ids[j] is at poses[k * ids.length + j]; later
+   * entries win where an id is repeated. All other objects are where they were at the last commit. The scene does not
+   * change. Configurations that are left when the deadline has passed are "interrupted".
+   *
+   * Throws also sizeMismatch unless there are as many poses for each configuration; notRigid with the pose's index.
+   *
+   * @param {Ids} ids at least one
+   * @param {Matrices} poses
+   * @param {ErrorOptions & ObjectPairOptions & { budget?: QueryBudget }} [options]
+   */
+  closestObjectsMany(ids, poses, options = {}) {
+    checkNames(options, ["relativeError", "absoluteError", "maxDistance", "filter", "budget"]);
+    const errors = errorsOf(options), limits = limitsOf(options.budget);
+    const count = this.#askMany("sceneClosestObjectsMany", ids, poses, [...errors, ...limits], options);
+    return new DistanceResults(count, true);
+  }
+
+  /**
+   * Asks anyWithin() of many configurations. All else as closestObjectsMany(); those that are left are "unknown".
+   *
+   * @param {Ids} ids
+   * @param {Matrices} poses
+   * @param {number} maxDistance
+   * @param {ObjectPairOptions & { budget?: QueryBudget }} [options]
+   */
+  anyWithinMany(ids, poses, maxDistance, options = {}) {
+    checkNames(options, ["filter", "budget"]);
+    const most = numberOf(maxDistance, "maxDistance"), limits = limitsOf(options.budget);
+    const count = this.#askMany("sceneAnyWithinMany", ids, poses, [most, ...limits], options);
+    return new CollideResults(count, true);
+  }
+
+  /**
+   * Asks about many configurations; returns how many.
+   *
+   * @param {string} name of the function
+   * @param {Ids} ids
+   * @param {Matrices} poses
+   * @param {number[]} values
+   * @param {ObjectPairOptions} options
+   */
+  #askMany(name, ids, poses, values, options) {
+    const list = idsOf(ids, "ids");
+    if (list.length === 0) throw invalid("ids is empty");
+    const matrices = matricesOf(poses, list.length, false), count = matrices.length / (16 * list.length);
+    const [wanted, ...filter] = filterOf(options);
+    const scene = this.#address();
+    writeInput(matrices, list);
+    callWithFilter(wanted, name, scene, list.length, count, ...values, ...filter);
+    return count;
+  }
+}

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Scenes: objects, pairs, configurations, filters, memory, and arguments that are not what the comments say.
+import assert from "node:assert/strict";
+import { before, test } from "node:test";
+import * as limber from "limber3d";
+import { refuses, tetrahedron } from "./support.js";
+
+const at = (x) => ({ translation: [x, 0, 0] });
+
+/** Tetrahedra of size 1 at x = 0, 0.75, 1.5, ... */
+function row(count, model = tetrahedron()) {
+  const scene = new limber.Scene();
+  for (let i = 0; i < count; ++i) assert.equal(scene.add(model, at(0.75 * i)), i);
+  scene.commit();
+  return scene;
+}
+
+/** Matrices of translations along x. */
+const matrices = (...xs) => xs.flatMap((x) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, 0, 1]);
+const joined = (pairs, i) => `${pairs[2 * i]},${pairs[2 * i + 1]}`;
+const sorted = (pairs) => Array.from({ length: pairs.length / 2 }, (_, i) => joined(pairs, i)).sort();
+
+before(() => limber.init());
+
+test("pairs of objects are asked as two models are", () => {
+  const model = tetrahedron(), scene = row(4, model), pairs = scene.candidatePairs(0);
+  assert.deepEqual(sorted(pairs), ["0,1", "1,2", "2,3"]);
+  assert.deepEqual([...scene.collide(pairs).answers], [1, 1, 1]);
+  const asked = [0, 2, 3, 0, 1, 2];
+  const distances = scene.distance(asked), answers = scene.within(asked, 0.6);
+  assert.equal(distances.count, 3);
+  for (let i = 0; i < 3; ++i) {
+    const options = { poseA: scene.pose(asked[2 * i]), poseB: scene.pose(asked[2 * i + 1]) };
+    assert.deepEqual(distances.at(i), limber.distance(model, model, options));
+    assert.deepEqual([...answers][i], limber.within(model, model, 0.6, options));
+  }
+  assert.equal(distances.at(0).upper, 0.5);
+  refuses(() => distances.at(3), "invalidArgument", "no answer 3 of 3");
+  refuses(() => distances.objectsAt(0), "invalidArgument", "no objects");
+  assert.equal(scene.collide([]).count, 0);
+  const cache = new limber.SceneCache(8);
+  for (let i = 0; i < 3; ++i) assert.deepEqual([...scene.distance(asked, { cache }).upper], [...distances.upper]);
+  cache.clear();
+  const [stopped] = scene.distance([0, 2], { budget: { maxSteps: 0 } });
+  assert.deepEqual([stopped.status, stopped.stoppedBy], ["interrupted", "maxSteps"]);
+});
+
+test("objects come, move and go", () => {
+  const scene = row(3), other = tetrahedron();
+  scene.remove(1);
+  assert.deepEqual([scene.has(1), scene.has(2), scene.size, scene.idBound], [false, true, 2, 3]);
+  assert.ok(!scene.isCommitted);
+  assert.equal(scene.add(other), 1);
+  assert.equal(scene.model(1), other);
+  scene.setPoses([0, 2], matrices(5, 7));
+  scene.setPose(1, at(9));
+  scene.commit();
+  assert.ok(scene.isCommitted);
+  assert.deepEqual([0, 1, 2].map((id) => scene.pose(id)[12]), [5, 9, 7]);
+  const { low, high } = scene.boundingBox(1);
+  assert.ok(low[0] <= 9 && low[0] > 8.9 && high[0] >= 10 && high[0] < 10.1);
+  scene.setPoses([], []);
+  other.moveVertices([1], [4, 0, 0]);
+  refuses(() => scene.commit(), "invalidArgument", "commit");
+  other.commit();
+  assert.ok(!scene.isCommitted);
+  refuses(() => scene.collide([0, 1]), "invalidArgument", "commit");
+  scene.commit();
+  assert.ok(scene.boundingBox(1).high[0] >= 13);
+});
+
+test("the closest objects, any that are close, and which pairs count", () => {
+  const scene = row(4);
+  assert.equal(scene.closestObjects().result.status, "collision");
+  const filter = (a, b) => b - a === 2, apart = scene.closestObjects({ filter });
+  assert.equal(apart.result.upper, 0.5);
+  assert.ok(["0,2", "1,3"].includes(apart.objects.join()));
+  assert.equal(scene.closestObjects({ filter: () => false }).objects, null);
+  assert.equal(scene.closestObjects({ filter, maxDistance: 0.25 }).result.status, "beyondLimit");
+  assert.deepEqual(sorted(scene.candidatePairs(9, { filter })), ["0,2", "1,3"]);
+  const matrix = new limber.ObjectPairMatrix(scene.idBound, false);
+  assert.equal(matrix.size, 4);
+  matrix.set(0, 3, true);
+  assert.deepEqual([matrix.counts(3, 0), matrix.counts(0, 1)], [true, false]);
+  assert.deepEqual(scene.closestObjects({ filter: matrix }).objects, [0, 3]);
+  matrix.setAmong([0, 1, 2], true), matrix.setBetween([0], [1, 3], false);
+  assert.deepEqual(sorted(scene.candidatePairs(9, { filter: matrix })), ["0,2", "1,2"]);
+  assert.equal(scene.anyWithin(0).result.answer, "yes");
+  assert.deepEqual(scene.anyWithin(0.25, { filter }), { ...scene.anyWithin(0.25, { filter }), objects: null });
+  assert.equal(scene.anyWithin(0.5, { filter }).result.answer, "yes");
+});
+
+test("configurations are asked as scenes are, and change nothing", () => {
+  const model = tetrahedron(), scene = row(3, model), xs = [[3, 8], [0.25, 2], [6, 6], [0, 0]];
+  const asked = matrices(...xs.flat()), ids = [0, 2];
+  const closest = scene.closestObjectsMany(ids, asked), close = scene.anyWithinMany(ids, asked, 1.5);
+  assert.deepEqual([closest.count, close.count], [4, 4]);
+  assert.ok(scene.isCommitted && scene.pose(2)[12] === 1.5);
+  xs.forEach(([first, second], k) => {
+    const other = row(3, model);
+    other.setPoses(ids, matrices(first, second));
+    other.commit();
+    const one = other.closestObjects(), any = other.anyWithin(1.5);
+    assert.deepEqual({ objects: closest.objectsAt(k), result: closest.at(k) }, one);
+    assert.equal(close.at(k).answer, any.result.answer);
+    assert.deepEqual(close.objectsAt(k), any.objects);
+    other.dispose();
+  });
+  assert.equal(scene.closestObjectsMany(ids, []).count, 0);
+  const filter = () => { throw new RangeError("no"); };
+  assert.throws(() => scene.closestObjectsMany(ids, asked, { filter }), RangeError);
+  assert.deepEqual([...scene.anyWithinMany(ids, asked, 0, { filter: () => false }).answers], [0, 0, 0, 0]);
+});
+
+test("mistakes are errors and change nothing", () => {
+  const model = tetrahedron(), scene = row(3, model);
+  for (const id of [7, -1, 0.5, "1", undefined, NaN]) {
+    for (const call of [
+      () => scene.remove(id), () => scene.setPose(id, null), () => scene.pose(id), () => scene.model(id),
+      () => scene.boundingBox(id),
+    ]) {
+      refuses(call, "invalidArgument");
+    }
+  }
+  refuses(() => scene.add({}), "invalidArgument", "model");
+  refuses(() => scene.add(model, { rotation: [2, 0, 0, 0, 1, 0, 0, 0, 1] }), "notRigid", "pose");
+  refuses(() => scene.setPoses([0, 1], matrices(1)), "sizeMismatch", "poses");
+  refuses(() => scene.setPoses([0, 9], matrices(1, 2)), "invalidArgument", "ids");
+  refuses(() => scene.setPoses([0, 1], [...matrices(1), ...matrices(2).fill(1)]), "notRigid", "poses[1]");
+  refuses(() => scene.setPoses([0], "poses"), "invalidArgument", "poses");
+  refuses(() => scene.setPoses([0], [...matrices(1).slice(1), "1"]), "invalidArgument", "poses[15]");
+  refuses(() => scene.closestObjectsMany([0, 1], matrices(1, 2, 3)), "sizeMismatch", "poses");
+  refuses(() => scene.closestObjectsMany([], []), "invalidArgument", "ids");
+  refuses(() => scene.closestObjectsMany([0], undefined), "invalidArgument", "poses");
+  refuses(() => scene.anyWithinMany([9], matrices(1), 1), "invalidArgument", "ids");
+  refuses(() => scene.collide([0, 1, 2]), "sizeMismatch", "pairs");
+  refuses(() => scene.collide([0, 7]), "invalidArgument", "pair");
+  refuses(() => scene.within([0, 1], -1), "invalidArgument", "max_distance");
+  refuses(() => scene.candidatePairs(NaN), "invalidArgument", "margin");
+  refuses(() => scene.collide([0, 1], { filter: () => true }), "invalidArgument", "there are budget, cache");
+  refuses(() => scene.collide([0, 1], { cache: new limber.QueryCache() }), "invalidArgument", "SceneCache");
+  refuses(() => scene.closestObjects({ filter: new limber.ObjectPairMatrix(2) }), "invalidArgument");
+  refuses(() => scene.closestObjects({ filter: 3 }), "invalidArgument", "filter");
+  refuses(() => new limber.ObjectPairMatrix(-1), "invalidArgument", "size");
+  refuses(() => new limber.ObjectPairMatrix(3).set(1, 1, true), "invalidArgument");
+  refuses(() => new limber.ObjectPairMatrix(3).set(1, 2, 1), "invalidArgument", "counts");
+  refuses(() => new limber.ObjectPairMatrix(3).setAmong([1, 3], true), "invalidArgument");
+  refuses(() => new limber.SceneCache("9"), "invalidArgument", "maxPairs");
+  assert.ok(scene.isCommitted && scene.size === 3 && scene.pose(0)[12] === 0);
+});
+
+test("filters may not change a scene, and what they throw comes through", () => {
+  const scene = row(3), thrown = new Error("filter");
+  refuses(() => scene.candidatePairs(0, { filter: () => scene.remove(0) }), "busy");
+  refuses(() => scene.closestObjects({ filter: () => scene.commit() }), "busy");
+  assert.throws(() => scene.anyWithin(0, { filter: () => { throw thrown; } }), thrown);
+  assert.equal(scene.size, 3);
+});
+
+test("a scene outlives its models only to lose them", () => {
+  const scene = new limber.Scene(), first = tetrahedron(), second = tetrahedron();
+  scene.add(first), scene.add(second), scene.add(second, at(3));
+  scene.commit();
+  first.dispose();
+  for (const use of [
+    () => scene.commit(), () => scene.isCommitted, () => scene.candidatePairs(1), () => scene.collide([1, 2]),
+    () => scene.closestObjects(), () => scene.add(second), () => scene.setPose(1, null), () => scene.boundingBox(1),
+    () => scene.closestObjectsMany([1], matrices(1)),
+  ]) {
+    refuses(use, "disposed", "object 0");
+  }
+  scene.remove(0);
+  scene.commit();
+  assert.equal(scene.closestObjects().result.upper, 2);
+  second.dispose();
+  scene.dispose();
+  refuses(() => scene.size, "disposed");
+  refuses(() => scene.has(1), "disposed");
+});
