@@ -42,7 +42,7 @@ class GrowingHull {
     if (seen == faces_.end()) return;
     edges_.clear();
     for (auto face = seen; face != faces_.end(); ++face) {
-      for (std::size_t i = 0; i < 3; ++i) edges_.push_back({(*face)[i], (*face)[geometry::next_corner[i]]});
+      for (std::size_t i = 0; i < 3; ++i) edges_.emplace_back((*face)[i], (*face)[geometry::next_corner[i]]);
     }
     faces_.erase(seen, faces_.end());
     std::sort(edges_.begin(), edges_.end());
