@@ -45,6 +45,7 @@ add_page(docs/guide/contacts.md contacts_page "^frame 2: .*gap 0.5\nframe 3: tri
 add_page(docs/guide/deadlines.md deadlines_page "tick 0: .* apart.*tick 3: .* to 0.4 apart")
 add_page(docs/guide/scenes.md scenes_page "frame 3: 0 and 1, 0.4 apart\n$")
 add_page(docs/guide/solids.md solids_page "^pipe at -3: clear\npipe at -2: touches\npipe at -1: clash\n$")
+add_page(docs/guide/shapes.md shapes_page "1.375 over.*\nhand at 1: 0.375 .*, in the crate\nhand at 0.6: 0 .*, in the crate\n$")
 add_page(docs/guide/mesh_files.md mesh_files_page "^1 triangles of 1 faces\n$")
 add_page(docs/guide/changes.md changes_page "apart; meet: no\n$")
 add_page(docs/guide/migration_cpp.md migration_page "^meet: 0\n2 apart, triangles 0 and 0\n0.5 apart\n$")

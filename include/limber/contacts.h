@@ -22,6 +22,11 @@
 /// distances are rounded as stated there, so a pair whose distance equals the margin up to that rounding may be in or
 /// out.
 ///
+/// The triangles of shapes are swept by the radius: a contact has their distance less both radii, and the points that a
+/// witness of distance.h would have. Where the swept triangles meet, its depth is by how much the radii exceed the
+/// distance of the triangles, plus the depth of these if they intersect. Normal, weights, features and side are those
+/// of the triangles. The insides of solids do not count: what is deep in one has no contacts.
+///
 /// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the
 ///          processor, and not on threads. It is not sorted.
 namespace limber {
@@ -87,7 +92,7 @@ LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<T
 ///
 /// Promise  Each pair exactly once. The second form writes the first contacts.size() of them; count says how many there
 ///          are. Each is the contact() of geometry.h of the two placed triangles, with the outsides that the options
-///          say.
+///          say, less the radii of shapes.
 /// Room     Where there may be more contacts than room, or not enough time, closest_pairs() with `max_distance` gives
 ///          the nearest ones.
 /// Depth    That of two triangles. It is not the depth of two bodies, and goes to 0 where meshes are refined.

@@ -104,8 +104,8 @@ struct ElementPairOptions {
 ///
 /// Promise  Each pair exactly once. The distance is that of geometry.h for these elements as placed. The second form
 ///          writes the first pairs that there is room for; the counts say how many there are.
-/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the margin is finite and
-///          >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, none has a radius, the margin
+///          is finite and >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
 /// Pre      The edges are those of the models' meshes.
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing, unless it is parallel.

@@ -55,8 +55,8 @@ inline std::array<Vec3, 3> vertex_gradients_b(const TriangleContact& contact) {
   return {w.x * n, w.y * n, w.z * n};
 }
 
-/// The contact() of geometry.h of the two triangles that a witness names, as placed. For one model with itself, both
-/// are Placed{model}.
+/// The contact() of geometry.h of the two triangles that a witness names, as placed, less the radii of shapes as
+/// contacts.h says. For one model with itself, both are Placed{model}.
 ///
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, and the models have these
 ///          triangles.

@@ -18,4 +18,5 @@
 #include "limber/penetration.h"
 #include "limber/points.h"
 #include "limber/scene.h"
+#include "limber/shapes.h"
 #include "limber/solids.h"

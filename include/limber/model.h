@@ -177,17 +177,46 @@ class Model {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A model and where it stands. Keeps a pointer: the model must outlive it.
-class Placed {
+class Shape;
+class ClosedSurface;
+
+/// What queries are about: the triangles of a model; with a radius, all points that are at most that far from a
+/// triangle; of a solid, also all points that its surface encloses. Keeps a pointer: what it is of must outlive it.
+class Body {
  public:
-  Placed(const Model& model, const Transform& world_from_model = {}) : pose(world_from_model), model_(&model) {}
-  Placed(const Model&&, const Transform& = {}) = delete;  // would point to a temporary
+  Body(const Model& model) : model_(&model) {}
+  /// A shape (shapes.h).
+  LIMBER_API Body(const Shape& shape);
+  /// A closed surface with its inside (points.h).
+  ///
+  /// Throws   std::invalid_argument if the model has been reset() since the surface was created.
+  LIMBER_API explicit Body(const ClosedSurface& solid);
 
   const Model& model() const { return *model_; }
-  Transform pose;  ///< world_from_model
+  double radius() const { return radius_; }
+  bool is_solid() const { return is_solid_; }
 
  private:
   const Model* model_;
+  double radius_ = 0;
+  bool is_solid_ = false;
+};
+
+/// A body and where it stands: most often a model or a shape. Keeps a pointer: the model must outlive it.
+class Placed {
+ public:
+  Placed(const Model& model, const Transform& world_from_model = {}) : pose(world_from_model), body_(model) {}
+  Placed(const Shape& shape, const Transform& world_from_model = {}) : pose(world_from_model), body_(shape) {}
+  Placed(const Body& body, const Transform& world_from_model = {}) : pose(world_from_model), body_(body) {}
+  Placed(const Model&&, const Transform& = {}) = delete;  // would point to a temporary
+  Placed(const Shape&&, const Transform& = {}) = delete;
+
+  const Model& model() const { return body_.model(); }
+  const Body& body() const { return body_; }
+  Transform pose;  ///< world_from_model
+
+ private:
+  Body body_;
 };
 
 }  // namespace limber

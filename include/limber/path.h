@@ -12,8 +12,8 @@
 #include "limber/model.h"
 #include "limber/motion.h"
 
-/// Models that move as rigid bodies along a path: when they come too near to each other first, and how near they come.
-/// Time goes from 0 to 1. Vertices that move by themselves are a matter of motion.h.
+/// Models, shapes and solids that move as rigid bodies along a path: when they come too near to each other first, and
+/// how near they come. Time goes from 0 to 1. Vertices that move by themselves are a matter of motion.h.
 ///
 /// Answers come from distances at some times, and from how fast points can move in between. So they are certified for
 /// any path whose speed is known, however it turns.
@@ -102,9 +102,9 @@ struct PathImpact {
 /// Threads  Reentrant.
 /// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances; docs/algorithms/impact.md,
 ///          "Rigid bodies".
-LIMBER_API PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b,
+LIMBER_API PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b,
                                      const RigidMotion& motion_b, const PathOptions& options = {});
-LIMBER_API PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+LIMBER_API PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                                      const PathOptions& options = {});
 
 /// How near two models come to each other on their way.
@@ -127,9 +127,9 @@ struct PathDistance {
 ///          to the inverse root of the error, where the distance is least in passing.
 /// Threads  Reentrant.
 /// Source   [Piyavskii1972].
-LIMBER_API PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b,
+LIMBER_API PathDistance least_distance(const Body& a, const RigidMotion& motion_a, const Body& b,
                                        const RigidMotion& motion_b, const PathOptions& options = {});
-LIMBER_API PathDistance least_distance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+LIMBER_API PathDistance least_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                                        const PathOptions& options = {});
 
 }  // namespace limber

@@ -45,8 +45,8 @@ struct PointResult {
 ///          placed: every vertex is moved to the world in float64 first. The distance is within 2^-50 of the extent of
 ///          the true one, where the extent is the largest coordinate of a corner of the triangle relative to the
 ///          point.
-/// Throws   std::invalid_argument unless the model is committed, its pose is rigid, the point is finite and at most
-///          `max_coordinate` in size, and max_distance is >= 0 or infinite.
+/// Throws   std::invalid_argument unless the model is committed and has no radius, its pose is rigid, the point is
+///          finite and at most `max_coordinate` in size, and max_distance is >= 0 or infinite.
 /// Cost     About O(log n) for points near the model. O(n) at worst, where all triangles are about equally far away.
 ///          Allocates nothing.
 /// Threads  Reentrant; any number of calls may share models.
@@ -94,6 +94,10 @@ class ClosedSurface {
   ///
   /// Throws   std::invalid_argument if the model has been reset().
   LIMBER_API Placed placed(const Transform& world_from_model) const;
+  /// The same with the inside, for queries of two bodies: what it encloses collides with it.
+  ///
+  /// Throws   As placed().
+  Placed solid(const Transform& world_from_model = {}) const { return {Body(*this), world_from_model}; }
 
   /// Whether the surface, placed by world_from_model, encloses a point of the world, or the point lies on it.
   ///

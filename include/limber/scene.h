@@ -174,7 +174,7 @@ struct ClosestObjectsOptions {
   QueryBudget budget = {};                                ///< as in SceneQueryOptions
 };
 
-/// Many models, each with a pose.
+/// Many models, shapes and solids, each with a pose.
 ///
 /// Objects are added, moved and removed one by one. commit() then takes over where they are, and reads the bounds of
 /// models that have been committed, rebuilt or reset since the last time. After that the scene may be queried.

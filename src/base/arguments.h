@@ -60,6 +60,11 @@ inline void check_max_distance(double max_distance) {
                  "limber::within: max_distance must be finite and at least 0");
 }
 
+/// For functions that are about triangles alone.
+inline void check_has_no_radius(const Placed& body, const char* function) {
+  LIMBER_REQUIRE(body.body().radius() == 0, (std::string(function) + ": takes no shape that has a radius").c_str());
+}
+
 inline void check_margin(double margin, const char* function) {
   LIMBER_REQUIRE(is_finite_and_not_negative(margin),
                  (std::string(function) + ": margin must be finite and at least 0").c_str());

@@ -136,6 +136,7 @@ void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed
   motion::check_separation(separation, "limber::limit_displacements");
   motion::check_displacements(of_a, a.model().mesh(), "limber::limit_displacements");
   if (!of_b.empty()) motion::check_displacements(of_b, b.model().mesh(), "limber::limit_displacements");
+  for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::limit_displacements");
   const motion::Room room(pair::PlacedPair(a, b), a, b, separation);
   motion::Displacements displacements_a(of_a), displacements_b(of_b);
   visit_element_pairs(

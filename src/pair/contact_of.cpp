@@ -5,6 +5,7 @@
 #include "geometry/primitives.h"
 #include "limber/gradients.h"
 #include "pair/placed_pair.h"
+#include "pair/sweep.h"
 
 namespace limber {
 
@@ -14,8 +15,9 @@ TriangleContact contact_of(const Placed& a, const Placed& b, const Witness& witn
   const pair::PlacedPair placed(a, b);
   LIMBER_REQUIRE(placed.has_triangle(Side::a, witness.triangle_a), "limber::contact_of: a has no such triangle");
   LIMBER_REQUIRE(placed.has_triangle(Side::b, witness.triangle_b), "limber::contact_of: b has no such triangle");
-  return environment.computed_before_restore(geometry::contact(
-      placed.triangle(Side::a, witness.triangle_a), placed.triangle(Side::b, witness.triangle_b), OrientedFaces::none));
+  const TriangleContact contact = geometry::contact(placed.triangle(Side::a, witness.triangle_a),
+                                                    placed.triangle(Side::b, witness.triangle_b), OrientedFaces::none);
+  return environment.computed_before_restore(pair::Sweep(a, b).contact(contact));
 }
 
 }  // namespace limber

@@ -90,8 +90,11 @@ void pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisi
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return visit_intersections(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), visit,
-                             options);
+  const pair::PlacedPair placed(a, b);
+  const PairsOfTwo pairs(a, b, options);
+  if (!pair::Sweep(a, b).has_radius()) return visit_intersections(placed, pairs, visit, options);
+  const auto visit_pair = [&](const Contact& contact) { return visit({contact.triangle_a, contact.triangle_b}); };
+  return visit_contacts(placed, pairs, 0, visit_pair, options);
 }
 
 PairCount intersections(const Placed& a, const Placed& b, std::span<TrianglePair> pairs, const PairOptions& options) {
@@ -103,8 +106,7 @@ PairCount visit_contacts(const Placed& a, const Placed& b, double margin, Contac
                          const PairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_contacts");
-  return visit_contacts(pair::PlacedPair(a, b), PairsOfTwo(a.model().mesh(), b.model().mesh(), options), margin, visit,
-                        options);
+  return visit_contacts(pair::PlacedPair(a, b), PairsOfTwo(a, b, options), margin, visit, options);
 }
 
 PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
@@ -117,7 +119,7 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
                         const ClosestPairsOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_limit(options.max_distance, "limber::closest_pairs");
-  const PairsOfTwo pairs(a.model().mesh(), b.model().mesh(), pair_options(options));
+  const PairsOfTwo pairs(a, b, pair_options(options));
   return closest_pairs(pair::PlacedPair(a, b), pairs, closest, options);
 }
 

@@ -3,16 +3,20 @@
 
 // The public queries: each checks its arguments, and searches with a collector.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/arguments.h"
+#include "base/error_bounds.h"
 #include "base/float_environment.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/collectors/any_contact.h"
 #include "pair/collectors/closest_pair.h"
+#include "pair/containment.h"
 #include "pair/distance_answer.h"
 #include "pair/search.h"
+#include "pair/sweep.h"
 
 namespace limber {
 namespace {
@@ -25,45 +29,109 @@ CollideResult answer_of(const std::optional<Witness>& witness, StoppedBy stopped
   return {stopped_by == StoppedBy::nothing ? Answer::no : Answer::unknown, std::nullopt, stopped_by, stats};
 }
 
+/// Below that distance of cores, rounding could make a pair that is skipped as a tie one whose swept triangles meet.
+double tied_with_contacts(const pair::PlacedPair& placed, const pair::Sweep& sweep) {
+  if (!sweep.has_radius()) return 0;
+  return sweep.radius() + 4 * (placed.error() + base::tie_error * sweep.radius());
+}
+
+/// Whether a part of one body can be inside of the other: that takes a solid, and bounds that overlap.
+bool may_contain(const Placed& a, const Placed& b, const pair::PlacedPair& placed) {
+  return pair::has_solid(a, b) && placed.root_bound() == 0;
+}
+
+pair::Containment find_containment(const Placed& a, const Placed& b, const pair::Unsearched& unsearched,
+                                   BudgetMeter& meter, QueryStats& stats) {
+  return pair::find_containment(a, b, static_cast<std::uint64_t>(unsearched.work), meter, stats);
+}
+
+/// Takes into account what is inside of solids, once the surfaces are known not to meet.
+void look_inside(CollideResult& result, const Placed& a, const Placed& b, const pair::PlacedPair& placed,
+                 const pair::Unsearched& unsearched, BudgetMeter& meter) {
+  if (!result.is_no() || !may_contain(a, b, placed)) return;
+  const pair::Containment found = find_containment(a, b, unsearched, meter, result.stats);
+  result.answer = found.answer, result.witness = found.witness;
+  if (found.answer == Answer::unknown) result.stopped_by = meter.stopped_by();
+}
+
+void look_inside(DistanceResult& result, const Placed& a, const Placed& b, const pair::PlacedPair& placed,
+                 const pair::Unsearched& unsearched, BudgetMeter& meter) {
+  if (result.status == Status::collision || !may_contain(a, b, placed)) return;
+  if (result.status != Status::interrupted) {
+    const pair::Containment found = find_containment(a, b, unsearched, meter, result.stats);
+    if (found.answer == Answer::no) return;
+    if (found.answer == Answer::yes) {
+      result.lower = result.upper = 0, result.status = Status::collision, result.witness = found.witness;
+      result.stopped_by = StoppedBy::nothing;
+      return;
+    }
+  }
+  result.lower = 0, result.status = Status::interrupted, result.stopped_by = meter.stopped_by();
+  if (result.witness) return;
+  // Some pair, as of every distance that was interrupted.
+  pair::ClosestPair some({}, 0);
+  some.compare(pair::placed_triangle(placed, pair::Side::a, placed.first_triangle(pair::Side::a)),
+               pair::placed_triangle(placed, pair::Side::b, placed.first_triangle(pair::Side::b)));
+  pair::set_answer(result, some, {0, result.stopped_by}, {}, pair::Sweep(a, b));
+}
+
+CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& placed, const pair::Sweep& sweep,
+                     double max_distance, const QueryOptions& options) {
+  BudgetMeter meter(options.budget);
+  QueryStats stats;
+  const double limit = sweep.core_limit(max_distance);
+  pair::ClosestPair collector({.max_distance = limit}, limit);
+  // So that the answer is that of comparing all pairs, whatever comes first.
+  const pair::Unsearched unsearched =
+      pair::search(placed, options.cache, collector, meter, stats, pair::Ties::compared);
+  if (collector.upper > limit) {
+    CollideResult result = answer_of(std::nullopt, unsearched.stopped_by, stats);
+    look_inside(result, a, b, placed, unsearched, meter);
+    return result;
+  }
+  pair::remember(options.cache, *collector.witness);
+  sweep.move_points(*collector.witness, collector.upper);
+  return answer_of(collector.witness, unsearched.stopped_by, stats);
+}
+
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const pair::PlacedPair placed(a, b);
+  const pair::Sweep sweep(a, b);
+  if (sweep.has_radius()) return within(a, b, placed, sweep, 0, options);
   BudgetMeter meter(options.budget);
   QueryStats stats;
   pair::AnyContact collector;
-  const StoppedBy stopped_by = pair::search(placed, options.cache, collector, meter, stats).stopped_by;
+  const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, stats);
   if (collector.witness) pair::remember(options.cache, *collector.witness);
-  return answer_of(collector.witness, stopped_by, stats);
+  CollideResult result = answer_of(collector.witness, unsearched.stopped_by, stats);
+  look_inside(result, a, b, placed, unsearched, meter);
+  return result;
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::distance");
   const pair::PlacedPair placed(a, b);
+  const pair::Sweep sweep(a, b);
   BudgetMeter meter(options.budget);
   DistanceResult result;
-  pair::ClosestPair collector(options, 0);
-  const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats);
-  pair::set_answer(result, collector, unsearched, options);
+  const double limit = sweep.core_limit(options.max_distance);
+  pair::ClosestPair collector({options.relative_error, options.absolute_error, limit}, sweep.radius(), sweep.radius());
+  const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats,
+                                                   pair::Ties::skipped, tied_with_contacts(placed, sweep));
+  pair::set_answer(result, collector, unsearched, options, sweep);
   if (result.witness) pair::remember(options.cache, *result.witness);
+  look_inside(result, a, b, placed, unsearched, meter);
   return result;
 }
 
 CollideResult within(const Placed& a, const Placed& b, double max_distance, const QueryOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_max_distance(max_distance);
-  const pair::PlacedPair placed(a, b);
-  BudgetMeter meter(options.budget);
-  QueryStats stats;
-  pair::ClosestPair collector({.max_distance = max_distance}, max_distance);
-  // So that the answer is that of comparing all pairs, whatever comes first.
-  const StoppedBy stopped_by =
-      pair::search(placed, options.cache, collector, meter, stats, pair::Ties::compared).stopped_by;
-  if (collector.upper > max_distance) return answer_of(std::nullopt, stopped_by, stats);
-  pair::remember(options.cache, *collector.witness);
-  return answer_of(collector.witness, stopped_by, stats);
+  return within(a, b, pair::PlacedPair(a, b), pair::Sweep(a, b), max_distance, options);
 }
 
 }  // namespace limber

@@ -8,6 +8,7 @@
 #include "limber/distance.h"
 #include "pair/collectors/closest_pair.h"
 #include "pair/search.h"
+#include "pair/sweep.h"
 
 namespace limber::pair {
 
@@ -25,20 +26,22 @@ inline bool is_narrow_enough(const DistanceResult& result, const DistanceOptions
          result.upper - result.lower <= options.absolute_error;
 }
 
-/// Writes what a search for the closest pair has found. A budget may be spent just when the errors are met; then the
-/// query has its answer.
+/// Writes what a search for the closest pair of the cores has found. A budget may be spent just when the errors are
+/// met; then the query has its answer.
 inline void set_answer(DistanceResult& result, const ClosestPair& collector, const Unsearched& unsearched,
-                       const DistanceOptions& options) {
+                       const DistanceOptions& options, const Sweep& sweep = {0, 0}) {
   result.stopped_by = unsearched.stopped_by;
-  if ((!collector.witness || collector.upper > options.max_distance) && unsearched.stopped_by == StoppedBy::nothing) {
+  const bool is_beyond = !collector.witness || sweep.distance(collector.upper) > options.max_distance;
+  if (is_beyond && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = options.max_distance;
     result.status = Status::beyond_limit;
     return;
   }
-  result.upper = collector.upper;
-  result.lower = std::min(collector.upper, unsearched.distance);
+  result.upper = sweep.distance(collector.upper);
+  result.lower = sweep.distance(std::min(collector.upper, unsearched.distance));
   result.witness = collector.witness;
+  if (result.witness) sweep.move_points(*result.witness, collector.upper);
   if (result.upper <= options.max_distance && is_narrow_enough(result, options)) result.stopped_by = StoppedBy::nothing;
   result.status = status_of(result);
 }

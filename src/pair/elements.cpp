@@ -91,6 +91,7 @@ ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, 
                                      EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_element_pairs");
+  for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::visit_element_pairs");
   const pair::PlacedPair placed(a, b);
   check_edges(edges_a, a.model().mesh(), "limber::visit_element_pairs", "edges_a");
   check_edges(edges_b, b.model().mesh(), "limber::visit_element_pairs", "edges_b");

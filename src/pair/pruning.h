@@ -27,8 +27,9 @@ enum class Ties { skipped, compared };
 /// States   The cutoff only shrinks. There is a search direction once a pair that is apart has been compared.
 class Pruning {
  public:
-  Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped)
-      : placed_(placed), may_skip_ties_(ties == Ties::skipped) {
+  /// Ties are compared in any case while the cutoff is below `compared_below`.
+  Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped, double compared_below = 0)
+      : placed_(placed), skips_from_(ties == Ties::skipped ? compared_below : infinity) {
     in_frame_[0].has_direction = in_frame_[1].has_direction = false;
     set_cutoff(cutoff);
   }
@@ -100,6 +101,7 @@ class Pruning {
   void set_cutoff(double cutoff) {
     cutoff_ = std::max(cutoff, std::numeric_limits<double>::min());  // contacts are never pruned
     in_frame_[0].distance = in_frame_[1].distance = std::max(cutoff, simd::smallest_prune_distance);
+    may_skip_ties_ = cutoff_ >= skips_from_ && skips_from_ < infinity;
   }
 
   /// `direction` has length 1, in the world, from a to b.
@@ -152,7 +154,8 @@ class Pruning {
   double cutoff_;
   simd::PruneLimits in_frame_[2];
   double best_distance_ = 0;
-  bool may_skip_ties_;
+  double skips_from_;  // ties are skipped while the cutoff is at least that
+  bool may_skip_ties_ = false;
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;
   std::uint32_t direction_number_ = 0;

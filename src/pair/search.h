@@ -136,13 +136,14 @@ void compare(TriangleId a, TriangleId b, const PlacedPair& placed, Collector& co
   if (update) pruning.update(*update);
 }
 
-/// Looks for what a collector wants, first where the last query ended if there is a cache.
+/// Looks for what a collector wants, first where the last query ended if there is a cache. `ties` and `compared_below`
+/// are those of Pruning.
 template <typename Collector>
 Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collector, BudgetMeter& meter,
-                  QueryStats& stats, Ties ties = Ties::skipped) {
+                  QueryStats& stats, Ties ties = Ties::skipped, double compared_below = 0) {
   static_assert(!Collector::is_self);
   LIMBER_ASSERT(Collector::hits != Hits::k_closest || cache == nullptr);  // a front skips what was compared before
-  Pruning pruning(placed, collector.initial_cutoff(), ties);
+  Pruning pruning(placed, collector.initial_cutoff(), ties, compared_below);
   ++stats.node_tests;
   const double root_bound = placed.root_bound();
   if (root_bound >= pruning.distance()) return {root_bound};

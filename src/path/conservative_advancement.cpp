@@ -34,7 +34,7 @@ void check(const PathOptions& options, double speed_a, double speed_b, double sp
 /// Distances of two models at times on their paths, until the budget is spent.
 class MovingDistance {
  public:
-  MovingDistance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
+  MovingDistance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
                  const PathOptions& options)
       : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed) {}
 
@@ -45,7 +45,7 @@ class MovingDistance {
     DistanceOptions wanted = errors_and_limit;
     wanted.cache = options_.cache, wanted.budget = options_.budget;
     wanted.budget.max_steps = std::numeric_limits<std::uint64_t>::max();
-    const DistanceResult found = distance({a_, path_a_.pose(time)}, {b_, path_b_.pose(time)}, wanted);
+    const DistanceResult found = distance(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), wanted);
     ++count, stats.node_tests += found.stats.node_tests, stats.triangle_tests += found.stats.triangle_tests;
     stopped_by = found.stopped_by;
     return found;
@@ -60,7 +60,7 @@ class MovingDistance {
     const double wanted = options_.distance_error > 0 ? options_.distance_error : part * length;
     return std::max({wanted, 0x1p-40 * speed_, std::numeric_limits<double>::min()});
   }
-  double radii() const { return a_.bounding_sphere().radius + b_.bounding_sphere().radius; }
+  double radii() const { return radius_of(a_) + radius_of(b_); }
 
   std::uint64_t count = 0;
   StoppedBy stopped_by = StoppedBy::nothing;
@@ -69,7 +69,9 @@ class MovingDistance {
  private:
   static constexpr double down = 1 - 0x1p-40;
 
-  const Model &a_, &b_;
+  static double radius_of(const Body& body) { return body.model().bounding_sphere().radius + body.radius(); }
+
+  Body a_, b_;
   const RigidPath &path_a_, &path_b_;
   const PathOptions& options_;
   double speed_;
@@ -196,10 +198,11 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   return result;
 }
 
-/// How fast points of two models move relative to each other at most: the centers move straight, each model turns.
-double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b) {
-  const auto turning = [](const Model& model, const RigidMotion& motion) {
-    const Sphere sphere = model.bounding_sphere();
+/// How fast points of the cores of two bodies move relative to each other at most: the centers move straight, each body
+/// turns. A ball around a point of a core moves as that point does.
+double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b) {
+  const auto turning = [](const Body& body, const RigidMotion& motion) {
+    const Sphere sphere = body.model().bounding_sphere();
     const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
     return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
   };
@@ -209,7 +212,7 @@ double relative_speed(const Model& a, const RigidMotion& motion_a, const Model& 
 
 /// Checks the options, and answers one of the two questions.
 template <auto question>
-auto ask(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b, double speed,
+auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function) {
   check(options, path_a.speed, path_b.speed, speed, function);
   MovingDistance moving(a, path_a, b, path_b, speed, options);
@@ -217,7 +220,7 @@ auto ask(const Model& a, const RigidPath& path_a, const Model& b, const RigidPat
 }
 
 template <auto question>
-auto ask(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
          const PathOptions& options, const char* function) {
   const auto pose_a = [&](double time) { return motion_a.at(time); };
   const auto pose_b = [&](double time) { return motion_b.at(time); };
@@ -228,26 +231,26 @@ auto ask(const Model& a, const RigidMotion& motion_a, const Model& b, const Rigi
 }  // namespace
 }  // namespace path
 
-PathImpact time_of_impact(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return path::ask<path::first_impact>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
                                        "limber::time_of_impact");
 }
 
-PathImpact time_of_impact(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return path::ask<path::first_impact>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
 }
 
-PathDistance least_distance(const Model& a, const RigidPath& path_a, const Model& b, const RigidPath& path_b,
+PathDistance least_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                             const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::least_distance");
 }
 
-PathDistance least_distance(const Model& a, const RigidMotion& motion_a, const Model& b, const RigidMotion& motion_b,
+PathDistance least_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
                             const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return path::ask<path::nearest>(a, motion_a, b, motion_b, options, "limber::least_distance");

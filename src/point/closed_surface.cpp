@@ -39,6 +39,8 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
   return {*model_, world_from_model};
 }
 
+Body::Body(const ClosedSurface& solid) : model_(&solid.placed({}).model()), is_solid_(true) {}
+
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;
 }

@@ -14,6 +14,7 @@ PointResult closest_point(const Placed& model, const Vec3& point, const PointOpt
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::closest_point");
   base::check_point(point, "limber::closest_point");
+  base::check_has_no_radius(model, "limber::closest_point");
   const point::PlacedModel placed(model);
   point::ClosestPointSearch search(placed);
   PointResult result;
@@ -26,6 +27,7 @@ void closest_points(const Placed& model, std::span<const Vec3> points, std::span
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::closest_points");
   base::check_points(points, results.size(), "limber::closest_points");
+  base::check_has_no_radius(model, "limber::closest_points");
   const point::PlacedModel placed(model);
   base::parallel_for_ranges(points.size(), point::points_per_task, [&](std::size_t begin, std::size_t end) {
     point::ClosestPointSearch search(placed);

@@ -118,7 +118,7 @@ void Scene::Impl::update_bounds(ObjectId id) {
   Object& object = objects[id];
   const scene::ModelState state = scene::state_of(object.placed.model());
   if (!object.is_moved && object.state == state) return;
-  if (object.state != state) object.local = scene::local_bounds(object.placed.model());
+  if (object.state != state) object.local = scene::local_bounds(object.placed.body());
   bounds[id] = scene::world_bounds(object.local, object.placed.pose);
   object.state = state, object.is_moved = false;
 }
@@ -189,7 +189,7 @@ PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisi
                  "limber::Scene::visit_candidates: objects or models have changed since the last commit");
   base::check_margin(margin, "limber::Scene::visit_candidates");
   scene::check_placed(model, "limber::Scene::visit_candidates");
-  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.model()), model.pose);
+  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   PairCount found;
   found.is_complete = scene.tree.visit_near(bounds, scene::margin_with_error(margin), [&](std::uint32_t rank) {
     ++found.count;

@@ -48,7 +48,8 @@ double farthest_node(const bvh::Tree& tree, const Vec3& point) {
 
 }  // namespace
 
-LocalBounds local_bounds(const Model& model) {
+LocalBounds local_bounds(const Body& body) {
+  const Model& model = body.model();
   const bvh::Tree& tree = model.impl().tree;
   const Box box = model.bounding_box();
   const Sphere sphere = model.bounding_sphere();
@@ -58,7 +59,9 @@ LocalBounds local_bounds(const Model& model) {
   const bool is_small = model.mesh().positions().size() <= most_vertices;
   const double about = is_small ? farthest_vertex(model.mesh(), tree.unit, c) : farthest_node(tree, c) + tree.slack;
   const double enlarged = about * (1 + base::root_error) + base::offset_error * magnitude;
-  return {c, max(box.high - c, c - box.low), std::min(sphere.radius, enlarged), magnitude};
+  const double swept = body.radius();
+  const Vec3 half = max(box.high - c, c - box.low) + Vec3{swept, swept, swept};
+  return {c, half, std::min(sphere.radius, enlarged) + swept, magnitude + 2 * swept};
 }
 
 }  // namespace limber::scene

@@ -38,7 +38,7 @@ struct LocalBounds {
 /// Pre: the model is committed.
 /// Cost     O(1), about a microsecond: unlike that of Model::bounding_sphere(), the sphere is nearly as small as the
 ///          center allows.
-LocalBounds local_bounds(const Model& model);
+LocalBounds local_bounds(const Body& body);
 
 /// The bounds of a placed model: it lies in the box and in the sphere. Both have room for the rounding of placed
 /// vertices, and for that of distances as far as that depends on the models' sizes and places.

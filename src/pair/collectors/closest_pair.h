@@ -20,8 +20,12 @@ class ClosestPair {
   static constexpr Hits hits = Hits::closest;
   static constexpr bool is_self = false;
 
-  /// A pair at most `close_enough` apart ends the query.
-  ClosestPair(const DistanceOptions& options, double close_enough) : options_(options), close_enough_(close_enough) {}
+  /// A pair at most `close_enough` apart ends the query. Errors are those of the distance less the radius; they prune
+  /// no pair that is at most the radius apart.
+  ClosestPair(const DistanceOptions& options, double close_enough, double radius = 0)
+      : options_(options), close_enough_(close_enough), radius_(radius) {
+    LIMBER_ASSERT(radius >= 0 && radius <= close_enough);
+  }
 
   /// Just above the limit: a pair exactly max_distance apart is an answer.
   double initial_cutoff() const { return std::nextafter(options_.max_distance, infinity); }
@@ -41,8 +45,9 @@ class ClosestPair {
     BoundUpdate update{upper, infinity, points.point_b - points.point_a};
     // A pair beyond the limit is no answer, so nothing may be pruned for its sake.
     if (upper <= options_.max_distance) {
-      const double relative = upper / (1 + options_.relative_error) * down_factor();
-      update.cutoff = std::min(relative, upper - options_.absolute_error);
+      const double gap = upper - radius_, relative = gap / (1 + options_.relative_error) * down_factor();
+      const double wanted = std::min(relative, gap - options_.absolute_error);
+      update.cutoff = wanted == gap ? upper : std::max(radius_ + wanted, least_cutoff());
     }
     return update;
   }
@@ -52,10 +57,11 @@ class ClosestPair {
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least_cutoff() const { return radius_ > 0 ? std::nextafter(radius_, infinity) : -infinity; }
   double down_factor() const { return options_.relative_error == 0 ? 1 : 1 - 0x1p-51; }
 
   DistanceOptions options_;
-  double close_enough_;
+  double close_enough_, radius_;
 };
 
 }  // namespace limber::pair

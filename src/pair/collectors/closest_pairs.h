@@ -27,7 +27,7 @@ class ClosestPairs {
       : pairs_(pairs), closest_(closest), max_distance_(max_distance) {}
 
   /// Just above the limit: a pair exactly that far apart counts.
-  double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
+  double initial_cutoff() const { return std::nextafter(pairs_.core_limit(max_distance_), infinity); }
   /// Nothing is closer than a contact.
   bool is_done() const { return count == closest_.size() && (count == 0 || closest_.front().distance == 0); }
 
@@ -50,7 +50,7 @@ class ClosestPairs {
     }
     std::push_heap(closest_.begin(), closest_.begin() + static_cast<std::ptrdiff_t>(count), is_closer);
     if (count < closest_.size()) return std::nullopt;
-    const double cutoff = closest_.front().distance;
+    const double cutoff = pairs_.core_limit(closest_.front().distance);
     return BoundUpdate{cutoff, cutoff, contact.point_b - contact.point_a};
   }
 
@@ -60,6 +60,8 @@ class ClosestPairs {
   std::size_t count = 0;
 
  private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
   static bool is_closer(const Contact& a, const Contact& b) {
     return std::tie(a.distance, a.triangle_a, a.triangle_b) < std::tie(b.distance, b.triangle_a, b.triangle_b);
   }

@@ -7,6 +7,7 @@
 #include "geometry/shared_corners.h"
 #include "limber/contacts.h"
 #include "pair/placed_leaf.h"
+#include "pair/sweep.h"
 
 namespace limber::pair {
 
@@ -15,8 +16,13 @@ class PairsOfTwo {
  public:
   static constexpr bool is_self = false;
 
-  PairsOfTwo(const Mesh& a, const Mesh& b, const PairOptions& options)
-      : filter_(options.filter), oriented_(options.oriented_faces.value_or(closed(a, b))) {}
+  PairsOfTwo(const Placed& a, const Placed& b, const PairOptions& options)
+      : filter_(options.filter),
+        oriented_(options.oriented_faces.value_or(closed(a.model().mesh(), b.model().mesh()))),
+        sweep_(a, b) {}
+
+  /// How far apart the triangles of a pair are at most whose distance is at most `distance`.
+  double core_limit(double distance) const { return sweep_.core_limit(distance); }
 
   bool counts(const PlacedTriangle& a, const PlacedTriangle& b) const { return !filter_ || (*filter_)(a.id, b.id); }
   /// Whether the pair shares a vertex, so that only what it has in common beyond that matters.
@@ -26,7 +32,8 @@ class PairsOfTwo {
   }
   /// Whole only if they are at most `farthest` apart.
   Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool /*are_neighbors*/, double farthest) const {
-    return {geometry::contact(a.corners, b.corners, oriented_, farthest), a.id, b.id};
+    const double limit = core_limit(farthest);
+    return sweep_.contact(Contact{geometry::contact(a.corners, b.corners, oriented_, limit), a.id, b.id});
   }
 
  private:
@@ -37,6 +44,7 @@ class PairsOfTwo {
 
   std::optional<TrianglePairFilter> filter_;
   OrientedFaces oriented_;
+  Sweep sweep_;
 };
 
 /// The pairs of triangles of one model.
@@ -49,6 +57,7 @@ class PairsOfOne {
         filter_(options.filter),
         is_oriented_(options.oriented_faces ? *options.oriented_faces != OrientedFaces::none : mesh.is_closed()) {}
 
+  double core_limit(double distance) const { return distance; }
   bool counts(const PlacedTriangle& a, const PlacedTriangle& b) const { return !filter_ || (*filter_)(a.id, b.id); }
   bool are_neighbors(const PlacedTriangle& a, const PlacedTriangle& b) const {
     LIMBER_ASSERT(a.id != b.id);

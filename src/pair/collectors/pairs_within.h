@@ -26,7 +26,7 @@ class PairsWithin {
       : pairs_(pairs), margin_(margin), visit_(visit) {}
 
   /// Just above the margin: a pair exactly that far apart counts.
-  double initial_cutoff() const { return std::nextafter(margin_, std::numeric_limits<double>::infinity()); }
+  double initial_cutoff() const { return std::nextafter(pairs_.core_limit(margin_), infinity); }
   bool is_done() const { return is_stopped_; }
 
   void compare(const PlacedTriangle& a, const PlacedTriangle& b) {
@@ -42,6 +42,8 @@ class PairsWithin {
   std::size_t count = 0;
 
  private:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
   Pairs pairs_;
   double margin_;
   ContactVisitor visit_;

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "limber/base.h"
+#include "limber/math.h"
+#include "limber/model.h"
+
+/// Shapes: what is simpler as a few numbers than as a mesh. A shape is a small model, its core, and a radius: all
+/// points that are at most the radius from the core belong to it. So a sphere is a point with a radius, and a capsule
+/// is a segment.
+///
+///   const limber::Shape hand = limber::Shape::capsule({0, 0, 0}, {0, 0, 1}, 0.25);
+///   const auto near = limber::distance({cloth}, {hand, pose});
+///
+/// Wherever a model can be Placed, so can a shape; a few functions take none that has a radius, and say so. The
+/// distance of two bodies is that of their cores, less both radii: distance.h says what is exact. Of solids also the
+/// inside counts.
+namespace limber {
+
+/// A shape. It does not change, but for assignment.
+///
+/// Frame    The shape's own. A pose places it, as it does a model.
+/// Throws   Factories throw std::invalid_argument unless all lengths, coordinates and radii are finite, at most
+///          `max_coordinate` in size and, where they are sizes, >= 0; also std::bad_alloc.
+/// Moved    A shape that has been moved from may be destroyed and assigned to.
+/// Threads  Const functions, queries included, may run concurrently on one shape.
+class Shape {
+ public:
+  /// A ball around the origin.
+  LIMBER_API static Shape sphere(double radius);
+  /// All points at most `radius` from a segment.
+  LIMBER_API static Shape capsule(const Vec3& from, const Vec3& to, double radius);
+  /// A solid box around the origin. With a radius, all points that are at most that far from it: a larger box with
+  /// round edges.
+  LIMBER_API static Shape box(const Vec3& half_extents, double radius = 0);
+  /// A solid cylinder: all points at most `radius` from a segment, between the planes across its ends. It is
+  /// approximated by the prism around it with the fewest sides whose points are at most `max_error` from it. So no
+  /// collision is missed, and the distance may be too small by deviation().
+  ///
+  /// Throws   Also unless the segment is longer than 0, radius and max_error are above 0, and 65 536 sides suffice.
+  LIMBER_API static Shape cylinder(const Vec3& from, const Vec3& to, double radius, double max_error);
+  /// All points p with dot(normal, p) <= offset, where the normal is first scaled to length 1. It is cut to a solid
+  /// cube: whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
+  ///
+  /// Throws   Also unless the normal is not 0, and the extent is above 0.
+  LIMBER_API static Shape half_space(const Vec3& normal, double offset, double extent);
+
+  /// The convex hull of some points, a solid; or a flat polygon, a segment or a point, where the points leave no more.
+  /// With a radius, all points that are at most that far from it.
+  ///
+  /// Promise  Exactly the hull: no point is outside of it, and its corners are points. Points on its surface may be
+  ///          corners of its triangles.
+  /// Throws   Also unless there is a point.
+  /// Cost     O(n h) for h triangles of the hull, so O(n^2) at worst.
+  LIMBER_API static Shape convex_hull(std::span<const Vec3> points, double radius = 0);
+  /// A surface over a grid in the x-y plane: the height at (column * step_x, row * step_y) is
+  /// heights[row * columns + column]. Squares are cut from their corner of least column and row. It is a surface, with
+  /// nothing below.
+  ///
+  /// Throws   Also unless there are at least two columns and rows, as many heights as both say, and steps above 0.
+  LIMBER_API static Shape height_field(std::span<const double> heights, std::size_t columns, std::size_t rows,
+                                       double step_x, double step_y, double radius = 0);
+  /// All points at most `radius` from one of some points: balls of one size. Triangle i is point i.
+  ///
+  /// Throws   Also unless there is a point.
+  LIMBER_API static Shape point_cloud(std::span<const Vec3> points, double radius);
+
+  /// Core and radius. The core's triangles are what witnesses and contacts name.
+  const Model& model() const { return *model_; }
+  double radius() const { return radius_; }
+  /// Whether the core's surface is closed, and what it encloses belongs to the shape.
+  bool is_solid() const { return is_solid_; }
+  /// At most how far points of the shape are from what the factory describes, which is inside of it: the true distance
+  /// is between `lower` and `upper + deviation()`. 0 but for cylinders.
+  double deviation() const { return deviation_; }
+
+ private:
+  Shape(Mesh core, double radius, bool is_solid, double deviation = 0);
+
+  std::unique_ptr<const Model> model_;
+  double radius_, deviation_;
+  bool is_solid_;
+};
+
+}  // namespace limber

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Queries of shapes and solids next to brute force over the triangles of their cores.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "limber/contacts.h"
+#include "limber/distance.h"
+#include "limber/gradients.h"
+#include "limber/shapes.h"
+#include "reference/reference.h"
+#include "support/random_bodies.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double from_core(const Placed& body, TriangleId id, const Vec3& point) {
+  const Triangle t = body.model().mesh().triangle(id);
+  return closest_points(point, Triangle{body.pose(t.v0), body.pose(t.v1), body.pose(t.v2)}).distance;
+}
+
+bool is_in(const Placed& body, const Vec3& point) {
+  return body.body().is_solid() && reference::contains(core_of(body), point);
+}
+
+void check_witness(const Witness& w, const Placed& a, const Placed& b, double distance, const BodiesTruth& truth) {
+  const double tolerance = 4 * truth.tolerance;
+  const double off_a = from_core(a, w.triangle_a, w.point_a), off_b = from_core(b, w.triangle_b, w.point_b);
+  if (distance == 0) {
+    EXPECT_EQ(w.point_a, w.point_b);
+    EXPECT_TRUE(off_a <= a.body().radius() + tolerance || is_in(a, w.point_a));
+    EXPECT_TRUE(off_b <= b.body().radius() + tolerance || is_in(b, w.point_b));
+  } else {
+    EXPECT_NEAR(off_a, a.body().radius(), tolerance);
+    EXPECT_NEAR(off_b, b.body().radius(), tolerance);
+    EXPECT_NEAR(length(w.point_b - w.point_a), distance, tolerance);
+  }
+}
+
+void check_distance(const DistanceResult& r, const DistanceOptions& asked, const Placed& a, const Placed& b,
+                    const BodiesTruth& truth) {
+  const double distance = truth.distance();
+  EXPECT_LE(r.lower, distance + truth.tolerance);
+  EXPECT_GE(r.upper, distance - truth.tolerance);
+  EXPECT_LE(r.lower, r.upper);
+  ASSERT_EQ(r.witness.has_value(), r.status != Status::beyond_limit);
+  EXPECT_EQ(r.status == Status::interrupted, r.stopped_by != StoppedBy::nothing);
+  if (r.status == Status::beyond_limit) {
+    EXPECT_GE(distance, asked.max_distance - truth.tolerance);
+    EXPECT_FALSE(distance == 0);
+    EXPECT_EQ(r.lower, asked.max_distance);
+    return;
+  }
+  check_witness(*r.witness, a, b, r.upper, truth);
+  if (r.status == Status::interrupted) return;
+  EXPECT_EQ(r.upper == 0, truth.is_contained || truth.cores <= truth.radius);
+  EXPECT_EQ(r.status == Status::collision, r.upper == 0);
+  const double allowed = std::max(distance * asked.relative_error, asked.absolute_error);
+  EXPECT_LE(r.upper, distance + allowed + truth.tolerance);
+  if (allowed == 0) EXPECT_EQ(r.lower, r.upper);
+}
+
+void check_yes_or_no(const CollideResult& r, bool expected, double max_distance, const Placed& a, const Placed& b,
+                     const BodiesTruth& truth) {
+  ASSERT_EQ(r.answer, expected ? Answer::yes : Answer::no);
+  ASSERT_EQ(r.witness.has_value(), expected);
+  if (!expected) return;
+  const double apart = length(r.witness->point_b - r.witness->point_a);
+  EXPECT_LE(apart, max_distance + truth.tolerance);
+  check_witness(*r.witness, a, b, apart, truth);
+}
+
+void check_queries(const Placed& a, const Placed& b, QueryCache* cache) {
+  const BodiesTruth truth = truth_of(a, b);
+  const double d = truth.distance();
+  const bool meets = truth.is_contained || truth.cores <= truth.radius;
+  check_yes_or_no(collide(a, b), meets, 0, a, b, truth);
+  check_yes_or_no(collide(a, b, {.cache = cache}), meets, 0, a, b, truth);
+  const double limits[] = {infinity, d, std::nextafter(d, 0), 0.5 * d, 1.5 * d, 0};
+  for (const double limit : limits) {
+    const double errors[][2] = {{0, 0}, {0.1, 0}, {0, 0.1}, {1e-3, 1e-3}, {100, 100}};
+    for (const auto& error : errors) {
+      const DistanceOptions options{error[0], error[1], limit, nullptr, {}};
+      DistanceOptions with_cache = options;
+      with_cache.cache = cache;
+      check_distance(distance(a, b, options), options, a, b, truth);
+      check_distance(distance(a, b, with_cache), options, a, b, truth);
+    }
+    if (limit == infinity) continue;
+    const bool expected = truth.is_contained || std::max(0.0, truth.cores - truth.radius) <= limit;
+    check_yes_or_no(within(a, b, limit), expected, limit, a, b, truth);
+    check_yes_or_no(within(a, b, limit, {.cache = cache}), expected, limit, a, b, truth);
+  }
+  const DistanceResult found = distance(a, b);
+  EXPECT_TRUE(within(a, b, found.upper).is_yes());
+  EXPECT_EQ(found.upper == 0, collide(a, b).is_yes());
+}
+
+void check_budgets(const Placed& a, const Placed& b) {
+  const BodiesTruth truth = truth_of(a, b);
+  const bool meets = truth.distance() == 0;
+  for (const std::uint64_t steps : {0, 1, 2, 3, 5, 10, 100}) {
+    const QueryBudget budget{.max_steps = steps};
+    const CollideResult yes_or_no = collide(a, b, {.budget = budget});
+    if (yes_or_no.answer != Answer::unknown) {
+      EXPECT_EQ(yes_or_no.is_yes(), meets);
+    }
+    EXPECT_EQ(yes_or_no.answer == Answer::unknown, yes_or_no.stopped_by == StoppedBy::max_steps);
+    for (const double limit : {infinity, 0.01}) {
+      const DistanceOptions options{.max_distance = limit, .budget = budget};
+      check_distance(distance(a, b, options), options, a, b, truth);
+    }
+  }
+  QueryCache cache;
+  for (int i = 0;; ++i) {
+    ASSERT_LT(i, 1000);
+    const DistanceOptions options{.cache = &cache, .budget = {.max_steps = 200}};
+    const DistanceResult found = distance(a, b, options);
+    check_distance(found, options, a, b, truth);
+    if (found.status != Status::interrupted) break;
+  }
+}
+
+/// What is said of the contact of two swept triangles.
+Contact swept(Contact contact, const BodiesTruth& truth) {
+  contact.depth = contact.distance <= truth.radius ? contact.depth + (truth.radius - contact.distance) : 0;
+  contact.distance = std::max(0.0, contact.distance - truth.radius);
+  return contact;
+}
+
+void check_contacts(const Placed& a, const Placed& b, double margin) {
+  const BodiesTruth truth = truth_of(a, b);
+  std::vector<Contact> expected;
+  for (const Contact& c : reference::contacts(core_of(a), core_of(b), truth.radius + margin + truth.tolerance)) {
+    if (swept(c, truth).distance <= margin) expected.push_back(swept(c, truth));
+  }
+  const auto by_ids = [](const Contact& s, const Contact& t) {
+    return s.triangle_a != t.triangle_a ? s.triangle_a < t.triangle_a : s.triangle_b < t.triangle_b;
+  };
+  std::vector<Contact> found(expected.size() + 1);
+  for (const bool is_parallel : {false, true}) {
+    const PairCount count = contacts(a, b, margin, found, {.is_parallel = is_parallel});
+    ASSERT_EQ(count.count, expected.size());
+    std::sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count.count), by_ids);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const Contact &f = found[i], &e = expected[i];
+      ASSERT_EQ(f.triangle_a, e.triangle_a);
+      ASSERT_EQ(f.triangle_b, e.triangle_b);
+      EXPECT_EQ(f.distance, e.distance);
+      EXPECT_EQ(f.depth, e.depth);
+      EXPECT_EQ(f.normal, e.normal);
+      check_witness({f.point_a, f.point_b, f.triangle_a, f.triangle_b}, a, b, f.distance, truth);
+    }
+  }
+  std::vector<TrianglePair> pairs(expected.size());
+  const auto meeting =
+      std::count_if(expected.begin(), expected.end(), [](const Contact& c) { return c.distance == 0; });
+  EXPECT_EQ(intersections(a, b, pairs).count, static_cast<std::size_t>(meeting));
+  const std::size_t room = std::min<std::size_t>(5, expected.size());
+  std::vector<Contact> closest(room);
+  ASSERT_EQ(closest_pairs(a, b, closest, {.max_distance = margin}).count, room);
+  std::sort(expected.begin(), expected.end(),
+            [](const Contact& s, const Contact& t) { return s.distance < t.distance; });
+  for (std::size_t i = 0; i < room; ++i) EXPECT_NEAR(closest[i].distance, expected[i].distance, truth.tolerance);
+}
+
+/// A contact that contact_of() makes of a witness says what the distance says.
+void check_contact_of(const Placed& a, const Placed& b) {
+  const BodiesTruth truth = truth_of(a, b);
+  const DistanceResult near = distance(a, b);
+  if (truth.is_contained) return;
+  const TriangleContact contact = contact_of(a, b, *near.witness);
+  EXPECT_EQ(contact.distance, near.upper);
+  EXPECT_NEAR(length(contact.point_a - near.witness->point_a), 0, truth.tolerance);
+  EXPECT_NEAR(length(contact.point_b - near.witness->point_b), 0, truth.tolerance);
+}
+
+class BodyKinds : public ::testing::TestWithParam<bool> {};
+
+TEST_P(BodyKinds, AgreeWithBruteForceInAllQueries) {
+  Rng rng(20261);
+  QueryCache cache;
+  for (std::uint64_t i = 0; i < body_kinds; ++i) {
+    for (std::uint64_t j = 0; j < body_kinds; ++j) {
+      for (int round = 0; round < 4; ++round) {
+        SCOPED_TRACE(::testing::Message() << i << " and " << j << ", round " << round);
+        const OwnedBody a = random_body(rng, i, GetParam()), b = random_body(rng, j, GetParam());
+        const Transform pose_a = some_pose(rng, GetParam(), 1), pose_b = some_pose(rng, GetParam(), 1.5);
+        const Placed placed_a(a.body(), pose_a), placed_b(b.body(), pose_b);
+        check_queries(placed_a, placed_b, &cache);
+        check_contacts(placed_a, placed_b, 0.25);
+        check_contacts(placed_a, placed_b, 0);
+        check_contact_of(placed_a, placed_b);
+        if (round == 0) check_budgets(placed_a, placed_b);
+        if (HasFailure()) return;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, BodyKinds, ::testing::Bool(),
+                         [](const auto& info) { return info.param ? "OnLattices" : "Anywhere"; });
+
+}  // namespace
+}  // namespace limber::testing

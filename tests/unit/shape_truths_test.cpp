@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Shapes next to what formulas say, in queries, scenes and on paths.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "limber/distance.h"
+#include "limber/gradients.h"
+#include "limber/path.h"
+#include "limber/scene.h"
+#include "limber/shapes.h"
+#include "support/random_bodies.h"
+
+namespace limber::testing {
+namespace {
+
+Transform at(const Vec3& translation) { return {Mat3{}, translation}; }
+
+TEST(ShapeTruths, SpheresAreApartByTheirCentersLessTheirRadii) {
+  Rng rng(1);
+  for (int i = 0; i < 500; ++i) {
+    const double r = rng.uniform(0, 1), s = i % 5 == 0 ? 0 : rng.uniform(0, 1);
+    const Shape a = Shape::sphere(r), b = Shape::sphere(s);
+    const double offset = i % 3 == 0 ? 1e9 : 0;
+    const Vec3 p = uniform_point(rng) + Vec3{offset, 0, 0}, q = uniform_point(rng) + Vec3{offset, 0, 0};
+    const double expected = std::max(0.0, length(q - p) - r - s);
+    const DistanceResult found = distance({a, at(p)}, {b, at(q)});
+    EXPECT_NEAR(found.upper, expected, 1e-15 * (4 + offset));
+    EXPECT_EQ(found.lower, found.upper);
+    EXPECT_NEAR(length(found.witness->point_b - found.witness->point_a), expected, 1e-15 * (8 + 4 * offset));
+  }
+}
+
+TEST(ShapeTruths, ThatTouchCollide) {
+  for (const double scale : {1.0, 0x1p-500, 0x1p150, 0x1p-1000}) {
+    const Shape a = Shape::sphere(scale), b = Shape::sphere(2 * scale);
+    const double touching = 3 * scale, apart = std::nextafter(touching, 1e300);
+    EXPECT_TRUE(collide(a, {b, at({touching, 0, 0})}).is_yes());
+    EXPECT_EQ(distance(a, {b, at({touching, 0, 0})}).status, Status::collision);
+    const DistanceResult near = distance(a, {b, at({0, apart, 0})});
+    EXPECT_EQ(near.upper, apart - touching);
+    EXPECT_TRUE(collide(a, {b, at({0, apart, 0})}).is_no());
+  }
+}
+
+TEST(ShapeTruths, SmallestRadiiChangeNothingThatIsApart) {
+  const Shape a = Shape::sphere(std::numeric_limits<double>::denorm_min()), b = Shape::sphere(0);
+  EXPECT_TRUE(collide(a, b).is_yes());
+  EXPECT_EQ(distance(a, {b, at({1, 0, 0})}).upper, 1);
+  EXPECT_TRUE(collide(a, {b, at({0x1p-1030, 0, 0})}).is_no());
+}
+
+TEST(ShapeTruths, CapsulesAreApartBySegmentsLessTheirRadii) {
+  Rng rng(2);
+  for (int i = 0; i < 500; ++i) {
+    const auto point = [&] { return i % 2 == 0 ? uniform_point(rng) : 0.5 * lattice_point(rng); };
+    const Segment s{point(), point()}, t{point(), point()};
+    const double r = 0.25 * std::floor(rng.uniform(0, 4)), q = 0.25 * std::floor(rng.uniform(0, 4));
+    const Shape a = Shape::capsule(s.p0, s.p1, r), b = Shape::capsule(t.p0, t.p1, q);
+    EXPECT_NEAR(distance(a, b).upper, std::max(0.0, closest_points(s, t).distance - r - q), 1e-14);
+  }
+}
+
+TEST(ShapeTruths, BoxesAreSolid) {
+  Rng rng(3);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 half = 0.01 * Vec3{1, 1, 1} + abs(uniform_point(rng)), p = uniform_point(rng, -2, 2);
+    const double r = rng.uniform(0, 0.5), s = rng.uniform(0, 0.5);
+    const Shape box = Shape::box(half, r), ball = Shape::sphere(s);
+    const double expected = std::max(0.0, length(max(abs(p) - half, Vec3{})) - r - s);
+    EXPECT_NEAR(distance(box, {ball, at(p)}).upper, expected, 1e-14);
+    EXPECT_EQ(collide(box, {ball, at(p)}).is_yes(), expected == 0);
+    EXPECT_EQ(collide({ball, at(p)}, box).is_yes(), expected == 0);
+  }
+}
+
+TEST(ShapeTruths, HalfSpacesAreAsFarAsTheLowestVertex) {
+  Rng rng(4);
+  const Model model(scenes::ball(12, 9));
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 normal = uniform_point(rng);
+    const double offset = rng.uniform(-3, 3);
+    const Transform pose = random_pose(rng, 2);
+    const Shape below = Shape::half_space(normal, offset, 64);
+    double lowest = 1e9;
+    for (const Vec3& p : model.mesh().positions()) {
+      lowest = std::min(lowest, dot(normal, pose(p)) / length(normal) - offset);
+    }
+    EXPECT_NEAR(distance({model, pose}, below).upper, std::max(0.0, lowest), 1e-12);
+    EXPECT_EQ(collide({model, pose}, below).is_yes(), lowest <= 0);
+  }
+}
+
+TEST(ShapeTruths, MeshesOfASphereComeNearerToItAsTheyAreRefined) {
+  Rng rng(5);
+  const Model body(scenes::ring(40, 12, 0.25));
+  const Shape sphere = Shape::sphere(1);
+  for (int i = 0; i < 20; ++i) {
+    const Transform pose = random_pose(rng, 3);
+    const DistanceResult truth = distance(sphere, {body, pose});
+    for (const std::uint32_t slices : {16, 64, 256}) {
+      const Model mesh(scenes::ball(slices, slices / 2));
+      // Corners are on the sphere; facets are inside of it by at most that.
+      const double inside = 1 - std::pow(std::cos(std::numbers::pi / slices), 2) * (1 - 1e-12);
+      const DistanceResult found = distance(mesh, {body, pose});
+      if (truth.upper == 0) continue;  // the sphere's surface alone may be farther
+      EXPECT_GE(found.upper, truth.upper - 1e-12);
+      EXPECT_LE(found.upper, truth.upper + inside + 1e-12);
+    }
+  }
+}
+
+TEST(ShapeTruths, CylindersAreNoFartherThanTheirPrismsAndTheDeviation) {
+  Rng rng(6);
+  for (int i = 0; i < 300; ++i) {
+    const Shape cylinder = Shape::cylinder({0, 0, -1}, {0, 0, 1}, 0.5, 0.01), ball = Shape::sphere(0.25);
+    const Vec3 p = uniform_point(rng, -2, 2);
+    const Vec3 off{std::max(0.0, std::hypot(p.x, p.y) - 0.5), std::max(0.0, std::abs(p.z) - 1), 0};
+    const double truth = std::max(0.0, length(off) - 0.25);
+    const DistanceResult found = distance(cylinder, {ball, at(p)});
+    EXPECT_LE(found.lower, truth + 1e-14);
+    EXPECT_GE(found.upper + cylinder.deviation(), truth - 1e-14);
+  }
+}
+
+TEST(ShapeTruths, NestedSolidsCollideAndSurfacesDoNot) {
+  const Model mesh(scenes::ball(12, 9));
+  const ClosedSurface surface = ClosedSurface::create(mesh).value();
+  const Shape small = Shape::box({0.1, 0.1, 0.1}), large = Shape::box({4, 4, 4}), point = Shape::sphere(0.01);
+  const Shape above = Shape::half_space({0, 0, 1}, 5, 50), below = Shape::half_space({0, 0, 1}, -5, 50);
+  EXPECT_TRUE(collide(mesh, small).is_no());
+  EXPECT_TRUE(collide(surface.solid(), small).is_yes());
+  EXPECT_TRUE(collide(small, surface.solid()).is_yes());
+  EXPECT_TRUE(collide(mesh, large).is_yes());
+  EXPECT_TRUE(collide(large, mesh).is_yes());
+  EXPECT_TRUE(collide(surface.solid(), point).is_yes());
+  EXPECT_TRUE(collide(mesh, point).is_no());
+  EXPECT_TRUE(collide(mesh, above).is_yes());
+  EXPECT_TRUE(collide(mesh, below).is_no());
+  EXPECT_EQ(distance(mesh, below).upper, 4);
+  EXPECT_EQ(distance(mesh, above).status, Status::collision);
+  const DistanceResult found = distance(large, mesh, {.max_distance = 0.5});
+  EXPECT_EQ(found.status, Status::collision);
+  EXPECT_EQ(found.witness->point_a, found.witness->point_b);
+  EXPECT_TRUE(within(large, mesh, 0.5).is_yes());
+}
+
+TEST(ShapeTruths, CavitiesAreOutside) {
+  std::vector<Corners> turned = scenes::ball(12, 9).triangles();
+  for (Corners& c : turned) std::swap(c[0], c[1]);
+  const Mesh inner =
+      Mesh::create(mapped(scenes::ball(12, 9), [](const Vec3& p) { return 0.5 * p; }).positions(), turned).value();
+  const Model shell(joined(scenes::ball(12, 9), inner));
+  const ClosedSurface surface = ClosedSurface::create(shell).value();
+  const Shape ball = Shape::sphere(0.1);
+  EXPECT_TRUE(collide(surface.solid(), ball).is_no());
+  EXPECT_TRUE(collide(surface.solid(), {ball, at({0.75, 0, 0})}).is_yes());
+}
+
+TEST(ShapeTruths, FlushOverAFloorIsDecidedAlike) {
+  const Model floor(scenes::grid(16, 16, -2, -2, 0.25, 0.25));
+  Rng rng(8);
+  QueryCache cache;
+  for (int i = 0; i < 200; ++i) {
+    const double r = i % 2 == 0 ? 0.25 : rng.uniform(0.1, 0.5), half = rng.uniform(0.1, 0.5);
+    const Shape box = Shape::box({0.5, 0.5, half}, r);
+    double height = half + r;
+    for (std::uint64_t k = rng.below(5); k > 0; --k) height = std::nextafter(height, i % 4 < 2 ? 9 : 0);
+    const Transform turned = i % 3 == 0 ? Transform{} : random_pose(rng, 2);
+    const Placed a(floor, turned), b(box, turned * at({rng.uniform(-1, 1), rng.uniform(-1, 1), height}));
+    for (const double error : {0.0, 0.1}) {
+      SCOPED_TRACE(::testing::Message() << i << " with error " << error);
+      const DistanceResult found = distance(a, b, {.relative_error = error, .absolute_error = error});
+      const DistanceResult cached = distance(a, b, {.relative_error = error, .cache = &cache});
+      const CollideResult meets = collide(a, b, {.cache = i % 2 == 0 ? &cache : nullptr});
+      EXPECT_EQ(found.upper == 0, meets.is_yes());
+      EXPECT_EQ(cached.upper == 0, meets.is_yes());
+      EXPECT_EQ(truth_of(a, b).cores <= r, meets.is_yes());
+      EXPECT_TRUE(within(a, b, found.upper, {.cache = &cache}).is_yes());
+    }
+  }
+}
+
+TEST(ShapeTruths, OneCacheServesAllRadii) {
+  const Model body(scenes::ring(40, 12, 0.25));
+  const Shape shape = Shape::capsule({-1, 0, 0}, {1, 0.5, 0}, 0.25);
+  Rng rng(9);
+  QueryCache cache;
+  for (int i = 0; i < 300; ++i) {
+    const Transform pose = i % 3 == 0 ? random_pose(rng, 2) : at({0, 0.001 * i, 1});
+    const Placed core(shape.model(), pose), swept(shape, pose);
+    EXPECT_EQ(distance(body, core, {.cache = &cache}).upper, distance(body, core).upper);
+    EXPECT_EQ(distance(body, swept, {.cache = &cache}).upper, distance(body, swept).upper);
+    EXPECT_EQ(collide(body, swept, {.cache = &cache}).answer, collide(body, swept).answer);
+    EXPECT_EQ(collide(body, core, {.cache = &cache}).answer, collide(body, core).answer);
+  }
+}
+
+TEST(ShapeTruths, ScenesFindTheClosestBodies) {
+  Rng rng(10);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<OwnedBody> bodies;
+    for (std::uint64_t i = 0; i < 8; ++i) {
+      const std::uint64_t kind = rng.below(body_kinds);
+      bodies.push_back(random_body(rng, kind == 5 ? 0 : kind, false));
+    }
+    std::vector<Placed> placed;
+    Scene scene;
+    for (const OwnedBody& body : bodies) {
+      placed.emplace_back(body.body(), random_pose(rng, 4));
+      scene.add(placed.back());
+    }
+    scene.commit();
+    double least = 1e9;
+    std::size_t meeting = 0;
+    for (ObjectId b = 0; b < placed.size(); ++b) {
+      const Box box = scene.bounding_box(b);
+      for (ObjectId a = 0; a < b; ++a) {
+        const double d = distance(placed[a], placed[b]).upper;
+        least = std::min(least, d), meeting += d == 0 ? 1 : 0;
+        bool is_candidate = false;
+        scene.visit_candidate_pairs(d, [&](const ObjectPair& pair) {
+          is_candidate = is_candidate || (pair.a == a && pair.b == b);
+          return true;
+        });
+        EXPECT_TRUE(is_candidate);
+      }
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(box.low[k], box.high[k]);
+    }
+    EXPECT_EQ(scene.closest_objects().result.upper, least);
+    EXPECT_EQ(scene.any_within(0).result.is_yes(), meeting > 0);
+    const std::vector<ObjectId> ids{3};
+    const std::vector<Transform> poses{placed[3].pose, at({50, 0, 0})};
+    std::vector<ClosestObjects> results(2);
+    scene.closest_objects_many(ids, poses, results);
+    EXPECT_EQ(results[0].result.upper, least);
+    double next_to = 1e9;
+    for (ObjectId b = 1; b < placed.size(); ++b) next_to = std::min(next_to, distance(placed[0], placed[b]).upper);
+    const auto others = [](ObjectId id) { return id != 0; };
+    EXPECT_EQ(scene.closest_object(placed[0], {.filter = others}).result.upper, next_to);
+  }
+}
+
+TEST(ShapeTruths, MovingSpheresTouchWhenFormulasSay) {
+  Rng rng(11);
+  for (int i = 0; i < 60; ++i) {
+    const Shape a = Shape::sphere(rng.uniform(0.1, 0.5)), b = Shape::sphere(rng.uniform(0.1, 0.5));
+    const Vec3 p = uniform_point(rng, -2, 2), v = uniform_point(rng, -4, 4);
+    const double r = a.radius() + b.radius();
+    const RigidMotion still, moving(at(p), {scenes::random_rotation(rng), p + v});
+    const PathImpact found = time_of_impact(a, still, b, moving);
+    const double discriminant = dot(p, v) * dot(p, v) - dot(v, v) * (dot(p, p) - r * r);
+    const double time = (-dot(p, v) - std::sqrt(std::max(0.0, discriminant))) / dot(v, v);
+    const double closest = std::clamp(-dot(p, v) / dot(v, v), 0.0, 1.0);
+    const double gap = std::max(0.0, length(p + closest * v) - r);
+    const PathDistance least = least_distance(a, still, b, moving);
+    EXPECT_LE(least.lower, gap + 1e-12);
+    EXPECT_GE(least.upper, gap - 1e-12);
+    EXPECT_LE(least.upper - least.lower, 1e-2);
+    if (length(p) <= r) {
+      EXPECT_EQ(found.status, ImpactStatus::initial_contact);
+    } else if (discriminant > 1e-3 && time > 0 && time < 1) {
+      EXPECT_EQ(found.status, ImpactStatus::contact);
+      EXPECT_NEAR(found.time, time, 1e-3);
+    } else if (gap > 1e-3) {
+      EXPECT_EQ(found.status, ImpactStatus::clear);
+    }
+  }
+}
+
+TEST(ShapeTruths, WhatBeginsInsideOfASolidIsInContact) {
+  const Shape box = Shape::box({2, 2, 2}), ball = Shape::sphere(0.1);
+  EXPECT_EQ(time_of_impact(box, RigidMotion{}, ball, RigidMotion{}).status, ImpactStatus::initial_contact);
+  const RigidMotion inward(at({5, 0, 0}), at({0, 0, 0}));
+  const PathImpact found = time_of_impact(box, RigidMotion{}, ball, inward);
+  EXPECT_EQ(found.status, ImpactStatus::contact);
+  EXPECT_NEAR(found.time, 2.9 / 5, 1e-5);
+}
+
+TEST(ShapeTruths, GradientsAreThoseOfTheDistanceLessTheRadii) {
+  Rng rng(12);
+  const Model body(scenes::ring(40, 12, 0.25));
+  const Shape capsule = Shape::capsule({-1, 0, 0}, {1, 0.5, 0}, 0.25);
+  for (int i = 0; i < 30; ++i) {
+    const Transform pose = random_pose(rng, 1);
+    const Transform far{pose.rotation, pose.translation + Vec3{0, 0, 3}};
+    const Placed a(body), b(capsule, far);
+    const TriangleContact contact = contact_of(a, b, *distance(a, b).witness);
+    const PoseGradient gradient = pose_gradient_b(contact, far.translation);
+    const Vec3 step = 1e-6 * uniform_point(rng), turn = 1e-6 * uniform_point(rng);
+    const double angle = length(turn);
+    const Transform small = transform_from_quaternion({}, 1, 0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z).value();
+    const Transform moved{small.rotation * far.rotation, far.translation + step};
+    const double change = distance(a, {capsule, moved}).upper - distance(a, b).upper;
+    EXPECT_NEAR(change, dot(gradient.force, step) + dot(gradient.moment, turn), 1e-10) << angle;
+  }
+}
+
+}  // namespace
+}  // namespace limber::testing

@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The factories of shapes: what their cores are, and which arguments they refuse.
+#include "limber/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "limber/geometry.h"
+#include "limber/points.h"
+#include "shape/convex_hull.h"
+#include "support/random_geometry.h"
+
+namespace limber::testing {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double side_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return orient3d(a, b, c, d); }
+
+/// Exactly all points are behind all triangles or on them, none is degenerate, and the surface is closed.
+void check_hull(const std::vector<Vec3>& points, const Shape& hull) {
+  const Mesh& mesh = hull.model().mesh();
+  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
+    const Triangle face = mesh.triangle(t);
+    const bool has_area = orient2d(face.v0, face.v1, face.v2, 0) != 0 || orient2d(face.v0, face.v1, face.v2, 1) != 0 ||
+                          orient2d(face.v0, face.v1, face.v2, 2) != 0;
+    EXPECT_EQ(has_area, hull.is_solid() || mesh.triangles().size() > 1 || mesh.positions().size() == 3);
+    for (const Vec3& p : points) {
+      if (hull.is_solid()) {
+        EXPECT_LE(side_of(face.v0, face.v1, face.v2, p), 0);
+      } else {
+        EXPECT_EQ(side_of(face.v0, face.v1, face.v2, p), 0);
+      }
+    }
+  }
+  for (const Vec3& p : mesh.positions()) EXPECT_NE(std::find(points.begin(), points.end(), p), points.end());
+  if (hull.is_solid()) {
+    const auto surface = ClosedSurface::create(hull.model());
+    ASSERT_TRUE(surface);
+    for (const Vec3& p : points) EXPECT_TRUE(surface->contains(p));
+    EXPECT_TRUE(hull.model().mesh().is_closed());
+  }
+  for (const Vec3& p : points) {
+    if (!hull.is_solid()) EXPECT_LT(closest_point(Placed(hull.model()), p).closest->distance, 1e-12);
+  }
+  hull.model().validate().value();
+}
+
+Vec3 flattened(const Vec3& p, int dimensions) {
+  return dimensions == 3   ? p
+         : dimensions == 2 ? Vec3{p.x, p.y, p.x + 2 * p.y}
+         : dimensions == 1 ? Vec3{p.x, 2 * p.x, -p.x}
+                           : Vec3{1, 2, 3};
+}
+
+TEST(ConvexHull, HasAllPointsExactlyBehindItsFaces) {
+  Rng rng(7);
+  for (int round = 0; round < 400; ++round) {
+    const int dimensions = round % 4;
+    const std::uint64_t count = 1 + rng.below(round % 3 == 0 ? 8 : 60);
+    const bool is_on_lattice = rng.below(2) == 0;
+    std::vector<Vec3> points;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const Vec3 p =
+          flattened(is_on_lattice || dimensions < 3 ? lattice_point(rng, 5) : uniform_point(rng), dimensions);
+      points.push_back(p);
+      if (rng.below(4) == 0) points.push_back(dimensions < 3 || rng.below(2) == 0 ? p : nudged(rng, p));
+    }
+    SCOPED_TRACE(::testing::Message() << "round " << round);
+    const Shape hull = Shape::convex_hull(points);
+    check_hull(points, hull);
+    if (dimensions < 3) EXPECT_FALSE(hull.is_solid());
+    if (HasFailure()) return;
+  }
+}
+
+TEST(ConvexHull, OfACubeOfLatticePointsIsTheCube) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 125; ++i) {
+    points.push_back({static_cast<double>(i % 5), static_cast<double>(i / 5 % 5), static_cast<double>(i / 25)});
+  }
+  const Shape hull = Shape::convex_hull(points);
+  check_hull(points, hull);
+  double volume = 0;
+  for (TriangleId t = 0; t < hull.model().mesh().triangles().size(); ++t) {
+    const Triangle face = hull.model().mesh().triangle(t);
+    volume += dot(face.v0, cross(face.v1, face.v2)) / 6;
+  }
+  EXPECT_NEAR(volume, 64, 1e-12);
+}
+
+TEST(ConvexHull, OfPointsInAPlaneIsThePolygonOnce) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 25; ++i) points.push_back({static_cast<double>(i % 5), static_cast<double>(i / 5), 1});
+  const Shape hull = Shape::convex_hull(points);
+  check_hull(points, hull);
+  double area = 0;
+  for (TriangleId t = 0; t < hull.model().mesh().triangles().size(); ++t) {
+    const Triangle face = hull.model().mesh().triangle(t);
+    area += 0.5 * length(cross(face.v1 - face.v0, face.v2 - face.v0));
+  }
+  EXPECT_NEAR(area, 16, 1e-12);
+}
+
+TEST(ConvexHull, OfABallIsTheBall) {
+  const Mesh ball = scenes::ball(24, 13);
+  const Shape hull = Shape::convex_hull(ball.positions());
+  EXPECT_TRUE(hull.is_solid());
+  EXPECT_EQ(hull.model().mesh().triangles().size(), 2 * ball.positions().size() - 4);
+}
+
+TEST(Shapes, OfSolidsAreClosed) {
+  const Shape solids[] = {Shape::box({1, 2, 3}), Shape::box({1, 2, 3}, 0.5), Shape::half_space({1, 2, 3}, 4, 100),
+                          Shape::cylinder({0, 1, 2}, {1, 5, 2}, 2, 0.01)};
+  for (const Shape& solid : solids) {
+    EXPECT_TRUE(solid.is_solid());
+    const ClosedSurface surface = ClosedSurface::create(solid.model()).value();
+    const Sphere sphere = solid.model().bounding_sphere();
+    EXPECT_EQ(surface.winding_number(sphere.center), 1);  // so normals point outward
+  }
+}
+
+TEST(Shapes, CylindersAreInTheirPrismsWithinTheError) {
+  for (const double error : {0.5, 0.01, 1e-5}) {
+    const Vec3 from{1, 2, 3}, to{2, 4, 5};
+    const Shape shape = Shape::cylinder(from, to, 0.75, error);
+    EXPECT_LE(shape.deviation(), error * (1 + 1e-12));
+    const Vec3 along = (to - from) * (1 / length(to - from));
+    double least = 10, most = 0;
+    for (TriangleId t = 0; t < shape.model().mesh().triangles().size(); ++t) {
+      const Triangle face = shape.model().mesh().triangle(t);
+      const Vec3 normal = cross(face.v1 - face.v0, face.v2 - face.v0);
+      if (std::abs(dot(normal, along)) > 0.5 * length(normal)) continue;  // of an end
+      least = std::min(least, dot(normal, face.v0 - from) / length(normal));
+    }
+    for (const Vec3& p : shape.model().mesh().positions()) most = std::max(most, length(cross(along, p - from)));
+    EXPECT_GE(least, 0.75 * (1 - 1e-15));
+    EXPECT_LE(most, (0.75 + shape.deviation()) * (1 + 1e-14));
+    const std::size_t sides = shape.model().mesh().triangles().size() / 4;
+    if (sides > 3) EXPECT_GT(0.75 / std::cos(std::numbers::pi / static_cast<double>(sides - 1)) - 0.75, error);
+  }
+}
+
+TEST(Shapes, OfCloudsHaveATriangleForEachPoint) {
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+  const Shape cloud = Shape::point_cloud(points, 0.5);
+  ASSERT_EQ(cloud.model().mesh().triangles().size(), 3U);
+  for (TriangleId i = 0; i < 3; ++i) EXPECT_EQ(cloud.model().mesh().triangle(i).v1, points[i]);
+}
+
+TEST(Shapes, OfHeightsAreOverTheGrid) {
+  const std::vector<double> heights{0, 1, 2, 3, 4, 5};
+  const Shape field = Shape::height_field(heights, 3, 2, 0.5, 2);
+  EXPECT_EQ(field.model().mesh().positions()[5], (Vec3{1, 2, 5}));
+  EXPECT_EQ(field.model().mesh().triangles().size(), 4U);
+  EXPECT_FALSE(field.is_solid());
+  double area = 0;
+  for (TriangleId t = 0; t < 4; ++t) {
+    const Triangle face = field.model().mesh().triangle(t);
+    area += 0.5 * cross(face.v1 - face.v0, face.v2 - face.v0).z;  // counter-clockwise from above
+  }
+  EXPECT_EQ(area, 2);
+}
+
+TEST(Shapes, RefuseWhatTheyCannotBe) {
+  const std::vector<Vec3> none, bad{{0, 0, 0}, {0, nan, 0}}, one{{0, 0, 0}};
+  const std::vector<double> heights{0, 1, 2, nan};
+  const Vec3 o, x{1, 0, 0};
+  EXPECT_THROW(Shape::sphere(-1), std::invalid_argument);
+  EXPECT_THROW(Shape::sphere(nan), std::invalid_argument);
+  EXPECT_THROW(Shape::sphere(0x1p201), std::invalid_argument);
+  EXPECT_THROW(Shape::capsule({nan, 0, 0}, x, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::capsule(o, {0x1p201, 0, 0}, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::capsule(o, x, -1), std::invalid_argument);
+  EXPECT_THROW(Shape::box({1, -1, 1}), std::invalid_argument);
+  EXPECT_THROW(Shape::box({1, 1, 1}, nan), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, o, 1, 0.1), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 0, 0.1), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 1, 0), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 1, nan), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 1, 1e-12), std::invalid_argument);
+  EXPECT_THROW(Shape::half_space(o, 1, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::half_space(x, nan, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::half_space(x, 0, 0), std::invalid_argument);
+  EXPECT_THROW(Shape::convex_hull(none), std::invalid_argument);
+  EXPECT_THROW(Shape::convex_hull(bad), std::invalid_argument);
+  EXPECT_THROW(Shape::point_cloud(none, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::point_cloud(one, -1), std::invalid_argument);
+  EXPECT_THROW(Shape::height_field(heights, 2, 2, 1, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::height_field(std::span(heights).first(3), 2, 2, 1, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::height_field(std::span(heights).first(3), 3, 1, 1, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::height_field(std::span(heights).first(2), std::size_t{1} << 63, 2, 1, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::height_field(std::span(heights).first(0), 2, 0, 1, 1), std::invalid_argument);
+}
+
+TEST(Shapes, ErrorsNameTheArgument) {
+  const auto text_of = [](const auto& f) {
+    try {
+      f();
+    } catch (const std::invalid_argument& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const std::vector<Vec3> bad{{0, 0, 0}, {0, nan, 0}};
+  EXPECT_EQ(text_of([&] { Shape::point_cloud(bad, 1); }),
+            "limber::Shape::point_cloud: point 1 has a coordinate that is not finite, or above 2^200");
+  EXPECT_EQ(text_of([] { Shape::sphere(-1); }), "limber::Shape::sphere: radius must be at least 0 and at most 2^200");
+}
+
+TEST(Shapes, AreRefusedWhereTheirRadiusWouldBeLost) {
+  const Shape sphere = Shape::sphere(1), box = Shape::box({1, 1, 1});
+  EXPECT_THROW(closest_point(sphere, {}), std::invalid_argument);
+  EXPECT_THROW(winding_number(sphere, {}), std::invalid_argument);
+  EXPECT_EQ(closest_point(box, {3, 0, 0}).closest->distance, 2);
+}
+
+}  // namespace
+}  // namespace limber::testing
