@@ -6,11 +6,13 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 #endif
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "base/float_environment.h"
 
@@ -46,6 +48,40 @@ void parallel_for(std::size_t count, [[maybe_unused]] std::size_t grain, const B
 template <typename Body>
 void parallel_for_ranges(std::size_t count, std::size_t size, const Body& body) {
   parallel_for((count + size - 1) / size, 1, [&](std::size_t i) { body(i * size, std::min(count, (i + 1) * size)); });
+}
+
+/// Calls make(i, made) for every i below `count`, several at a time, and then take(made) one after the other, in order,
+/// while others are made. Each `made` is used again and again, so take() leaves it as make() wants it.
+template <typename Made, typename Make, typename Take>
+void parallel_in_order(std::size_t count, const Make& make, const Take& take) {
+#if defined(LIMBER_THREADS)
+  if (count > 1 && has_several_threads()) {
+    // Those that are under way are neighbors, as they end in order, so no two of them have the same place.
+    const std::size_t places = 4 * static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency());
+    std::vector<Made> made(places);
+    std::size_t next = 0;
+    const auto start = [&](oneapi::tbb::flow_control& control) {
+      if (next == count) control.stop();
+      return next++;
+    };
+    const auto make_one = [&](std::size_t i) {
+      const DefaultFloatEnvironment environment;
+      make(i, made[i % places]);
+      return i;
+    };
+    using oneapi::tbb::filter_mode;
+    return oneapi::tbb::parallel_pipeline(
+        places, oneapi::tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, start) &
+                    oneapi::tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, make_one) &
+                    oneapi::tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order,
+                                                                [&](std::size_t i) { take(made[i % places]); }));
+  }
+#endif
+  Made made;
+  for (std::size_t i = 0; i < count; ++i) {
+    make(i, made);
+    take(made);
+  }
 }
 
 /// Calls both, at the same time if `worthwhile`.

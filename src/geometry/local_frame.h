@@ -50,7 +50,8 @@ inline Vec3 near_unit(const Vec3& v) {
   const double size = max_abs(v);
   LIMBER_ASSERT(size > 0 && size < 0x1p1000);
   if (size < std::numeric_limits<double>::min()) return near_unit(v * 0x1p60);
-  return v * (1 / std::bit_cast<double>(std::bit_cast<std::uint64_t>(size) & 0x7ff0'0000'0000'0000U));
+  // With e the biased exponent of the size, the power of two with the biased exponent 2046 - e, as 1 has 1023.
+  return v * std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
 /// Length that stays positive where the square underflows.

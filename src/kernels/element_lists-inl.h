@@ -26,20 +26,6 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The numbers of the bits of a byte, from the lowest on; then zeros.
-inline constexpr auto numbers_of_bits = [] {
-  std::array<std::array<std::uint8_t, width>, 256> table{};
-  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
-    std::size_t count = 0;
-    for (std::uint8_t bit = 0; bit < width; ++bit) {
-      if ((byte >> bit & 1) != 0) table[byte][count++] = bit;
-    }
-  }
-  return table;
-}();
-
-inline constexpr std::uint64_t in_each_byte = 0x0101010101010101;
-
 /// Pairs of elements whose boxes are close.
 template <std::uint32_t room>
 struct ElementList {

@@ -312,7 +312,7 @@ LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t 
 template <bool wants_pruned_bound, bool is_self>
 LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                    const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
-  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
+  const ProjectedLeaves pair = project_leaves<is_self>(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
   candidates.pruned_bound = infinite;
   std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};

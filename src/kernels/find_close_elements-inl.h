@@ -25,7 +25,8 @@ LIMBER_KERNEL void find_close_elements(const SlotRef& a, const SlotRef& b, const
                                        const SelfPair* self, ElementCandidates& found) {
   LIMBER_ASSERT(!pruning.has_direction);
   found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
-  const ProjectedLeaves pair = project_leaves(a, b, transform, pruning);
+  const ProjectedLeaves pair = self != nullptr ? project_leaves<true>(a, b, transform, pruning)
+                                               : project_leaves<false>(a, b, transform, pruning);
   LeafCorners ca[1], cb[1];
   unpack(*a.triangles, pair.step_a, ca[0]);
   if (self != nullptr) {

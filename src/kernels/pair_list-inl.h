@@ -11,8 +11,11 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
@@ -20,6 +23,20 @@
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
+
+/// The numbers of the bits of a byte, from the lowest on; then zeros.
+inline constexpr auto numbers_of_bits = [] {
+  std::array<std::array<std::uint8_t, width>, 256> table{};
+  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
+    std::size_t count = 0;
+    for (std::uint8_t bit = 0; bit < width; ++bit) {
+      if ((byte >> bit & 1) != 0) table[byte][count++] = bit;
+    }
+  }
+  return table;
+}();
+
+inline constexpr std::uint64_t in_each_byte = 0x0101010101010101;
 
 /// Corner `k` of the triangles in the slots `i` and following.
 LIMBER_KERNEL Packet3 corners(const LeafCorners& c, int k, std::uint32_t i) {
@@ -35,10 +52,16 @@ struct PairList {
   alignas(64) std::uint8_t pair[width * width + width];
   std::uint32_t count = 0;
 
-  /// Appends the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second.
+  /// Appends the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second. Row by
+  /// row: a loop over bits would end where nothing can predict it.
   LIMBER_KERNEL void add(std::uint64_t pairs) {
     std::uint32_t n = count;  // a local variable: bytes that are written could be any other
-    for (; pairs != 0; pairs &= pairs - 1) pair[n++] = static_cast<std::uint8_t>(std::countr_zero(pairs));
+    for (std::uint32_t row = 0; row < width; ++row, pairs >>= width) {
+      const auto& numbers = numbers_of_bits[pairs & 0xff];
+      const std::uint64_t of_row = std::bit_cast<std::uint64_t>(numbers) + row * width * in_each_byte;
+      std::memcpy(pair + n, &of_row, sizeof of_row);  // bytes that do not count are overwritten, or not used
+      n += static_cast<std::uint32_t>(std::popcount(pairs & 0xff));
+    }
     count = n;
   }
   /// Appends pairs of another list: of those from `i` on the ones whose lanes are in `which`.

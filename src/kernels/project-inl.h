@@ -180,6 +180,8 @@ LIMBER_KERNEL double scale_to_one(double size) {
   return std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
+/// `is_self` says that both are leaves of one tree: then no transform is needed.
+template <bool is_self>
 LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
                                              const PruneLimits& pruning) {
   constexpr double smallest_size = 0x1p-900, largest_size = 0x1p900;
@@ -187,7 +189,14 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b,
   const Vec3 center_a =
       a.node->origin + transform.unit * Vec3{na.center_x[a.slot], na.center_y[a.slot], na.center_z[a.slot]};
   alignas(32) double offset[4];
-  project_center(*b.node, b.slot, transform, center_a, offset);
+  if (is_self) {
+    const Vec3 center_b =
+        b.node->origin + transform.unit * Vec3{nb.center_x[b.slot], nb.center_y[b.slot], nb.center_z[b.slot]};
+    offset[0] = center_b.x - center_a.x, offset[1] = center_b.y - center_a.y, offset[2] = center_b.z - center_a.z;
+    offset[3] = 0;
+  } else {
+    project_center(*b.node, b.slot, transform, center_a, offset);
+  }
   const double radius_a = transform.unit * static_cast<double>(na.radius[a.slot]);
   const double radius_b = transform.other_unit * static_cast<double>(nb.radius[b.slot]);
   const double size =
@@ -195,8 +204,8 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b,
   ProjectedLeaves p;
   const double scale = scale_to_one(std::clamp(size, smallest_size, largest_size));
   p.scale = scale;
-  const double step_a = radius_a * scale / static_cast<double>(bvh::max_quantized);
-  const double step_b = radius_b * scale / static_cast<double>(bvh::max_quantized);
+  const double steps_of_radius = scale * (1 / static_cast<double>(bvh::max_quantized));  // a division would take longer
+  const double step_a = radius_a * steps_of_radius, step_b = radius_b * steps_of_radius;
   p.step_a = static_cast<float>(step_a), p.step_b = static_cast<float>(step_b);
   for (int j = 0; j < 4; ++j) p.offset[j] = static_cast<float>(offset[j] * scale);
   const double steps = base::quantization_error * (step_a + step_b);

@@ -200,9 +200,12 @@ class AllPairs {
     kernels_.find_candidates(trees_.as_leaf(Side::a, pair), trees_.as_leaf(Side::b, pair), search_.frames.of(Side::a),
                              search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
     if (found.count == 0) return;
+    if (found.count >= worth_refining) kernels_.refine_candidates(found);
+    const double limit_sq = limit_sq_of(found, search_.pruning.distance());
     a_.take(self.a), b_.take(self.b);
     for (std::uint32_t i = 0; i < found.count && !collector_.is_done() && !search_.meter.cuts_short(steps_); ++i) {
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
+      if (static_cast<double>(found.pairs[i].bound_sq) >= limit_sq) continue;
       if (a_.is_repeated(slot_a) || b_.is_repeated(slot_b)) continue;
       ++search_.stats.triangle_tests;
       collector_.compare(a_.at(slot_a), b_.at(slot_b));
@@ -213,6 +216,8 @@ class AllPairs {
   // (2^32 triangles). For one model, a node begins with at most 28 pairs of children and 8 leaves. In all at most
   // 2 * 11 * 7 + 28 + 8 = 190.
   static constexpr std::uint32_t capacity = 256;
+  // From that many candidates on, better bounds take less time than the comparisons that they save.
+  static constexpr std::uint32_t worth_refining = 2;
   // Nodes of the two levels below the root: their pairs of children are split further.
   static constexpr std::uint32_t top_nodes = 64;
 

@@ -11,6 +11,7 @@
 #include "pair/collectors/collector.h"
 #include "pair/placed_leaf.h"
 #include "pair/search_context.h"
+#include "pair/squared_limits.h"
 #include "pair/traversal_state.h"
 #include "pair/tree_pair.h"
 
@@ -133,10 +134,7 @@ class LeafComparison {
   }
 
   /// Candidates with a bound of at least this are pruned.
-  double limit_sq(const simd::Candidates& found) const {
-    const double limit = search_.pruning.distance() * found.scale + static_cast<double>(found.error);
-    return limit * limit * double{base::squares_up};
-  }
+  double limit_sq(const simd::Candidates& found) const { return limit_sq_of(found, search_.pruning.distance()); }
 
   /// Whether the search direction prunes the two leaves as a whole.
   bool prunes_whole_leaves(double& apart) {

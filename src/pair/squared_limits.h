@@ -10,6 +10,7 @@
 #include "base/error_bounds.h"
 #include "pair/bucket_queue.h"
 #include "pair/placed_pair.h"
+#include "simd/kernels.h"
 
 namespace limber::pair {
 
@@ -62,5 +63,11 @@ class SquaredLimits {
   float limit_sq_[2] = {0, 0};
   float to_a_sq_[2] = {1, 1};  // squared units of either tree in those of a
 };
+
+/// Candidates with a bound of at least this are pruned: their triangles are at least `distance` apart.
+inline double limit_sq_of(const simd::Candidates& found, double distance) {
+  const double limit = distance * found.scale + static_cast<double>(found.error);
+  return limit * limit * double{base::squares_up};
+}
 
 }  // namespace limber::pair

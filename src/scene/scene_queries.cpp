@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Queries of pairs of objects, on all threads.
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "base/arguments.h"
@@ -34,6 +36,19 @@ void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, Scene
   base::parallel_for(pairs.size(), scene::pairs_per_task, [&](std::size_t i) {
     ask(i, scene.placed(pairs[i].a), scene.placed(pairs[i].b), caches.empty() ? nullptr : caches[i]);
   });
+}
+
+// Pairs whose contacts are found by one task: some microseconds where nothing touches.
+constexpr std::size_t pairs_of_chunk = 8;
+
+/// Room for the contacts of all pairs, if they go on as those that are done have begun, and some more; but at most 16
+/// times what there is, as few may be done.
+std::size_t room_for(std::size_t count, std::size_t done, std::size_t pairs) {
+  LIMBER_ASSERT(done > 0 && done <= pairs);
+  constexpr double spare = 1.1;
+  const double expected = static_cast<double>(count) * static_cast<double>(pairs) / static_cast<double>(done);
+  const auto more = static_cast<std::size_t>(std::min(expected, 16.0 * static_cast<double>(count)) * spare);
+  return done == pairs ? count : std::max(count, more);
 }
 
 }  // namespace
@@ -76,19 +91,35 @@ ObjectContacts Scene::contacts(std::span<const ObjectPair> pairs, double margin,
   const Impl& scene = impl("contacts");
   check_pairs(scene, pairs, pairs.size());
   base::check_margin(margin, "limber::Scene::contacts");
-  std::vector<std::vector<Contact>> found(pairs.size());
-  ask_each(scene, pairs, nullptr, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache*) {
-    const auto keep = [&](const Contact& contact) { return found[i].push_back(contact), true; };
-    visit_contacts(a, b, margin, keep, {.oriented_faces = options.oriented_faces});
-  });
+  // Contacts of some pairs at a time are appended while those of others are found: stored once more, all of them would
+  // take as much memory again.
+  struct Found {
+    std::vector<Contact> contacts;
+    std::vector<std::size_t> ends;  // of each pair, in `contacts`
+  };
+  const auto find = [&](std::size_t chunk, Found& found) {
+    const std::size_t begin = chunk * pairs_of_chunk, end = std::min(begin + pairs_of_chunk, pairs.size());
+    const auto keep = [&](const Contact& contact) { return found.contacts.push_back(contact), true; };
+    for (std::size_t i = begin; i < end; ++i) {
+      visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep,
+                     {.oriented_faces = options.oriented_faces});
+      found.ends.push_back(found.contacts.size());
+    }
+  };
   ObjectContacts all;
   all.offsets.reserve(pairs.size() + 1);
   all.offsets.push_back(0);
-  for (const std::vector<Contact>& of_pair : found) all.offsets.push_back(all.offsets.back() + of_pair.size());
-  all.contacts.reserve(all.offsets.back());
-  for (const std::vector<Contact>& of_pair : found) {
-    all.contacts.insert(all.contacts.end(), of_pair.begin(), of_pair.end());
-  }
+  const auto append = [&](Found& found) {
+    const std::size_t count = all.contacts.size(), done = all.offsets.size() - 1 + found.ends.size();
+    if (count + found.contacts.size() > all.contacts.capacity()) {
+      all.contacts.reserve(room_for(count + found.contacts.size(), done, pairs.size()));
+    }
+    all.contacts.insert(all.contacts.end(), found.contacts.begin(), found.contacts.end());
+    for (const std::size_t end : found.ends) all.offsets.push_back(count + end);
+    found.contacts.clear(), found.ends.clear();
+  };
+  base::parallel_in_order<Found>((pairs.size() + pairs_of_chunk - 1) / pairs_of_chunk, find, append);
+  LIMBER_ASSERT(all.offsets.size() == pairs.size() + 1 && all.offsets.back() == all.contacts.size());
   return all;
 }
 

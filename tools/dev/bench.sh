@@ -21,6 +21,8 @@
 #:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 #: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
+#: bench solvers F  what solvers ask for, in one table: contacts of a heap of bodies on one thread and on two, and from
+#:                  bench contacts F and bench configurations self-intersections, elements and configurations
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # processor KEY: a value of the first processor's entry in /proc/cpuinfo, if it has one.
@@ -200,6 +202,16 @@ bench_configurations() {
     "$root/bench/scene/configurations.py" --out "$results" "$@" </dev/null
 }
 
+bench_solvers() {
+  (($#)) || die "bench solvers: which folder has the meshes? See ./dev help"
+  need build io program
+  build_benches bodies
+  run_bench bodies
+  bench_contacts "$1"
+  bench_configurations
+  python3 "$root/bench/solvers/table.py" "$results"
+}
+
 name=${1:-thesis}
 results=$root/bench/results/$(machine)
 mkdir -p -- "$results"
@@ -216,7 +228,8 @@ case $name in
   motion) bench_motion "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   configurations) bench_configurations "${@:2}" ;;
+  solvers) bench_solvers "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, scene, configurations" ;;
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, scene, configurations, solvers" ;;
 esac
 say "results are in $results"

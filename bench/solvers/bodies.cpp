@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Question        What do the contacts of all pairs of many falling bodies cost a solver, in each of its frames?
+// Workload        2 000 bodies, balls of 1 088 triangles, boxes and rings, that have fallen into a heap: each touches
+//                 some of its neighbors, and moves and turns a little in each frame. The margin is a hundredth of a
+//                 radius.
+// Metric          Time of a frame by the number of its contacts: poses set, commit, candidate pairs, contacts of all
+//                 pairs. Frames on one thread and on two take turns. Least and median.
+// Expected shape  A microsecond or less a contact; twice as fast on two threads.
+// Checked         The contacts are those of visit_contacts() for each pair, on one thread and on two.
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <ctime>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/support/report.h"
+#include "bench/support/sampling.h"
+#include "limber/contacts.h"
+#include "limber/scene.h"
+#include "scenes/scenes.h"
+#include "scenes/surfaces.h"
+
+namespace limber::bench {
+namespace {
+
+constexpr std::size_t body_count = 2000;
+constexpr double margin = 0.01;
+
+/// Bodies of about radius 1, a little less than 2 apart.
+class Heap {
+ public:
+  Heap() : rng_(17) {
+    const Box box{{-0.7, -0.7, -0.7}, {0.7, 0.7, 0.7}};
+    models_.reserve(3);
+    models_.emplace_back(scenes::ball(32, 18));
+    models_.emplace_back(scenes::boxes({box}));
+    models_.emplace_back(scenes::ring(24, 12, 0.3));
+    constexpr std::size_t side = 20;
+    for (std::size_t i = 0; i < body_count; ++i) {
+      const Vec3 cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
+                      static_cast<double>(i / (side * side))};
+      poses.push_back({scenes::random_rotation(rng_), 1.95 * cell + within(0.05)});
+      ids.push_back(scene.add({models_[i % models_.size()], poses.back()}));
+    }
+  }
+
+  void move() {
+    const double angle = 0.01, c = scenes::cosine(angle), s = scenes::sine(angle);
+    const Mat3 turn{{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
+    for (Transform& pose : poses) {
+      pose.translation += within(0.01);
+      pose.rotation = turn * pose.rotation;
+    }
+  }
+
+  Scene scene;
+  std::vector<ObjectId> ids;
+  std::vector<Transform> poses;
+
+ private:
+  Vec3 within(double most) { return {rng_.uniform(-most, most), rng_.uniform(-most, most), rng_.uniform(-most, most)}; }
+
+  scenes::Rng rng_;
+  std::vector<Model> models_;
+};
+
+bool are_same(const Contact& s, const Contact& t) {
+  return s.triangle_a == t.triangle_a && s.triangle_b == t.triangle_b && s.distance == t.distance &&
+         s.depth == t.depth && s.point_a == t.point_a && s.point_b == t.point_b && s.normal == t.normal;
+}
+
+/// Whether the contacts are those of each pair alone.
+void check_contacts(const Scene& scene, std::span<const ObjectPair> pairs, const ObjectContacts& all,
+                    Checker& checker) {
+  std::vector<Contact> expected;
+  for (const ObjectPair& pair : pairs) {
+    visit_contacts(scene.object(pair.a), scene.object(pair.b), margin,
+                   [&](const Contact& contact) { return expected.push_back(contact), true; });
+  }
+  checker.check(std::equal(all.contacts.begin(), all.contacts.end(), expected.begin(), expected.end(), are_same),
+                "{} contacts of all pairs, {} pair by pair, or others", all.contacts.size(), expected.size());
+}
+
+void run(const Options& options, Checker& checker) {
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 2);
+  Heap heap;
+  std::vector<ObjectPair> pairs(64 * body_count);
+  std::vector<double> us_a_contact[2], processor_us_a_contact[2];
+  std::size_t pair_count = 0, contact_count = 0;
+  oneapi::tbb::task_arena arenas[2] = {oneapi::tbb::task_arena(1), oneapi::tbb::task_arena(2)};
+  for (int frame = 0, frames = options.quick ? 2 : 30; frame < frames; ++frame) {
+    heap.move();
+    for (std::size_t k = 0; k < 2; ++k) {
+      ObjectContacts found;
+      const Stopwatch watch;
+      const std::clock_t before = std::clock();
+      arenas[k].execute([&] {
+        heap.scene.set_poses(heap.ids, heap.poses);
+        heap.scene.commit();
+        pair_count = heap.scene.candidate_pairs(margin, pairs).count;
+        found = heap.scene.contacts(std::span(pairs).first(pair_count), margin);
+      });
+      const double us = watch.us(), processor_us = 1e6 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+      contact_count = found.contacts.size();
+      us_a_contact[k].push_back(us / static_cast<double>(contact_count));
+      processor_us_a_contact[k].push_back(processor_us / static_cast<double>(contact_count));
+      if (frame == 0) check_contacts(heap.scene, std::span(pairs).first(pair_count), found, checker);
+    }
+  }
+  if (!checker.all_right()) return;
+  Table text(options, "bodies.md");
+  text.line("# Contacts of a heap of bodies, as printed by `limber_bench_bodies`\n");
+  text.line("{} bodies, {} candidate pairs, {} contacts within a hundredth of a radius in the last frame.\n",
+            body_count, pair_count, contact_count);
+  text.line("| threads | us a contact, least | median | of processors, least | median | times as fast |");
+  text.line("|--:|--:|--:|--:|--:|--:|");
+  const Summary one = summarize(us_a_contact[0]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Summary us = summarize(us_a_contact[k]), processor = summarize(processor_us_a_contact[k]);
+    text.line("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |", k + 1, us.min, us.median, processor.min,
+              processor.median, one.median / us.median);
+  }
+}
+
+}  // namespace
+}  // namespace limber::bench
+
+int main(int argc, char** argv) {
+  return limber::bench::run_bench(argc, argv, "What do the contacts of all pairs of many falling bodies cost?",
+                                  limber::bench::run);
+}
