@@ -19,15 +19,15 @@ def test_spheres_and_capsules_are_as_far_apart_as_formulas_say() -> None:
     near = limber3d.distance(ball, rod, pose_b=at(2, 0, 0.5))
     assert near.upper == near.lower == 1.25
     assert near.witness is not None and near.witness.point_a.tolist() == [0.5, 0, 0]
-    assert limber3d.collide(ball, rod, pose_b=at(0.75, 0, 0)).is_yes()
-    assert limber3d.within(ball, rod, 1.25, pose_b=at(2, 0, 0)).is_yes()
-    assert limber3d.within(ball, rod, 1.24, pose_b=at(2, 0, 0)).is_no()
+    assert limber3d.collide(ball, rod, pose_b=at(0.75, 0, 0)).answer is limber3d.Answer.yes
+    assert limber3d.within(ball, rod, 1.25, pose_b=at(2, 0, 0)).answer is limber3d.Answer.yes
+    assert limber3d.within(ball, rod, 1.24, pose_b=at(2, 0, 0)).answer is limber3d.Answer.no
 
 
 def test_shapes_meet_models(ball: limber3d.Model) -> None:
     box, inner = limber3d.Shape.box([2, 2, 2]), limber3d.Shape.sphere(0.25)
-    assert box.is_solid and limber3d.collide(ball, box).is_yes()
-    assert limber3d.collide(ball, inner).is_no()
+    assert box.is_solid and limber3d.collide(ball, box).answer is limber3d.Answer.yes
+    assert limber3d.collide(ball, inner).answer is limber3d.Answer.no
     floor = limber3d.Shape.half_space([0, 0, 2], -1.5, 100)
     assert limber3d.distance(ball, floor).upper == pytest.approx(0.5)
     found = limber3d.contacts(ball, limber3d.Shape.sphere(0.5), 0.0, pose_b=at(0, 0, 1.25))
@@ -47,7 +47,7 @@ def test_points_make_hulls_and_clouds() -> None:
     assert found.upper == pytest.approx(expected)
     assert found.witness is not None
     assert found.witness.triangle_a == numpy.linalg.norm(points - [3, 0, 0], axis=1).argmin()
-    assert limber3d.collide(hull, limber3d.Shape.sphere(0)).is_yes()
+    assert limber3d.collide(hull, limber3d.Shape.sphere(0)).answer is limber3d.Answer.yes
 
 
 def test_heights_are_rows_and_columns() -> None:
