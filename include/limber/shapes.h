@@ -22,7 +22,7 @@
 /// inside counts.
 namespace limber {
 
-/// A shape. It does not change, but for assignment.
+/// A shape. It does not change.
 ///
 /// Frame    The shape's own. A pose places it, as it does a model.
 /// Throws   Factories throw std::invalid_argument unless all lengths, coordinates and radii are finite, at most
@@ -45,7 +45,8 @@ class Shape {
   /// Throws   Also unless the segment is longer than 0, radius and max_error are above 0, and 65 536 sides suffice.
   LIMBER_API static Shape cylinder(const Vec3& from, const Vec3& to, double radius, double max_error);
   /// All points p with dot(normal, p) <= offset, where the normal is first scaled to length 1. It is cut to a solid
-  /// cube: whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
+  /// cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
+  /// Rounding moves the plane by about 2^-51 of the extent, so that should not be much larger than the scene.
   ///
   /// Throws   Also unless the normal is not 0, and the extent is above 0.
   LIMBER_API static Shape half_space(const Vec3& normal, double offset, double extent);
@@ -70,8 +71,9 @@ class Shape {
   /// Throws   Also unless there is a point.
   LIMBER_API static Shape point_cloud(std::span<const Vec3> points, double radius);
 
-  /// Core and radius. The core's triangles are what witnesses and contacts name.
+  /// The core. Its triangles are those that witnesses and contacts name.
   const Model& model() const { return *model_; }
+  /// How far points of the shape are from the core at most, but for the inside of solids.
   double radius() const { return radius_; }
   /// Whether the core's surface is closed, and what it encloses belongs to the shape.
   bool is_solid() const { return is_solid_; }

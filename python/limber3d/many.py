@@ -86,8 +86,8 @@ def _joined(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordA
 
 
 def distance_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
     *,
@@ -116,8 +116,8 @@ def distance_many(
 
 
 def collide_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
     *,
@@ -131,8 +131,8 @@ def collide_many(
 
 
 def within_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     max_distance: float,
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
@@ -151,8 +151,8 @@ def within_many(
 
 
 def contacts_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     margin: float,
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
@@ -188,8 +188,8 @@ def contacts_many(
 
 
 def time_of_impact_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     starts_a: PosesLike = None,
     ends_a: PosesLike = None,
     starts_b: PosesLike = None,
@@ -224,8 +224,8 @@ def time_of_impact_many(
 
 
 def least_distance_many(
-    a: _core.Model,
-    b: _core.Model,
+    a: _core.Body,
+    b: _core.Body,
     starts_a: PosesLike = None,
     ends_a: PosesLike = None,
     starts_b: PosesLike = None,
@@ -307,7 +307,7 @@ def any_within_many(
 def track(
     model: _core.Model,
     frames: Iterable[ArrayLike],
-    other: _core.Model,
+    other: _core.Body,
     poses: PosesLike = None,
     poses_other: PosesLike = None,
     *,

@@ -16,14 +16,14 @@
 /// Arguments that queries share.
 namespace limber::python {
 
-/// Two models that are read until the call returns, and where they stand.
+/// Two bodies that are read until the call returns, and where they stand.
 class PlacedPair {
  public:
-  PlacedPair(ModelObject& a, ModelObject& b, nb::handle pose_a, nb::handle pose_b)
+  PlacedPair(BodyObject& a, BodyObject& b, nb::handle pose_a, nb::handle pose_b)
       : reading_a_(reading(a)),
         reading_b_(reading(b)),
-        a_(a.model, pose_from(pose_a, "pose_a")),
-        b_(b.model, pose_from(pose_b, "pose_b")) {}
+        a_(a.body(), pose_from(pose_a, "pose_a")),
+        b_(b.body(), pose_from(pose_b, "pose_b")) {}
 
   const Placed& a() const { return a_; }
   const Placed& b() const { return b_; }

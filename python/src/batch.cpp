@@ -42,12 +42,12 @@ namespace {
 class Batch {
  public:
   /// `threads`: at most so many, the caller's included; None: all. Names are those that poses have in messages.
-  Batch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, const PosesLike& poses_a, const PosesLike& poses_b,
+  Batch(nb::handle_t<BodyObject> a, nb::handle_t<BodyObject> b, const PosesLike& poses_a, const PosesLike& poses_b,
         const WholeNumber& threads, const char* name_a = "poses_a", const char* name_b = "poses_b")
       : owner_a_(nb::borrow(a)),
         owner_b_(nb::borrow(b)),
-        a_(nb::cast<ModelObject&>(a)),
-        b_(nb::cast<ModelObject&>(b)),
+        a_(nb::cast<BodyObject&>(a)),
+        b_(nb::cast<BodyObject&>(b)),
         poses_a_(poses_a, name_a),
         poses_b_(poses_b, name_b),
         threads_(thread_count(threads, "threads")) {
@@ -113,8 +113,8 @@ class Batch {
     counted_ = name;
   }
 
-  const Model& model_a() const { return a_.model; }
-  const Model& model_b() const { return b_.model; }
+  Body body_a() const { return a_.body(); }
+  Body body_b() const { return b_.body(); }
   const PoseList& poses_a() const { return poses_a_; }
   const PoseList& poses_b() const { return poses_b_; }
 
@@ -139,11 +139,11 @@ class Batch {
     if (size_ && end > *size_) throw nb::index_error("there are fewer poses");
   }
 
-  Placed placed_a(std::size_t i) const { return {a_.model, poses_a_[i]}; }
-  Placed placed_b(std::size_t i) const { return {b_.model, poses_b_[i]}; }
+  Placed placed_a(std::size_t i) const { return {a_.body(), poses_a_[i]}; }
+  Placed placed_b(std::size_t i) const { return {b_.body(), poses_b_[i]}; }
 
   nb::object owner_a_, owner_b_;
-  ModelObject &a_, &b_;
+  BodyObject &a_, &b_;
   PoseList poses_a_, poses_b_;
   std::optional<int> threads_;
   std::optional<std::size_t> size_;
@@ -154,7 +154,7 @@ class Batch {
 class MotionBatch : public Batch {
  public:
   /// Without ends a model stands still. Centers are points, or None for the origin of a model.
-  MotionBatch(nb::handle_t<ModelObject> a, nb::handle_t<ModelObject> b, const PosesLike& starts_a,
+  MotionBatch(nb::handle_t<BodyObject> a, nb::handle_t<BodyObject> b, const PosesLike& starts_a,
               const PosesLike& ends_a, const PosesLike& starts_b, const PosesLike& ends_b, nb::handle center_a,
               nb::handle center_b, const WholeNumber& threads)
       : Batch(a, b, starts_a, starts_b, threads, "starts_a", "starts_b"),
@@ -170,7 +170,7 @@ class MotionBatch : public Batch {
   template <typename Query>
   void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
     write(records, begin, end, [&](std::size_t i) {
-      return query(model_a(), RigidMotion(poses_a()[i], ends_a_[i], center_a_), model_b(),
+      return query(body_a(), RigidMotion(poses_a()[i], ends_a_[i], center_a_), body_b(),
                    RigidMotion(poses_b()[i], ends_b_[i], center_b_));
     });
   }
@@ -220,7 +220,7 @@ void set_thread_limit(const WholeNumber& count) {
 
 void bind_batch(nb::module_& m) {
   nb::class_<Batch>(m, "Batch", "Two models and many poses.")
-      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, PosesLike, PosesLike, WholeNumber>(), "a"_a,
+      .def(nb::init<nb::handle_t<BodyObject>, nb::handle_t<BodyObject>, PosesLike, PosesLike, WholeNumber>(), "a"_a,
            "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none())
       .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
       .def("distance", &run_distance, "records"_a, "begin"_a, "end"_a, "relative_error"_a, "absolute_error"_a,
@@ -231,7 +231,7 @@ void bind_batch(nb::module_& m) {
       .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
            "Contacts of poses begin to end, and how many each pose has.");
   nb::class_<MotionBatch, Batch>(m, "MotionBatch", "Two models and many rigid motions.")
-      .def(nb::init<nb::handle_t<ModelObject>, nb::handle_t<ModelObject>, PosesLike, PosesLike, PosesLike, PosesLike,
+      .def(nb::init<nb::handle_t<BodyObject>, nb::handle_t<BodyObject>, PosesLike, PosesLike, PosesLike, PosesLike,
                     nb::handle, nb::handle, WholeNumber>(),
            "a"_a, "b"_a, "starts_a"_a.none(), "ends_a"_a.none(), "starts_b"_a.none(), "ends_b"_a.none(),
            "center_a"_a.none(), "center_b"_a.none(), "threads"_a.none())

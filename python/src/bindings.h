@@ -20,6 +20,7 @@
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/model.h"
+#include "limber/shapes.h"
 
 /// What the parts of the module share: names of types, errors, the GIL, and who uses an object.
 namespace limber::python {
@@ -30,6 +31,7 @@ using nb::literals::operator""_a;
 void bind_records(nb::module_& module);
 void bind_results(nb::module_& module);
 void bind_model(nb::module_& module);
+void bind_bodies(nb::module_& module);
 void bind_queries(nb::module_& module);
 void bind_contacts(nb::module_& module);
 void bind_elements(nb::module_& module);
@@ -171,17 +173,36 @@ class Users {
 using Reading = Users::Reading;
 using Changing = Users::Changing;
 
-/// A model, who uses it, and its edges once they have been asked for.
-struct ModelObject {
+/// What queries of two are about, and who uses it.
+struct BodyObject {
+  BodyObject() = default;
+  BodyObject(const BodyObject&) = delete;
+  BodyObject& operator=(const BodyObject&) = delete;
+  virtual ~BodyObject() = default;
+  virtual Body body() const = 0;
+
+  Users users;
+};
+
+/// A model, and its edges once they have been asked for.
+struct ModelObject : BodyObject {
   explicit ModelObject(Model built) : model(std::move(built)) {}
+  Body body() const override { return model; }
 
   Model model;
-  Users users;
   std::mutex edges_mutex;
   std::shared_ptr<const MeshEdges> edges;  // until reset()
 };
 
-[[nodiscard]] inline Reading reading(ModelObject& object) {
+/// A shape, which nobody changes.
+struct ShapeObject : BodyObject {
+  explicit ShapeObject(Shape built) : shape(std::move(built)) {}
+  Body body() const override { return shape; }
+
+  Shape shape;
+};
+
+[[nodiscard]] inline Reading reading(BodyObject& object) {
   return object.users.read("the model is being changed by another thread, or by a call that has not returned");
 }
 

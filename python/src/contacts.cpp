@@ -83,7 +83,7 @@ RecordArray found_closest(nb::handle filter, double max_distance, std::optional<
   return array_of(std::span<const Contact>(found).first(count.count), dtypes().contact);
 }
 
-IdArray intersections_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+IdArray intersections_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
                          const TriangleFilter& filter, std::optional<std::size_t> max_count, bool is_parallel) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_pairs(filter, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
@@ -91,7 +91,7 @@ IdArray intersections_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a,
   });
 }
 
-RecordArray contacts_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
+RecordArray contacts_of(BodyObject& a, BodyObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
                         const TriangleFilter& filter, std::optional<std::size_t> max_count,
                         std::optional<OrientedFaces> oriented_faces, bool is_parallel) {
   const PlacedPair pair(a, b, pose_a, pose_b);
@@ -101,11 +101,11 @@ RecordArray contacts_of(ModelObject& a, ModelObject& b, double margin, const Pos
 }
 
 /// As many pairs as there can be: room for more is not needed.
-std::size_t most_pairs(const ModelObject& a, const ModelObject& b) {
-  return a.model.mesh().triangles().size() * b.model.mesh().triangles().size();
+std::size_t most_pairs(const BodyObject& a, const BodyObject& b) {
+  return a.body().model().mesh().triangles().size() * b.body().model().mesh().triangles().size();
 }
 
-RecordArray closest_pairs_of(ModelObject& a, ModelObject& b, std::size_t count, const PoseLike& pose_a,
+RecordArray closest_pairs_of(BodyObject& a, BodyObject& b, std::size_t count, const PoseLike& pose_a,
                              const PoseLike& pose_b, double max_distance, const TriangleFilter& filter,
                              std::optional<OrientedFaces> oriented_faces) {
   const PlacedPair pair(a, b, pose_a, pose_b);

@@ -244,14 +244,15 @@ void bind_model(nb::module_& m) {
       .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)
       .value("on_worker", RebuildPolicy::on_worker, docs::RebuildPolicy_on_worker);
 
-  nb::class_<ModelObject>(m, "Model",
-                          (std::string(docs::Model) + R"(
+  nb::class_<BodyObject>(m, "Body", "What queries of two bodies are about: a Model or a Shape.");
+  nb::class_<ModelObject, BodyObject>(m, "Model",
+                                      (std::string(docs::Model) + R"(
 
 Pickle   A pickled model keeps its mesh, with all moves, and its options. It is built anew where it is unpickled: the
          history of its tree and its statistics are not kept, and it is committed.
 Busy     A call that would change a model while another thread uses it raises BusyError, and so does a query of a model
          that is being changed. Nothing waits.)")
-                              .c_str())
+                                          .c_str())
       .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a = 0.0,
            "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
            "preallocate"_a = false, constructor_documentation().c_str())

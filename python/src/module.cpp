@@ -86,6 +86,7 @@ NB_MODULE(_core, module) {
   python::bind_records(module);
   python::bind_results(module);
   python::bind_model(module);
+  python::bind_bodies(module);
   python::bind_queries(module);
   python::bind_elements(module);
   python::bind_motion(module);

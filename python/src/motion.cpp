@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 
 #include <memory>
 #include <optional>
@@ -197,22 +198,22 @@ std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObj
 
 // --- rigid bodies ---
 
-PathImpact path_impact_of(ModelObject& a, const RigidMotion& motion_a, ModelObject& b, const RigidMotion& motion_b,
+PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
                           double max_time, double min_separation, double distance_error, const BudgetObject* budget,
                           QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, min_separation, distance_error, used.get(), budget_of(budget)};
-  return without_gil([&] { return time_of_impact(a.model, motion_a, b.model, motion_b, options); });
+  return without_gil([&] { return time_of_impact(a.body(), motion_a, b.body(), motion_b, options); });
 }
 
-PathDistance least_distance_of(ModelObject& a, const RigidMotion& motion_a, ModelObject& b, const RigidMotion& motion_b,
+PathDistance least_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
                                double max_time, double distance_error, const BudgetObject* budget,
                                QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, 0, distance_error, used.get(), budget_of(budget)};
-  return without_gil([&] { return least_distance(a.model, motion_a, b.model, motion_b, options); });
+  return without_gil([&] { return least_distance(a.body(), motion_a, b.body(), motion_b, options); });
 }
 
 FloatArray matrix_at(const RigidMotion& motion, double time) {

@@ -15,7 +15,7 @@
 namespace limber::python {
 namespace {
 
-DistanceResult distance_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+DistanceResult distance_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
                            double relative_error, double absolute_error, double max_distance,
                            const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
@@ -24,14 +24,14 @@ DistanceResult distance_of(ModelObject& a, ModelObject& b, const PoseLike& pose_
   return without_gil([&] { return distance(pair.a(), pair.b(), options); });
 }
 
-CollideResult collide_of(ModelObject& a, ModelObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+CollideResult collide_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
                          const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
   return without_gil([&] { return collide(pair.a(), pair.b(), {used.get(), budget_of(budget)}); });
 }
 
-CollideResult within_of(ModelObject& a, ModelObject& b, double max_distance, const PoseLike& pose_a,
+CollideResult within_of(BodyObject& a, BodyObject& b, double max_distance, const PoseLike& pose_a,
                         const PoseLike& pose_b, const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);

@@ -63,10 +63,10 @@ class SingleFilter {
 };
 using SingleObjectFilter = Named<"SingleObjectFilter">;
 
-IdArray candidates_of(SceneObject& self, nb::handle_t<ModelObject> model, double margin, const PoseLike& pose) {
-  auto& object = nb::cast<ModelObject&>(model);
+IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double margin, const PoseLike& pose) {
+  auto& object = nb::cast<BodyObject&>(model);
   const Reading model_guard = reading(object);
-  const Placed placed{object.model, pose_from(pose, "pose")};
+  const Placed placed(object.body(), pose_from(pose, "pose"));
   std::vector<ObjectId> ids;
   self.read([&](const Scene& scene) {
     without_gil([&] { scene.visit_candidates(placed, margin, [&](ObjectId id) { return ids.push_back(id), true; }); });
@@ -74,12 +74,12 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<ModelObject> model, double
   return array_of(std::span<const ObjectId>(ids));
 }
 
-ClosestObject closest_object_of(SceneObject& self, nb::handle_t<ModelObject> model, const PoseLike& pose,
+ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> model, const PoseLike& pose,
                                 double relative_error, double absolute_error, double max_distance,
                                 const SingleObjectFilter& filter, const BudgetObject* budget) {
-  auto& object = nb::cast<ModelObject&>(model);
+  auto& object = nb::cast<BodyObject&>(model);
   const Reading model_guard = reading(object);
-  const Placed placed{object.model, pose_from(pose, "pose")};
+  const Placed placed(object.body(), pose_from(pose, "pose"));
   const SingleFilter which(filter);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {

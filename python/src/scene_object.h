@@ -37,15 +37,15 @@ class SceneObject {
     });
   }
 
-  ObjectId add(nb::handle_t<ModelObject> model, const PoseLike& pose) {
-    auto& object = nb::cast<ModelObject&>(model);
+  ObjectId add(nb::handle_t<BodyObject> model, const PoseLike& pose) {
+    auto& object = nb::cast<BodyObject&>(model);
     const Transform placed = pose_from(pose, "pose");
     const Changing guard = changing();
     const Reading model_guard = reading(object);
     const auto [entry, is_new] = models_.try_emplace(&object, Shared{nb::borrow(model), 0});
     try {
       model_of_.reserve(scene_.size() + model_of_.size() + 1);
-      const ObjectId id = scene_.add({object.model, placed});
+      const ObjectId id = scene_.add(Placed(object.body(), placed));
       if (id >= model_of_.size()) model_of_.resize(id + 1, nullptr);
       model_of_[id] = &object;
       ++entry->second.objects;
@@ -85,7 +85,7 @@ class SceneObject {
     without_gil([&] { scene_.commit(); });
   }
 
-  Named<"Model"> model(ObjectId id) {
+  Named<"Body"> model(ObjectId id) {
     return look([&](const Scene& scene) {
       (void)scene.object(id);  // throws unless there is such an object
       return models_.at(model_of_[id]).owner;
@@ -119,9 +119,9 @@ class SceneObject {
   }
 
   Users users_;
-  std::map<ModelObject*, Shared> models_;
-  std::vector<ModelObject*> model_of_;  // by id; nullptr where there is no object
-  Scene scene_;                         // ends before the models that it refers to
+  std::map<BodyObject*, Shared> models_;
+  std::vector<BodyObject*> model_of_;  // by id; nullptr where there is no object
+  Scene scene_;                        // ends before the models that it refers to
 };
 
 }  // namespace limber::python

@@ -36,6 +36,7 @@ SENTENCES = (
     (" The second form writes the first pairs that there is room for; the counts say how many there are.", ""),
     (" Keeps a pointer: the model must outlive it, and must not be reset\\(\\)\\.", " The model must not be reset()."),
     ("Keeps pointers: the model and its edges must outlive it\\. Changing them", "Keeps its model alive. Changing it"),
+    ("^Moved    .*", ""),
     (" A (model|scene) that has been moved from may be .*", ""),
     ("; with the default ones if the model has been moved from", ""),
     (" if the mesh has been moved from; MemoryError", " MemoryError"),

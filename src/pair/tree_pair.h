@@ -53,7 +53,9 @@ class TreePair {
   simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
-    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
+    const bvh::Leaf& leaf = bvh::leaf_of(tree, slot);
+    const bool is_single = leaf.triangle[0] == leaf.triangle[bvh::width - 1];
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &leaf.corners, is_single};
   }
   /// With the triangles of its leaf if the slot is not expanded.
   simd::SlotRef as_other(Side s, const NodePair& pair) const {

@@ -70,6 +70,7 @@ struct SlotRef {
   const bvh::Node* node;
   std::uint32_t slot;
   const bvh::QuantizedTriangles* triangles;  ///< nullptr unless the slot holds a leaf
+  bool is_single = false;                    ///< whether that is a leaf of one triangle, which fills all of its slots
 };
 
 /// Children of a node, as bit masks.

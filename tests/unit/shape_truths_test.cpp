@@ -151,6 +151,22 @@ TEST(ShapeTruths, NestedSolidsCollideAndSurfacesDoNot) {
   EXPECT_TRUE(within(large, mesh, 0.5).is_yes());
 }
 
+TEST(ShapeTruths, PartsInsideOfASolidAreFound) {
+  Rng rng(13);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Vec3> points;
+    for (std::uint64_t k = 2 + rng.below(i % 2 == 0 ? 4 : 200); k > 0; --k) points.push_back(uniform_point(rng));
+    const Vec3 half = 0.01 * Vec3{1, 1, 1} + 0.2 * abs(uniform_point(rng));
+    const Vec3 at_box = i % 3 == 0 ? uniform_point(rng) : points.back();
+    const Shape cloud = Shape::point_cloud(points, 0), box = Shape::box(half);
+    const bool is_in = std::any_of(points.begin(), points.end(), [&](const Vec3& p) {
+      const Vec3 d = abs(p - at_box);
+      return d.x <= half.x && d.y <= half.y && d.z <= half.z;
+    });
+    EXPECT_EQ(collide(cloud, {box, at(at_box)}).is_yes(), is_in);
+  }
+}
+
 TEST(ShapeTruths, CavitiesAreOutside) {
   std::vector<Corners> turned = scenes::ball(12, 9).triangles();
   for (Corners& c : turned) std::swap(c[0], c[1]);
@@ -249,6 +265,7 @@ TEST(ShapeTruths, ScenesFindTheClosestBodies) {
 
 TEST(ShapeTruths, MovingSpheresTouchWhenFormulasSay) {
   Rng rng(11);
+  std::uint64_t most_distances = 0;
   for (int i = 0; i < 60; ++i) {
     const Shape a = Shape::sphere(rng.uniform(0.1, 0.5)), b = Shape::sphere(rng.uniform(0.1, 0.5));
     const Vec3 p = uniform_point(rng, -2, 2), v = uniform_point(rng, -4, 4);
@@ -263,6 +280,7 @@ TEST(ShapeTruths, MovingSpheresTouchWhenFormulasSay) {
     EXPECT_LE(least.lower, gap + 1e-12);
     EXPECT_GE(least.upper, gap - 1e-12);
     EXPECT_LE(least.upper - least.lower, 1e-2);
+    most_distances = std::max(most_distances, found.distances);
     if (length(p) <= r) {
       EXPECT_EQ(found.status, ImpactStatus::initial_contact);
     } else if (discriminant > 1e-3 && time > 0 && time < 1) {
@@ -272,6 +290,7 @@ TEST(ShapeTruths, MovingSpheresTouchWhenFormulasSay) {
       EXPECT_EQ(found.status, ImpactStatus::clear);
     }
   }
+  EXPECT_LE(most_distances, 20U);  // the default error is a part of the radii
 }
 
 TEST(ShapeTruths, WhatBeginsInsideOfASolidIsInContact) {

@@ -13,7 +13,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "limber/elements.h"
 #include "limber/geometry.h"
+#include "limber/motion.h"
 #include "limber/points.h"
 #include "shape/convex_hull.h"
 #include "support/random_geometry.h"
@@ -221,6 +223,10 @@ TEST(Shapes, AreRefusedWhereTheirRadiusWouldBeLost) {
   EXPECT_THROW(closest_point(sphere, {}), std::invalid_argument);
   EXPECT_THROW(winding_number(sphere, {}), std::invalid_argument);
   EXPECT_EQ(closest_point(box, {3, 0, 0}).closest->distance, 2);
+  const MeshEdges of_sphere(sphere.model().mesh()), of_box(box.model().mesh());
+  EXPECT_THROW(element_pairs(sphere, of_sphere, box, of_box, 1, {}, {}), std::invalid_argument);
+  std::vector<double> limits(1, 1.0);
+  EXPECT_THROW(limit_displacements(sphere, of_sphere, box, of_box, 0, limits, {}), std::invalid_argument);
 }
 
 }  // namespace
