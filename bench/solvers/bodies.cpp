@@ -44,8 +44,8 @@ class Heap {
     models_.emplace_back(scenes::ring(24, 12, 0.3));
     constexpr std::size_t side = 20;
     for (std::size_t i = 0; i < body_count; ++i) {
-      const Vec3 cell{static_cast<double>(i % side), static_cast<double>(i / side % side),
-                      static_cast<double>(i / (side * side))};
+      const std::size_t row = i / side, layer = row / side;
+      const Vec3 cell{static_cast<double>(i % side), static_cast<double>(row % side), static_cast<double>(layer)};
       poses.push_back({scenes::random_rotation(rng_), 1.95 * cell + within(0.05)});
       ids.push_back(scene.add({models_[i % models_.size()], poses.back()}));
     }

@@ -18,13 +18,13 @@ namespace {
 
 /// Calls something in arenas of one, two and five threads, also where the machine has fewer.
 template <typename Call>
-void on_threads(const Call& call) {
+void in_small_arenas(const Call& call) {
   const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, 5);
   for (const int threads : {1, 2, 5}) oneapi::tbb::task_arena(threads).execute(call);
 }
 
 TEST(ParallelInOrder, TakesEachInOrderAndMakesIntoWhatIsLeft) {
-  on_threads([] {
+  in_small_arenas([] {
     for (const std::size_t count : {0, 1, 2, 1000}) {
       std::vector<std::size_t> taken;
       std::atomic<int> filled{0};
@@ -49,7 +49,7 @@ TEST(ParallelInOrder, TakesEachInOrderAndMakesIntoWhatIsLeft) {
 }
 
 TEST(ParallelInOrder, PassesOnWhatIsThrown) {
-  on_threads([] {
+  in_small_arenas([] {
     for (const bool in_take : {false, true}) {
       std::size_t taken = 0;
       const auto make = [&](std::size_t i, std::size_t& made) {
