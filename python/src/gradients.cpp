@@ -23,7 +23,7 @@ namespace {
 using ContactRecord = Named<"numpy.void">;
 using Gradients = std::pair<FloatArray, FloatArray>;  // forces and moments
 
-ContactRecord contact_between(ModelObject& a, ModelObject& b, const Witness& witness, const PoseLike& pose_a,
+ContactRecord contact_between(BodyObject& a, BodyObject& b, const Witness& witness, const PoseLike& pose_a,
                               const PoseLike& pose_b) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   Contact contact;
