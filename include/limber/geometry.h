@@ -71,7 +71,8 @@ enum class OrientedFaces : std::uint8_t {
 enum class NormalSide : std::uint8_t {
   unknown,  ///< neither triangle has an outside, or their faces do not tell
   outward,  ///< out of a and into b, of those that have an outside; up to rounding it may lie in a face
-  inward,   ///< into a, or out of b: the triangles are apart, and one looks at the back of the other
+  inward,   ///< into a, or out of b: the triangles are apart, and one looks at the back of the other; of bodies with a
+            ///< radius also if they meet, and the core of one is behind the other
 };
 
 /// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.

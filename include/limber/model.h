@@ -185,6 +185,11 @@ class ClosedSurface;
 class Body {
  public:
   Body(const Model& model) : model_(&model) {}
+  /// A model with a margin around it, as planners pad links and engines give meshes a thickness.
+  ///
+  /// Throws   std::invalid_argument unless the radius is finite, >= 0 and at most `max_coordinate`.
+  LIMBER_API Body(const Model& model, double radius);
+  Body(const Model&&, double = 0) = delete;  // would point to a temporary
   /// A shape (shapes.h).
   LIMBER_API Body(const Shape& shape);
   /// A closed surface with its inside (points.h).

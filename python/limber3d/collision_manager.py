@@ -199,7 +199,7 @@ class _World:
     def _surface(self, id: int) -> ClosedSurface | None:
         if id not in self._surfaces:
             try:
-                self._surfaces[id] = ClosedSurface(self.scene.model(id))
+                self._surfaces[id] = ClosedSurface(self._objects[id].model)
             except InputError:
                 self._surfaces[id] = None
         return self._surfaces[id]

@@ -106,7 +106,8 @@ def test_what_refers_to_a_model_keeps_it_alive() -> None:
     scene.add(rubbish[0], ([1, 0, 0, 0], [4, 0, 0]))
     scene.commit()
     assert scene.closest_objects().result.upper == pytest.approx(2, abs=0.02)
-    assert scene.model(0) is surface.model or len(scene.model(0).faces) > 0
+    model = scene.model(0)
+    assert isinstance(model, limber3d.Model) and (model is surface.model or len(model.faces) > 0)
 
 
 def test_files_are_loaded(tmp_path: Path) -> None:

@@ -11,15 +11,28 @@ namespace {
 
 constexpr std::size_t bits_of_word = 64;
 
+/// How many pairs there are of so many ids.
+std::size_t pairs_of(std::size_t size) { return size < 2 ? 0 : size * (size - 1) / 2; }
+
 /// The place of a pair among {1, 0}, {2, 0}, {2, 1}, ... Pre: a < b.
 std::size_t place_of(ObjectId a, ObjectId b) { return std::size_t{b} * (std::size_t{b} - 1) / 2 + a; }
 
 }  // namespace
 
-ObjectPairMatrix::ObjectPairMatrix(std::size_t size, bool counts) : size_(size) {
+ObjectPairMatrix::ObjectPairMatrix(std::size_t size, bool counts) : size_(0) { resize(size, counts); }
+
+void ObjectPairMatrix::resize(std::size_t size, bool counts) {
   LIMBER_REQUIRE(size <= no_id, "limber::ObjectPairMatrix: size: there are no more ids than 2^32 - 1");
-  const std::size_t pairs = size < 2 ? 0 : place_of(0, static_cast<ObjectId>(size));
-  bits_.assign((pairs + bits_of_word - 1) / bits_of_word, counts ? ~std::uint64_t{0} : 0);
+  const std::size_t before = bits_.empty() ? 0 : pairs_of(size_);  // none if it was moved from
+  const std::uint64_t all = counts ? ~std::uint64_t{0} : 0;
+  bits_.resize((pairs_of(size) + bits_of_word - 1) / bits_of_word, all);
+  // The word in which old pairs end and new ones begin.
+  if (before < pairs_of(size) && before % bits_of_word != 0) {
+    const std::uint64_t old = (std::uint64_t{1} << (before % bits_of_word)) - 1;
+    std::uint64_t& word = bits_[before / bits_of_word];
+    word = (word & old) | (all & ~old);
+  }
+  size_ = size;
 }
 
 void ObjectPairMatrix::require_ids(std::span<const ObjectId> ids, const char* function) const {

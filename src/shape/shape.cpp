@@ -87,6 +87,11 @@ std::uint32_t sides_within(double error, double radius) {
 
 }  // namespace
 
+Body::Body(const Model& model, double radius) : model_(&model), radius_(radius) {
+  LIMBER_REQUIRE(radius >= 0 && radius <= max_coordinate,
+                 "limber::Body: the radius must be finite, at least 0 and at most max_coordinate");
+}
+
 Body::Body(const Shape& shape) : model_(&shape.model()), radius_(shape.radius()), is_solid_(shape.is_solid()) {}
 
 Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)

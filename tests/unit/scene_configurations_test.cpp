@@ -111,6 +111,30 @@ TEST(ObjectPairMatrixTest, HoldsABitForEachTwoIds) {
   }
 }
 
+TEST(ObjectPairMatrixTest, KeepsWhatItKnowsWhereItsSizeChanges) {
+  for (const std::size_t before : {0U, 1U, 2U, 11U, 12U, 13U, 40U}) {
+    for (const std::size_t after : {0U, 1U, 3U, 11U, 12U, 14U, 50U}) {
+      for (const bool counts : {false, true}) {
+        ObjectPairMatrix matrix(before, !counts);
+        if (before > 2) matrix.set(1, 2, counts);
+        matrix.resize(after, counts);
+        ASSERT_EQ(matrix.size(), after);
+        for (ObjectId b = 1; b < after; ++b) {
+          for (ObjectId a = 0; a < b; ++a) {
+            const bool is_old = b < before && !(a == 1 && b == 2);
+            EXPECT_EQ(matrix(a, b), is_old ? !counts : counts) << before << " to " << after << ": " << a << ", " << b;
+          }
+        }
+        matrix.resize(after + 20, !counts);  // what lies behind a smaller size is forgotten
+        if (after > 0) {
+          EXPECT_EQ(matrix(0, static_cast<ObjectId>(after + 19)), !counts);
+        }
+      }
+    }
+  }
+  EXPECT_THROW(ObjectPairMatrix(3).resize(std::size_t{1} << 33), std::invalid_argument);
+}
+
 TEST(ObjectPairMatrixTest, IsAFilter) {
   const Model ball(scenes::ball(8, 5));
   limber::Scene scene;

@@ -19,7 +19,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 double from_core(const Placed& body, TriangleId id, const Vec3& point) {
   const Triangle t = body.model().mesh().triangle(id);
@@ -64,7 +64,9 @@ void check_distance(const DistanceResult& r, const DistanceOptions& asked, const
   EXPECT_EQ(r.status == Status::collision, r.upper == 0);
   const double allowed = std::max(distance * asked.relative_error, asked.absolute_error);
   EXPECT_LE(r.upper, distance + allowed + truth.tolerance);
-  if (allowed == 0) EXPECT_EQ(r.lower, r.upper);
+  if (allowed == 0) {
+    EXPECT_EQ(r.lower, r.upper);
+  }
 }
 
 void check_yes_or_no(const CollideResult& r, bool expected, double max_distance, const Placed& a, const Placed& b,
@@ -83,7 +85,7 @@ void check_queries(const Placed& a, const Placed& b, QueryCache* cache) {
   const bool meets = truth.is_contained || truth.cores <= truth.radius;
   check_yes_or_no(collide(a, b), meets, 0, a, b, truth);
   check_yes_or_no(collide(a, b, {.cache = cache}), meets, 0, a, b, truth);
-  const double limits[] = {infinity, d, std::nextafter(d, 0), 0.5 * d, 1.5 * d, 0};
+  const double limits[] = {endless, d, std::nextafter(d, 0), 0.5 * d, 1.5 * d, 0};
   for (const double limit : limits) {
     const double errors[][2] = {{0, 0}, {0.1, 0}, {0, 0.1}, {1e-3, 1e-3}, {100, 100}};
     for (const auto& error : errors) {
@@ -93,7 +95,7 @@ void check_queries(const Placed& a, const Placed& b, QueryCache* cache) {
       check_distance(distance(a, b, options), options, a, b, truth);
       check_distance(distance(a, b, with_cache), options, a, b, truth);
     }
-    if (limit == infinity) continue;
+    if (limit == endless) continue;
     const bool expected = truth.is_contained || std::max(0.0, truth.cores - truth.radius) <= limit;
     check_yes_or_no(within(a, b, limit), expected, limit, a, b, truth);
     check_yes_or_no(within(a, b, limit, {.cache = cache}), expected, limit, a, b, truth);
@@ -113,7 +115,7 @@ void check_budgets(const Placed& a, const Placed& b) {
       EXPECT_EQ(yes_or_no.is_yes(), meets);
     }
     EXPECT_EQ(yes_or_no.answer == Answer::unknown, yes_or_no.stopped_by == StoppedBy::max_steps);
-    for (const double limit : {infinity, 0.01}) {
+    for (const double limit : {endless, 0.01}) {
       const DistanceOptions options{.max_distance = limit, .budget = budget};
       check_distance(distance(a, b, options), options, a, b, truth);
     }
@@ -206,7 +208,7 @@ TEST_P(BodyKinds, AgreeWithBruteForceInAllQueries) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, BodyKinds, ::testing::Bool(),
-                         [](const auto& info) { return info.param ? "OnLattices" : "Anywhere"; });
+                         [](const auto& asked) { return asked.param ? "OnLattices" : "Anywhere"; });
 
 }  // namespace
 }  // namespace limber::testing

@@ -23,7 +23,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 double side_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return orient3d(a, b, c, d); }
 
@@ -51,7 +51,8 @@ void check_hull(const std::vector<Vec3>& points, const Shape& hull) {
     EXPECT_TRUE(hull.model().mesh().is_closed());
   }
   for (const Vec3& p : points) {
-    if (!hull.is_solid()) EXPECT_LT(closest_point(Placed(hull.model()), p).closest->distance, 1e-12);
+    if (hull.is_solid()) continue;
+    EXPECT_LT(closest_point(Placed(hull.model()), p).closest->distance, 1e-12);
   }
   hull.model().validate().value();
 }
@@ -79,7 +80,9 @@ TEST(ConvexHull, HasAllPointsExactlyBehindItsFaces) {
     SCOPED_TRACE(::testing::Message() << "round " << round);
     const Shape hull = Shape::convex_hull(points);
     check_hull(points, hull);
-    if (dimensions < 3) EXPECT_FALSE(hull.is_solid());
+    if (dimensions < 3) {
+      EXPECT_FALSE(hull.is_solid());
+    }
     if (HasFailure()) return;
   }
 }
@@ -147,7 +150,8 @@ TEST(Shapes, CylindersAreInTheirPrismsWithinTheError) {
     EXPECT_GE(least, 0.75 * (1 - 1e-15));
     EXPECT_LE(most, (0.75 + shape.deviation()) * (1 + 1e-14));
     const std::size_t sides = shape.model().mesh().triangles().size() / 4;
-    if (sides > 3) EXPECT_GT(0.75 / std::cos(std::numbers::pi / static_cast<double>(sides - 1)) - 0.75, error);
+    if (sides <= 3) continue;
+    EXPECT_GT(0.75 / std::cos(std::numbers::pi / static_cast<double>(sides - 1)) - 0.75, error);
   }
 }
 
@@ -173,24 +177,24 @@ TEST(Shapes, OfHeightsAreOverTheGrid) {
 }
 
 TEST(Shapes, RefuseWhatTheyCannotBe) {
-  const std::vector<Vec3> none, bad{{0, 0, 0}, {0, nan, 0}}, one{{0, 0, 0}};
-  const std::vector<double> heights{0, 1, 2, nan};
+  const std::vector<Vec3> none, bad{{0, 0, 0}, {0, not_a_number, 0}}, one{{0, 0, 0}};
+  const std::vector<double> heights{0, 1, 2, not_a_number};
   const Vec3 o, x{1, 0, 0};
   EXPECT_THROW(Shape::sphere(-1), std::invalid_argument);
-  EXPECT_THROW(Shape::sphere(nan), std::invalid_argument);
+  EXPECT_THROW(Shape::sphere(not_a_number), std::invalid_argument);
   EXPECT_THROW(Shape::sphere(0x1p201), std::invalid_argument);
-  EXPECT_THROW(Shape::capsule({nan, 0, 0}, x, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::capsule({not_a_number, 0, 0}, x, 1), std::invalid_argument);
   EXPECT_THROW(Shape::capsule(o, {0x1p201, 0, 0}, 1), std::invalid_argument);
   EXPECT_THROW(Shape::capsule(o, x, -1), std::invalid_argument);
   EXPECT_THROW(Shape::box({1, -1, 1}), std::invalid_argument);
-  EXPECT_THROW(Shape::box({1, 1, 1}, nan), std::invalid_argument);
+  EXPECT_THROW(Shape::box({1, 1, 1}, not_a_number), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, o, 1, 0.1), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 0, 0.1), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 1, 0), std::invalid_argument);
-  EXPECT_THROW(Shape::cylinder(o, x, 1, nan), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 1, not_a_number), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 1, 1e-12), std::invalid_argument);
   EXPECT_THROW(Shape::half_space(o, 1, 1), std::invalid_argument);
-  EXPECT_THROW(Shape::half_space(x, nan, 1), std::invalid_argument);
+  EXPECT_THROW(Shape::half_space(x, not_a_number, 1), std::invalid_argument);
   EXPECT_THROW(Shape::half_space(x, 0, 0), std::invalid_argument);
   EXPECT_THROW(Shape::convex_hull(none), std::invalid_argument);
   EXPECT_THROW(Shape::convex_hull(bad), std::invalid_argument);
@@ -203,6 +207,19 @@ TEST(Shapes, RefuseWhatTheyCannotBe) {
   EXPECT_THROW(Shape::height_field(std::span(heights).first(0), 2, 0, 1, 1), std::invalid_argument);
 }
 
+TEST(Shapes, ModelsMayHaveAMarginToo) {
+  const Shape box = Shape::box({1, 1, 1}), padded = Shape::box({1, 1, 1}, 0.25), ball = Shape::sphere(0.5);
+  const Body body(box.model(), 0.25);
+  EXPECT_EQ(body.radius(), 0.25);
+  EXPECT_FALSE(body.is_solid());
+  const Placed other(ball, {{}, {2, 0.1, 0.2}});
+  EXPECT_EQ(distance(Placed(body), other).upper, distance(Placed(padded), other).upper);
+  EXPECT_EQ(distance(Placed(body), other).upper, 0.25);
+  for (const double radius : {-1.0, not_a_number, 2 * max_coordinate}) {
+    EXPECT_THROW(Body(box.model(), radius), std::invalid_argument) << radius;
+  }
+}
+
 TEST(Shapes, ErrorsNameTheArgument) {
   const auto text_of = [](const auto& f) {
     try {
@@ -212,7 +229,7 @@ TEST(Shapes, ErrorsNameTheArgument) {
     }
     return std::string();
   };
-  const std::vector<Vec3> bad{{0, 0, 0}, {0, nan, 0}};
+  const std::vector<Vec3> bad{{0, 0, 0}, {0, not_a_number, 0}};
   EXPECT_EQ(text_of([&] { Shape::point_cloud(bad, 1); }),
             "limber::Shape::point_cloud: point 1 has a coordinate that is not finite, or above 2^200");
   EXPECT_EQ(text_of([] { Shape::sphere(-1); }), "limber::Shape::sphere: radius must be at least 0 and at most 2^200");
