@@ -26,8 +26,9 @@
 /// itself rounded. The points of a witness are those of the triangles, moved by the radii towards each other; where the
 /// bodies meet, they are one point of both, which divides the way between those of the triangles as the radii do. What
 /// lies inside of a solid meets it, decided exactly for the triangles: then the witness is a vertex that is inside, and
-/// names the triangle of the solid's surface that is closest to it. A budget that ends a query before that is decided
-/// leaves `lower` at 0; the search of the inside does not go on where the last query with the cache has ended.
+/// names triangle 0 of the solid. A budget that ends a query before that is decided leaves `lower` at 0; that search
+/// does not go on where the last query with the cache has ended, and each of its steps takes as long as a closest
+/// point.
 ///
 /// Models are compared as placed: every vertex is moved to the world frame in float64 first, and answers are about
 /// these rounded vertices. Whether they meet is decided exactly. A distance d differs from theirs by at most

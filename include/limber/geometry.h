@@ -77,10 +77,10 @@ enum class NormalSide : std::uint8_t {
 
 /// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.
 struct TriangleContact {
-  double distance = 0;  ///< 0 exactly when the triangles intersect
-  double depth = 0;  ///< 0 unless they intersect: the least overlap of the two triangles, a motion of b that parts them
-  Vec3 point_a, point_b;      ///< closest points; one and the same where the triangles intersect
-  Vec3 normal;                ///< of length 1, from a to b
+  double distance = 0;    ///< 0 exactly when the triangles intersect; of bodies with a radius, when these meet
+  double depth = 0;       ///< 0 unless they do: the least overlap of the two triangles, a motion of b that parts them
+  Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect
+  Vec3 normal;            ///< of length 1, from a to b
   Vec3 weights_a, weights_b;  ///< of the points, by corner, as in ClosestFeatures
   Feature feature_a, feature_b;
   NormalSide normal_side = NormalSide::unknown;  ///< whether the normal points the way that parts bodies

@@ -181,7 +181,8 @@ class Shape;
 class ClosedSurface;
 
 /// What queries are about: the triangles of a model; with a radius, all points that are at most that far from a
-/// triangle; of a solid, also all points that its surface encloses. Keeps a pointer: what it is of must outlive it.
+/// triangle; of a solid, also all points that its surface encloses. Keeps a pointer: the model that it is of, or that a
+/// shape has, must outlive it.
 class Body {
  public:
   Body(const Model& model) : model_(&model) {}
@@ -192,6 +193,7 @@ class Body {
   Body(const Model&&, double = 0) = delete;  // would point to a temporary
   /// A shape (shapes.h).
   LIMBER_API Body(const Shape& shape);
+  Body(const Shape&&) = delete;
   /// A closed surface with its inside (points.h).
   ///
   /// Throws   std::invalid_argument if the model has been reset() since the surface was created.

@@ -39,14 +39,16 @@ class Shape {
   /// round edges.
   LIMBER_API static Shape box(const Vec3& half_extents, double radius = 0);
   /// A solid cylinder: all points at most `radius` from a segment, between the planes across its ends. It is
-  /// approximated by the prism around it with the fewest sides whose points are at most `max_error` from it. So no
-  /// collision is missed, and the distance may be too small by deviation().
+  /// approximated by the prism around it with the fewest sides whose points are at most `max_error` from it, but for
+  /// rounding: some 2^-46 of the largest coordinate. So no collision is missed, and the distance may be too small by
+  /// deviation().
   ///
   /// Throws   Also unless the segment is longer than 0, radius and max_error are above 0, and 65 536 sides suffice.
   LIMBER_API static Shape cylinder(const Vec3& from, const Vec3& to, double radius, double max_error);
   /// All points p with dot(normal, p) <= offset, where the normal is first scaled to length 1. It is cut to a solid
   /// cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
-  /// Rounding moves the plane by about 2^-51 of the extent, so that should not be much larger than the scene.
+  /// Rounding moves the plane by about 2^-51 of the extent and the offset, so these should not be much larger than the
+  /// scene. Default errors of limber/path.h are parts of the size of the bodies: give an error there.
   ///
   /// Throws   Also unless the normal is not 0, and the extent is above 0.
   LIMBER_API static Shape half_space(const Vec3& normal, double offset, double extent);

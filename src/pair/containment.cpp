@@ -59,10 +59,13 @@ class InsideSearch {
   /// Pre: run() has answered yes.
   const Vec3& vertex() const { return vertex_; }
   TriangleId triangle() const { return triangle_; }
-  TriangleId closest_of_surface() {
-    const auto closest = closest_.find(vertex_, std::numeric_limits<double>::infinity(), stats_);
-    LIMBER_ASSERT(closest.has_value());
-    return closest->triangle;
+
+  /// Whether the first vertex of the tree is inside: the answer where all of the model is.
+  bool begins_inside() {
+    const bvh::Leaf& leaf = bvh::first_leaf(model_.tree(), 0).leaf;
+    if (!is_inside(model_.position(leaf.vertices[0][0]))) return false;
+    take(leaf, 0);
+    return true;
   }
 
  private:
@@ -73,7 +76,7 @@ class InsideSearch {
     const double units = tree.nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
     const double radius = (tree.unit * units + tree.slack) * (1 + base::rigidity_error) + 2 * error_;
     LIMBER_ASSERT(radius >= 0);
-    return closest_.find(center_of(slot), radius, stats_).has_value();
+    return closest_.find(center_of(slot), radius, stats_, radius).has_value();
   }
   bool is_inside(const Vec3& point) {
     const point::Surrounding surrounding = point::surrounding_of(solid_, point, stats_);
@@ -97,15 +100,27 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
                              QueryStats& stats) {
   LIMBER_ASSERT(has_solid(a, b));
   const point::PlacedModel placed_a(a), placed_b(b);
+  const auto is_solid = [&](bool is_a) { return (is_a ? a : b).body().is_solid(); };
+  InsideSearch searches[] = {{placed_b, placed_a, stats}, {placed_a, placed_b, stats}};
+  // Which triangle of the surface around it is named does not matter.
+  const auto found = [](const InsideSearch& search, bool is_in_a) {
+    const TriangleId of_a = is_in_a ? 0 : search.triangle(), of_b = is_in_a ? search.triangle() : 0;
+    return Containment{Answer::yes, Witness{search.vertex(), search.vertex(), of_a, of_b}};
+  };
+  // Where one is inside of the other as a whole, its first vertex tells; to look at all of the outer one may take long.
   for (const bool is_in_a : {true, false}) {
-    if (!(is_in_a ? a : b).body().is_solid()) continue;
-    InsideSearch search(is_in_a ? placed_b : placed_a, is_in_a ? placed_a : placed_b, stats);
+    if (!is_solid(is_in_a)) continue;
+    if (meter.is_spent(steps)) return {Answer::unknown, {}};
+    ++steps;
+    InsideSearch& search = searches[is_in_a ? 0 : 1];
+    if (search.begins_inside()) return found(search, is_in_a);
+  }
+  for (const bool is_in_a : {true, false}) {
+    if (!is_solid(is_in_a)) continue;
+    InsideSearch& search = searches[is_in_a ? 0 : 1];
     const Answer answer = search.run(steps, meter);
-    if (answer == Answer::no) continue;
+    if (answer == Answer::yes) return found(search, is_in_a);
     if (answer == Answer::unknown) return {answer, {}};
-    TriangleId of_a = search.closest_of_surface(), of_b = search.triangle();
-    if (!is_in_a) std::swap(of_a, of_b);
-    return {answer, Witness{search.vertex(), search.vertex(), of_a, of_b}};
   }
   return {};
 }

@@ -14,15 +14,14 @@ namespace limber::pair {
 /// Whether a part of one body's core lies inside of the other's, which is a solid.
 struct Containment {
   Answer answer = Answer::no;
-  /// If it does: a vertex that is inside, twice, a triangle that has it, and the triangle of the solid's surface that
-  /// is closest to it.
+  /// If it does: a vertex that is inside, twice, a triangle that has it, and triangle 0 of the solid's surface.
   std::optional<Witness> witness;
 };
 
 inline bool has_solid(const Placed& a, const Placed& b) { return a.body().is_solid() || b.body().is_solid(); }
 
 /// Looks for a part of either core inside of the other's surface. `steps` is how many the query has made so far; each
-/// volume and each triangle that is compared with a surface is one more.
+/// volume and each triangle that is compared with a surface is one more, and takes as long as a closest point.
 ///
 /// A tree is descended where the sphere of a volume meets the surface. Any other sphere is inside or outside as a
 /// whole, as its center is. Triangles do not meet the surface, so each is where its first corner is.

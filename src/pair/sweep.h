@@ -53,9 +53,8 @@ class Sweep {
       points.point_b = points.point_a;
       return;
     }
-    const double length = geometry::safe_length(between);
-    if (!has_radius() || length == 0) return;  // cores that rounding has put in one place
-    const Vec3 direction = between * (1 / std::max(length, std::numeric_limits<double>::min()));
+    if (!has_radius() || max_abs(between) == 0) return;  // cores that rounding has put in one place
+    const Vec3 near = geometry::near_unit(between), direction = near * (1 / length(near));
     points.point_a += radius_a_ * direction, points.point_b -= radius_b_ * direction;
   }
 

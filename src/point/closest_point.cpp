@@ -28,7 +28,8 @@ constexpr float most_bound = 3e38F;
 ClosestPointSearch::ClosestPointSearch(const PlacedModel& model)
     : model_(model), tree_(model.tree()), kernels_(simd::kernels()) {}
 
-std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double max_distance, QueryStats& stats) {
+std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double max_distance, QueryStats& stats,
+                                                     double enough) {
   point_ = point;
   in_frame_ = model_.in_frame(point);
   max_distance_ = max_distance;
@@ -42,6 +43,7 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
     } else {
       expand(next.slot, stats);
     }
+    if (best_ && best_->distance <= enough) return best_;
   }
   compare_candidates(stats);
   return best_;

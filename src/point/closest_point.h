@@ -27,8 +27,10 @@ class ClosestPointSearch {
  public:
   explicit ClosestPointSearch(const PlacedModel& model);
 
+  /// Ends soon after a point at most `enough` away was found; by default after the closest one was.
+  ///
   /// Pre: the point is finite and at most `max_coordinate` in size.
-  std::optional<SurfacePoint> find(const Vec3& point, double max_distance, QueryStats& stats);
+  std::optional<SurfacePoint> find(const Vec3& point, double max_distance, QueryStats& stats, double enough = -1);
 
  private:
   struct Candidate {

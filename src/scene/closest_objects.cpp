@@ -161,7 +161,7 @@ ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filt
 
 ClosestObjects ClosestSearch::next_to(const Placed& model, std::optional<ObjectFilter> filter) {
   model_ = &model;
-  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.model()), model.pose);
+  const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   scene_.tree.visit_near(bounds, scene::margin_with_error(limit()), [&](std::uint32_t rank) {
     const ObjectId id = scene_.tree.id_of(rank);
     const double bound = scene_.tree.lower_bound(bounds, rank);

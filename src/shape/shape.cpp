@@ -130,21 +130,26 @@ Shape Shape::cylinder(const Vec3& from, const Vec3& to, double radius, double ma
   check_point(from, "cylinder", "from"), check_point(to, "cylinder", "to");
   check_size(radius, "cylinder", "radius");
   check(from != to && radius > 0, "cylinder", "from and to must differ, and the radius must be above 0");
+  check_size(max_error, "cylinder", "max_error");
   check(max_error > 0, "cylinder", "max_error must be above 0");
   const std::uint32_t sides = sides_within(max_error, radius);
   const auto [along, across, up] = frame_of(to - from);
-  const double to_corner = radius / std::cos(pi / sides) * prism_room;
-  std::vector<Vec3> positions{from, to};
+  // What rounding may move a corner by, and the frame that is not quite perpendicular: the prism is larger by it.
+  const double rounding = 0x1p-49 * (max_abs(from) + max_abs(to) + radius);
+  const double to_corner = (radius + rounding) / std::cos(pi / sides) * prism_room;
+  const Vec3 bottom = from - rounding * along, top = to + rounding * along;
+  std::vector<Vec3> positions{bottom, top};
   std::vector<Corners> triangles;
   for (std::uint32_t i = 0; i < sides; ++i) {
     const double angle = 2 * pi * i / sides;
     const Vec3 out = to_corner * (std::cos(angle) * across + std::sin(angle) * up);
-    positions.push_back(from + out), positions.push_back(to + out);
+    positions.push_back(bottom + out), positions.push_back(top + out);
     const std::uint32_t here = 2 + 2 * i, next = 2 + 2 * ((i + 1) % sides);
     triangles.insert(triangles.end(), {{0, next, here}, {1, here + 1, next + 1}});
     triangles.insert(triangles.end(), {{here, next, next + 1}, {here, next + 1, here + 1}});
   }
-  return {core(std::move(positions), std::move(triangles), "cylinder"), 0, true, excess(sides) * radius * prism_room};
+  return {core(std::move(positions), std::move(triangles), "cylinder"), 0, true,
+          (to_corner - radius + 3 * rounding) * prism_room};
 }
 
 Shape Shape::half_space(const Vec3& normal, double offset, double extent) {

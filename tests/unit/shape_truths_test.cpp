@@ -49,6 +49,51 @@ TEST(ShapeTruths, ThatTouchCollide) {
   }
 }
 
+TEST(ShapeTruths, WitnessesAreAsFarApartAsBodiesOfAnySize) {
+  for (int exponent = -1020; exponent <= 190; exponent += 10) {
+    const double s = std::ldexp(1.0, exponent);
+    const Shape ball = Shape::sphere(2 * s);
+    const DistanceResult near = distance(ball, {ball, at({3 * s, 4 * s, 0})});
+    ASSERT_EQ(near.upper, s);
+    const Vec3 gap = (near.witness->point_b - near.witness->point_a) * (1 / s);
+    EXPECT_NEAR(gap.x, 0.6, 1e-14) << exponent;
+    EXPECT_NEAR(gap.y, 0.8, 1e-14) << exponent;
+  }
+}
+
+TEST(ShapeTruths, TheRadiusOfTheBodyThatAsksAScene) {
+  const Shape large = Shape::sphere(100), small = Shape::sphere(1);
+  Scene scene;
+  const ObjectId met = scene.add({small, at({-98, 0, 0})});
+  scene.add({small, at({0, 140, 0})});
+  scene.commit();
+  for (const double limit : {std::numeric_limits<double>::infinity(), 10.0, 0.0}) {
+    const ClosestObject closest = scene.closest_object(large, {.max_distance = limit});
+    EXPECT_EQ(closest.object, met) << limit;
+    EXPECT_EQ(closest.result.upper, 0) << limit;
+  }
+  const auto is_far = [&](ObjectId id) { return id != met; };
+  EXPECT_NEAR(scene.closest_object(large, {.filter = is_far}).result.upper, 39, 1e-13);
+}
+
+// One vertex tells; a search of the outer surface, all of which is about equally far from the inner one, is not needed.
+TEST(ShapeTruths, WhatIsInsideAsAWholeIsFoundSoon) {
+  const Model ball(scenes::ball(200, 100));
+  const ClosedSurface surface = ClosedSurface::create(ball).value();
+  const Shape small = Shape::sphere(0.1);
+  const std::vector<Vec3> row{{-3, 0, 0}, {0, 0, 0}, {3, 0, 0}};
+  const Shape cloud = Shape::point_cloud(row, 0.1);
+  const auto work = [](const CollideResult& r) { return r.stats.node_tests + r.stats.triangle_tests; };
+  for (const Shape* shape : {&small, &cloud}) {
+    for (const bool is_first : {false, true}) {
+      const Placed solid = surface.solid({}), other(*shape);
+      const CollideResult met = is_first ? collide(other, solid) : collide(solid, other);
+      ASSERT_TRUE(met.is_yes());
+      EXPECT_LT(work(met), 2000U);
+    }
+  }
+}
+
 TEST(ShapeTruths, SmallestRadiiChangeNothingThatIsApart) {
   const Shape a = Shape::sphere(std::numeric_limits<double>::denorm_min()), b = Shape::sphere(0);
   EXPECT_TRUE(collide(a, b).is_yes());

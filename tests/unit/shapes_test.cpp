@@ -137,7 +137,7 @@ TEST(Shapes, CylindersAreInTheirPrismsWithinTheError) {
   for (const double error : {0.5, 0.01, 1e-5}) {
     const Vec3 from{1, 2, 3}, to{2, 4, 5};
     const Shape shape = Shape::cylinder(from, to, 0.75, error);
-    EXPECT_LE(shape.deviation(), error * (1 + 1e-12));
+    EXPECT_LE(shape.deviation(), error + 1e-14);
     const Vec3 along = (to - from) * (1 / length(to - from));
     double least = 10, most = 0;
     for (TriangleId t = 0; t < shape.model().mesh().triangles().size(); ++t) {
@@ -152,6 +152,27 @@ TEST(Shapes, CylindersAreInTheirPrismsWithinTheError) {
     const std::size_t sides = shape.model().mesh().triangles().size() / 4;
     if (sides <= 3) continue;
     EXPECT_GT(0.75 / std::cos(std::numbers::pi / static_cast<double>(sides - 1)) - 0.75, error);
+  }
+}
+
+TEST(Shapes, CylindersAreInTheirPrismsFarFromTheOriginToo) {
+  for (const double far : {0.0, 1e6, 1e9, 0x1p190}) {
+    for (const double radius : {1.0, 1e-3, 1e-8}) {
+      const Vec3 from{far, far, 0}, to{far, far, 1};
+      const Shape shape = Shape::cylinder(from, to, radius, 0.01 * radius);
+      const std::vector<Vec3>& positions = shape.model().mesh().positions();
+      const std::size_t sides = positions.size() / 2 - 1;
+      for (std::size_t i = 0; i < sides; ++i) {
+        // Exact differences: all are close to the axis, or as far away as rounding is coarse.
+        const Vec3 p = positions[2 + 2 * i] - from, q = positions[2 + 2 * ((i + 1) % sides)] - from;
+        const long double edge_x = static_cast<long double>(q.x) - p.x, edge_y = static_cast<long double>(q.y) - p.y;
+        const long double doubled_area = p.x * edge_y - p.y * edge_x, size = std::hypot(edge_x, edge_y);
+        EXPECT_GE(doubled_area, radius * size) << far << ' ' << radius;
+        EXPECT_LE(std::hypot(static_cast<long double>(p.x), static_cast<long double>(p.y)), radius + shape.deviation());
+        EXPECT_LE(p.z, 0);
+        EXPECT_GE(positions[3 + 2 * i].z, 1);
+      }
+    }
   }
 }
 
@@ -192,6 +213,7 @@ TEST(Shapes, RefuseWhatTheyCannotBe) {
   EXPECT_THROW(Shape::cylinder(o, x, 0, 0.1), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 1, 0), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 1, not_a_number), std::invalid_argument);
+  EXPECT_THROW(Shape::cylinder(o, x, 1, std::numeric_limits<double>::infinity()), std::invalid_argument);
   EXPECT_THROW(Shape::cylinder(o, x, 1, 1e-12), std::invalid_argument);
   EXPECT_THROW(Shape::half_space(o, 1, 1), std::invalid_argument);
   EXPECT_THROW(Shape::half_space(x, not_a_number, 1), std::invalid_argument);
