@@ -106,6 +106,7 @@ CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& opti
   pair::AnyContact collector;
   const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, stats);
   if (collector.witness) pair::remember(options.cache, *collector.witness);
+  if (!pair::has_solid(a, b)) return answer_of(collector.witness, unsearched.stopped_by, stats);
   CollideResult result = answer_of(collector.witness, unsearched.stopped_by, stats);
   look_inside(result, a, b, placed, unsearched, meter);
   return result;

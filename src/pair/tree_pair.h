@@ -19,7 +19,8 @@ namespace limber::pair {
 template <bool tells_coincident_apart>
 class TreePair {
  public:
-  explicit TreePair(const PlacedPair& placed) : placed_(placed) {}
+  explicit TreePair(const PlacedPair& placed)
+      : placed_(placed), is_single_{is_single(placed.tree(Side::a)), is_single(placed.tree(Side::b))} {}
 
   const bvh::Tree& tree(Side s) const { return placed_.tree(s); }
 
@@ -53,9 +54,8 @@ class TreePair {
   simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
-    const bvh::Leaf& leaf = bvh::leaf_of(tree, slot);
-    const bool is_single = leaf.triangle[0] == leaf.triangle[bvh::width - 1];
-    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &leaf.corners, is_single};
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners,
+            is_single_[index(s)]};
   }
   /// With the triangles of its leaf if the slot is not expanded.
   simd::SlotRef as_other(Side s, const NodePair& pair) const {
@@ -106,7 +106,14 @@ class TreePair {
   // long; without a limit, those of a ball far over a square take 1.17 times as long.
   static constexpr double loose_priorities = 2;
 
+  /// Whether a tree has one triangle alone, as the core of a sphere has, which fills all slots of its leaf.
+  static bool is_single(const bvh::Tree& tree) {
+    const auto& triangles = tree.leaves[0].triangle;
+    return tree.nodes.size() == 1 && tree.leaves.size() == 1 && triangles[0] == triangles[bvh::width - 1];
+  }
+
   const PlacedPair& placed_;
+  bool is_single_[2];
 };
 
 }  // namespace limber::pair

@@ -70,7 +70,7 @@ struct SlotRef {
   const bvh::Node* node;
   std::uint32_t slot;
   const bvh::QuantizedTriangles* triangles;  ///< nullptr unless the slot holds a leaf
-  bool is_single = false;                    ///< whether that is a leaf of one triangle, which fills all of its slots
+  bool is_single = false;                    ///< whether one triangle is all of the tree, and fills the leaf
 };
 
 /// Children of a node, as bit masks.
