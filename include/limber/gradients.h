@@ -21,8 +21,9 @@
 /// Where the triangles are apart and no other points of the models are as close, the distance has a derivative, and
 /// these functions give it. Where several pairs of points are equally close, as between parallel faces, the distance
 /// has a kink. What is given then is the derivative for the one pair that the contact names: to first order, a motion
-/// may bring the models closer than that says, but not farther apart. Where triangles cross, the distance and its
-/// derivative are 0; what is given is the direction in which the contact's normal parts them.
+/// may bring the models closer than that says, but not farther apart. Where triangles cross, or bodies with a radius
+/// overlap, the distance and its derivative are 0; what is given is the direction in which the contact's normal parts
+/// them. A witness of what is inside of a solid gives a contact of two triangles that are apart.
 ///
 /// Frame    World, as the contact is. In the frame of a model, apply the inverse of its rotation.
 /// Cost     O(1). Allocates nothing.

@@ -80,7 +80,8 @@ class Shape {
   /// Whether the core's surface is closed, and what it encloses belongs to the shape.
   bool is_solid() const { return is_solid_; }
   /// At most how far points of the shape are from what the factory describes, which is inside of it: the true distance
-  /// is between `lower` and `upper + deviation()`. 0 but for cylinders.
+  /// is between `lower` and `upper + deviation()`, up to rounding. Of two cylinders, both count. 0 for all other
+  /// shapes; a half-space is cut, as it says.
   double deviation() const { return deviation_; }
 
  private:
