@@ -491,7 +491,8 @@ test('the summary is that of the terminal', async () => {
   const { summary } = dataOf(path('usual')).demo;
   const expected = summary.map(([name, text]) => [name, inPage(text)]);
   assert.deepEqual(rows, expected);
-  assert.deepEqual(rows.at(-1), ['last frame', 'checked against brute force: equal']);
+  const last = rows.find(([name]) => name === 'last frame'); // a program with checks adds a row behind it
+  assert.deepEqual(last, ['last frame', 'checked against brute force: equal']);
   await page.close();
 });
 
