@@ -37,14 +37,17 @@ class GrowingHull {
   }
 
   void add(VertexId point) {
-    const auto seen = std::stable_partition(faces_.begin(), faces_.end(),
-                                            [&](const Corners& face) { return side_of(face, point) <= 0; });
-    if (seen == faces_.end()) return;
     edges_.clear();
-    for (auto face = seen; face != faces_.end(); ++face) {
-      for (std::size_t i = 0; i < 3; ++i) edges_.emplace_back((*face)[i], (*face)[geometry::next_corner[i]]);
+    std::size_t kept = 0;
+    for (const Corners& face : faces_) {
+      if (side_of(face, point) <= 0) {
+        faces_[kept++] = face;
+      } else {
+        for (std::size_t i = 0; i < 3; ++i) edges_.emplace_back(face[i], face[geometry::next_corner[i]]);
+      }
     }
-    faces_.erase(seen, faces_.end());
+    if (edges_.empty()) return;
+    faces_.resize(kept);
     std::sort(edges_.begin(), edges_.end());
     for (const auto& [from, to] : edges_) {
       if (std::binary_search(edges_.begin(), edges_.end(), Edge{to, from})) continue;  // between two seen faces
