@@ -244,7 +244,7 @@ void bind_model(nb::module_& m) {
       .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)
       .value("on_worker", RebuildPolicy::on_worker, docs::RebuildPolicy_on_worker);
 
-  nb::class_<BodyObject>(m, "Body", "What queries of two bodies are about: a Model or a Shape.");
+  const nb::class_<BodyObject> body(m, "Body", "What queries of two bodies are about: a Model or a Shape.");
   nb::class_<ModelObject, BodyObject>(m, "Model",
                                       (std::string(docs::Model) + R"(
 

@@ -29,7 +29,8 @@ class Pruning {
  public:
   /// Ties are compared in any case while the cutoff is below `compared_below`.
   Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped, double compared_below = 0)
-      : placed_(placed), skips_from_(ties == Ties::skipped ? compared_below : infinity) {
+      : placed_(placed) {
+    if (ties == Ties::skipped) skips_from_ = compared_below;
     in_frame_[0].has_direction = in_frame_[1].has_direction = false;
     set_cutoff(cutoff);
   }
@@ -154,7 +155,7 @@ class Pruning {
   double cutoff_;
   simd::PruneLimits in_frame_[2];
   double best_distance_ = 0;
-  double skips_from_;  // ties are skipped while the cutoff is at least that
+  double skips_from_ = infinity;  // ties are skipped while the cutoff is at least that
   bool may_skip_ties_ = false;
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters
   Vec3 direction_, out_of_a_, out_of_b_;
