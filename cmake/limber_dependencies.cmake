@@ -63,7 +63,7 @@ if(LIMBER_NEEDS_IO)
     0d8ef5af7f9794e3263480193c491549b2ba6cc74bb018906202ada498a79406
     "It reads glTF files; LIMBER_BUILD_IO=OFF goes without mesh files.")
 endif()
-if(LIMBER_BUILD_PROGRAM OR LIMBER_BUILD_BENCHMARKS OR LIMBER_BUILD_FUZZERS)
+if(LIMBER_BUILD_PROGRAM OR LIMBER_BUILD_BENCHMARKS OR LIMBER_BUILD_FUZZERS OR LIMBER_BUILD_TESTS)
   limber_dependency(fmt fmt::fmt ""
     https://github.com/fmtlib/fmt/archive/refs/tags/11.0.2.tar.gz
     6cb1e6d37bdcb756dbbe59be438790db409cdb4868c66e888d5df9f13f7c027f "LIMBER_BUILD_PROGRAM=OFF goes without it.")
