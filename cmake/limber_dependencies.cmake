@@ -54,7 +54,7 @@ endif()
 if(LIMBER_THREADS OR LIMBER_BUILD_PROGRAM OR LIMBER_BUILD_TESTS OR LIMBER_BUILD_BENCHMARKS OR LIMBER_BUILD_PYTHON)
   limber_dependency(TBB TBB::tbb ""
     https://github.com/oneapi-src/oneTBB/archive/refs/tags/v2021.12.0.tar.gz
-    c7bb7aa69c254d91b8f0041a71c5bcc3936acb64408a1719aec0b2b7639dd84f 
+    c7bb7aa69c254d91b8f0041a71c5bcc3936acb64408a1719aec0b2b7639dd84f
     "LIMBER_THREADS=OFF goes without it, if the program is not built either.")
 endif()
 if(LIMBER_NEEDS_IO)

@@ -94,7 +94,7 @@ class ClosedSurface {
   ///
   /// Throws   std::invalid_argument if the model has been reset().
   LIMBER_API Placed placed(const Transform& world_from_model) const;
-  /// The same with the inside, for queries of two bodies: what it encloses collides with it.
+  /// The model as a solid, for queries of two bodies: what its surface encloses collides with it.
   ///
   /// Throws   As placed().
   Placed solid(const Transform& world_from_model = {}) const { return {Body(*this), world_from_model}; }

@@ -173,7 +173,7 @@ class Users {
 using Reading = Users::Reading;
 using Changing = Users::Changing;
 
-/// What queries of two are about, and who uses it.
+/// A model or a shape, and the calls that use it at the moment.
 struct BodyObject {
   BodyObject() = default;
   BodyObject(const BodyObject&) = delete;

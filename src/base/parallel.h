@@ -56,7 +56,7 @@ template <typename Made, typename Make, typename Take>
 void parallel_in_order(std::size_t count, const Make& make, const Take& take) {
 #if defined(LIMBER_THREADS)
   if (count > 1 && has_several_threads()) {
-    // Those that are under way are neighbors, as they end in order, so no two of them have the same place.
+    // At most `places` calls are under way, with consecutive numbers, so no two of them share a place.
     const std::size_t places = 4 * static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency());
     std::vector<Made> made(places);
     std::size_t next = 0;
