@@ -20,6 +20,7 @@
 #include "base/check.h"
 #include "geometry/collinear.h"
 #include "geometry/local_frame.h"
+#include "simd/kernels.h"
 
 namespace limber {
 namespace {
@@ -107,23 +108,20 @@ class LocalPair {
   Triangle first_, second_;
 };
 
+simd::TriangleAxes axes_of(const Triangle& local, const Triangle& as_given) {
+  const std::array<Vec3, 3> edges = directions_of_edges(as_given);
+  return {local, edges, normal_of(edges)};
+}
+
 /// The axis along which two triangles overlap least: moving the second along it by that much parts them.
 ///
 /// A triangle that an axis separates from the other overlaps less than 0.
 class LeastOverlap {
  public:
   LeastOverlap(const LocalPair& pair, const Triangle& first, const Triangle& second, bool intersect)
-      : first_(pair.first()),
-        second_(pair.second()),
-        edges_of_first_(directions_of_edges(first)),
-        edges_of_second_(directions_of_edges(second)),
-        intersect_(intersect) {
-    consider(normal_of(edges_of_first_));
-    consider(normal_of(edges_of_second_));
-    for (const Vec3& e : edges_of_first_) {
-      for (const Vec3& f : edges_of_second_) consider(perpendicular(e, f));
-    }
-    if (!is_well_conditioned_) consider_across_longest_edge();
+      : first_(axes_of(pair.first(), first)), second_(axes_of(pair.second(), second)), intersect_(intersect) {
+    simd::kernels().find_least_overlap(first_, second_, intersect, least_);
+    if (!least_.is_well_conditioned) consider_across_longest_edge();
   }
 
   /// Takes the line from corner i of the first triangle to corner j of the second, or the part of it across an edge at
@@ -137,8 +135,7 @@ class LeastOverlap {
     const auto is_too_long = [&](const Vec3& part) { return max_abs(part) * size > most; };
     if (!is_too_long(direction)) consider(direction);
     constexpr std::array<std::size_t, 3> before{2, 0, 1};
-    for (const Vec3* edge :
-         {&edges_of_first_[before[i]], &edges_of_first_[i], &edges_of_second_[before[j]], &edges_of_second_[j]}) {
+    for (const Vec3* edge : {&first_.edge[before[i]], &first_.edge[i], &second_.edge[before[j]], &second_.edge[j]}) {
       if (max_abs(*edge) == 0) continue;
       const Vec3 part = across(direction, *edge);
       if (max_abs(part) == 0 || is_too_long(part)) continue;
@@ -146,12 +143,12 @@ class LeastOverlap {
     }
   }
 
-  Vec3 normal() const { return unit(axis_); }
+  Vec3 normal() const { return unit(least_.axis); }
 
  private:
   void consider_across_longest_edge() {
     Vec3 longest;
-    for (const Triangle* t : {&first_, &second_}) {
+    for (const Triangle* t : {&first_.corner, &second_.corner}) {
       for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 edge = (*t)[next_corner[i]] - (*t)[i];
         if (max_abs(edge) > max_abs(longest)) longest = edge;
@@ -167,29 +164,25 @@ class LeastOverlap {
   /// Takes the axis if the triangles overlap less along it than along those before; an axis of 0 is none.
   void consider(Vec3 axis) {
     double axis_sq = length_sq(axis);
-    // Below an angle of 2^-30 a cross product has lost half of its digits.
-    is_well_conditioned_ = is_well_conditioned_ || axis_sq > 0x1p-60;
     if (!(axis_sq > 0x1p-200)) {
       if (max_abs(axis) == 0) return;
       axis = near_unit(axis);
       axis_sq = length_sq(axis);
     }
-    const double p0 = dot(axis, first_.v0), p1 = dot(axis, first_.v1), p2 = dot(axis, first_.v2);
-    const double q0 = dot(axis, second_.v0), q1 = dot(axis, second_.v1), q2 = dot(axis, second_.v2);
+    const Triangle &p = first_.corner, &q = second_.corner;
+    const double p0 = dot(axis, p.v0), p1 = dot(axis, p.v1), p2 = dot(axis, p.v2);
+    const double q0 = dot(axis, q.v0), q1 = dot(axis, q.v1), q2 = dot(axis, q.v2);
     const double ahead = std::max(std::max(p0, p1), p2) - std::min(std::min(q0, q1), q2);
     const double back = std::max(std::max(q0, q1), q2) - std::min(std::min(p0, p1), p2);
     double overlap = std::min(ahead, back);
-    if (intersect_) overlap = std::max(overlap, 0.0);  // below 0 is rounding then
+    if (intersect_) overlap = std::max(overlap, 0.0);
     overlap /= std::sqrt(axis_sq);
-    if (overlap < least_) least_ = overlap, axis_ = back < ahead ? -axis : axis;
+    if (overlap < least_.overlap) least_.overlap = overlap, least_.axis = back < ahead ? -axis : axis;
   }
 
-  Triangle first_, second_;
-  std::array<Vec3, 3> edges_of_first_, edges_of_second_;
+  simd::TriangleAxes first_, second_;
   bool intersect_;
-  bool is_well_conditioned_ = false;
-  double least_ = std::numeric_limits<double>::infinity();
-  Vec3 axis_;  ///< from the first triangle to the second
+  simd::LeastOverlap least_;
 };
 
 /// A normal on the outside of a triangle, of any length; 0 if the triangle is so thin that rounding could turn it.

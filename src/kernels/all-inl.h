@@ -22,6 +22,7 @@
 #include "kernels/find_close_elements-inl.h"
 #include "kernels/find_crossed-inl.h"
 #include "kernels/find_impact_candidates-inl.h"
+#include "kernels/find_least_overlap-inl.h"
 #include "kernels/find_meeting_children-inl.h"
 #include "kernels/fit_leaves-inl.h"
 #include "kernels/least_of_few-inl.h"

@@ -153,6 +153,21 @@ struct TriangleFeatures {
   unsigned feet_of_b;            ///< bit mask: corners of b whose foot is in triangle a
 };
 
+/// A triangle as its axes are compared: edges and normal near length 1, or 0. They need not be those of the corners,
+/// which may have lost digits when they were moved.
+struct TriangleAxes {
+  Triangle corner;
+  std::array<Vec3, 3> edge;
+  Vec3 normal;
+};
+
+/// The axis along which two triangles overlap least: moving b along it by that much parts them.
+struct LeastOverlap {
+  double overlap;            ///< infinite if all axes are 0
+  Vec3 axis;                 ///< from a to b, of any length
+  bool is_well_conditioned;  ///< whether some axis has at least half of its digits
+};
+
 /// Pairs of segments. Entries that are not in use must be finite.
 struct SegmentPairs {
   static constexpr std::uint32_t room = 16;
@@ -313,6 +328,10 @@ using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::Box
 /// most 2^100 in size.
 using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
 
+/// Finds the axis along which two triangles overlap least, among their normals and the nine cross products of edges; of
+/// equal ones the first in this order. Below 0 they are apart; `intersect` says that this would be rounding. Pre: as above.
+using FindLeastOverlap = void (*)(const TriangleAxes& a, const TriangleAxes& b, bool intersect, LeastOverlap& least);
+
 /// The closest points of all pairs of segments.
 using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& found);
 
@@ -342,6 +361,7 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(OverlappingBoxes, overlapping_boxes)             \
   X(OverlappingPairs, overlapping_pairs)             \
   X(CompareTriangles, compare_triangles)             \
+  X(FindLeastOverlap, find_least_overlap)            \
   X(CompareSegments, compare_segments)
 
 /// The kernels for one instruction set.

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The kernels that compare pairs of segments, and edges and corners of two triangles, next to one pair at a time.
+// The kernels that compare pairs of segments, and edges, corners and axes of two triangles, next to one pair at a time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -129,6 +131,66 @@ TEST_P(CompareFeatures, OfTrianglesFindsTheFirstOfTheClosestEdgesAndAllFeet) {
     feet += expected.distance_sq > 0 && expected.feet_of_b != 0 ? 1 : 0;
   }
   EXPECT_GT(feet, 0);
+}
+
+// --- axes of two triangles ---
+
+/// Edges as given, and a normal of any two of them.
+simd::TriangleAxes axes_of(const Triangle& t) {
+  simd::TriangleAxes axes{t, {t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2}, {}};
+  const double size = std::max({max_abs(axes.edge[0]), max_abs(axes.edge[1]), max_abs(axes.edge[2]), 0x1p-500});
+  for (Vec3& edge : axes.edge) edge = edge * (1 / size);
+  axes.normal = cross(axes.edge[0], axes.edge[1]);
+  return axes;
+}
+
+/// One axis after the other.
+simd::LeastOverlap least_overlap(const simd::TriangleAxes& a, const simd::TriangleAxes& b, bool intersect) {
+  simd::LeastOverlap least{std::numeric_limits<double>::infinity(), {}, false};
+  const auto compare = [&](Vec3 axis) {
+    if (max_abs(axis) == 0) return;
+    if (length_sq(axis) > 0x1p-60) least.is_well_conditioned = true;
+    if (!(length_sq(axis) > 0x1p-200)) axis = axis * 0x1p600;
+    const auto range = [&](const Triangle& t) {
+      return std::minmax({dot(axis, t.v0), dot(axis, t.v1), dot(axis, t.v2)});
+    };
+    const auto [low_a, high_a] = range(a.corner);
+    const auto [low_b, high_b] = range(b.corner);
+    double overlap = std::min(high_a - low_b, high_b - low_a);
+    if (intersect && overlap < 0) overlap = 0;
+    overlap = overlap / length(axis);
+    if (overlap < least.overlap) least.overlap = overlap, least.axis = high_b - low_a < high_a - low_b ? -axis : axis;
+  };
+  compare(a.normal), compare(b.normal);
+  for (const Vec3& e : a.edge) {
+    for (const Vec3& f : b.edge) {
+      Vec3 axis = cross(e, f);
+      const double axis_sq = length_sq(axis);
+      if (axis_sq < 0x1p-4 && axis_sq > 0) axis = axis - e * (dot(axis, e) / length_sq(e));
+      compare(axis);
+    }
+  }
+  return least;
+}
+
+TEST_P(CompareFeatures, OfTrianglesFindsTheFirstAxisOfLeastOverlap) {
+  Rng rng(1503);
+  int found_any = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const auto [t, u] = random_pair(rng, GetParam());
+    const simd::TriangleAxes a = axes_of(t), b = axes_of(u);
+    const bool intersect = geometry::intersects(t, u);
+    const simd::LeastOverlap expected = least_overlap(a, b, intersect);
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      simd::LeastOverlap found;
+      set.find_least_overlap(a, b, intersect, found);
+      ASSERT_EQ(found.overlap, expected.overlap) << set.name << ", pair " << i;
+      ASSERT_EQ(found.axis, expected.axis) << set.name << ", pair " << i;
+      ASSERT_EQ(found.is_well_conditioned, expected.is_well_conditioned) << set.name << ", pair " << i;
+    }
+    found_any += expected.is_well_conditioned ? 1 : 0;
+  }
+  EXPECT_GT(found_any, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryKind, CompareFeatures,

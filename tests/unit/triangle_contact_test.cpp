@@ -257,6 +257,15 @@ TEST(TriangleContact, NeedlesOfAnyWidthHaveTheNormalOfTheirPlane) {
   }
 }
 
+TEST(TriangleContact, ACornerNextToTheCrossingEdgeIsTheSmallerFeature) {
+  const Triangle face{{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}};
+  for (const double width : {0.0, 0x1p-60}) {
+    const Triangle sliver{{0, 0, -1}, {0, 0, 1}, {width, 0, 0}};
+    EXPECT_EQ(contact(face, sliver).feature_b, (Feature{FeatureKind::vertex, 2})) << width;
+    EXPECT_EQ(contact(sliver, face).feature_a, (Feature{FeatureKind::vertex, 2})) << width;
+  }
+}
+
 TEST(TriangleContact, TheSmallestGapHasANormal) {
   for (const double gap : {0x1p-1074, 0x1p-1022, 1e-200, 1e-30}) {
     const TriangleContact above = contact(ground, {{1, 1, gap}, {2, 1, 5}, {1, 2, 5}});
