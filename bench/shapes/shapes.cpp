@@ -6,7 +6,7 @@
 // Workload  The bunny of the folder --meshes, else a generated mesh; shapes of a twentieth of its size at gaps of 0.001
 //           to 1 of its size, in random directions.
 // Metric    Microseconds of one call, on one thread, in turn with the others: the median of all poses.
-// Expected  A sphere and a capsule two to four times a point.
+// Expected  A sphere at most 1.5 times a point, a capsule two to four times.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -70,9 +70,29 @@ struct Best {
   }
 };
 
+bool is_point(const Triangle& t) { return t.v0 == t.v1 && t.v0 == t.v2; }
+
+/// What closest_pair() finds, to the bit, where b is a point: of its edges and corners, the first ones.
+Best closest_to_point(const Face& a, const Vec3& b) {
+  Best best;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 to_b = b - a.corner[i];
+    const double parameter = geometry::clamped_quotient(dot(a.edge[i], to_b), length_sq(a.edge[i]));
+    best.improve(to_b - parameter * a.edge[i], edge_weights(i, parameter), corner_weights(0));
+  }
+  Vec3 weights;
+  if (a.foot(b, weights)) best.improve(b - point_at(a.corner, weights), weights, corner_weights(0));
+  return best;
+}
+
 /// Finds the closest points of an edge of each, or of a corner and the other face. The kernel finds the closest of the
 /// nine edge pairs, and the corners whose foot, their projection on the other plane, is inside the other triangle.
 Best closest_pair(const Face& a, const Face& b) {
+  if (is_point(b.corner)) return closest_to_point(a, b.corner.v0);
+  if (is_point(a.corner)) {
+    const Best found = closest_to_point(b, a.corner.v0);
+    return {found.distance_sq, Vec3{} - found.a_to_b, found.weights_b, found.weights_a};
+  }
   simd::TriangleFeatures found;
   simd::kernels().compare_triangles(a, b, found);
   Best best;

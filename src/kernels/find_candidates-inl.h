@@ -316,9 +316,9 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
   candidates.pruned_bound = infinite;
   std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
-  // One triangle, such as the core of a sphere, is compared once. Bit width * i + k is slot i of a and slot k of b.
-  if (a.is_single) wanted &= 0xff;
-  if (b.is_single) wanted &= 0x0101'0101'0101'0101;
+  // Triangles that fill up a leaf are left out. Bit width * i + k is slot i of a and slot k of b.
+  if (a.triangle_count < width) wanted &= (std::uint64_t{1} << (width * a.triangle_count)) - 1;
+  if (b.triangle_count < width) wanted &= ((std::uint64_t{1} << b.triangle_count) - 1) * in_each_byte;
   if (pruning.has_direction) {
     float excess = 0;
     wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, excess);

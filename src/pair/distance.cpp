@@ -37,7 +37,7 @@ double tied_with_contacts(const pair::PlacedPair& placed, const pair::Sweep& swe
 
 /// Whether a part of one body can be inside of the other: that takes a solid, and bounds that overlap.
 bool may_contain(const Placed& a, const Placed& b, const pair::PlacedPair& placed) {
-  return pair::has_solid(a, b) && placed.root_bound() == 0;
+  return pair::has_solid(a, b) && placed.root_bound(std::numeric_limits<double>::min()) == 0;
 }
 
 pair::Containment find_containment(const Placed& a, const Placed& b, const pair::Unsearched& unsearched,

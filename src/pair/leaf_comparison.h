@@ -87,7 +87,6 @@ class LeafComparison {
   }
 
  private:
-  static constexpr bool needs_several = Collector::hits == Hits::k_closest;
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
 
   // From that many candidates on, better bounds cost less than the comparisons that they save.
@@ -98,7 +97,10 @@ class LeafComparison {
   bool compare_candidates(simd::Candidates& found, std::uint64_t steps) {
     if (!compare_nearest(found, steps)) return false;
     drop_pruned(found);
-    if (found.count >= worth_refining) kernels_.refine_candidates(found);
+    if (found.count >= worth_refining) {
+      kernels_.refine_candidates(found);
+      drop_pruned(found);
+    }
     while (found.count > 0) {
       if (!compare_nearest(found, steps)) return false;
     }
@@ -106,8 +108,7 @@ class LeafComparison {
   }
 
   /// Takes out the candidate of least bound and compares it; if it is pruned by now, so are all others, and all are
-  /// taken out. False if the query has ended. Only a collector of several pairs needs to know triangles that fill up a
-  /// leaf: they would be found twice. Pre: there are candidates.
+  /// taken out. False if the query has ended. Pre: there are candidates.
   bool compare_nearest(simd::Candidates& found, std::uint64_t steps) {
     simd::Candidate& nearest = found.pairs[nearest_of(found)];
     const std::uint32_t slot_a = nearest.slot_a, slot_b = nearest.slot_b;
@@ -116,7 +117,6 @@ class LeafComparison {
       return true;
     }
     nearest = found.pairs[--found.count];
-    if (needs_several && (a_.is_repeated(slot_a) || b_.is_repeated(slot_b))) return true;
     if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
     ++search_.stats.triangle_tests;
     if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);

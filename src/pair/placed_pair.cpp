@@ -47,16 +47,17 @@ Triangle PlacedPair::placed(Side s, const Triangle& local) const {
   return {pose(local.v0), pose(local.v1), pose(local.v2)};
 }
 
-double PlacedPair::root_bound() const {
+double PlacedPair::root_bound(double enough) const {
   const PlacedTree &a = at(Side::a), &b = at(Side::b);
   const Vec3 between =
       b.pose(bvh::slot_center(*b.tree, bvh::root_slot)) - a.pose(bvh::slot_center(*a.tree, bvh::root_slot));
   const double radius_a = bvh::root_radius(*a.tree), radius_b = bvh::root_radius(*b.tree);
+  const double rounding = (bvh::sum_of_coordinates(between) + radius_a + radius_b) * base::root_error + error_;
   double best = geometry::safe_length(between) - radius_a - radius_b;
+  if (best - rounding >= enough) return best - rounding;
   // The sphere of one next to the box and the slab of the other.
   best = std::max(best, bvh::root_gap(*a.tree, transpose(a.pose.rotation) * between) - radius_b);
   best = std::max(best, bvh::root_gap(*b.tree, transpose(b.pose.rotation) * -between) - radius_a);
-  const double rounding = (bvh::sum_of_coordinates(between) + radius_a + radius_b) * base::root_error + error_;
   return std::max(0.0, best - rounding);
 }
 

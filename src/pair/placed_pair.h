@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "base/check.h"
 #include "bvh/tree.h"
@@ -21,8 +22,11 @@ class PlacedPair {
   PlacedPair(const Placed& a, const Placed& b);
 
   const bvh::Tree& tree(Side s) const { return *sides_[index(s)].tree; }
+  const MeshView& mesh(Side s) const { return sides_[index(s)].mesh; }
   const Transform& pose(Side s) const { return sides_[index(s)].pose; }
 
+  /// Whether a model is a single triangle, as the core of a sphere is.
+  bool is_triangle(Side s) const { return sides_[index(s)].mesh.triangles.size() == 1; }
   bool has_triangle(Side s, TriangleId t) const { return t < sides_[index(s)].mesh.triangles.size(); }
   /// A triangle in the frame of its model, and in the world. Pre: has_triangle(s, t).
   Triangle local_triangle(Side s, TriangleId t) const {
@@ -42,8 +46,8 @@ class PlacedPair {
   /// Some triangle.
   TriangleId first_triangle(Side s) const { return tree(s).leaves[0].triangle[0]; }
 
-  /// A lower bound of the distance of the models, from the bounds of their roots.
-  double root_bound() const;
+  /// A lower bound of the distance of the models, from the bounds of their roots; any that is `enough`, or the best.
+  double root_bound(double enough = std::numeric_limits<double>::infinity()) const;
 
   /// What float64 rounding can change a length between placed points by.
   double error() const { return error_; }

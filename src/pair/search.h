@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "base/check.h"
@@ -13,6 +14,7 @@
 #include "pair/all_pairs.h"
 #include "pair/best_first.h"
 #include "pair/query_cache_impl.h"
+#include "pair/search_by_point.h"
 #include "pair/search_context.h"
 
 namespace limber::pair {
@@ -145,8 +147,12 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   LIMBER_ASSERT(Collector::hits != Hits::k_closest || cache == nullptr);  // a front skips what was compared before
   Pruning pruning(placed, collector.initial_cutoff(), ties, compared_below);
   ++stats.node_tests;
-  const double root_bound = placed.root_bound();
+  const double root_bound = placed.root_bound(pruning.distance());
   if (root_bound >= pruning.distance()) return {root_bound};
+  if (!collector.is_done() && placed.is_triangle(Side::a) && placed.is_triangle(Side::b)) {
+    compare(0, 0, placed, collector, pruning, stats);
+    return {std::max(root_bound, pruning.cutoff())};
+  }
   QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
   const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&
                         placed.has_triangle(Side::b, last->triangle_b);
@@ -163,6 +169,13 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   }
   if (root_bound >= pruning.distance()) {
     return {std::max(root_bound, last == nullptr ? 0 : last->front.bound_at_rest(placed))};
+  }
+  if constexpr (Collector::hits == Hits::closest) {
+    const std::optional<Side> of_point = meter.is_limited() ? std::nullopt : side_of_point(placed);
+    if (of_point) {
+      search_by_point(placed, *of_point, collector, pruning, stats);
+      return {std::max(root_bound, pruning.cutoff())};
+    }
   }
   Frames frames(placed);
   const Search context{placed, frames, pruning, meter, stats};
@@ -211,7 +224,7 @@ StoppedBy search_all(const PlacedPair& placed, Collector& collector, BudgetMeter
   double root_bound = 0;
   if constexpr (!Collector::is_self) {
     ++stats.node_tests;
-    root_bound = placed.root_bound();
+    root_bound = placed.root_bound(pruning.distance());
     if (root_bound >= pruning.distance()) return StoppedBy::nothing;
   }
   Frames frames(placed);
@@ -236,7 +249,7 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
   double root_bound = 0;
   if constexpr (!Collector::is_self) {
     ++stats.node_tests;
-    root_bound = placed.root_bound();
+    root_bound = placed.root_bound(pruning.distance());
     if (root_bound >= pruning.distance()) return {};
   }
   Frames frames(placed);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "base/check.h"
 #include "bvh/tree.h"
@@ -19,8 +21,7 @@ namespace limber::pair {
 template <bool tells_coincident_apart>
 class TreePair {
  public:
-  explicit TreePair(const PlacedPair& placed)
-      : placed_(placed), is_single_{is_single(placed.tree(Side::a)), is_single(placed.tree(Side::b))} {}
+  explicit TreePair(const PlacedPair& placed) : placed_(placed) {}
 
   const bvh::Tree& tree(Side s) const { return placed_.tree(s); }
 
@@ -54,12 +55,15 @@ class TreePair {
   simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
-    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners,
-            is_single_[index(s)]};
+    const bvh::Leaf& leaf = bvh::leaf_of(tree, slot);
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &leaf.corners, triangle_count(s, leaf)};
   }
-  /// With the triangles of its leaf if the slot is not expanded.
+  /// With the triangles of its leaf if the slot is not expanded; then their number does not matter.
   simd::SlotRef as_other(Side s, const NodePair& pair) const {
-    return is_leaf(s, pair) ? as_leaf(s, pair) : as_node(s, pair);
+    if (!is_leaf(s, pair)) return as_node(s, pair);
+    const bvh::SlotId slot = leaf_slot(s, pair);
+    const bvh::Tree& tree = placed_.tree(s);
+    return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
   }
 
   /// How much the bound of a slot leaves open: half the thickness of its slab, and a little of its radius. Of two nodes
@@ -79,7 +83,7 @@ class TreePair {
   /// Chooses the node of higher split priority, if it can be expanded. If it is a leaf, and the bound of the pair is
   /// small next to that priority, its triangles, one by one, tell more than the children of the other node do.
   /// Pre: are_leaves() is false.
-  Choice choose(const NodePair& pair) const {
+  [[gnu::always_inline]] Choice choose(const NodePair& pair) const {
     const double priority_a = split_priority(Side::a, pair), priority_b = split_priority(Side::b, pair);
     const bool is_a_first = priority_a >= priority_b;
     // Bitwise: branches here would be mispredicted.
@@ -106,14 +110,16 @@ class TreePair {
   // long; without a limit, those of a ball far over a square take 1.17 times as long.
   static constexpr double loose_priorities = 2;
 
-  /// Whether a tree has one triangle alone, as the core of a sphere has, which fills all slots of its leaf.
-  static bool is_single(const bvh::Tree& tree) {
-    const auto& triangles = tree.leaves[0].triangle;
-    return tree.nodes.size() == 1 && tree.leaves.size() == 1 && triangles[0] == triangles[bvh::width - 1];
+  /// All leaves but the last are full (I2).
+  std::uint32_t triangle_count(Side s, const bvh::Leaf& leaf) const {
+    const auto& leaves = placed_.tree(s).leaves;
+    if (&leaf != &leaves.back()) return bvh::width;
+    const std::size_t count = placed_.mesh(s).triangles.size() - bvh::width * (leaves.size() - 1);
+    LIMBER_ASSERT(count > 0 && count <= bvh::width && leaf.triangle[count - 1] == leaf.triangle[bvh::width - 1]);
+    return static_cast<std::uint32_t>(count);
   }
 
   const PlacedPair& placed_;
-  bool is_single_[2];
 };
 
 }  // namespace limber::pair

@@ -25,31 +25,33 @@ constexpr float most_bound = 3e38F;
 
 }  // namespace
 
-ClosestPointSearch::ClosestPointSearch(const PlacedModel& model)
+NearestTriangles::NearestTriangles(const PlacedModel& model)
     : model_(model), tree_(model.tree()), kernels_(simd::kernels()) {}
 
-std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double max_distance, QueryStats& stats,
-                                                     double enough) {
-  point_ = point;
+void NearestTriangles::start(const Vec3& point, double limit, double enough) {
   in_frame_ = model_.in_frame(point);
-  max_distance_ = max_distance;
-  best_.reset();
-  set_limit(max_distance);
-  candidate_count_ = 0;
+  enough_ = enough;
+  set_limit(limit);
   waiting_.start(limit_bound_);
-  for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
-    if (bvh::has_leaf_or_coincides(tree_, next.slot)) {
-      compare_leaf(next.slot, stats);
-    } else {
-      expand(next.slot, stats);
-    }
-    if (best_ && best_->distance <= enough) return best_;
-  }
-  compare_candidates(stats);
-  return best_;
 }
 
-void ClosestPointSearch::set_limit(double limit) {
+std::span<const NearestTriangles::Candidate> NearestTriangles::next(QueryStats& stats) {
+  count_ = 0;
+  for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
+    if (!bvh::has_leaf_or_coincides(tree_, next.slot)) {
+      expand(next.slot, stats);
+    } else if (compare_leaf(next.slot)) {
+      break;
+    }
+  }
+  Candidate* const end = candidates_ + count_;
+  Candidate* const nearest =
+      std::min_element(candidates_, end, [](const Candidate& a, const Candidate& b) { return a.lower < b.lower; });
+  if (nearest != end) std::swap(*nearest, candidates_[0]);
+  return {candidates_, count_};
+}
+
+void NearestTriangles::set_limit(double limit) {
   limit_ = limit;
   limit_bound_ = bound_of(limit);
 }
@@ -57,7 +59,7 @@ void ClosestPointSearch::set_limit(double limit) {
 /// Converts a distance to what kernels compare bounds with. For far points that is a height, rounded up. For others it
 /// is a square, rounded to the nearest: bounds of children are lowered by more than that (base::point_error). It is
 /// above 0, so children with a bound of 0 are never pruned.
-float ClosestPointSearch::bound_of(double distance) const {
+float NearestTriangles::bound_of(double distance) const {
   const simd::QueryPoint& p = in_frame_;
   if (p.is_far) {
     return base::float_up(std::clamp((distance - p.height) * p.per_unit, -base::max_units, base::max_units));
@@ -67,7 +69,7 @@ float ClosestPointSearch::bound_of(double distance) const {
   return std::max(squared, std::numeric_limits<float>::min());
 }
 
-void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
+void NearestTriangles::expand(bvh::SlotId slot, QueryStats& stats) {
   const std::uint32_t n = bvh::child_of(tree_, slot);
   const bvh::Node& node = tree_.nodes[n];
   stats.node_tests += node.child_count;
@@ -75,53 +77,56 @@ void ClosestPointSearch::expand(bvh::SlotId slot, QueryStats& stats) {
   const auto kernel = in_frame_.is_far ? kernels_.bound_children_along : kernels_.bound_children_to_point;
   kernel(node, in_frame_, limit_bound_, found);
   const double upper = static_cast<double>(found.upper) * in_frame_.unit;
-  if (upper < limit_) set_limit(upper);
+  lower_limit(upper);
   waiting_.add(n, found);
 }
 
-void ClosestPointSearch::compare_leaf(bvh::SlotId slot, QueryStats& stats) {
+/// Adds the triangles of a leaf that may be the closest. Returns whether candidates are to be compared now.
+bool NearestTriangles::compare_leaf(bvh::SlotId slot) {
+  LIMBER_ASSERT(count_ + bvh::width <= capacity);
   const bvh::LeafInNode at = bvh::first_leaf(tree_, slot);
   const bvh::Leaf& leaf = at.leaf;
   simd::TriangleIntervals found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_triangles_along : kernels_.bound_triangles_to_point;
   kernel(at.node, at.slot, leaf.corners, in_frame_, limit_, found);
-  if (candidate_count_ + bvh::width > candidate_capacity) compare_candidates(stats);
   for (; found.kept != 0; found.kept &= found.kept - 1) {
     const auto k = static_cast<std::uint32_t>(std::countr_zero(found.kept));
-    candidates_[candidate_count_++] = {static_cast<double>(found.lower[k]) * found.step, &leaf, k};
+    candidates_[count_++] = {static_cast<double>(found.lower[k]) * found.step, &leaf, k};
     for (const VertexId v : leaf.vertices[k]) __builtin_prefetch(&model_.mesh().positions[v]);
   }
   const double upper = static_cast<double>(found.upper) * found.step;
-  if (upper < limit_) set_limit(upper);
+  lower_limit(upper);
   // For far points the kernel gives no upper bound, so triangles are compared now, to lower the limit.
-  if (in_frame_.is_far) compare_candidates(stats);
+  return count_ > 0 && (in_frame_.is_far || upper <= enough_ || count_ + bvh::width > capacity);
 }
 
-/// Compares all triangles that may be the closest one, the likeliest first.
-void ClosestPointSearch::compare_candidates(QueryStats& stats) {
-  Candidate* const end = candidates_ + candidate_count_;
-  candidate_count_ = 0;
-  Candidate* const nearest =
-      std::min_element(candidates_, end, [](const Candidate& a, const Candidate& b) { return a.lower < b.lower; });
-  if (nearest == end) return;
-  std::swap(*nearest, candidates_[0]);
-  for (const Candidate* candidate = candidates_; candidate != end; ++candidate) compare(*candidate, stats);
+std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double max_distance, QueryStats& stats,
+                                                     double enough) {
+  best_.reset();
+  nearest_.start(point, max_distance, enough);
+  for (auto found = nearest_.next(stats); !found.empty(); found = nearest_.next(stats)) {
+    for (const NearestTriangles::Candidate& candidate : found) {
+      if (!nearest_.matters(candidate)) continue;
+      ++stats.triangle_tests;
+      compare(candidate, point, max_distance);
+    }
+    if (best_ && best_->distance <= enough) break;
+  }
+  return best_;
 }
 
-void ClosestPointSearch::compare(const Candidate& candidate, QueryStats& stats) {
-  if (candidate.lower > limit_) return;
-  ++stats.triangle_tests;
-  const Triangle triangle = model_.triangle(candidate.leaf->vertices[candidate.slot]);
-  const TriangleId id = candidate.leaf->triangle[candidate.slot];
-  const geometry::PointOnTriangle closest = geometry::closest_on(triangle, point_);
-  if (closest.distance > max_distance_) return;
+void ClosestPointSearch::compare(const NearestTriangles::Candidate& candidate, const Vec3& point, double max_distance) {
+  const Triangle triangle = model_.triangle(candidate.vertices());
+  const TriangleId id = candidate.id();
+  const geometry::PointOnTriangle closest = geometry::closest_on(triangle, point);
+  if (closest.distance > max_distance) return;
   if (best_) {
     if (closest.distance > best_->distance) return;
     if (closest.distance == best_->distance && id >= best_->triangle) return;
   }
   const Vec3& w = closest.weights;
   best_ = SurfacePoint{closest.distance, geometry::point_at(triangle, w), id, {w.x, w.y, w.z}, geometry::feature_of(w)};
-  if (closest.distance < limit_) set_limit(closest.distance);
+  nearest_.lower_limit(closest.distance);
 }
 
 }  // namespace limber::point

@@ -25,21 +25,29 @@ void store(const Vec3& v, double (&to)[3]) {
   for (std::size_t k = 0; k < 3; ++k) to[k] = v[k];
 }
 
-}  // namespace
-
-PlacedModel::PlacedModel(const Placed& placed) : pose_(placed.pose) {
+const Model::Impl& checked(const Placed& placed) {
   LIMBER_REQUIRE(placed.model().is_committed(),
                  "limber: a query needs a committed model; this one has moves without a commit(), "
                  "or has been moved from");
-  LIMBER_REQUIRE(geometry::is_rigid(pose_),
+  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
                  "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
-  const Model::Impl& model = placed.model().impl();
-  tree_ = &model.tree;
-  mesh_ = model.mesh;
-  to_frame_ = geometry::inverse_of(pose_.rotation);
-  magnitude_ = bvh::magnitude(*tree_, pose_);
-  center_ = bvh::slot_center(*tree_, bvh::root_slot);
-  far_distance_ = std::max(far_radii * bvh::root_radius(*tree_), smallest_far_distance);
+  return placed.model().impl();
+}
+
+}  // namespace
+
+PlacedModel::PlacedModel(const Placed& placed)
+    : PlacedModel(checked(placed).tree, placed.model().impl().mesh, placed.pose) {}
+
+PlacedModel::PlacedModel(const bvh::Tree& tree, const MeshView& mesh, const Transform& pose)
+    : tree_(&tree),
+      mesh_(mesh),
+      pose_(pose),
+      to_frame_(geometry::inverse_of(pose.rotation)),
+      magnitude_(bvh::magnitude(tree, pose)),
+      center_(bvh::slot_center(tree, bvh::root_slot)),
+      far_distance_(std::max(far_radii * bvh::root_radius(tree), smallest_far_distance)) {
+  LIMBER_ASSERT(geometry::is_rigid(pose));
 }
 
 simd::QueryPoint PlacedModel::in_frame(const Vec3& point) const {

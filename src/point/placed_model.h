@@ -26,6 +26,8 @@ class PlacedModel {
  public:
   /// Throws   std::invalid_argument unless the model is committed and the pose is rigid.
   explicit PlacedModel(const Placed& placed);
+  /// Pre: the tree is that of the mesh, and the pose is rigid.
+  PlacedModel(const bvh::Tree& tree, const MeshView& mesh, const Transform& pose);
 
   const bvh::Tree& tree() const { return *tree_; }
   const MeshView& mesh() const { return mesh_; }

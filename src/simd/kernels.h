@@ -69,8 +69,8 @@ struct PruneLimits {
 struct SlotRef {
   const bvh::Node* node;
   std::uint32_t slot;
-  const bvh::QuantizedTriangles* triangles;  ///< nullptr unless the slot holds a leaf
-  bool is_single = false;                    ///< whether one triangle is all of the tree, and fills the leaf
+  const bvh::QuantizedTriangles* triangles;   ///< nullptr unless the slot holds a leaf
+  std::uint32_t triangle_count = bvh::width;  ///< of that leaf; the last of them fills the slots after it
 };
 
 /// Children of a node, as bit masks.

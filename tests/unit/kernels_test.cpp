@@ -126,6 +126,30 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   EXPECT_GT(tight, 0.999 * candidates);
 }
 
+TEST(Kernels, CandidatesLeaveOutWhatFillsUpALeaf) {
+  Rng rng(207);
+  for (int i = 0; i < 64; ++i) {
+    const KernelCase c(rng);
+    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
+    Frames frames(placed);
+    simd::SlotRef a = at_slot(c.a, 0, true), b = at_slot(c.b, 0, true);
+    a.triangle_count = 1 + static_cast<std::uint32_t>(i) % 8, b.triangle_count = 1 + static_cast<std::uint32_t>(i) / 8;
+    const Pruning pruning = pruning_along(placed, std::numeric_limits<double>::infinity(), {});
+    for (const simd::Kernels& kernels : simd::all_kernels()) {
+      simd::Candidates found;
+      kernels.find_candidates(a, b, frames.of(Side::a), pruning.of(Side::a), nullptr, false, found);
+      std::vector<bool> is_found(bvh::width * bvh::width);
+      for (std::uint32_t k = 0; k < found.count; ++k) {
+        ASSERT_LT(found.pairs[k].slot_a, a.triangle_count);
+        ASSERT_LT(found.pairs[k].slot_b, b.triangle_count);
+        is_found[found.pairs[k].slot_a * bvh::width + found.pairs[k].slot_b] = true;
+      }
+      EXPECT_EQ(std::count(is_found.begin(), is_found.end(), true), a.triangle_count * b.triangle_count);
+      EXPECT_EQ(found.count, a.triangle_count * b.triangle_count) << kernels.name;
+    }
+  }
+}
+
 // A leaf of triangles as large as the scene, and a small part of another model among them.
 TEST(Kernels, BoundsOfALeafAreThoseOfItsTriangles) {
   Rng rng(208);

@@ -12,8 +12,10 @@
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/gradients.h"
+#include "limber/points.h"
 #include "limber/shapes.h"
 #include "reference/reference.h"
+#include "scenes/scenes.h"
 #include "support/random_bodies.h"
 
 namespace limber::testing {
@@ -204,6 +206,68 @@ TEST_P(BodyKinds, AgreeWithBruteForceInAllQueries) {
         if (HasFailure()) return;
       }
     }
+  }
+}
+
+/// What all queries of a point with a radius, next to a mesh, have to say.
+void check_sphere(const Placed& mesh, const Placed& sphere, double least, bool is_first) {
+  const Placed &a = is_first ? sphere : mesh, &b = is_first ? mesh : sphere;
+  const double truth = std::max(0.0, least - sphere.body().radius());
+  EXPECT_EQ(distance(a, b).upper, truth);
+  EXPECT_EQ(distance(a, b).lower, truth);
+  QueryCache cache;
+  EXPECT_EQ(distance(a, b, {.cache = &cache}).upper, truth);
+  EXPECT_EQ(distance(a, b, {.cache = &cache}).upper, truth);
+  const DistanceResult about = distance(a, b, {.relative_error = 0.5});
+  EXPECT_TRUE(about.lower <= truth && truth <= about.upper && about.upper <= 1.5 * truth);
+  EXPECT_EQ(distance(a, b, {.max_distance = truth}).upper, truth);
+  EXPECT_TRUE(within(a, b, truth).is_yes());
+  EXPECT_EQ(collide(a, b).is_yes(), truth == 0);
+  if (truth < 1e-100) return;
+  EXPECT_TRUE(within(a, b, std::nextafter(truth, 0)).is_no());
+  EXPECT_EQ(distance(a, b, {.max_distance = std::nextafter(truth, 0)}).status, Status::beyond_limit);
+}
+
+// Points have a search of their own, which must not miss what a comparison of all pairs finds.
+TEST(Shapes, SpheresAreAsFarAsTheClosestOfAllTrianglesToTheBit) {
+  Rng rng(20263);
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(i);
+    const bool is_on_lattice = i % 2 == 0;
+    const double scale = i % 7 == 3 ? 0x1p-120 : i % 7 == 5 ? 0x1p60 : 1, away = i % 11 == 4 ? 1e5 : 3;
+    std::vector<Triangle> triangles;
+    for (std::uint64_t n = 1 + rng.below(i % 3 == 0 ? 12 : 300); n > 0; --n) {
+      const auto corner = [&] { return scale * some_point(rng, is_on_lattice); };
+      triangles.push_back({corner(), corner(), corner()});
+    }
+    const Model model(soup(triangles));
+    Transform pose = some_pose(rng, is_on_lattice, 1), at = some_pose(rng, is_on_lattice, away);
+    pose.translation *= scale, at.translation *= scale;
+    const Shape sphere = Shape::sphere(i % 5 == 0 ? 0 : scale * some_size(rng, is_on_lattice));
+    const Vec3 p = at(Vec3{});
+    double least = endless;
+    for (const Triangle& t : triangles) {
+      const Triangle placed{pose(t.v0), pose(t.v1), pose(t.v2)};
+      least = std::min(least, closest_points(i % 4 < 2 ? Triangle{p, p, p} : placed,  //
+                                             i % 4 < 2 ? placed : Triangle{p, p, p})
+                                  .distance);
+    }
+    check_sphere({model, pose}, {sphere, at}, least, i % 4 < 2);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(Shapes, SpheresCostWhatPointsCost) {
+  const Model ring(scenes::ring(300, 120, 0.25));
+  const Shape sphere = Shape::sphere(0.05);
+  Rng rng(20264);
+  for (int i = 0; i < 50; ++i) {
+    const Transform at = random_pose(rng, 3);
+    const QueryStats of_point = closest_point(ring, at.translation).stats,
+                     of_sphere = distance({ring}, {sphere, at}).stats;
+    EXPECT_LE(of_sphere.node_tests, of_point.node_tests + 1);
+    EXPECT_LE(of_sphere.triangle_tests, 2 * of_point.triangle_tests);
+    EXPECT_EQ(distance({sphere, at}, {sphere}).stats.triangle_tests, 1U);
   }
 }
 

@@ -7,7 +7,10 @@
 #include <limits>
 #include <string>
 
+#include "geometry/face.h"
+#include "geometry/local_frame.h"
 #include "geometry/primitives.h"
+#include "simd/kernels.h"
 #include "support/exact_distance.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
@@ -118,6 +121,45 @@ void expect_points_as_promised(const Triangle& a, const Triangle& b) {
   EXPECT_NEAR(length(found.point_b - found.point_a), found.distance, 2 * tolerance);
   EXPECT_EQ(found.distance == 0, intersects(a, b));
   EXPECT_TRUE(found.distance > 0 || found.point_a == found.point_b);
+}
+
+/// The vector between the closest points of a triangle and one that is a point, from what the kernel for any two finds.
+Vec3 as_any_two(const geometry::Face& a, const geometry::Face& b) {
+  simd::TriangleFeatures found;
+  simd::kernels().compare_triangles(a, b, found);
+  const Vec3 start = b.corner[found.edge_b] - a.corner[found.edge_a];
+  Vec3 best = start + (found.at_b * b.edge[found.edge_b] - found.at_a * a.edge[found.edge_a]);
+  EXPECT_TRUE(found.feet_of_a == 0 || found.feet_of_b == 0);
+  const Vec3 foot_of_b = b.corner.v0 - geometry::point_at(a.corner, a.foot_weights(b.corner.v0));
+  if (found.feet_of_b != 0 && length_sq(foot_of_b) < length_sq(best)) best = foot_of_b;
+  const Vec3 foot_of_a = geometry::point_at(b.corner, b.foot_weights(a.corner.v0)) - a.corner.v0;
+  if (found.feet_of_a != 0 && length_sq(foot_of_a) < length_sq(best)) best = foot_of_a;
+  return best;
+}
+
+TEST(TriangleDistance, OfAPointIsThatOfAnyTwoTrianglesToTheBit) {
+  Rng rng(27);
+  for (int i = 0; i < 20000; ++i) {
+    // On lattices, where distances tie, and anywhere; also slivers, segments and points.
+    const auto point = [&] { return i % 2 == 0 ? lattice_point(rng, 3) : uniform_point(rng); };
+    Triangle t{point(), point(), point()};
+    if (i % 5 == 0) t.v2 = t.v1 + 1e-9 * (t.v1 - t.v0);
+    if (i % 7 == 0) t.v1 = t.v0;
+    const Vec3 p = point() + Vec3{0, 0, i % 3 == 0 ? 1.0 : 0.0};
+    const Triangle at_p{p, p, p};
+    const auto local = [](const Triangle& of, const Vec3& origin) {
+      return geometry::Face({of.v0 - origin, of.v1 - origin, of.v2 - origin});
+    };
+    const Vec3 t_to_p = as_any_two(local(t, t.v0), local(at_p, t.v0)), p_to_t = as_any_two(local(at_p, p), local(t, p));
+    if (length_sq(t_to_p) < 1e-20) continue;  // they may meet
+    EXPECT_EQ(closest_points(t, at_p).distance, length(t_to_p));
+    EXPECT_EQ(closest_points(at_p, t).distance, length(p_to_t));
+    EXPECT_EQ(closest_points(t, at_p).point_b, p);
+    EXPECT_EQ(closest_points(at_p, t).point_a, p);
+    const double extent = extent_of(t, at_p);
+    EXPECT_NEAR(length(closest_points(t, at_p).point_a - (p - t_to_p)), 0, 1e-14 * extent);
+    EXPECT_NEAR(length(closest_points(at_p, t).point_b - (p + p_to_t)), 0, 1e-14 * extent);
+  }
 }
 
 TEST(TriangleDistance, PointsLieOnTrianglesOfAnyScaleAnywhere) {

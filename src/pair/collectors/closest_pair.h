@@ -29,6 +29,7 @@ class ClosestPair {
 
   /// Just above the limit: a pair exactly max_distance apart is an answer.
   double initial_cutoff() const { return std::nextafter(options_.max_distance, infinity); }
+  double close_enough() const { return close_enough_; }
   bool is_done() const { return upper <= close_enough_; }
 
   std::optional<BoundUpdate> compare(const PlacedTriangle& a, const PlacedTriangle& b) {

@@ -17,13 +17,15 @@ namespace limber::pair {
 //          bool is_done() const;
 //          compare(const PlacedTriangle& a, const PlacedTriangle& b);
 //
-// One of the closest pair needs also, for a contact that was found without a distance:
+// One of the closest pair needs also, for a contact that was found without a distance, and for searches of one tree:
 //          std::optional<BoundUpdate> take(double distance, const Witness& points);
+//          double close_enough() const;
 //
 // hits: AllPairs offers a collector of all hits each pair within the cutoff once. BestFirst is for the others; a front
 // is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
 // different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
-// QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter. compare():
+// QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter.
+// close_enough(): a pair at most that far apart is all that is looked for. compare():
 // returns std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a
 // collector of all hits.
 //
