@@ -160,11 +160,10 @@ LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
 /// overlap. SomeBoxes has members low and high as Boxes does.
 template <typename SomeBoxes>
 LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const SomeBoxes& boxes, std::uint32_t i) {
-  const Packet3 others_low{Packet::load(boxes.low[0] + i), Packet::load(boxes.low[1] + i),
-                           Packet::load(boxes.low[2] + i)};
-  const Packet3 others_high{Packet::load(boxes.high[0] + i), Packet::load(boxes.high[1] + i),
-                            Packet::load(boxes.high[2] + i)};
-  const Packet3 above = others_low - high, below = low - others_high;
+  const auto load = [&](const auto& v) {
+    return Packet3{Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
+  };
+  const Packet3 above = load(boxes.low) - high, below = low - load(boxes.high);
   return {max(above.x, below.x), max(above.y, below.y), max(above.z, below.z)};
 }
 

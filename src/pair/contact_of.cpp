@@ -5,7 +5,7 @@
 #include "geometry/primitives.h"
 #include "limber/gradients.h"
 #include "pair/placed_pair.h"
-#include "pair/sweep.h"
+#include "pair/radii.h"
 
 namespace limber {
 
@@ -17,7 +17,7 @@ TriangleContact contact_of(const Placed& a, const Placed& b, const Witness& witn
   LIMBER_REQUIRE(placed.has_triangle(Side::b, witness.triangle_b), "limber::contact_of: b has no such triangle");
   const TriangleContact contact = geometry::contact(placed.triangle(Side::a, witness.triangle_a),
                                                     placed.triangle(Side::b, witness.triangle_b), OrientedFaces::none);
-  return environment.computed_before_restore(pair::Sweep(a, b).contact(contact));
+  return environment.computed_before_restore(pair::Radii(a, b).contact(contact));
 }
 
 }  // namespace limber

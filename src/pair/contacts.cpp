@@ -92,7 +92,7 @@ PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisi
   const base::DefaultFloatEnvironment environment;
   const pair::PlacedPair placed(a, b);
   const PairsOfTwo pairs(a, b, options);
-  if (!pair::Sweep(a, b).has_radius()) return visit_intersections(placed, pairs, visit, options);
+  if (!pair::Radii(a, b).has_radius()) return visit_intersections(placed, pairs, visit, options);
   const auto visit_pair = [&](const Contact& contact) { return visit({contact.triangle_a, contact.triangle_b}); };
   return visit_contacts(placed, pairs, 0, visit_pair, options);
 }

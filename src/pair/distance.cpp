@@ -15,8 +15,8 @@
 #include "pair/collectors/closest_pair.h"
 #include "pair/containment.h"
 #include "pair/distance_answer.h"
+#include "pair/radii.h"
 #include "pair/search.h"
-#include "pair/sweep.h"
 
 namespace limber {
 namespace {
@@ -30,9 +30,9 @@ CollideResult answer_of(const std::optional<Witness>& witness, StoppedBy stopped
 }
 
 /// Below that distance of cores, rounding could make a pair that is skipped as a tie one whose swept triangles meet.
-double tied_with_contacts(const pair::PlacedPair& placed, const pair::Sweep& sweep) {
-  if (!sweep.has_radius()) return 0;
-  return sweep.radius() + 4 * (placed.error() + base::tie_error * sweep.radius());
+double tied_with_contacts(const pair::PlacedPair& placed, const pair::Radii& radii) {
+  if (!radii.has_radius()) return 0;
+  return radii.radius() + 4 * (placed.error() + base::tie_error * radii.radius());
 }
 
 /// Whether a part of one body can be inside of the other: that takes a solid, and bounds that overlap.
@@ -72,14 +72,14 @@ void look_inside(DistanceResult& result, const Placed& a, const Placed& b, const
   pair::ClosestPair some({}, 0);
   some.compare(pair::placed_triangle(placed, pair::Side::a, placed.first_triangle(pair::Side::a)),
                pair::placed_triangle(placed, pair::Side::b, placed.first_triangle(pair::Side::b)));
-  pair::set_answer(result, some, {0, result.stopped_by}, {}, pair::Sweep(a, b));
+  pair::set_answer(result, some, {0, result.stopped_by}, {}, pair::Radii(a, b));
 }
 
-CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& placed, const pair::Sweep& sweep,
+CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& placed, const pair::Radii& radii,
                      double max_distance, const QueryOptions& options) {
   BudgetMeter meter(options.budget);
   QueryStats stats;
-  const double limit = sweep.core_limit(max_distance);
+  const double limit = radii.core_limit(max_distance);
   pair::ClosestPair collector({.max_distance = limit}, limit);
   // So that the answer is that of comparing all pairs, whatever comes first.
   const pair::Unsearched unsearched =
@@ -90,7 +90,7 @@ CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& p
     return result;
   }
   pair::remember(options.cache, *collector.witness);
-  sweep.move_points(*collector.witness, collector.upper);
+  radii.move_points(*collector.witness, collector.upper);
   return answer_of(collector.witness, unsearched.stopped_by, stats);
 }
 
@@ -99,8 +99,8 @@ CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& p
 CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const pair::PlacedPair placed(a, b);
-  const pair::Sweep sweep(a, b);
-  if (sweep.has_radius()) return within(a, b, placed, sweep, 0, options);
+  const pair::Radii radii(a, b);
+  if (radii.has_radius()) return within(a, b, placed, radii, 0, options);
   BudgetMeter meter(options.budget);
   QueryStats stats;
   pair::AnyContact collector;
@@ -116,14 +116,14 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::distance");
   const pair::PlacedPair placed(a, b);
-  const pair::Sweep sweep(a, b);
+  const pair::Radii radii(a, b);
   BudgetMeter meter(options.budget);
   DistanceResult result;
-  const double limit = sweep.core_limit(options.max_distance);
-  pair::ClosestPair collector({options.relative_error, options.absolute_error, limit}, sweep.radius(), sweep.radius());
+  const double limit = radii.core_limit(options.max_distance);
+  pair::ClosestPair collector({options.relative_error, options.absolute_error, limit}, radii.radius(), radii.radius());
   const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats,
-                                                   pair::Ties::skipped, tied_with_contacts(placed, sweep));
-  pair::set_answer(result, collector, unsearched, options, sweep);
+                                                   pair::Ties::skipped, tied_with_contacts(placed, radii));
+  pair::set_answer(result, collector, unsearched, options, radii);
   if (result.witness) pair::remember(options.cache, *result.witness);
   look_inside(result, a, b, placed, unsearched, meter);
   return result;
@@ -132,7 +132,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 CollideResult within(const Placed& a, const Placed& b, double max_distance, const QueryOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_max_distance(max_distance);
-  return within(a, b, pair::PlacedPair(a, b), pair::Sweep(a, b), max_distance, options);
+  return within(a, b, pair::PlacedPair(a, b), pair::Radii(a, b), max_distance, options);
 }
 
 }  // namespace limber

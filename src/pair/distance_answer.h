@@ -7,8 +7,8 @@
 
 #include "limber/distance.h"
 #include "pair/collectors/closest_pair.h"
+#include "pair/radii.h"
 #include "pair/search.h"
-#include "pair/sweep.h"
 
 namespace limber::pair {
 
@@ -29,19 +29,19 @@ inline bool is_narrow_enough(const DistanceResult& result, const DistanceOptions
 /// Writes what a search for the closest pair of the cores has found. A budget may be spent just when the errors are
 /// met; then the query has its answer.
 inline void set_answer(DistanceResult& result, const ClosestPair& collector, const Unsearched& unsearched,
-                       const DistanceOptions& options, const Sweep& sweep = {0, 0}) {
+                       const DistanceOptions& options, const Radii& radii = {0, 0}) {
   result.stopped_by = unsearched.stopped_by;
-  const bool is_beyond = !collector.witness || sweep.distance(collector.upper) > options.max_distance;
+  const bool is_beyond = !collector.witness || radii.distance(collector.upper) > options.max_distance;
   if (is_beyond && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = options.max_distance;
     result.status = Status::beyond_limit;
     return;
   }
-  result.upper = sweep.distance(collector.upper);
-  result.lower = sweep.distance(std::min(collector.upper, unsearched.distance));
+  result.upper = radii.distance(collector.upper);
+  result.lower = radii.distance(std::min(collector.upper, unsearched.distance));
   result.witness = collector.witness;
-  if (result.witness) sweep.move_points(*result.witness, collector.upper);
+  if (result.witness) radii.move_points(*result.witness, collector.upper);
   if (result.upper <= options.max_distance && is_narrow_enough(result, options)) result.stopped_by = StoppedBy::nothing;
   result.status = status_of(result);
 }

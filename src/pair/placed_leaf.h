@@ -34,8 +34,6 @@ class PlacedLeaf {
   }
 
   TriangleId id(std::uint32_t slot) const { return leaf_->triangle[slot]; }
-  /// Whether a slot is not in use: it repeats the triangle of the one before.
-  bool is_repeated(std::uint32_t slot) const { return slot > 0 && id(slot) == id(slot - 1); }
   /// The support of a triangle along a direction of its model's frame, computed when it is first asked for, until
   /// another direction comes: each has its own number.
   double support(std::uint32_t slot, const Vec3& direction, std::uint32_t number) {

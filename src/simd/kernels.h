@@ -329,7 +329,8 @@ using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::Box
 using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
 
 /// Finds the axis along which two triangles overlap least, among their normals and the nine cross products of edges; of
-/// equal ones the first in this order. Below 0 they are apart; `intersect` says that this would be rounding. Pre: as above.
+/// equal ones the first in this order. Below 0 they are apart; `intersect` says that this would be rounding. Pre: as
+/// above.
 using FindLeastOverlap = void (*)(const TriangleAxes& a, const TriangleAxes& b, bool intersect, LeastOverlap& least);
 
 /// The closest points of all pairs of segments.

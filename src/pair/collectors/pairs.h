@@ -7,7 +7,7 @@
 #include "geometry/shared_corners.h"
 #include "limber/contacts.h"
 #include "pair/placed_leaf.h"
-#include "pair/sweep.h"
+#include "pair/radii.h"
 
 namespace limber::pair {
 
@@ -19,10 +19,10 @@ class PairsOfTwo {
   PairsOfTwo(const Placed& a, const Placed& b, const PairOptions& options)
       : filter_(options.filter),
         oriented_(options.oriented_faces.value_or(closed(a.model().mesh(), b.model().mesh()))),
-        sweep_(a, b) {}
+        radii_(a, b) {}
 
   /// How far apart the triangles of a pair are at most whose distance is at most `distance`.
-  double core_limit(double distance) const { return sweep_.core_limit(distance); }
+  double core_limit(double distance) const { return radii_.core_limit(distance); }
 
   bool counts(const PlacedTriangle& a, const PlacedTriangle& b) const { return !filter_ || (*filter_)(a.id, b.id); }
   /// Whether the pair shares a vertex, so that only what it has in common beyond that matters.
@@ -33,7 +33,7 @@ class PairsOfTwo {
   /// Whole only if they are at most `farthest` apart.
   Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool /*are_neighbors*/, double farthest) const {
     const double limit = core_limit(farthest);
-    return sweep_.contact(Contact{geometry::contact(a.corners, b.corners, oriented_, limit), a.id, b.id});
+    return radii_.contact(Contact{geometry::contact(a.corners, b.corners, oriented_, limit), a.id, b.id});
   }
 
  private:
@@ -44,7 +44,7 @@ class PairsOfTwo {
 
   std::optional<TrianglePairFilter> filter_;
   OrientedFaces oriented_;
-  Sweep sweep_;
+  Radii radii_;
 };
 
 /// The pairs of triangles of one model.

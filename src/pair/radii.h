@@ -18,12 +18,12 @@ namespace limber::pair {
 /// What the radii of two bodies make of the distances and points of their cores, the triangles. Searches are about
 /// cores: what matters at a distance does so at core_limit() of it. Without radii, everything stays as it is, to the
 /// bit.
-class Sweep {
+class Radii {
  public:
-  Sweep(double radius_a, double radius_b) : radius_a_(radius_a), radius_b_(radius_b), radius_(radius_a + radius_b) {
+  Radii(double radius_a, double radius_b) : radius_a_(radius_a), radius_b_(radius_b), radius_(radius_a + radius_b) {
     LIMBER_ASSERT(radius_a >= 0 && radius_b >= 0 && radius_ <= 2 * max_coordinate);
   }
-  Sweep(const Placed& a, const Placed& b) : Sweep(a.body().radius(), b.body().radius()) {}
+  Radii(const Placed& a, const Placed& b) : Radii(a.body().radius(), b.body().radius()) {}
 
   /// Both radii together.
   double radius() const { return radius_; }
