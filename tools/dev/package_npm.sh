@@ -10,7 +10,7 @@ folder=$artefacts/npm
 
 build_package() {
   local file listed
-  CXXFLAGS=$same_paths compile_web
+  compile_web
   install_typescript
   rm -rf -- "$folder"
   mkdir -p -- "$folder"

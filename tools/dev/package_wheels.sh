@@ -44,8 +44,9 @@ wheel() {
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
   say "building the wheel of CPython $1; its log is ${folder#"$root/"}/log-$1"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
+  # -O3 also for what CMake tries, so that Zig builds its C++ library once.
   PATH=$tools:$PATH CXX=$tools/zig-c++ CCACHE_COMPILERTYPE=clang CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) \
-    CXXFLAGS="$same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
+    CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps "${settings[@]}" \
     -w "$folder/plain-$1" "$root" </dev/null >"$folder/log-$1" 2>&1 || die "$(tail -n 40 -- "$folder/log-$1")"
   PATH=$tools:$PATH auditwheel -q repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
