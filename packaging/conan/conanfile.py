@@ -22,7 +22,8 @@ class Limber(ConanFile):
 
     def export_sources(self):
         root = Path(self.recipe_folder).parents[1]
-        for part in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*", "scenes/*", "apps/*", "tests/reference/*"):
+        for part in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*", "scenes/*", "apps/*",
+                     "tests/reference/*"):
             copy(self, part, root, self.export_sources_folder)
 
     def requirements(self):
@@ -39,6 +40,7 @@ class Limber(ConanFile):
     def generate(self):
         CMakeDeps(self).generate()
         toolchain = CMakeToolchain(self)
+        toolchain.user_presets_path = False
         toolchain.cache_variables["LIMBER_FETCH"] = False
         toolchain.cache_variables["LIMBER_BUILD_PROGRAM"] = bool(self.options.program)
         toolchain.generate()

@@ -23,6 +23,7 @@ if [[ ${1:-} != --build ]]; then
   export CONAN_HOME=$root/build/conan
   "$tools/conan" profile detect --exist-ok
   "$tools/conan" create "$recipes/conan" --no-remote --build=missing -o 'limber/*:system=True' -s compiler.cppstd=20 \
-    -c tools.cmake.cmaketoolchain:generator=Ninja </dev/null
+    -c tools.cmake.cmaketoolchain:generator=Ninja \
+    -c "tools.cmake.cmake_layout:test_folder=$root/build/conan_test" </dev/null
   say "Conan makes the package, and a program with it answers"
 fi

@@ -66,8 +66,8 @@ bare_root() {
     tar -C "$folder" -xf "$base"
   fi
   cp -- /etc/resolv.conf "$folder/etc/"
-  mkdir -p -- "$folder/etc/ssl/certs" "$folder/packages"
-  cp -- /etc/ssl/certs/ca-certificates.crt "$folder/etc/ssl/certs/"
+  mkdir -p -- "$folder/packages"
+  cp -- /etc/ssl/certs/ca-certificates.crt "$folder/etc/machine.crt"
   # Debian's own next release may be late with its lists.
   echo 'Acquire::Check-Valid-Until "false"; APT::Install-Recommends "false"; Acquire::Retries "3";' \
     >"$folder/etc/apt/apt.conf.d/90limber"
@@ -78,8 +78,8 @@ bare_root() {
 # in_root NAME SCRIPT: runs the script in the folder /root of build/roots/NAME; it ends with the first command that fails.
 in_root() {
   env -i PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
-    PIP_CERT=/etc/ssl/certs/ca-certificates.crt PIP_DISABLE_PIP_VERSION_CHECK=1 \
-    NODE_EXTRA_CA_CERTS=/etc/ssl/certs/ca-certificates.crt NPM_CONFIG_UPDATE_NOTIFIER=false \
+    PIP_CERT=/etc/machine.crt PIP_DISABLE_PIP_VERSION_CHECK=1 \
+    NODE_EXTRA_CA_CERTS=/etc/machine.crt NPM_CONFIG_UPDATE_NOTIFIER=false \
     unshare --mount --pid --fork chroot "$root/build/roots/$1" \
     bash -c "mount -t proc proc /proc; cd /root; set -euo pipefail; $2" </dev/null
 }
