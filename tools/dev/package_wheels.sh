@@ -49,7 +49,7 @@ wheel() {
     CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps "${settings[@]}" \
     -w "$folder/plain-$1" "$root" </dev/null >"$folder/log-$1" 2>&1 || die "$(tail -n 40 -- "$folder/log-$1")"
-  PATH=$tools:$PATH auditwheel -q repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
+  PATH=$tools:$PATH auditwheel repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
 }
 
 # What PyPI and its users ask of them: tags that are true, the licenses of what is inside, and no symbol beside the module.
@@ -58,7 +58,7 @@ check() {
   "$tools/twine" check --strict "$folder"/*.whl "$folder"/*.tar.gz
   "$tools/abi3audit" --strict "$folder"/*-abi3-*.whl
   for file in "$folder"/*.whl; do
-    "$tools/auditwheel" show "$file" | grep -q 'following platform tag:.*manylinux_2_28\|"manylinux_2_[0-9]*_x86_64"' ||
+    "$tools/auditwheel" show "$file" | grep -q '"manylinux_2_' ||
       die "auditwheel does not find $file to be what its name says"
     found=$(python3 -m zipfile -l "$file")
     [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
@@ -68,7 +68,18 @@ check() {
   done
 }
 
-# try SUITE VERSION [test]: installs and asks on a bare system whose own CPython that is, or that has a copy of pyenv's.
+# The package's own tests, where the wheel alone is installed, in a folder that has nothing of the sources but the tests.
+run_tests_of() {
+  local place=$root/build/wheel_test/bin/python
+  rm -rf -- "$root/build/wheel_test"
+  "$(interpreter "$1")/python3" -m venv "$root/build/wheel_test"
+  "$place" -m pip install -q --find-links "$folder" limber3d -r "$root/python/requirements_test.txt" </dev/null
+  mkdir -p -- "$folder/tests"
+  cp -- "$root"/python/tests/*.py "$folder/tests"
+  (cd -- "$folder" && PYTHONDONTWRITEBYTECODE=1 "$place" -m pytest -q -p no:cacheprovider tests) </dev/null
+}
+
+# try SUITE VERSION: installs and asks on a bare system whose own CPython that is, or that has a copy of pyenv's.
 try() {
   local name=wheel-$2 place python=python3
   bare_root "$1" "$name" python3-venv
@@ -103,6 +114,7 @@ for python in 3.12 3.11 3.10; do wheel "$python"; done
   die "$(tail -n 40 -- "$folder/log-sdist")"
 check
 if [[ ${1:-} != --build ]]; then
+  run_tests_of 3.12
   try bookworm 3.11
   try trixie 3.13
   try sid 3.14
