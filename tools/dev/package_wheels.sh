@@ -73,7 +73,8 @@ run_tests_of() {
   local place=$root/build/wheel_test/bin/python
   rm -rf -- "$root/build/wheel_test"
   "$(interpreter "$1")/python3" -m venv "$root/build/wheel_test"
-  "$place" -m pip install -q --find-links "$folder" limber3d -r "$root/python/requirements_test.txt" </dev/null
+  "$place" -m pip install -q --find-links "$folder" limber3d \
+    -r "$root/python/requirements_test.txt" -r "$root/python/requirements_peers.txt" </dev/null
   mkdir -p -- "$folder/tests"
   cp -- "$root"/python/tests/*.py "$folder/tests"
   (cd -- "$folder" && PYTHONDONTWRITEBYTECODE=1 "$place" -m pytest -q -p no:cacheprovider tests) </dev/null
