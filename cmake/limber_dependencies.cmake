@@ -20,6 +20,8 @@ function(limber_dependency name target find url hash without)
   # How it is built: without its tests.
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
   set(CMAKE_UNITY_BUILD OFF)
+  # Versions from before CMake 4 name an older CMake than it takes.
+  set(CMAKE_POLICY_VERSION_MINIMUM 3.5)
   foreach(option HWY_ENABLE_TESTS HWY_ENABLE_EXAMPLES HWY_ENABLE_CONTRIB TBB_TEST TBB_STRICT TBBMALLOC_BUILD JSON_BuildTests
       JSON_Install CLI11_BUILD_TESTS CLI11_BUILD_EXAMPLES CLI11_BUILD_DOCS CLI11_INSTALL FMT_INSTALL)
     set(${option} OFF CACHE INTERNAL "")

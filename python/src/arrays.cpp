@@ -39,7 +39,7 @@ Scalar scalar_of(const char* format, std::size_t item_bytes) {
 
 /// Whether reading the memory of an array would read what its mask hides.
 bool has_masked_elements(nb::handle object) {
-  const bool is_plain = std::strcmp(Py_TYPE(object.ptr())->tp_name, "numpy.ndarray") == 0;
+  const bool is_plain = object.type().is(nb::module_::import_("numpy").attr("ndarray"));
   return !is_plain && nb::cast<bool>(nb::module_::import_("numpy.ma").attr("is_masked")(object));
 }
 
@@ -259,8 +259,8 @@ Transform rigid_or_raise(std::span<const double> turn, std::span<const double> s
 
 /// The two parts of a pose or of poses, or nothing if the object is not a tuple of two.
 std::optional<std::array<nb::handle, 2>> parts_of(nb::handle object) {
-  if (!PyTuple_CheckExact(object.ptr()) || PyTuple_GET_SIZE(object.ptr()) != 2) return std::nullopt;
-  return std::array<nb::handle, 2>{PyTuple_GET_ITEM(object.ptr(), 0), PyTuple_GET_ITEM(object.ptr(), 1)};
+  if (!PyTuple_CheckExact(object.ptr()) || PyTuple_Size(object.ptr()) != 2) return std::nullopt;
+  return std::array<nb::handle, 2>{PyTuple_GetItem(object.ptr(), 0), PyTuple_GetItem(object.ptr(), 1)};
 }
 
 /// Poses of as many numbers: matrices without shifts, or turns with them.

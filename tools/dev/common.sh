@@ -180,18 +180,23 @@ compile_web() {
   on_emscripten build web
 }
 
-# build_web PROGRAM: the package, and what npm installs to test it with; a native program beside it.
-build_web() {
-  compile_web
+# install_typescript: what npm installs beside the JavaScript package; the working directory is then build/web.
+install_typescript() {
   if ! command -v npm >/dev/null; then need npm; fi
-  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
-  build release --target "$1"
   cd -- "$root/build/web"
   if ! cmp -s package.json node_modules/installed.json; then
     say "installing from npm into build/web: TypeScript"
     npm install --install-links=false --no-audit --no-fund --no-package-lock --loglevel=error </dev/null
     cp -- package.json node_modules/installed.json
   fi
+}
+
+# build_web PROGRAM: the package, and what npm installs to test it with; a native program beside it.
+build_web() {
+  compile_web
+  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
+  build release --target "$1"
+  install_typescript
 }
 
 # Our C++ files below the working directory, each ended by a zero byte. Needs no git.

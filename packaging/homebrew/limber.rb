@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+# Of the archive that ./dev release makes: brew install --formula packaging/homebrew/limber.rb
+class Limber < Formula
+  desc "Collision and distance for triangle meshes that deform"
+  url "file://#{File.expand_path("../../build/release/limber-0.2.0.tar.gz", __dir__)}"
+  license "BSD-3-Clause"
+
+  depends_on "boost" => :build
+  depends_on "cli11" => :build
+  depends_on "cmake" => :build
+  depends_on "nlohmann-json" => :build
+  depends_on "fmt"
+  depends_on "highway"
+  depends_on "tbb"
+
+  def install
+    system "cmake", "-S", ".", "-B", "build", "-DBUILD_SHARED_LIBS=ON", "-DLIMBER_FETCH=OFF", *std_cmake_args
+    system "cmake", "--build", "build"
+    system "cmake", "--install", "build"
+  end
+
+  test do
+    answer = shell_output("#{bin}/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0")
+    assert_match "distance", answer
+  end
+end

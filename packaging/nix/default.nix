@@ -1,0 +1,20 @@
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+# nix-build packaging/nix
+{ pkgs ? import <nixpkgs> { } }:
+pkgs.stdenv.mkDerivation {
+  pname = "limber";
+  version = "0.2.0";
+  src = ../..;
+  nativeBuildInputs = [ pkgs.cmake pkgs.ninja ];
+  buildInputs = [ pkgs.boost pkgs.cli11 pkgs.fmt pkgs.libhwy pkgs.nlohmann_json pkgs.tbb_2021_11 ];
+  cmakeFlags = [ "-DBUILD_SHARED_LIBS=ON" "-DLIMBER_FETCH=OFF" ];
+  doInstallCheck = true;
+  installCheckPhase = "$out/bin/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0";
+  meta = {
+    description = "Collision and distance for triangle meshes that deform";
+    license = pkgs.lib.licenses.bsd3;
+    mainProgram = "limber";
+  };
+}

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+# Wheels that run wherever glibc is 2.28 or newer, with all libraries inside, and the archive of sources. Zig's Clang
+# compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones.
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+source "$root/tools/dev/roots.sh"
+
+folder=$artefacts/wheels
+tools=$root/build/wheel_tools/bin
+sources=$root/build/sources
+
+# interpreter VERSION: the folder of that CPython: Debian's or pyenv's.
+interpreter() {
+  local found
+  for found in "${PYENV_ROOT:-$HOME/.pyenv}/versions/$1."*/bin/python3 "$(command -v "python$1" || true)"; do
+    if [[ -x $found ]] && "$found" -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$1')"; then
+      dirname -- "$found"
+      return
+    fi
+  done
+  die "no CPython $1, neither Debian's nor pyenv's"
+}
+
+prepare() {
+  need build io python
+  python_environment wheel_tools requirements_wheel.txt
+  debian_sources highway onetbb nlohmann-json3
+  mkdir -p -- "$sources/boost/include"
+  ln -sfn -- /usr/include/boost "$sources/boost/include/boost"
+  printf '#!/bin/sh\nexec "%s/zig" c++ -target x86_64-linux-gnu.2.28 "$@"\n' \
+    "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" >"$tools/zig-c++"
+  chmod +x -- "$tools/zig-c++"
+}
+
+# wheel VERSION
+wheel() {
+  local settings=(-C "wheel.py-api=cp312") name
+  for name in HWY TBB Boost nlohmann_json; do settings+=(-C "cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
+  for name in HWY=highway TBB=onetbb NLOHMANN_JSON=nlohmann-json3 BOOST=boost BOOSTCONFIG=boost; do
+    settings+=(-C "cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
+  done
+  PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
+  say "building the wheel of CPython $1; its log is ${folder#"$root/"}/log-$1"
+  # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
+  # -O3 also for what CMake tries, so that Zig builds its C++ library once.
+  PATH=$tools:$PATH CXX=$tools/zig-c++ CCACHE_COMPILERTYPE=clang CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) \
+    CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
+    "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps "${settings[@]}" \
+    -w "$folder/plain-$1" "$root" </dev/null >"$folder/log-$1" 2>&1 || die "$(tail -n 40 -- "$folder/log-$1")"
+  PATH=$tools:$PATH auditwheel repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
+}
+
+# What PyPI and its users ask of them: tags that are true, the licenses of what is inside, and no symbol beside the module.
+check() {
+  local file found license
+  "$tools/twine" check --strict "$folder"/*.whl "$folder"/*.tar.gz
+  "$tools/abi3audit" --strict "$folder"/*-abi3-*.whl
+  for file in "$folder"/*.whl; do
+    "$tools/auditwheel" show "$file" | grep -q '"manylinux_2_' ||
+      die "auditwheel does not find $file to be what its name says"
+    found=$(python3 -m zipfile -l "$file")
+    [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
+    for license in LICENSE {Apache-2.0,libhwy-dev,libtbb-dev,nanobind,nlohmann-json3-dev,robin_map}.txt; do
+      [[ $found == *"licenses/$license "* ]] || die "$file has not licenses/$license"
+    done
+  done
+}
+
+# The package's own tests, where the wheel alone is installed, in a folder that has nothing of the sources but the tests.
+run_tests_of() {
+  local place=$root/build/wheel_test/bin/python
+  rm -rf -- "$root/build/wheel_test"
+  "$(interpreter "$1")/python3" -m venv "$root/build/wheel_test"
+  "$place" -m pip install -q --find-links "$folder" limber3d \
+    -r "$root/python/requirements_test.txt" -r "$root/python/requirements_peers.txt" </dev/null
+  mkdir -p -- "$folder/tests"
+  cp -- "$root"/python/tests/*.py "$folder/tests"
+  (cd -- "$folder" && PYTHONDONTWRITEBYTECODE=1 "$place" -m pytest -q -p no:cacheprovider tests) </dev/null
+}
+
+# try SUITE VERSION: installs and asks on a bare system whose own CPython that is, or that has a copy of pyenv's.
+try() {
+  local name=wheel-$2 place python=python3
+  bare_root "$1" "$name" python3-venv
+  if [[ $(in_root "$name" 'python3 -c "import sys; print(\"%d.%d\" % sys.version_info[:2])"') != "$2" ]]; then
+    place=$(dirname -- "$(interpreter "$2")")
+    in_root "$name" 'apt-get -qq install -y libssl3 libffi8 libsqlite3-0 libreadline8 libbz2-1.0 liblzma5 zlib1g >/dev/null'
+    mkdir -p -- "$root/build/roots/$name${place%/*}"
+    cp -a -- "$place" "$root/build/roots/$name$place"
+    python=$place/bin/python3
+    ln -s -- "$python" "$root/build/roots/$name/usr/local/bin/python3"
+  fi
+  cp -- "$folder"/*.whl "$root/build/roots/$name/packages/"
+  block README.md python '^## Python' >"$root/build/roots/$name/root/first.py"
+  expect_answer "$name" "$(block docs/guide/install.md sh '^### Wheel')" 2.0
+  say "the wheel answers on Debian $1 with CPython $2"
+}
+
+# The archive of sources, with Debian's libraries.
+try_sources() {
+  bare_root bookworm sdist python3-venv python3-dev g++ cmake ninja-build libhwy-dev libtbb-dev libboost-dev nlohmann-json3-dev
+  cp -- "$folder"/*.tar.gz "$root/build/roots/sdist/packages/"
+  block README.md python '^## Python' >"$root/build/roots/sdist/root/first.py"
+  expect_answer sdist "$(block docs/guide/install.md sh '^### Sources for pip')" 2.0
+  say "the archive of sources builds and answers on Debian bookworm"
+}
+
+prepare
+rm -rf -- "$folder"
+mkdir -p -- "$folder"
+for python in 3.12 3.11 3.10; do wheel "$python"; done
+(cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||
+  die "$(tail -n 40 -- "$folder/log-sdist")"
+check
+if [[ ${1:-} != --build ]]; then
+  run_tests_of 3.12
+  try bookworm 3.11
+  try trixie 3.13
+  try sid 3.14
+  try bookworm 3.10
+  try bookworm 3.12
+  try_sources
+fi
+say "wheels are in ${folder#"$root/"}: $(cd -- "$folder" && echo *.whl *.tar.gz)"

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The limber authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+#: release [KEY]    build and try every package, and put them with their SHA-256 sums in build/release; signs the sums with
+#:                  that key of gpg; runs the README's commands from the archive of sources on a bare Debian; long
+
+# It publishes nothing.
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+source "$root/tools/dev/roots.sh"
+
+folder=$root/build/release
+name=limber-$version
+
+# What speaks of a version speaks of this one.
+check_versions() {
+  local file
+  for file in CITATION.cff web/limber3d/package.json packaging/debian/changelog CHANGELOG.md; do
+    grep -qF "${version%.0}" "$root/$file" || die "$file does not speak of version $version"
+  done
+  [[ -z $(git -C "$root" status --porcelain) ]] || die "a release is of what is committed"
+}
+
+# The README's way to install, its Python package and its first programs, from the archive.
+try_readme() {
+  bare_root bookworm release g++ cmake ninja-build python3-venv python3-dev libhwy-dev libtbb-dev libboost-dev \
+    nlohmann-json3-dev libcli11-dev libfmt-dev
+  local place=$root/build/roots/release/root
+  tar -xf "$folder/$name.tar.gz" -C "$place"
+  block README.md '' '^## Install' >"$place/install.sh"
+  block README.md python '^## Python' >"$place/first.py"
+  block README.md cpp '^## C' >"$place/$name/main.cpp"
+  expect_answer release "cd $name && . ../install.sh && ~/limber/bin/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0" distance
+  expect_answer release "python3 -m venv env && . env/bin/activate && cd $name && pip install . && python ../first.py" 2.0
+  block docs/guide/install.md cmake 'A project of yours' >"$place/CMakeLists.txt"
+  mv -- "$place/$name/main.cpp" "$place/main.cpp"
+  cp -- "$root/tests/data/spot.obj" "$place/cloth.obj"
+  cp -- "$root/tests/data/spot.obj" "$place/body.obj"
+  expect_answer release "cmake -S . -B app -DCMAKE_PREFIX_PATH=/root/limber && cmake --build app && app/app" 'frame 3'
+}
+
+check_versions
+rm -rf -- "$folder"
+mkdir -p -- "$folder"
+copy_sources "$folder/$name"
+pack "$folder/$name.tar.gz" "$folder/$name"
+rm -rf -- "${folder:?}/$name"
+try_readme
+for package in wheels deb npm recipes; do "$root/dev" package "$package"; done
+cp -- "$artefacts"/wheels/{*.whl,*.tar.gz} "$artefacts"/npm/*.tgz "$artefacts"/deb/*.deb "$folder"
+(cd -- "$folder" && sha256sum -- *.* >SHA256SUMS)
+if (($#)); then gpg --batch --yes --local-user "$1" --armor --detach-sign -- "$folder/SHA256SUMS"; fi
+say "what to publish is in build/release:"
+cat -- "$folder/SHA256SUMS"
