@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-/// What a loop asks of the operating system. Systems other than Linux have one core here, number 0, which stands for all
-/// of them, and grant nothing.
+/// What a loop asks of the operating system. Systems other than Linux have one core here, number 0, which stands for
+/// all of them, and grant nothing.
 namespace limber::program {
 
 /// The cores that the calling thread runs on, in ascending order. Cores that the kernel keeps free are not among them.
