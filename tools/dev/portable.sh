@@ -46,6 +46,7 @@ get_sources() {
     mkdir -p -- "$folder/sources/$name"
     tar -xf "$archive" --strip-components=1 -C "$folder/sources/$name"
   done <<<"$archives"
+  sed -i '1i #include <stdlib.h>' "$folder/sources/FMT/src/os.cc"  # which this version forgets
   touch -- "$folder/sources/complete"
 }
 
