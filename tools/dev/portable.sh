@@ -27,24 +27,34 @@ HWY h/highway/highway_1.2.0.orig.tar.gz 7e0be78b8318e8bdbf6fa545d2ecb4c90f947df0
 TBB o/onetbb/onetbb_2022.1.0.orig.tar.xz c220a5e4fe452f3a24f562212377dc796d90e8d4e9bfb3392524f18c8f48cd7f
 NLOHMANN_JSON n/nlohmann-json3/nlohmann-json3_3.11.3.orig.tar.gz 0d8ef5af7f9794e3263480193c491549b2ba6cc74bb018906202ada498a79406
 FMT f/fmtlib/fmtlib_11.1.1%2bds1.orig.tar.xz 7d8550c9c5fdc4d03d50b55e0697176a19d3f34a3070580fb54e282da1aca555
+BOOST b/boost1.90/boost1.90_1.90.0.orig.tar.xz 72e81363dece294942cf4f0ccb86158b390b723d7b332a59a0f869709f306da6
 CLI11 c/cli11/cli11_2.4.1%2bds.orig.tar.xz 0b8fbf2398875f15f30a675c7f412123a2aaa38df2863e991de72004fd5f1292
 '
 
-# Unpacks them in folders of these names. Boost is headers alone, which this system has.
+# unpack ARCHIVE NAME DEPTH [FOLDER]: as sources/NAME, less the first folders.
+unpack() {
+  mkdir -p -- "$folder/sources/$2"
+  tar -xf "$1" "--strip-components=$3" -C "$folder/sources/$2" "${@:4}"
+}
+
+# Unpacks them in folders of these names; of Boost, two of its libraries.
 get_sources() {
   local name place hash archive
   if [[ -n ${LIMBER_SOURCES:-} || -e $folder/sources/complete ]]; then return 0; fi
   say "getting the sources of libraries from Debian's archive"
-  mkdir -p -- "$folder/sources"/{BOOST,BOOSTCONFIG}/include
-  for name in BOOST BOOSTCONFIG; do ln -sfn /usr/include/boost "$folder/sources/$name/include/boost"; done
+  mkdir -p -- "$folder"
   while read -r name place hash; do
     if [[ -z $name ]]; then continue; fi
     archive=$folder/${place##*/}
     curl -fsSL --retry 3 -o "$archive" "http://deb.debian.org/debian/pool/main/$place" ||
       die "cannot get ${place##*/}; LIMBER_SOURCES can name a folder with folders of sources: HWY, TBB, ..."
     printf '%s  %s\n' "$hash" "$archive" | sha256sum --check --quiet || die "${place##*/} is not what it was"
-    mkdir -p -- "$folder/sources/$name"
-    tar -xf "$archive" --strip-components=1 -C "$folder/sources/$name"
+    if [[ $name == BOOST ]]; then
+      unpack "$archive" BOOST 3 boost_1.90/libs/multiprecision
+      unpack "$archive" BOOSTCONFIG 3 boost_1.90/libs/config
+    else
+      unpack "$archive" "$name" 1
+    fi
   done <<<"$archives"
   sed -i '1i #include <stdlib.h>' "$folder/sources/FMT/src/os.cc"  # which this version forgets
   touch -- "$folder/sources/complete"
