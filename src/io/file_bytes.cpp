@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -112,13 +114,28 @@ Result<std::string> read_regular_file(const fs::path& path, std::uint64_t max_by
 
 #endif
 
+namespace {
+
+/// The path that a name in UTF-8 means. No file has another name: Windows refuses it.
+std::optional<fs::path> path_of(const std::string& name) {
+  try {
+    return fs::path(std::u8string(name.begin(), name.end()));
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 BufferSource buffers_beside(const fs::path& mesh_file) {
   return [folder = mesh_file.parent_path()](const std::string& name, std::uint64_t max_bytes) -> Result<std::string> {
-    LIMBER_ASSERT(fs::path(name).is_relative());
+    const std::optional<fs::path> path = path_of(name);
+    if (!path) return unreadable("no such file");
+    LIMBER_ASSERT(path->is_relative());
     std::error_code failed;
     const fs::path real_folder = fs::canonical(folder.empty() ? fs::path(".") : folder, failed);
     if (failed) return unreadable(failed.message());
-    const fs::path real_file = fs::canonical(real_folder / name, failed);
+    const fs::path real_file = fs::canonical(real_folder / *path, failed);
     if (failed) return unreadable(failed);
     const auto [folder_end, file_part] =
         std::mismatch(real_folder.begin(), real_folder.end(), real_file.begin(), real_file.end());
