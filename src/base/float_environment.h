@@ -59,7 +59,24 @@ class DefaultFloatEnvironment {
   }
 
  private:
-#if defined(__x86_64__) || defined(__i386__)
+#if defined(__MINGW32__) && (defined(__x86_64__) || defined(__i386__))
+  // MXCSR as below and, in the upper half, the control word of the x87 unit, which the mathematical functions of MinGW
+  // compute with: all exceptions masked, 64 bits of precision, rounding to nearest.
+  using Control = std::uint32_t;
+  static constexpr Control default_control = 0x037f'1f80, sticky_flags = 0x3f;
+  static Control read() {
+    std::uint16_t x87 = 0;
+    asm volatile("fnstcw %0" : "=m"(x87));
+    return _mm_getcsr() | Control{x87} << 16U;
+  }
+  static void write(Control control) {
+    const auto x87 = static_cast<std::uint16_t>(control >> 16U);
+    asm volatile("fldcw %0" ::"m"(x87) : "memory");  // no load or store moves across
+    _mm_setcsr(control & 0xffffU);
+    asm volatile("" ::: "memory");
+  }
+  static bool is_default(Control control) { return (control & ~sticky_flags) == default_control; }
+#elif defined(__x86_64__) || defined(__i386__)
   using Control = std::uint32_t;
   // MXCSR: all exceptions masked, rounding to nearest, neither flush-to-zero nor denormals-are-zero. The six sticky
   // flags, which note past exceptions, do not matter.

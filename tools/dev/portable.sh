@@ -128,7 +128,7 @@ slow+=':Front.*:PathImpact.*:ParallelPairs.*:SolidRelation.*:ExactPoint.*:Contac
 run() {
   local target=$1 filter=''
   emulator=("$2")
-  export WINEDEBUG=-all WINEPREFIX=$folder/wine LIMBER_UPDATE_SEQUENCES=100
+  export WINEDEBUG=-all WINEPREFIX=$folder/wine LC_ALL=C.UTF-8 LIMBER_UPDATE_SEQUENCES=100
   if [[ $2 == qemu-* ]]; then filter=":-$slow"; fi
   "$2" "$folder/$target/apps/limber/limber" version </dev/null
   run_programs "portable/$target" "unit$filter" io || die "$target: tests failed"
