@@ -2,22 +2,17 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: portable [TARGET...]  build for other systems from this one, and run there what can be run: musl windows arm64
-#:                  bigendian macos; all of them without an argument. LIMBER_SOURCES: a folder of libraries' sources
+#: portable windows  cross-compile the program and tests for Windows by MinGW, and run them by Wine. LIMBER_SOURCES names a
+#:                  folder of libraries' sources, HWY, TBB, BOOST, BOOSTCONFIG, ...; else they are got from Debian
 
 # A target is compiled with all libraries inside: the program, and the tests of units and mesh files that need no library
 # but GoogleTest. What can run here does: the tests, and the program, whose answers about mesh files must be to the byte
 # those of the program of this machine.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
-# One line each: target, Debian packages, system, processor, compiler (zig:TRIPLE, or the start of the names of GCC's
-# programs and their end), how a program is run (no: it cannot be).
+# One line each: target, Debian packages, system, processor, start and end of the names of GCC's programs, emulator.
 targets='
-musl      -          Linux   x86_64  zig:x86_64-linux-musl      env
-windows   mingw      Windows x86_64  x86_64-w64-mingw32:-posix  /usr/lib/wine/wine64
-arm64     arm        Linux   aarch64 aarch64-linux-gnu:         qemu-aarch64
-bigendian big_endian Linux   s390x   s390x-linux-gnu:           qemu-s390x
-macos     -          Darwin  arm64   zig:aarch64-macos          no
+windows mingw Windows x86_64 x86_64-w64-mingw32:-posix /usr/lib/wine/wine64
 '
 folder=$root/build/portable
 
@@ -60,44 +55,28 @@ get_sources() {
   touch -- "$folder/sources/complete"
 }
 
-# The programs of Zig's compiler for one triple: files that name it, for CMake.
-zig_programs() {
-  local triple=$1 zig part bin=$folder/bin
-  python_environment zig requirements_zig.txt
-  zig=$(echo "$root"/build/zig/lib/python*/site-packages/ziglang/zig)
-  mkdir -p -- "$bin"
-  for part in cc c++; do printf '#!/bin/sh\nexec %q %s -target %s "$@"\n' "$zig" "$part" "$triple" >"$bin/$triple-$part"; done
-  for part in ar ranlib; do printf '#!/bin/sh\nexec %q %s "$@"\n' "$zig" "$part" >"$bin/$triple-$part"; done
-  chmod +x -- "$bin/$triple"-*
-  options+=("-DCMAKE_C_COMPILER=$bin/$triple-cc" "-DCMAKE_CXX_COMPILER=$bin/$triple-c++"
-    "-DCMAKE_AR=$bin/$triple-ar" "-DCMAKE_RANLIB=$bin/$triple-ranlib" -DCMAKE_CXX_FLAGS=-fno-sanitize=undefined)
-  export CCACHE_COMPILERTYPE=clang
-}
-
-# compile TARGET SYSTEM PROCESSOR COMPILER RUN
+# compile TARGET SYSTEM PROCESSOR COMPILER
 compile() {
-  local target=$1 system=$2 processor=$3 compiler=$4 source name
-  local sources=${LIMBER_SOURCES:-$folder/sources} options=()
-  if [[ $compiler == zig:* ]]; then
-    zig_programs "${compiler#zig:}"
-  else
-    options=("-DCMAKE_C_COMPILER=${compiler%:*}-gcc${compiler#*:}" "-DCMAKE_CXX_COMPILER=${compiler%:*}-g++${compiler#*:}")
-  fi
-  for source in "$sources"/[A-Z]*/; do
+  local target=$1 system=$2 processor=$3 compiler=$4 source name program options=()
+  for source in "${LIMBER_SOURCES:-$folder/sources}"/[A-Z]*/; do
     name=$(basename -- "$source")
     options+=("-DFETCHCONTENT_SOURCE_DIR_$name=$(readlink -f -- "$source")")
   done
-  # Everything inside one file, except where the system's own libraries cannot be.
-  if [[ $target != macos ]]; then options+=(-DCMAKE_EXE_LINKER_FLAGS=-static); fi
   say "configuring build/portable/$target"
-  cmake -S "$root" -B "$folder/$target" -G Ninja --log-level=WARNING "${options[@]}" -DCMAKE_SYSTEM_NAME="$system" \
-    -DCMAKE_SYSTEM_PROCESSOR="$processor" -DCMAKE_FIND_ROOT_PATH="$folder/none" -DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=ONLY \
-    -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_EXECUTABLE_SUFFIX= \
-    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DLIMBER_CHECKS=ON \
-    -DLIMBER_INSTALL=OFF -DLIMBER_FEWER_KERNELS=ON -DLIMBER_BUILD_TESTS=ON -DLIMBER_GTEST_SOURCES=/usr/src/googletest \
+  cmake -S "$root" -B "$folder/$target" -G Ninja --log-level=WARNING "${options[@]}" \
+    "-DCMAKE_C_COMPILER=${compiler%:*}-gcc${compiler#*:}" "-DCMAKE_CXX_COMPILER=${compiler%:*}-g++${compiler#*:}" \
+    -DCMAKE_SYSTEM_NAME="$system" -DCMAKE_SYSTEM_PROCESSOR="$processor" -DCMAKE_EXE_LINKER_FLAGS=-static \
+    -DCMAKE_FIND_ROOT_PATH="$folder/none" -DCMAKE_FIND_ROOT_PATH_MODE_PACKAGE=ONLY \
+    -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY \
+    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG" -DCMAKE_UNITY_BUILD=ON \
+    -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DLIMBER_CHECKS=ON -DLIMBER_FEWER_KERNELS=ON -DLIMBER_INSTALL=OFF \
+    -DLIMBER_BUILD_TESTS=ON -DLIMBER_GTEST_SOURCES=/usr/src/googletest \
     -DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST \
     "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true)" </dev/null
   build "portable/$target" --target limber_program limber_unit_tests limber_io_tests
+  for program in apps/limber/limber tests/limber_{unit,io}_tests; do  # without .exe, which Windows adds
+    if [[ -e $folder/$target/$program.exe ]]; then ln -sf -- "${program##*/}.exe" "$folder/$target/$program"; fi
+  done
 }
 
 # Questions whose answers do not depend on the functions of a C library that round in their own ways.
@@ -119,37 +98,25 @@ answers_of() {
   done <<<"$questions" | sed -E 's/"[a-z_]+_us": [-+0-9.e]+/"us": 0/g'
 }
 
-# What an emulator makes too slow, or what is about time.
-slow='*TakesTime*:RealTime.*:*SharesModelsBetweenThreads*:FloatEnvironment.*:Queries.FindTheClosestOfManyNearly*'
-slow+=':Model.KeepsUp*:ContactReduction.KeepsWhat*:ShapeTruths.*:Bodies/BodyKinds.*:CountingCollector.*:LikelyPair.*'
-slow+=':Front.*:PathImpact.*:ParallelPairs.*:SolidRelation.*:ExactPoint.*:ContactSides.*:*DriftVertexByVertex*'
-
 # run TARGET EMULATOR: the tests, and the answers.
 run() {
-  local target=$1 filter=''
+  local target=$1
   emulator=("$2")
   export WINEDEBUG=-all WINEPREFIX=$folder/wine LC_ALL=C.UTF-8 LIMBER_UPDATE_SEQUENCES=100
-  if [[ $2 == qemu-* ]]; then filter=":-$slow"; fi
   "$2" "$folder/$target/apps/limber/limber" version </dev/null
-  run_programs "portable/$target" "unit$filter" io || die "$target: tests failed"
+  run_programs "portable/$target" unit io || die "$target: tests failed"
   answers_of "$2" "$folder/$target/apps/limber/limber" >"$folder/$target/answers"
   cmp -- "$folder/answers" "$folder/$target/answers" || die "$target: the program's answers are others than here"
   say "$target: tests passed; the program's answers, $(wc -c <"$folder/answers") bytes, are those of this machine"
 }
 
-wanted=("$@")
-need build io program portable
+line=$(awk -v target="${1:-}" '$1 == target' <<<"$targets")
+[[ -n $line ]] || die "portable takes one of: $(awk '{print $1}' <<<"$targets" | xargs)"
+read -r target packages system processor compiler emulator_name <<<"$line"
+need build io program portable "$packages"
 get_sources
 configure release -DLIMBER_BUILD_TESTS=OFF
 build release --target limber_program
 answers_of "$root/build/release/apps/limber/limber" >"$folder/answers"
-done=()
-while read -r target packages system processor compiler run; do
-  if [[ -z $target || (${#wanted[@]} -gt 0 && " ${wanted[*]} " != *" $target "*) ]]; then continue; fi
-  if [[ $packages != - ]]; then need "$packages"; fi
-  (compile "$target" "$system" "$processor" "$compiler")
-  if [[ $run == no ]]; then say "$target: compiled and linked; nothing of it can run here"; else (run "$target" "$run"); fi
-  done+=("$target")
-done <<<"$targets"
-((${#done[@]} >= ${#wanted[@]} && ${#done[@]} > 0)) || die "there are the targets $(awk '{printf "%s ", $1}' <<<"$targets")"
-say "done: ${done[*]}"
+compile "$target" "$system" "$processor" "$compiler"
+run "$target" "$emulator_name"
