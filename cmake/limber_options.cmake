@@ -5,7 +5,7 @@
 add_library(limber_options INTERFACE)
 target_compile_features(limber_options INTERFACE cxx_std_20)
 if(MSVC AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  message(FATAL_ERROR "limber: cl cannot compile it. Take clang-cl, which comes with Visual Studio (cmake -T ClangCL), or MinGW.")
+  message(FATAL_ERROR "limber: cl cannot compile it; take clang-cl (cmake -T ClangCL) or MinGW.")
 endif()
 # Exactness claims need the operations as written: no contraction into fused multiply-adds. docs/guide/install.md says
 # how each compiler is told. Nobody reads errno after a square root; setting it would cost a branch each.

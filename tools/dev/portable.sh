@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: portable windows  cross-compile the program and tests for Windows by MinGW, and run them by Wine. LIMBER_SOURCES names a
-#:                  folder of libraries' sources, HWY, TBB, BOOST, BOOSTCONFIG, ...; else they are got from Debian
+#: portable windows  cross-compile the program and tests for Windows by MinGW, and run them by Wine. LIMBER_SOURCES can
+#:                  name a folder of libraries' sources (HWY, TBB, BOOST, BOOSTCONFIG, ...); else Debian has them
 
 # A target is compiled with all libraries inside: the program, and the tests of units and mesh files that need no library
 # but GoogleTest. What can run here does: the tests, and the program, whose answers about mesh files must be to the byte
