@@ -22,12 +22,12 @@ struct ContactsArguments {
   ContactArguments contacts;
 };
 
-/// Asks the one question of the arguments. `near` and `meeting` take a margin and a visitor, or a visitor alone.
+/// Asks the one question of the arguments. `within_margin` takes a margin and a visitor, `meeting` a visitor alone.
 FoundContacts find(const ContactArguments& arguments, std::size_t room, std::uint64_t pair_count, const auto& closest,
-                   const auto& near, const auto& meeting) {
+                   const auto& within_margin, const auto& meeting) {
   const ContactDetail detail = arguments.margin || arguments.closest ? ContactDetail::all : ContactDetail::ids;
   return collect_contacts(room, detail, [&](ContactCollector& visit) {
-    if (arguments.margin) return near(*arguments.margin, visit);
+    if (arguments.margin) return within_margin(*arguments.margin, visit);
     if (!arguments.closest) return meeting(visit);
     std::vector<Contact> pairs(std::min(*arguments.closest, pair_count));
     const PairCount found = closest(std::span(pairs));

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -13,6 +12,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -191,7 +191,7 @@ ExitCode run(const TrackArguments& arguments) {
     bar.draw(r);
     const TrackRow row = track_frame(a, b, asked, r, r % frame_count, arguments);
     if (replay) replay->add(row, {a.state(), b.state()});
-    if (isatty(STDOUT_FILENO) != 0) bar.clear();
+    if (is_terminal(stdout)) bar.clear();
     write((arguments.json ? to_line : csv_line)(to_json(row)));
     flush();
   }
