@@ -24,16 +24,14 @@ class Models {
 
   const RigidModel* load(const std::string& name) {
     std::unique_ptr<RigidModel>& model = models_[key_of(name)];
-    if (!model) model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
+    if (model) return model.get();
+    model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
+    files_.push_back(name);
     return model.get();
   }
 
-  /// The files that have been loaded.
-  Names files() const {
-    Names files;
-    for (const auto& [name, model] : models_) files.push_back(name);
-    return files;
-  }
+  /// What has been loaded, each under the name that came first.
+  const Names& files() const { return files_; }
 
  private:
   static std::string key_of(const std::string& name) {
@@ -45,6 +43,7 @@ class Models {
 
   Engine engine_;
   std::map<std::string, std::unique_ptr<RigidModel>> models_;
+  Names files_;
 };
 
 /// What is asked about.

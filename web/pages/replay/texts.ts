@@ -38,10 +38,11 @@ export function frameText(data: ReplayData, row: number): { kind: string; text: 
 function clearanceTiles({ rows, min_clearance }: ReplayData): HTMLElement[] {
   if (min_clearance === null) return [];
   const broken = rows.too_close.filter((is) => is).length;
-  const required = `a clearance of ${shownLength(min_clearance)}`;
-  if (broken === 0) return [tile('\u2713 Kept', `${required}, in all ${frames(rows.status.length)}`, 'good')];
+  const required = shownLength(min_clearance);
+  if (broken === 0)
+    return [tile('\u2713 Kept', `a clearance of ${required}, in all ${frames(rows.status.length)}`, 'good')];
   const count = `\u2717 ${grouped(broken)} of ${grouped(rows.status.length)}`;
-  return [tile(count, `frames: too close, as ${required} is required`, 'bad')];
+  return [tile(count, `${broken === 1 ? 'frame is' : 'frames are'} closer than the required ${required}`, 'bad')];
 }
 
 const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;

@@ -86,4 +86,4 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
 }
 
 const shownSize = ({ low, high }: ModelData, digits: number): string =>
-  high.map((c, axis) => shown(c - low[axis], digits)).join(' \u00d7 ');
+  withUnit(high.map((c, axis) => shown(c - low[axis], digits)).join(' \u00d7 '));

@@ -95,7 +95,8 @@ void main() {
       shown = mix(lineColor, shown, smoothstep(1.0, 2.0, off));
     }
   }
-  result = vec4(shown, opacity);
+  // What is seen through is clearer where it is seen from the front, as a bubble is.
+  result = vec4(shown, opacity < 1.0 ? opacity * mix(2.6, 0.4, sqrt(abs(normal.z))) : 1.0);
 }`;
 
 function geometryOf(mesh: Mesh, mapped: Float32Array): BufferGeometry {
@@ -141,6 +142,7 @@ export class Surface {
   private readonly color = { value: new Color() };
   private readonly relief = { value: new Vector4() };
   private readonly look: SurfaceLook;
+  private readonly ownMaterial: ShaderMaterial;
   private marked: Object3D | undefined;
 
   /** `mapped`: a number for each vertex. */
@@ -148,7 +150,8 @@ export class Surface {
     this.mesh = mesh;
     this.look = look;
     this.geometry = geometry ?? geometryOf(mesh, mapped ?? new Float32Array(mesh.points.length / 3));
-    this.object = new ThreeMesh(this.geometry, this.material({ ...this.uniforms(), ...this.own() }));
+    this.ownMaterial = this.material({ ...this.uniforms(), color: this.color, relief: this.relief });
+    this.object = new ThreeMesh(this.geometry, this.ownMaterial);
   }
 
   /** The same mesh once more, with a colour and a place of its own. It must not deform. */
@@ -156,12 +159,11 @@ export class Surface {
     return new Surface(this.mesh, this.look, undefined, this.geometry);
   }
 
-  /** Lets what is behind show through. */
+  /** Lets what is behind show through, where it is below 1. */
   setOpacity(opacity: number): void {
-    const material = this.material({ ...this.uniforms(), ...this.own(), opacity: { value: opacity } });
-    material.transparent = true;
-    material.depthWrite = false;
-    (this.object as ThreeMesh).material = material;
+    this.ownMaterial.uniforms.opacity.value = opacity;
+    this.ownMaterial.transparent = opacity < 1;
+    this.ownMaterial.depthWrite = opacity === 1;
   }
 
   setColor(rgb: readonly [number, number, number]): void {
@@ -224,10 +226,6 @@ export class Surface {
     inFront.polygonOffsetUnits = -1;
     this.marked = new ThreeMesh(geometry, inFront);
     this.object.add(this.marked);
-  }
-
-  private own(): Record<string, { value: unknown }> {
-    return { color: this.color, relief: this.relief };
   }
 
   private uniforms(): Record<string, { value: unknown }> {

@@ -64,7 +64,7 @@ export class Matrix {
     byId('matrix-key').replaceChildren(
       ...(Object.keys(symbols) as Clash[])
         .filter((clash) => rows.clash.includes(clash))
-        .map((clash) => element('span', 'key', element('i', `cell ${clash}`, symbols[clash]), clashWords[clash])),
+        .map((clash) => element('span', 'key', element('span', `cell ${clash}`, symbols[clash]), clashWords[clash])),
     );
     table.addEventListener('click', ({ target }) => {
       const chosen = (target as HTMLElement).closest('button')?.dataset.row;

@@ -9,7 +9,7 @@
 import { Chart } from '../replay/chart.ts';
 import type { ChartOptions, Dots } from '../replay/chart.ts';
 import { limitAt } from '../replay/charts.ts';
-import { byId } from '../shared/dom.ts';
+import { byId, element } from '../shared/dom.ts';
 import { inUnit } from '../shared/numbers.ts';
 import { clashWords } from '../viewer/clashes.ts';
 import { RowList } from '../viewer/row_list.ts';
@@ -54,13 +54,15 @@ export function showStudy(data: StudyData): void {
 
 function listOf(study: StudyData['study'], order: readonly number[], select: (row: number) => void): RowList {
   const { rows } = study;
-  const names = isOfOnePair(study) ? [] : ['A', 'B'];
+  const names = isOfOnePair(study) ? [] : [study.kind === 'pairs' ? 'Models' : 'Parts'];
+  const namesOf = (row: number): Node[] =>
+    [rows.a, rows.b].map((side) => element('div', '', partName(study, side[row])));
   const listed = order.map((row) => ({
     row,
     kind: clashWords[rows.clash[row]],
     cells: [
       String(row),
-      ...(names.length === 0 ? [] : [partName(study, rows.a[row]), partName(study, rows.b[row])]),
+      ...names.map(() => element('span', 'wrapping', ...namesOf(row))),
       clashText(study, row),
       shownDistance(study, row),
     ],

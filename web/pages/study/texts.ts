@@ -7,7 +7,7 @@ import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownLength, shownPoint, shownTime, unitNote, withUnit } from '../shared/numbers.ts';
 import { clashWords, placeOf, statusWords } from '../viewer/clashes.ts';
 import type { Clash } from '../viewer/clashes.ts';
-import { letter, shownBounds, tile } from '../viewer/texts.ts';
+import { shownBounds, tile } from '../viewer/texts.ts';
 import type { ModelData, StudyData } from './model.ts';
 
 type Study = StudyData['study'];
@@ -47,7 +47,7 @@ const isBad = (study: Study, row: number): boolean =>
 
 export function clashText(study: Study, row: number): HTMLElement {
   const kind = isBad(study, row) ? 'bad' : study.min_clearance === null ? '' : 'good';
-  return element('span', kind, clashWords[study.rows.clash[row]]);
+  return element('span', `wrapping ${kind}`, clashWords[study.rows.clash[row]]);
 }
 
 export function showKind({ study }: StudyData): void {
@@ -69,10 +69,11 @@ export function showTiles(study: Study, worst: number): void {
       tiles.push(tile(`\u2717 ${grouped(broken)} of ${grouped(total)}`, text, 'bad'));
     }
   }
+  const deep = rows.depth[worst] === null ? '' : `, ${shownDistance(study, worst)}`;
   const word = ['hard_clash', 'surfaces_meet', 'touching'].includes(rows.clash[worst])
     ? clashWords[rows.clash[worst]]
     : capital(shownDistance(study, worst));
-  const where = `the worst: ${rowName(study).toLowerCase()} ${grouped(worst)}${pairText(study, worst)}`;
+  const where = `the worst: ${rowName(study).toLowerCase()} ${grouped(worst)}${pairText(study, worst)}${deep}`;
   tiles.push(tile(word, where, isBad(study, worst) ? 'bad' : ''));
   const kinds = (Object.keys(clashWords) as Clash[])
     .map((clash) => [clash, rows.clash.filter((word) => word === clash).length] as const)
@@ -105,8 +106,8 @@ export function showPair(study: Study, row: number): void {
   const [a, b] = [rows.a[row], rows.b[row]];
   const place = placeOf(at);
   const lines: (readonly (string | Node)[])[] = [
-    ['A', named('A', partName(study, a), parts.file[a])],
-    ['B', named('B', partName(study, b), parts.file[b])],
+    ['A', named(partName(study, a), parts.file[a])],
+    ['B', named(partName(study, b), parts.file[b])],
     ['Clash', place === '' ? clashWords[at.clash] : `${clashWords[at.clash]}: ${place}`],
     ['Status', statusWords[rows.status[row]]],
     ['Distance, lower bound', rows.lower[row] === null ? 'none' : String(rows.lower[row])],
@@ -129,10 +130,8 @@ export function showPair(study: Study, row: number): void {
   byId('answer-title').textContent = `${rowName(study)} ${grouped(row)}: ${clashWords[at.clash].toLowerCase()}`;
 }
 
-function named(side: 'A' | 'B', name: string, file: string): HTMLElement {
-  const shownFile = name.endsWith(file) ? '' : `, ${file}`;
-  return element('span', '', letter(side), `${name}${shownFile}`);
-}
+/** A name, and the file where that is another text. */
+const named = (name: string, file: string): string => (name.endsWith(file) ? name : `${name}: ${file}`);
 
 /** All models, and how precise their pictures are. */
 export function showModels({ models, study }: StudyData): void {
@@ -158,6 +157,6 @@ export function showModels({ models, study }: StudyData): void {
     ...(study.absolute_error > 0 ? [`Allowed absolute error: ${study.absolute_error}.`] : []),
     ...(study.max_distance === null ? [] : [`Largest distance asked for: ${study.max_distance}.`]),
   ];
-  const precision = `Its pictures hold coordinates within ${shown(off, 2)}; numbers in tables are the program\u2019s own.`;
+  const precision = `Its pictures hold coordinates within ${shownLength(off, 2)}; numbers in tables are the program\u2019s own.`;
   byId('settings').textContent = [precision, ...allowed].join(' ');
 }

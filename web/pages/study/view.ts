@@ -7,16 +7,18 @@ import { Color, Vector3 } from 'three';
 import type { Box3, Matrix4 } from 'three';
 import { increasingIdsOf, posesOf } from '../shared/decode.ts';
 import { byId, tokenRgb } from '../shared/dom.ts';
-import { grouped } from '../shared/numbers.ts';
+import { grouped, withUnit } from '../shared/numbers.ts';
 import { Surface } from '../shared/surface.ts';
 import { frameOf, framed, framedBox } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 import { ModelsView } from '../viewer/models_view.ts';
+import { shownBounds } from '../viewer/texts.ts';
 import { StudyModel } from './model.ts';
 import type { StudyData } from './model.ts';
-import { rowName, shownDistance } from './texts.ts';
+import { rowName } from './texts.ts';
 
-const otherOpacity = 0.13;
+const otherOpacity = 0.1; // of parts that are not asked about
+const clearOpacity = 0.3; // of what is seen through to see another
 const smallestRadius = 2e-4; // of what the closest points are looked at with
 
 export class StudyView {
@@ -31,6 +33,7 @@ export class StudyView {
   private readonly markColor = { value: new Color() };
   private readonly look: (direction?: Vector3) => void;
   private pair: readonly number[] = []; // parts that are shown
+  private row = 0;
   private closest = { center: new Vector3(), radius: 0.5 };
 
   /** Shows the row `first`. */
@@ -57,6 +60,7 @@ export class StudyView {
     });
     byId('others-label').hidden = study.kind !== 'parts';
     this.view.connectBox('show-others', study.kind === 'parts', () => this.showOthers());
+    this.view.connectBox('see-through', false, () => this.showThrough());
   }
 
   /** Shows another row, from the same side. */
@@ -113,13 +117,25 @@ export class StudyView {
     });
     this.view.replace(surfaces);
     this.pair = pair;
+    this.row = row;
     this.showOthers();
+    this.showThrough();
     this.showMarks(row, frame);
   }
 
   private showOthers(): void {
     const isOn = byId<HTMLInputElement>('show-others').checked;
     this.others.forEach(({ object }, part) => (object.visible = isOn && !this.pair.includes(part)));
+  }
+
+  /** What encloses the other is seen through anyhow. */
+  private showThrough(): void {
+    const isOn = byId<HTMLInputElement>('see-through').checked;
+    const encloses = ['b_inside_a', 'a_inside_b'].indexOf(this.study.rows.solids[this.row] ?? '');
+    const inside = ['b_in_a', 'a_in_b'].indexOf(this.study.rows.inside[this.row] ?? '');
+    this.view.surfaces.forEach((surface, side) => {
+      surface.setOpacity(isOn || side === encloses || side === inside ? clearOpacity : 1);
+    });
   }
 
   private showMarks(row: number, frame: Frame): void {
@@ -134,7 +150,7 @@ export class StudyView {
     const size = Math.hypot(...this.boxes[0].clone().union(this.boxes[1]).getSize(new Vector3()).toArray());
     const near = Math.max(smallestRadius, Math.min(0.6 * size, 2.5 * a.distanceTo(b)));
     this.closest = { center: a.clone().lerp(b, 0.5), radius: meets ? 0.1 * size : near };
-    const label = meets ? 'shared point' : shownDistance(this.study, row);
+    const label = meets ? 'shared point' : withUnit(shownBounds(rows.lower[row], rows.upper[row]));
     this.view.marks.show({ segment: { a, b: meets ? a : b, label } });
   }
 

@@ -6,7 +6,7 @@
 import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown } from '../shared/numbers.ts';
 
-export const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
+const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
 
 /** What the page is called: a title that it was given, or else what it is about. */
 export function showTitle(given: string, usual: string | readonly [string, string]): void {
