@@ -108,7 +108,7 @@ TEST(ProgramStudy, TellsHowDeepHardClashesAreAndWhichTrianglesMeet) {
     EXPECT_EQ(clashes,
               (std::vector<nlohmann::json>{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
     EXPECT_EQ(rows["depth"][1], 0.5);
-    EXPECT_EQ(rows["depth"][2], 2);  // the corner (2, 2, ...) of the small cube, from the sides of the large one
+    EXPECT_EQ(rows["depth"][2], 1.75);  // of the corner (2, 2, 2.25), from the top of the large cube
     for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
     for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
     const Mesh large = cube(4), small = cube(1);

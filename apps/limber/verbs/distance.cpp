@@ -123,8 +123,9 @@ Example, pairs.csv:
   gear.obj,housing.stl,0,0,12.5
   gear.obj,scene:ball,3,0,0
 
-  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv --report study.html
-  limber distance --parts parts.csv --min-clearance 0.5 --report assembly.html --unit mm
+  limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
+  limber distance --pairs pairs.csv --min-clearance 0.5 --report study.html
+  limber distance --parts parts.csv --report assembly.html --unit mm
 
 Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other
 without touching it, solids where a model is not closed, upper and the witness where status is beyond_limit. JSON has

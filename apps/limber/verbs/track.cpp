@@ -241,8 +241,8 @@ they come between frames otherwise is not looked at; --path-a of limber distance
 
 --report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
 of the distance, of times, and of contacts where they are counted, with impacts between frames. With --min-clearance it
-says first whether it is kept, starts with the worst frame, and lists all frames, the worst first. A vertex of a deforming
-mesh is shown within 2^-16 of the diagonal of its first frame in each coordinate.
+says first whether it is kept, starts with the worst frame, and lists all, the worst first. A vertex of a deforming mesh
+is shown within 2^-16 of the diagonal of its first frame in each coordinate.
 
 --contacts adds columns that start with contact_, and --self those that start with self_a_ and self_b_ for each model
 that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * The view of `limber distance --pairs --report` and `limber distance --parts --report`: a verdict about many pairs, the
- * worst first, and each of them in 3D.
+ * The view of `limber distance --pairs --report` and `limber distance --parts --report`: a verdict about many pairs,
+ * the worst first, and each of them in 3D.
  */
 
 import { Chart } from '../replay/chart.ts';

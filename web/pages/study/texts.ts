@@ -157,6 +157,7 @@ export function showModels({ models, study }: StudyData): void {
     ...(study.absolute_error > 0 ? [`Allowed absolute error: ${study.absolute_error}.`] : []),
     ...(study.max_distance === null ? [] : [`Largest distance asked for: ${study.max_distance}.`]),
   ];
-  const precision = `Its pictures hold coordinates within ${shownLength(off, 2)}; numbers in tables are the program\u2019s own.`;
+  const within = shownLength(off, 2);
+  const precision = `Its pictures hold coordinates within ${within}; numbers in tables are the program\u2019s own.`;
   byId('settings').textContent = [precision, ...allowed].join(' ');
 }
