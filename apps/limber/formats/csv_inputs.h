@@ -10,8 +10,8 @@
 
 #include "limber/math.h"
 
-/// Poses, points, pairs of models and parts as users write them. A pose is seven numbers tx,ty,tz,qw,qx,qy,qz: a translation
-/// in the mesh's length unit and a quaternion, which is normalised.
+/// Poses, points, pairs of models and parts as users write them. A pose is seven numbers tx,ty,tz,qw,qx,qy,qz: a
+/// translation in the mesh's length unit and a quaternion, which is normalised.
 ///
 /// Errors   BadInput of whatever reads a file, naming it and, where there are some, line and column.
 namespace limber::program {
