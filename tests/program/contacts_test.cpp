@@ -224,7 +224,7 @@ std::vector<std::size_t> flooded_regions(const std::vector<nlohmann::json>& pair
 
 TEST(ProgramContacts, RegionsAreConnectedPairs) {
   const Folder folder;
-  const Mesh sheet = scenes::wave_sheet(14, 14, 3), other = scenes::wave_sheet(14, 14, 9);
+  const Mesh sheet = scenes::wave_sheet(22, 22, 3), other = scenes::wave_sheet(22, 22, 9);
   const std::string a = folder.store("a.obj", sheet), b = folder.store("b.obj", other);
   for (const std::string margin : {"0", "0.05"}) {
     const std::string line = "contacts " + a + ' ' + b + " --margin " + margin + " --regions";
