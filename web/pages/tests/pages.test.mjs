@@ -728,7 +728,7 @@ test('frames that have been left out are said to be, and charts have them', asyn
 test('everything that is operated has a name, and shows when it has the focus', async () => {
   for (const name of ['apart', 'replay', 'usual']) {
     const page = await look(name, name === 'usual' ? screens[1] : screens[0]);
-    const ids = await page.$$eval('button, input, select, [tabindex]', (all) =>
+    const ids = await page.$$eval('button, input, select, summary, [tabindex]', (all) =>
       all.filter((e) => e.offsetParent !== null).map((e) => e.id),
     );
     assert.ok(ids.length > 8);
