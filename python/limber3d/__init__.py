@@ -9,7 +9,8 @@
 
 Models    are made of arrays, or of an object that has them, such as a trimesh.Trimesh. Their vertices may move; after
           moves, commit() has to be called before the next query.
-Shapes    limber3d.Shape.sphere(radius), capsule, box and others: wherever two bodies are asked about, and in scenes.
+Shapes    limber3d.Shape.sphere(radius), capsule, box and others: wherever two bodies are asked about, and in scenes; so
+          are Body(model, radius), and ClosedSurface(model).solid().
 Poses     are world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix;
           (quaternion, translation) with w, x, y, z. They must be rigid to 1e-9: for rotations that were computed in
           float32 there is orthonormalized().

@@ -173,15 +173,18 @@ class Users {
 using Reading = Users::Reading;
 using Changing = Users::Changing;
 
-/// A model or a shape, and the calls that use it at the moment.
-struct BodyObject {
+/// What queries of two bodies are about, and the calls that use it at the moment.
+class BodyObject {
+ public:
   BodyObject() = default;
   BodyObject(const BodyObject&) = delete;
   BodyObject& operator=(const BodyObject&) = delete;
   virtual ~BodyObject() = default;
   virtual Body body() const = 0;
+  virtual Users& users() { return users_; }
 
-  Users users;
+ private:
+  Users users_;
 };
 
 /// A model, and its edges once they have been asked for.
@@ -202,12 +205,24 @@ struct ShapeObject : BodyObject {
   Shape shape;
 };
 
+/// A model with a radius. Whoever creates it keeps the model alive.
+class ModelWithRadius : public BodyObject {
+ public:
+  ModelWithRadius(ModelObject& model, double radius) : model_(model), body_(model.model, radius) {}
+  Body body() const override { return body_; }
+  Users& users() override { return model_.users(); }
+
+ private:
+  ModelObject& model_;
+  Body body_;
+};
+
 [[nodiscard]] inline Reading reading(BodyObject& object) {
-  return object.users.read("the model is being changed by another thread, or by a call that has not returned");
+  return object.users().read("the model is being changed by another thread, or by a call that has not returned");
 }
 
 [[nodiscard]] inline Changing changing(ModelObject& object) {
-  return object.users.change("the model is in use by another thread, or by a query that has not returned");
+  return object.users().change("the model is in use by another thread, or by a query that has not returned");
 }
 
 /// The edges of a model, which are built when they are first asked for. Pre: the model is being read.

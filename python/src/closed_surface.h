@@ -42,6 +42,7 @@ class ClosedSurfaceObject {
 
   /// Nobody changes the model for as long as the result lives.
   [[nodiscard]] Reading reading_model() { return reading(model_); }
+  Users& users() { return model_.users(); }
   const ClosedSurface& surface() const { return surface_; }
 
   bool contains(const ArrayLike& point, const PoseLike& pose) {
@@ -86,6 +87,18 @@ class ClosedSurfaceObject {
   nb::object owner_;
   ModelObject& model_;
   ClosedSurface surface_;
+};
+
+/// A closed surface with its inside. Whoever creates it keeps the surface alive.
+class SolidObject : public BodyObject {
+ public:
+  explicit SolidObject(ClosedSurfaceObject& surface) : surface_(surface) {}
+  /// Throws   std::invalid_argument if the model has been reset.
+  Body body() const override { return Body(surface_.surface()); }
+  Users& users() override { return surface_.users(); }
+
+ private:
+  ClosedSurfaceObject& surface_;
 };
 
 }  // namespace limber::python

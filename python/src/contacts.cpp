@@ -10,12 +10,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "budget.h"
 #include "docstrings.h"
 #include "limber/limber.h"
 #include "records.h"
@@ -36,68 +38,98 @@ void look_for_signals() {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-/// The pairs that search(visitor, options) visits, at most max_count of them. Ctrl-C ends the search. With a filter in
-/// Python it stays on one thread, as this one holds the GIL.
+/// What a query gives: an array; with a budget also which limit has ended it. The type of the budget tells which.
+template <typename Array, typename Budget>
+using Found = std::conditional_t<std::is_null_pointer_v<Budget>, Array, std::pair<Array, StoppedBy>>;
+
+template <typename Array, typename Budget>
+Found<Array, Budget> found(Array array, Budget, StoppedBy stopped_by) {
+  if constexpr (std::is_null_pointer_v<Budget>) {
+    return array;
+  } else {
+    return {std::move(array), stopped_by};
+  }
+}
+
+/// How pairs are looked for.
+struct Wanted {
+  std::optional<OrientedFaces> oriented_faces;
+  std::optional<std::size_t> max_count;
+  bool is_parallel;
+};
+
+/// Keeps the pairs that search(visitor, options) visits, at most max_count of them; returns what has ended the search.
+/// Ctrl-C ends it. With a filter in Python it stays on one thread, as this one holds the GIL.
 template <typename Pair, typename Search>
-std::vector<Pair> collected(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
-                            std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
-  std::vector<Pair> found;
-  if (max_count == 0) return found;
+StoppedBy collect(std::vector<Pair>& pairs, nb::handle filter, const Wanted& wanted, const BudgetObject* budget,
+                  const Search& search) {
+  if (wanted.max_count == 0) return StoppedBy::nothing;
   const Filter which(filter);
-  without_gil_unless(which.needs_gil(), [&] {
-    search(
-        [&](const Pair& pair) {
-          found.push_back(pair);
-          constexpr std::size_t pairs_between_looks = 1 << 16;  // some ten milliseconds
-          if (found.size() % pairs_between_looks == 0) look_for_signals();
-          return found.size() != max_count;
-        },
-        PairOptions{
-            .filter = which.get(), .oriented_faces = oriented_faces, .is_parallel = is_parallel && !which.needs_gil()});
-  });
-  return found;
+  const auto keep = [&](const Pair& pair) {
+    pairs.push_back(pair);
+    constexpr std::size_t pairs_between_looks = 1 << 16;  // some ten milliseconds
+    if (pairs.size() % pairs_between_looks == 0) look_for_signals();
+    return pairs.size() != wanted.max_count;
+  };
+  const PairOptions options{.filter = which.get(),
+                            .oriented_faces = wanted.oriented_faces,
+                            .budget = budget_of(budget),
+                            .is_parallel = wanted.is_parallel && !which.needs_gil()};
+  return without_gil_unless(which.needs_gil(), [&] { return search(keep, options); }).stopped_by;
 }
 
-template <typename Search>
-IdArray found_pairs(nb::handle filter, std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
-  const std::vector<TrianglePair> found = collected<TrianglePair>(filter, std::nullopt, max_count, is_parallel, search);
-  return array_of(std::span<const TrianglePair>(found), nb::str("uint32"), {found.size(), 2});
+template <typename Budget, typename Search>
+Found<IdArray, Budget> found_pairs(nb::handle filter, const Wanted& wanted, Budget budget, const Search& search) {
+  std::vector<TrianglePair> pairs;
+  const StoppedBy stopped_by = collect(pairs, filter, wanted, budget, search);
+  return found<IdArray>(array_of(std::span<const TrianglePair>(pairs), nb::str("uint32"), {pairs.size(), 2}), budget,
+                        stopped_by);
 }
 
-template <typename Search>
-RecordArray found_contacts(nb::handle filter, std::optional<OrientedFaces> oriented_faces,
-                           std::optional<std::size_t> max_count, bool is_parallel, const Search& search) {
-  const std::vector<Contact> found = collected<Contact>(filter, oriented_faces, max_count, is_parallel, search);
-  return array_of(std::span<const Contact>(found), dtypes().contact);
+template <typename Budget, typename Search>
+Found<RecordArray, Budget> found_contacts(nb::handle filter, const Wanted& wanted, Budget budget,
+                                          const Search& search) {
+  std::vector<Contact> contacts;
+  const StoppedBy stopped_by = collect(contacts, filter, wanted, budget, search);
+  return found(array_of(std::span<const Contact>(contacts), dtypes().contact), budget, stopped_by);
 }
 
 /// The contacts that search(room, options) writes, for room of that many.
-template <typename Search>
-RecordArray found_closest(nb::handle filter, double max_distance, std::optional<OrientedFaces> oriented_faces,
-                          std::size_t room, const Search& search) {
+template <typename Budget, typename Search>
+Found<RecordArray, Budget> found_closest(nb::handle filter, double max_distance,
+                                         std::optional<OrientedFaces> oriented_faces, std::size_t room, Budget budget,
+                                         const Search& search) {
   const Filter which(filter);
-  std::vector<Contact> found(room);
-  const ClosestPairsOptions options{
-      .max_distance = max_distance, .filter = which.get(), .oriented_faces = oriented_faces};
-  const PairCount count = without_gil_unless(which.needs_gil(), [&] { return search(found, options); });
-  return array_of(std::span<const Contact>(found).first(count.count), dtypes().contact);
+  std::vector<Contact> contacts(room);
+  const ClosestPairsOptions options{.max_distance = max_distance,
+                                    .filter = which.get(),
+                                    .oriented_faces = oriented_faces,
+                                    .budget = budget_of(budget)};
+  const PairCount count = without_gil_unless(which.needs_gil(), [&] { return search(contacts, options); });
+  return found(array_of(std::span<const Contact>(contacts).first(count.count), dtypes().contact), budget,
+               count.stopped_by);
 }
 
-IdArray intersections_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
-                         const TriangleFilter& filter, std::optional<std::size_t> max_count, bool is_parallel) {
+template <typename Budget>
+Found<IdArray, Budget> intersections_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
+                                        const TriangleFilter& filter, std::optional<std::size_t> max_count,
+                                        bool is_parallel, Budget budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_pairs(filter, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
-    visit_intersections(pair.a(), pair.b(), visit, options);
-  });
+  return found_pairs(
+      filter, {std::nullopt, max_count, is_parallel}, budget,
+      [&](auto visit, const PairOptions& options) { return visit_intersections(pair.a(), pair.b(), visit, options); });
 }
 
-RecordArray contacts_of(BodyObject& a, BodyObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
-                        const TriangleFilter& filter, std::optional<std::size_t> max_count,
-                        std::optional<OrientedFaces> oriented_faces, bool is_parallel) {
+template <typename Budget>
+Found<RecordArray, Budget> contacts_of(BodyObject& a, BodyObject& b, double margin, const PoseLike& pose_a,
+                                       const PoseLike& pose_b, const TriangleFilter& filter,
+                                       std::optional<std::size_t> max_count,
+                                       std::optional<OrientedFaces> oriented_faces, bool is_parallel, Budget budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_contacts(filter, oriented_faces, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
-    visit_contacts(pair.a(), pair.b(), margin, visit, options);
-  });
+  return found_contacts(filter, {oriented_faces, max_count, is_parallel}, budget,
+                        [&](auto visit, const PairOptions& options) {
+                          return visit_contacts(pair.a(), pair.b(), margin, visit, options);
+                        });
 }
 
 /// As many pairs as there can be: room for more is not needed.
@@ -105,11 +137,12 @@ std::size_t most_pairs(const BodyObject& a, const BodyObject& b) {
   return a.body().model().mesh().triangles().size() * b.body().model().mesh().triangles().size();
 }
 
-RecordArray closest_pairs_of(BodyObject& a, BodyObject& b, std::size_t count, const PoseLike& pose_a,
-                             const PoseLike& pose_b, double max_distance, const TriangleFilter& filter,
-                             std::optional<OrientedFaces> oriented_faces) {
+template <typename Budget>
+Found<RecordArray, Budget> closest_pairs_of(BodyObject& a, BodyObject& b, std::size_t count, const PoseLike& pose_a,
+                                            const PoseLike& pose_b, double max_distance, const TriangleFilter& filter,
+                                            std::optional<OrientedFaces> oriented_faces, Budget budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(a, b)),
+  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(a, b)), budget,
                        [&](std::span<Contact> room, const ClosestPairsOptions& options) {
                          return closest_pairs(pair.a(), pair.b(), room, options);
                        });
@@ -145,27 +178,32 @@ DistanceResult self_distance_of(ModelObject& model, double relative_error, doubl
   return without_gil_unless(which.needs_gil(), [&] { return self_distance(model.model, options); });
 }
 
-IdArray self_intersections_of(ModelObject& model, const TriangleFilter& filter, std::optional<std::size_t> max_count,
-                              bool is_parallel) {
+template <typename Budget>
+Found<IdArray, Budget> self_intersections_of(ModelObject& model, const TriangleFilter& filter,
+                                             std::optional<std::size_t> max_count, bool is_parallel, Budget budget) {
   const Reading guard = reading(model);
-  return found_pairs(filter, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
-    visit_self_intersections(model.model, visit, options);
-  });
+  return found_pairs(
+      filter, {std::nullopt, max_count, is_parallel}, budget,
+      [&](auto visit, const PairOptions& options) { return visit_self_intersections(model.model, visit, options); });
 }
 
-RecordArray self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
-                             std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces,
-                             bool is_parallel) {
+template <typename Budget>
+Found<RecordArray, Budget> self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
+                                            std::optional<std::size_t> max_count,
+                                            std::optional<OrientedFaces> oriented_faces, bool is_parallel,
+                                            Budget budget) {
   const Reading guard = reading(model);
-  return found_contacts(filter, oriented_faces, max_count, is_parallel, [&](auto visit, const PairOptions& options) {
-    visit_self_contacts(model.model, margin, visit, options);
-  });
+  return found_contacts(
+      filter, {oriented_faces, max_count, is_parallel}, budget,
+      [&](auto visit, const PairOptions& options) { return visit_self_contacts(model.model, margin, visit, options); });
 }
 
-RecordArray self_closest_pairs_of(ModelObject& model, std::size_t count, double max_distance,
-                                  const TriangleFilter& filter, std::optional<OrientedFaces> oriented_faces) {
+template <typename Budget>
+Found<RecordArray, Budget> self_closest_pairs_of(ModelObject& model, std::size_t count, double max_distance,
+                                                 const TriangleFilter& filter,
+                                                 std::optional<OrientedFaces> oriented_faces, Budget budget) {
   const Reading guard = reading(model);
-  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(model, model)),
+  return found_closest(filter, max_distance, oriented_faces, std::min(count, most_pairs(model, model)), budget,
                        [&](std::span<Contact> room, const ClosestPairsOptions& options) {
                          return self_closest_pairs(model.model, room, options);
                        });
@@ -181,26 +219,42 @@ const std::string faces_note = std::string("\nFaces    oriented_faces: ") + docs
 
 constexpr const char* parallel_note = R"(
 Parallel With is_parallel the search is on all threads: for large models with many pairs. Pairs and their order stay the
-         same. All are found before max_count counts. With a function as the filter it stays on one thread.)";
+         same. All are found before max_count counts. With a function as the filter, or a budget, it stays on one
+         thread.)";
+
+constexpr const char* budget_note = R"(
+Budget   With a QueryBudget the answer is a tuple: the array, and the StoppedBy that has ended the search. If that is
+         not `nothing`, the array has some of all pairs, each right, none twice; of closest pairs the closest of those
+         that were compared. The next call starts anew.)";
 
 std::string pairs_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + parallel_note + R"(
+  return std::string(documentation) + filter_note + parallel_note + budget_note + R"(
 Limit    The search ends where max_count pairs have been found.
 Returns  Ids of triangles, one pair a row: shape (k, 2), uint32.)";
 }
 
 std::string contacts_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + parallel_note + faces_note + R"(
+  return std::string(documentation) + filter_note + parallel_note + budget_note + faces_note + R"(
 Limit    The search ends where max_count pairs have been found.
 Returns  An array of k contacts, limber3d.contact_dtype, with these fields.)" +
          contact_fields();
 }
 
 std::string closest_documentation(const char* documentation) {
-  return std::string(documentation) + filter_note + faces_note + R"(
+  return std::string(documentation) + filter_note + budget_note + faces_note + R"(
 Returns  An array of at most `count` contacts, limber3d.contact_dtype, with these fields.)" +
          contact_fields();
 }
+
+/// Binds a query without a budget, and with one.
+template <typename Plain, typename Limited, typename... Arguments>
+void bind(nb::module_& m, const char* name, Plain plain, Limited limited, const std::string& documentation,
+          const Arguments&... arguments) {
+  m.def(name, plain, arguments..., "budget"_a = nb::none(), documentation.c_str());
+  m.def(name, limited, arguments..., "budget"_a, documentation.c_str());
+}
+using NoBudget = std::nullptr_t;
+using WithBudget = const BudgetObject*;
 
 void bind_self_queries(nb::module_& m) {
   m.def("self_collide", &self_collide_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(), "cache"_a = nb::none(),
@@ -208,30 +262,31 @@ void bind_self_queries(nb::module_& m) {
   m.def("self_distance", &self_distance_of, "model"_a, nb::kw_only(), "relative_error"_a = 0.0,
         "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
         docs::self_distance);
-  m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "is_parallel"_a = false,
-        pairs_documentation(docs::visit_self_intersections).c_str());
-  m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false,
-        contacts_documentation(docs::visit_self_contacts).c_str());
-  m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
-        "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        closest_documentation(docs::self_closest_pairs).c_str());
+  bind(m, "self_intersections", &self_intersections_of<NoBudget>, &self_intersections_of<WithBudget>,
+       pairs_documentation(docs::visit_self_intersections), "model"_a, nb::kw_only(), "filter"_a = nb::none(),
+       "max_count"_a = nb::none(), "is_parallel"_a = false);
+  bind(m, "self_contacts", &self_contacts_of<NoBudget>, &self_contacts_of<WithBudget>,
+       contacts_documentation(docs::visit_self_contacts), "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
+       "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false);
+  bind(m, "self_closest_pairs", &self_closest_pairs_of<NoBudget>, &self_closest_pairs_of<WithBudget>,
+       closest_documentation(docs::self_closest_pairs), "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
+       "filter"_a = nb::none(), "oriented_faces"_a = nb::none());
 }
 
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
   main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
-  m.def("intersections", &intersections_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "is_parallel"_a = false,
-        pairs_documentation(docs::visit_intersections).c_str());
-  m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        "is_parallel"_a = false, contacts_documentation(docs::visit_contacts).c_str());
-  m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        closest_documentation(docs::closest_pairs).c_str());
+  bind(m, "intersections", &intersections_of<NoBudget>, &intersections_of<WithBudget>,
+       pairs_documentation(docs::visit_intersections), "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+       nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "is_parallel"_a = false);
+  bind(m, "contacts", &contacts_of<NoBudget>, &contacts_of<WithBudget>, contacts_documentation(docs::visit_contacts),
+       "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+       "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false);
+  bind(m, "closest_pairs", &closest_pairs_of<NoBudget>, &closest_pairs_of<WithBudget>,
+       closest_documentation(docs::closest_pairs), "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(),
+       "pose_b"_a = nb::none(), nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(),
+       "oriented_faces"_a = nb::none());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
         (std::string(docs::reduce_contacts) +
          "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nradius: " +

@@ -244,7 +244,22 @@ void bind_model(nb::module_& m) {
       .value("in_commit", RebuildPolicy::in_commit, docs::RebuildPolicy_in_commit)
       .value("on_worker", RebuildPolicy::on_worker, docs::RebuildPolicy_on_worker);
 
-  const nb::class_<BodyObject> body(m, "Body", "What queries of two bodies are about: a Model or a Shape.");
+  nb::class_<BodyObject, ModelWithRadius>(m, "Body", docs::Body)
+      .def(nb::init<ModelObject&, double>(), "model"_a, "radius"_a, nb::keep_alive<1, 2>(), docs::Body_init)
+      .def_prop_ro(
+          "radius",
+          [](BodyObject& self) {
+            const Reading guard = reading(self);
+            return self.body().radius();
+          },
+          "How far points of the body are from its triangles at most, but for the inside of solids.")
+      .def_prop_ro(
+          "is_solid",
+          [](BodyObject& self) {
+            const Reading guard = reading(self);
+            return self.body().is_solid();
+          },
+          "Whether what its triangles enclose belongs to the body.");
   nb::class_<ModelObject, BodyObject>(m, "Model",
                                       (std::string(docs::Model) + R"(
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/unique_ptr.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,6 +48,12 @@ void bind_closed_surface(nb::module_& m) {
       .def(nb::init<nb::handle_t<ModelObject>>(), "model"_a,
            "Raises ValueError, naming an edge, if the surface is not closed and oriented. Takes O(n log n).")
       .def_prop_ro("model", &ClosedSurfaceObject::model, "The model.")
+      .def(
+          "solid",
+          [](ClosedSurfaceObject& self) -> std::unique_ptr<BodyObject> { return std::make_unique<SolidObject>(self); },
+          nb::keep_alive<0, 1>(),
+          "The surface with its inside, for queries of two bodies and for scenes: what it encloses collides with "
+          "it.\n\nRaises   As all queries of it: ValueError if the model has been reset().")
       .def("contains", &ClosedSurfaceObject::contains, "point"_a, "pose"_a = nb::none(), docs::ClosedSurface_contains)
       .def("contains_many", &ClosedSurfaceObject::contains_many, "points"_a, "pose"_a = nb::none(),
            "contains() of each of the points, shape (n, 3), on all threads.")

@@ -114,7 +114,10 @@ class SceneObject {
   std::vector<Reading> reading_models() {
     std::vector<Reading> guards;
     guards.reserve(models_.size());
-    for (auto& [model, shared] : models_) guards.push_back(reading(*model));
+    for (auto& [model, shared] : models_) {
+      guards.push_back(reading(*model));
+      (void)model->body();  // throws where the surface of a solid is no longer known to be closed
+    }
     return guards;
   }
 

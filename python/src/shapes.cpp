@@ -50,6 +50,12 @@ Made height_field(const ArrayLike& heights, double step_x, double step_y, double
 
 void bind_bodies(nb::module_& m) {
   nb::class_<ShapeObject, BodyObject>(m, "Shape", docs::Shape)
+      .def(  // in place of the one of Body, which makes something else
+          "__init__",
+          [](nb::handle, const nb::args&, const nb::kwargs&) {
+            throw nb::type_error("limber3d.Shape: made by functions such as Shape.sphere()");
+          },
+          nb::sig("def __init__(self) -> None"), "Raises TypeError.")
       .def_static(
           "sphere", [](double radius) { return made(Shape::sphere(radius)); }, "radius"_a, docs::Shape_sphere)
       .def_static("capsule", &capsule, "start"_a, "end"_a, "radius"_a, docs::Shape_capsule)
@@ -72,10 +78,6 @@ void bind_bodies(nb::module_& m) {
           "A surface over a grid in the x-y plane: heights[row, column] is the height at (column * step_x, row * "
           "step_y). It is\na surface, with nothing below; `radius` makes it thicker.")
       .def_static("point_cloud", &point_cloud, "points"_a, "radius"_a, docs::Shape_point_cloud)
-      .def_prop_ro(
-          "radius", [](const ShapeObject& self) { return self.shape.radius(); }, docs::Shape_radius)
-      .def_prop_ro(
-          "is_solid", [](const ShapeObject& self) { return self.shape.is_solid(); }, docs::Shape_is_solid)
       .def_prop_ro(
           "deviation", [](const ShapeObject& self) { return self.shape.deviation(); }, docs::Shape_deviation);
 }

@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import limber3d
 import numpy
+import numpy.typing
 import pytest
 from shapes import ball as ball_arrays
 
@@ -50,6 +53,49 @@ def test_pairs_are_the_same_on_all_threads(ball: limber3d.Model) -> None:
     assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, is_parallel=True) == own).all()
 
 
+def test_budgets_end_searches(ball: limber3d.Model) -> None:
+    enough, few = limber3d.QueryBudget(max_steps=2**40), limber3d.QueryBudget(max_steps=10)
+    late, flag = limber3d.QueryBudget(deadline=0.0), limber3d.CancelFlag()
+    flag.set()
+    model = folded()
+
+    def asked(budget: limber3d.QueryBudget) -> list[tuple[numpy.typing.NDArray[Any], limber3d.StoppedBy]]:
+        return [
+            limber3d.intersections(ball, ball, pose_b=NEAR, budget=budget),
+            limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, budget=budget),
+            limber3d.closest_pairs(ball, ball, 9, pose_b=NEAR, budget=budget),
+            limber3d.self_intersections(model, budget=budget),
+            limber3d.self_contacts(model, 0.3, budget=budget),
+            limber3d.self_closest_pairs(model, 9, budget=budget),
+        ]
+
+    whole = [
+        limber3d.intersections(ball, ball, pose_b=NEAR),
+        limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, budget=None),
+        limber3d.closest_pairs(ball, ball, 9, pose_b=NEAR),
+        limber3d.self_intersections(model),
+        limber3d.self_contacts(model, 0.3),
+        limber3d.self_closest_pairs(model, 9, budget=None),
+    ]
+    for (found, stopped_by), all_pairs in zip(asked(enough), whole, strict=True):
+        assert stopped_by is limber3d.StoppedBy.nothing and (found == all_pairs).all() and len(found) > 0
+    for (found, stopped_by), all_pairs in zip(asked(few), whole, strict=True):
+        assert stopped_by is limber3d.StoppedBy.max_steps and len(found) <= len(all_pairs)
+    some, _ = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, budget=limber3d.QueryBudget(max_steps=40))
+    assert 0 < len(some) < len(whole[1]) and all(c in whole[1] for c in some)
+    assert len({(c["triangle_a"], c["triangle_b"]) for c in some}) == len(some)
+    for found, stopped_by in asked(late):
+        assert stopped_by is limber3d.StoppedBy.deadline and len(found) < 720
+    for _, stopped_by in asked(limber3d.QueryBudget(cancel=flag)):
+        assert stopped_by is limber3d.StoppedBy.cancel
+    first, stopped_by = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=2, budget=enough)
+    assert len(first) == 2 and stopped_by is limber3d.StoppedBy.nothing
+    none, stopped_by = limber3d.contacts(ball, ball, 0.05, max_count=0, budget=few)
+    assert len(none) == 0 and stopped_by is limber3d.StoppedBy.nothing
+    with pytest.raises(TypeError):
+        limber3d.contacts(ball, ball, 0.05, budget=0.001)  # type: ignore[call-overload]
+
+
 def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
     found = limber3d.contacts(ball, ball, 0.0, pose_b=NEAR)
     assert set(found["normal_side"]) == {limber3d.NormalSide.outward}
@@ -58,7 +104,7 @@ def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
     wide = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
     assert limber3d.NormalSide.inward in wide["normal_side"]
     with pytest.raises(TypeError):
-        limber3d.contacts(ball, ball, 0.0, oriented_faces="both")  # type: ignore[arg-type]
+        limber3d.contacts(ball, ball, 0.0, oriented_faces="both")  # type: ignore[call-overload]
 
 
 def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
@@ -132,7 +178,7 @@ def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Mod
     with pytest.raises(KeyError):
         limber3d.intersections(ball, ball, pose_b=NEAR, filter=failing)
     with pytest.raises(TypeError, match="filter"):
-        limber3d.intersections(ball, ball, filter=3)  # type: ignore[arg-type]
+        limber3d.intersections(ball, ball, filter=3)  # type: ignore[call-overload]
 
     def moving(a: int, b: int) -> bool:
         ball.move_vertices([0], [[0, 0, 0]])

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 
 import limber3d
@@ -91,12 +92,85 @@ def test_scenes_and_batches_and_motions_take_shapes(ball: limber3d.Model) -> Non
     assert impact.time == pytest.approx(0.7, abs=1e-4)
 
 
-def test_bad_shapes_are_refused() -> None:
+def test_models_have_a_radius_and_follow_their_model(ball: limber3d.Model) -> None:
+    model, probe = limber3d.Model(ball.vertices, ball.faces), limber3d.Shape.sphere(0.5)
+    padded = limber3d.Body(model, 0.25)
+    assert isinstance(padded, limber3d.Body) and not isinstance(padded, limber3d.Model)
+    assert padded.radius == 0.25 and not padded.is_solid and model.radius == 0 and not model.is_solid
+    far = at(0, 0, 3)
+    assert limber3d.distance(padded, probe, pose_b=far).upper == limber3d.distance(model, probe, pose_b=far).upper - 0.25
+    assert limber3d.distance_many(padded, padded, poses_b=[numpy.eye(4)])["upper"][0] == 0
+    scene = limber3d.Scene()
+    one, two = scene.add(padded), scene.add(probe, far)
+    scene.commit()
+    assert scene.model(one) is padded and scene.closest_objects().result.upper == pytest.approx(1.25)
+    contacts, _ = scene.contacts([[one, two]], 1.25 + 1e-9)
+    assert len(contacts) > 0 and contacts["distance"].min() == pytest.approx(1.25)
+    model.move_all(2 * ball.vertices)
+    with pytest.raises(ValueError, match="commit"):
+        limber3d.distance(padded, probe, pose_b=far)
+    model.commit()
+    scene.commit()
+    assert limber3d.distance(padded, probe, pose_b=far).upper == pytest.approx(0.25)
+    assert scene.closest_objects().result.upper == pytest.approx(0.25)
+    del model
+    gc.collect()
+    assert limber3d.distance(padded, probe, pose_b=far).upper == pytest.approx(0.25)
+    for radius in (-1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match=r"limber3d\.Body: the radius must be finite"):
+            limber3d.Body(ball, radius)
+    with pytest.raises(TypeError):
+        limber3d.Body(probe, 1.0)  # type: ignore[arg-type]
+
+
+def test_closed_surfaces_are_solids(ball: limber3d.Model) -> None:
+    inner = limber3d.Shape.sphere(0.25)
+    model = limber3d.Model(ball.vertices, ball.faces)
+    solid = limber3d.ClosedSurface(model).solid()
+    gc.collect()
+    assert solid.is_solid and solid.radius == 0
+    assert limber3d.collide(model, inner).answer is limber3d.Answer.no
+    assert limber3d.collide(solid, inner).answer is limber3d.Answer.yes
+    assert limber3d.distance(solid, inner).upper == 0 and limber3d.distance(solid, inner, pose_b=at(0, 0, 2)).upper > 0
+    scene = limber3d.Scene()
+    scene.add(solid), scene.add(inner)
+    scene.commit()
+    assert scene.any_within(0.0).result.answer is limber3d.Answer.yes
+    model.reset(model.vertices, model.faces[:-1])
+    for refused in (
+        lambda: limber3d.collide(solid, inner),
+        scene.commit,
+        lambda: scene.add(solid),
+        lambda: limber3d.collide_many(solid, inner, poses_b=[numpy.eye(4)]),
+    ):
+        with pytest.raises(ValueError, match="has been reset"):
+            refused()
+    scene.remove(0)
+    scene.commit()
+    assert scene.closest_object(model).object == 1
+
+
+def test_bodies_are_used_as_their_models_are(ball: limber3d.Model) -> None:
+    model = limber3d.Model(ball.vertices, ball.faces)
+    padded, solid = limber3d.Body(model, 0.1), limber3d.ClosedSurface(model).solid()
+
+    def moves(_a: int, _b: int) -> bool:
+        model.move_all(ball.vertices)
+        return True
+
+    for body in (padded, solid):
+        with pytest.raises(limber3d.BusyError):
+            limber3d.contacts(body, ball, 0.1, filter=moves)
+    assert model.is_committed
+
+
+def test_bad_shapes_are_refused(ball: limber3d.Model) -> None:
     with pytest.raises(ValueError, match=r"limber3d\.Shape\.sphere: radius must be at least 0"):
         limber3d.Shape.sphere(-1)
     with pytest.raises(ValueError, match="point 1 has a coordinate"):
         limber3d.Shape.point_cloud([[0.0, 0.0, 0.0], [0.0, math.nan, 0.0]], 1)
     with pytest.raises(TypeError):
         limber3d.closest_point(limber3d.Shape.sphere(1), [0, 0, 0])  # type: ignore[arg-type]
-    with pytest.raises(TypeError):
-        limber3d.Shape()
+    for arguments in ((), (ball, 0.5)):
+        with pytest.raises(TypeError, match=r"Shape\.sphere"):
+            limber3d.Shape(*arguments)

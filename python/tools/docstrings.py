@@ -41,6 +41,7 @@ SENTENCES = (
     ("; with the default ones if the model has been moved from", ""),
     (" if the mesh has been moved from; MemoryError", " MemoryError"),
     ("Keeps a pointer to each model: a model must outlive its objects, at its address\\.", "Keeps its models alive."),
+    (" Keeps a pointer: the model that it is of, or that a shape has, must outlive it\\.", " Keeps its model alive."),
     ("; allocates nothing but a cache's memory", ""),
     (" 40 kB of stack; allocates nothing, unless it is parallel\\.", ""),
     ("^Budget   (If it is spent first, the pairs are .*|As intersections\\(\\)\\.)$", ""),

@@ -4,11 +4,12 @@
 import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
 import { addressOf } from "./model.js";
-import { cacheAddress, collideResult, distanceResult, errorsOf, placedModels, stats } from "./queries.js";
+import { cacheAddress, collideResult, distanceResult, errorsOf, placedBodies, stats } from "./queries.js";
 import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
 /** @import { Point } from "./arrays.js" */
 /** @import { Model } from "./model.js" */
 /** @import { CollideResult, DistanceResult, ErrorOptions, PoseOptions, QueryCache, QueryStats } from "./queries.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * Which pairs count: called with the ids of two triangles whose bounds are close, before they are compared. May not
@@ -187,8 +188,8 @@ function filterAndRings({ filter }) {
   return [filterOf({ filter }), 0];
 }
 
-/** @param {OrientedFacesOptions} options */
-function facesOf({ orientedFaces }) {
+/** Private to the package. @param {OrientedFacesOptions} options */
+export function facesOf({ orientedFaces }) {
   if (orientedFaces === undefined) return -1;
   const number = ["none", "ofA", "ofB", "both"].indexOf(orientedFaces);
   if (number < 0) throw invalid("orientedFaces is not none, ofA, ofB or both");
@@ -208,15 +209,15 @@ const trianglePairs = () => ({
  *
  * Throws invalidArgument unless both models are committed; notRigid; what the filter throws.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PoseOptions & PairOptions & CountOptions} [options]
  * @returns {TrianglePairs}
  */
 export function intersections(a, b, options = {}) {
   checkNames(options, ["poseA", "poseB", "filter", "maxCount"]);
   const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
-  const placed = placedModels(a, b, options);
+  const placed = placedBodies(a, b, options);
   callWithFilter(filter, "intersections", ...placed, maxCount, filter ? 1 : 0);
   return trianglePairs();
 }
@@ -226,8 +227,8 @@ export function intersections(a, b, options = {}) {
  *
  * Throws as intersections(); invalidArgument unless the margin is finite and >= 0.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {number} margin
  * @param {PoseOptions & PairOptions & CountOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
@@ -236,7 +237,7 @@ export function contacts(a, b, margin, options = {}) {
   checkNames(options, ["poseA", "poseB", "filter", "maxCount", "orientedFaces"]);
   const filter = filterOf(options), maxCount = numberOf(options.maxCount, "maxCount", Infinity);
   const faces = facesOf(options);
-  const placed = placedModels(a, b, options);
+  const placed = placedBodies(a, b, options);
   callWithFilter(filter, "contacts", ...placed, numberOf(margin, "margin"), maxCount, filter ? 1 : 0, faces);
   return new Contacts();
 }
@@ -246,8 +247,8 @@ export function contacts(a, b, margin, options = {}) {
  *
  * Throws as intersections(); invalidArgument unless maxDistance is >= 0.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {number} count
  * @param {PoseOptions & PairOptions & MaxDistanceOptions & OrientedFacesOptions} [options]
  * @returns {Contacts}
@@ -256,7 +257,7 @@ export function closestPairs(a, b, count, options = {}) {
   checkNames(options, ["poseA", "poseB", "filter", "maxDistance", "orientedFaces"]);
   const filter = filterOf(options), maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity);
   const faces = facesOf(options);
-  const placed = placedModels(a, b, options);
+  const placed = placedBodies(a, b, options);
   callWithFilter(filter, "closestPairs", ...placed, countOf(count), maxDistance, filter ? 1 : 0, faces);
   return new Contacts();
 }

@@ -12,12 +12,12 @@
 import { checkNames, pointOf } from "./arrays.js";
 import { Contacts } from "./contacts.js";
 import { invalid } from "./errors.js";
-import { placedModels } from "./queries.js";
+import { placedBodies } from "./queries.js";
 import { check, engine } from "./wasm.js";
 /** @import { Point, Vector } from "./arrays.js" */
 /** @import { Contact } from "./contacts.js" */
-/** @import { Model } from "./model.js" */
 /** @import { PoseOptions, Witness } from "./queries.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * The derivative of a distance by a rigid motion of one model: the power of a unit force along the contact's normal.
@@ -42,8 +42,8 @@ const times = (factor, p) => [factor * p[0], factor * p[1], factor * p[2]];
  *
  * Throws as contacts(); invalidArgument unless the models have these triangles.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {Witness} witness
  * @param {PoseOptions} [options]
  * @returns {Contact}
@@ -55,7 +55,7 @@ export function contactOf(a, b, witness, options = {}) {
   if (!triangles.every((id) => Number.isInteger(id) && id >= 0 && id <= 0xffffffff)) {
     throw invalid("witness does not name two triangles");
   }
-  check(engine().contactOf(...placedModels(a, b, options), ...triangles));
+  check(engine().contactOf(...placedBodies(a, b, options), ...triangles));
   return new Contacts().at(0);
 }
 

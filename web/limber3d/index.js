@@ -28,6 +28,7 @@ export { collide, distance, QueryCache, within } from "./queries.js";
 export { Scene } from "./scene.js";
 export { ObjectPairMatrix, SceneCache } from "./scene_options.js";
 export { CollideResults, DistanceResults } from "./scene_results.js";
+export { Shape } from "./shapes.js";
 export { deepestVertices, separatingTranslation, signedDistance, solidRelation } from "./solids.js";
 export { init } from "./wasm.js";
 
@@ -81,12 +82,16 @@ export { init } from "./wasm.js";
  * @typedef {import("./queries.js").Status} Status
  * @typedef {import("./queries.js").StoppedBy} StoppedBy
  * @typedef {import("./queries.js").Witness} Witness
+ * @typedef {import("./scene.js").ClosestObject} ClosestObject
  * @typedef {import("./scene.js").ClosestObjects} ClosestObjects
  * @typedef {import("./scene.js").CloseObjects} CloseObjects
+ * @typedef {import("./scene.js").ObjectContacts} ObjectContacts
  * @typedef {import("./scene.js").SceneQueryOptions} SceneQueryOptions
  * @typedef {import("./scene_options.js").Matrices} Matrices
  * @typedef {import("./scene_options.js").ObjectPairFilter} ObjectPairFilter
+ * @typedef {import("./scene_options.js").ObjectFilter} ObjectFilter
  * @typedef {import("./scene_options.js").ObjectPairOptions} ObjectPairOptions
+ * @typedef {import("./shapes.js").Body} Body
  * @typedef {import("./solids.js").DeepestPair} DeepestPair
  * @typedef {import("./solids.js").DeepestVertex} DeepestVertex
  * @typedef {import("./solids.js").DeepestVertices} DeepestVertices

@@ -106,7 +106,7 @@ export class Model extends Owner {
     const budget = budgetOf(rebuildBudgetUs);
     const mesh = writeMesh(vertices, faces);
     const rebuilds = rebuildPolicy === "inCommit" ? 1 : 0;
-    super(engine().newModel(...mesh, margin, rebuilds, budget, allocatesAtOnce), "deleteModel");
+    super(engine().newModel(...mesh, margin, rebuilds, budget, allocatesAtOnce), "deleteBody");
   }
 
   /**

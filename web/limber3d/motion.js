@@ -10,6 +10,7 @@ import { Model, addressOf } from "./model.js";
 import { pathImpact } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { limitsOf, stats, stoppedBy, witness } from "./queries.js";
+import { Shape } from "./shapes.js";
 import { Owner, check, copyOf, engine, number, point, word, writeInput } from "./wasm.js";
 /** @import { Coordinates, Point } from "./arrays.js" */
 /** @import { CountOptions } from "./contacts.js" */
@@ -17,6 +18,7 @@ import { Owner, check, copyOf, engine, number, point, word, writeInput } from ".
 /** @import { PathImpact, PathImpactOptions } from "./path.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { QueryBudget, QueryStats, StoppedBy, Witness } from "./queries.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
@@ -239,19 +241,19 @@ const impactResult = () => ({
  * Cost: a distance for each part of the gap that is certainly free; 3 to 30 for paths that hit or miss.
  *
  * @overload
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PathImpactOptions} [options]
  * @returns {PathImpact}
  */
 /**
- * @param {MovingModel | Model} a
- * @param {MovingModel | Model} b
+ * @param {MovingModel | Body} a
+ * @param {MovingModel | Body} b
  * @param {ImpactOptions & FirstImpactOptions & PathImpactOptions} [options]
  * @returns {ImpactResult | PathImpact}
  */
 export function timeOfImpact(a, b, options = {}) {
-  if (a instanceof Model) return pathImpact(a, /** @type {Model} */ (b), options);
+  if (a instanceof Model || a instanceof Shape) return pathImpact(a, /** @type {Body} */ (b), options);
   const asked = firstImpactOptions(options);
   const second = /** @type {MovingModel} */ (b);
   check(engine().timeOfImpact(MovingModel.addressOf(a, "a"), MovingModel.addressOf(second, "b"), ...asked));

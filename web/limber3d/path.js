@@ -7,15 +7,15 @@
 import { checkNames, numberOf, pointOf } from "./arrays.js";
 import { impactStatuses } from "./elements.js";
 import { invalid } from "./errors.js";
-import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
 import { cacheAddress, limitsOf, stats, stoppedBy, witness } from "./queries.js";
+import { bodyAddress } from "./shapes.js";
 import { Owner, check, engine, number, word } from "./wasm.js";
 /** @import { Vector } from "./arrays.js" */
 /** @import { ImpactStatus } from "./elements.js" */
-/** @import { Model } from "./model.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { QueryBudget, QueryCache, QueryStats, StoppedBy, Witness } from "./queries.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * The motion of a rigid body from one pose to another: a point of it, the center, moves straight at constant speed, and
@@ -117,13 +117,14 @@ function motionAddress(motion, name) {
 /**
  * Two models and their motions, as the module takes them.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PathOptions} motions
  * @returns {[number, number, number, number]}
  */
 function movingBodies(a, b, { motionA, motionB }) {
-  return [addressOf(a, "a"), motionAddress(motionA, "motionA"), addressOf(b, "b"), motionAddress(motionB, "motionB")];
+  const ofA = motionAddress(motionA, "motionA"), ofB = motionAddress(motionB, "motionB");
+  return [bodyAddress(a, "a"), ofA, bodyAddress(b, "b"), ofB];
 }
 
 /** What both results have. */
@@ -138,8 +139,8 @@ const asked = () => ({
 /**
  * Private to the package: timeOfImpact() of rigid bodies.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PathImpactOptions} options
  * @returns {PathImpact}
  */
@@ -161,8 +162,8 @@ export function pathImpact(a, b, options) {
  *
  * Cost: a distance for each piece of time that the speed cannot exclude, 10 to some 100 by default.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PathOptions} [options]
  * @returns {PathDistance}
  */

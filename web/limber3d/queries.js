@@ -3,12 +3,12 @@
 
 import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
-import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
+import { bodyAddress } from "./shapes.js";
 import { Owner, check, engine, number, point, word } from "./wasm.js";
 /** @import { Point } from "./arrays.js" */
-/** @import { Model } from "./model.js" */
 /** @import { Pose } from "./poses.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * When a query has to end, whether or not it has its answer: the first limit that is reached ends it. Every query makes
@@ -188,16 +188,16 @@ export const errorsOf = ({ relativeError, absoluteError, maxDistance }) => [
 ];
 
 /**
- * Private to the package: reads the poses and writes them; returns two models and poses, as the module takes them.
+ * Private to the package: reads the poses and writes them; returns two bodies and poses, as the module takes them.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PoseOptions} poses
  * @returns {[number, number, number, number]}
  */
-export function placedModels(a, b, { poseA, poseB }) {
+export function placedBodies(a, b, { poseA, poseB }) {
   const readA = poseOf(poseA, "poseA"), readB = poseOf(poseB, "poseB");
-  const first = addressOf(a, "a"), second = addressOf(b, "b");
+  const first = bodyAddress(a, "a"), second = bodyAddress(b, "b");
   return [first, writePose(readA, 0), second, writePose(readB, 1)];
 }
 
@@ -217,8 +217,8 @@ export function limitsOf(budget = /** @type {QueryBudget} */ (none)) {
  *
  * Throws invalidArgument unless both models are committed and options are what their comments say; notRigid.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {DistanceOptions} [options]
  * @returns {DistanceResult}
  */
@@ -226,7 +226,7 @@ export function distance(a, b, options = none) {
   checkNames(options, distanceOptions);
   const { cache, budget } = options;
   const [relative, absolute, most] = errorsOf(options), [deadline, maxSteps] = limitsOf(budget);
-  const [first, formA, second, formB] = placedModels(a, b, options), kept = cacheAddress(cache);
+  const [first, formA, second, formB] = placedBodies(a, b, options), kept = cacheAddress(cache);
   const { distance } = engine();
   check(distance(first, formA, second, formB, relative, absolute, most, deadline, maxSteps, kept));
   return distanceResult();
@@ -238,15 +238,15 @@ export function distance(a, b, options = none) {
  * Triangles are surfaces: a model wholly inside another does not meet it. With a budget the answer may be "unknown";
  * the next call with the same cache goes on from there. Throws as distance().
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {PoseOptions & QueryOptions} [options]
  * @returns {CollideResult}
  */
 export function collide(a, b, options = none) {
   checkNames(options, answerOptions);
   const { cache, budget } = options;
-  const limits = limitsOf(budget), placed = placedModels(a, b, options);
+  const limits = limitsOf(budget), placed = placedBodies(a, b, options);
   check(engine().collide(...placed, ...limits, cacheAddress(cache)));
   return collideResult();
 }
@@ -256,8 +256,8 @@ export function collide(a, b, options = none) {
  *
  * Throws as distance(); invalidArgument unless maxDistance is finite and >= 0.
  *
- * @param {Model} a
- * @param {Model} b
+ * @param {Body} a
+ * @param {Body} b
  * @param {number} maxDistance
  * @param {PoseOptions & QueryOptions} [options]
  * @returns {CollideResult}
@@ -265,7 +265,7 @@ export function collide(a, b, options = none) {
 export function within(a, b, maxDistance, options = none) {
   checkNames(options, answerOptions);
   const { cache, budget } = options;
-  const limits = limitsOf(budget), placed = placedModels(a, b, options);
+  const limits = limitsOf(budget), placed = placedBodies(a, b, options);
   check(engine().within(...placed, numberOf(maxDistance, "maxDistance"), ...limits, cacheAddress(cache)));
   return collideResult();
 }

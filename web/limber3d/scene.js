@@ -4,18 +4,20 @@
 // Many placed models: the pairs of them that may be close, and queries of many pairs and of many configurations.
 
 import { checkNames, idsOf, numberOf } from "./arrays.js";
+import { Contacts, facesOf } from "./contacts.js";
 import { invalid } from "./errors.js";
-import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
 import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
 import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
 import { CollideResults, DistanceResults } from "./scene_results.js";
+import { bodyAddress } from "./shapes.js";
 import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writeIds, writeInput } from "./wasm.js";
 /** @import { Ids, Point } from "./arrays.js" */
-/** @import { Model } from "./model.js" */
+/** @import { OrientedFacesOptions } from "./contacts.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { CollideResult, DistanceResult, ErrorOptions, QueryBudget } from "./queries.js" */
-/** @import { Matrices, ObjectPairOptions, SceneCache } from "./scene_options.js" */
+/** @import { Matrices, ObjectFilter, ObjectPairOptions, SceneCache } from "./scene_options.js" */
+/** @import { Body } from "./shapes.js" */
 
 /**
  * @typedef {object} SceneQueryOptions
@@ -39,20 +41,36 @@ import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writ
  * @property {CollideResult} result whether there are two such objects; the witness is of a and b, in this order
  */
 
+/**
+ * The object of a scene that is closest to a body.
+ *
+ * @typedef {object} ClosestObject
+ * @property {number | null} object none exactly when the result has no witness
+ * @property {DistanceResult} result of the body and the object, in this order
+ */
+
+/**
+ * The contacts of many pairs of objects.
+ *
+ * @typedef {object} ObjectContacts
+ * @property {Contacts} contacts pair by pair, without statistics
+ * @property {Uint32Array} offsets pair i has contacts from offsets[i] to offsets[i + 1]; one more than pairs
+ */
+
 /** The two objects of the last result. @returns {[a: number, b: number] | null} */
 const objects = () => (word(4) === 0xffffffff ? null : [word(4), word(5)]);
 
 /**
- * Many models, each with a pose. Objects are added, moved and removed one by one; commit() takes over where they are,
- * and reads the bounds of models that have been committed or rebuilt since the last time. After that the scene may be
- * queried.
+ * Many models and shapes, each with a pose. Objects are added, moved and removed one by one; commit() takes over where
+ * they are, and reads the bounds of models that have been committed or rebuilt since the last time. After that the
+ * scene may be queried.
  *
  * A scene keeps its models from being collected, but not from being disposed of: it may not be used while it has an
  * object of a disposed model, but to remove that. Any number of objects may share a model. Wrong ids are an
  * invalidArgument; after an error the scene is as before the call.
  */
 export class Scene extends Owner {
-  /** By id. @type {Map<number, Model>} */
+  /** By id. @type {Map<number, Body>} */
   #models = new Map();
 
   constructor() {
@@ -65,7 +83,7 @@ export class Scene extends Owner {
    * @returns {number}
    */
   #address() {
-    for (const [id, model] of this.#models) addressOf(model, `the model of object ${id}`);
+    for (const [id, model] of this.#models) bodyAddress(model, `the model of object ${id}`);
     return Owner.addressOf(this, "scene");
   }
 
@@ -73,12 +91,12 @@ export class Scene extends Owner {
    * Adds an object, and returns its id: the one that was freed last, otherwise the next number after all others. Throws
    * invalidArgument unless the model is committed; notRigid.
    *
-   * @param {Model} model
+   * @param {Body} model
    * @param {Pose | null} [pose]
    */
   add(model, pose) {
     const read = poseOf(pose, "pose");
-    const scene = this.#address(), address = addressOf(model), form = writePose(read, 0);
+    const scene = this.#address(), address = bodyAddress(model, "model"), form = writePose(read, 0);
     check(engine().sceneAdd(scene, address, form));
     const id = word(0);
     this.#models.set(id, model);
@@ -146,7 +164,7 @@ export class Scene extends Owner {
     return this.#models.has(id);
   }
 
-  /** The model of an object. @param {number} id @returns {Model} */
+  /** The model of an object. @param {number} id @returns {Body} */
   model(id) {
     const model = this.#models.get(id);
     if (model === undefined) throw invalid("id names no object of the scene");
@@ -235,6 +253,24 @@ export class Scene extends Owner {
   }
 
   /**
+   * The contacts of each pair, as contacts() finds them for its two bodies, in that order. Throws also unless the
+   * margin is finite and >= 0.
+   *
+   * @param {Ids} pairs
+   * @param {number} margin
+   * @param {OrientedFacesOptions} [options]
+   * @returns {ObjectContacts}
+   */
+  contacts(pairs, margin, options = {}) {
+    checkNames(options, ["orientedFaces"]);
+    const asked = pairsOf(pairs), most = numberOf(margin, "margin"), faces = facesOf(options);
+    const scene = this.#address();
+    writeIds(asked);
+    check(engine().sceneContacts(scene, asked.length / 2, most, faces));
+    return { contacts: new Contacts(), offsets: new Uint32Array(copyOf(word(4), 4 * (asked.length / 2 + 1))) };
+  }
+
+  /**
    * The clearance of the scene: the shortest distance of any two objects that the filter lets through. Which of several
    * equally close pairs is named is not defined.
    *
@@ -264,6 +300,40 @@ export class Scene extends Owner {
     const [wanted, ...filter] = filterOf(options);
     callWithFilter(wanted, "sceneAnyWithin", this.#address(), most, ...limits, ...filter);
     return { objects: objects(), result: collideResult() };
+  }
+
+  /**
+   * The objects whose bounds are at most `margin` from those of a body, which need not be in the scene. No object is
+   * missing for which distance() would answer at most the margin. Throws also notRigid.
+   *
+   * @param {Body} body
+   * @param {number} margin
+   * @param {{ pose?: Pose | null }} [options]
+   */
+  candidates(body, margin, options = {}) {
+    checkNames(options, ["pose"]);
+    const most = numberOf(margin, "margin"), read = poseOf(options.pose, "pose");
+    const scene = this.#address(), address = bodyAddress(body, "body"), form = writePose(read, 0);
+    check(engine().sceneCandidates(scene, address, form, most));
+    return new Uint32Array(copyOf(word(0), word(1)));
+  }
+
+  /**
+   * The object that is closest to a body, of those that the filter lets through. The body need not be in the scene; for
+   * one of its objects, pass a filter that leaves it out. All else as closestObjects().
+   *
+   * @param {Body} body
+   * @param {ErrorOptions & { pose?: Pose | null, filter?: ObjectFilter, budget?: QueryBudget }} [options]
+   * @returns {ClosestObject}
+   */
+  closestObject(body, options = {}) {
+    checkNames(options, ["pose", "relativeError", "absoluteError", "maxDistance", "filter", "budget"]);
+    const { filter, budget } = options, errors = errorsOf(options), limits = limitsOf(budget);
+    if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function");
+    const read = poseOf(options.pose, "pose"), wanted = filter && ((/** @type {number} */ id) => filter(id));
+    const scene = this.#address(), address = bodyAddress(body, "body"), form = writePose(read, 0);
+    callWithFilter(wanted, "sceneClosestObject", scene, address, form, ...errors, ...limits, wanted ? 1 : 0);
+    return { object: word(4) === 0xffffffff ? null : word(4), result: distanceResult() };
   }
 
   /**

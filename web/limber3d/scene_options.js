@@ -23,6 +23,12 @@ import { Owner, check, engine, word, writeIds } from "./wasm.js";
  */
 
 /**
+ * Which objects count next to a body: called with their ids, as an ObjectPairFilter is with two.
+ *
+ * @typedef {(id: number) => boolean} ObjectFilter
+ */
+
+/**
  * Numbers of 4 x 4 matrices, each column by column, one matrix after the other.
  *
  * @typedef {Float64Array | Float32Array | readonly number[]} Matrices

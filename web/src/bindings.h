@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "limber/base.h"
+#include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/math.h"
 #include "limber/mesh.h"
@@ -20,6 +22,18 @@
 /// Numbers go as arguments; poses, arrays and results through memory. Functions that can fail return whether they have
 /// succeeded; if not, `error` says why.
 namespace limber::web {
+
+/// What a query may be about: a model or a shape. JavaScript knows it by its address.
+struct BodyOwner {
+  virtual ~BodyOwner() = default;
+  virtual Body body() const = 0;
+};
+
+/// A model. BodyOwner comes first, so that its address is that of the whole.
+struct OwnedModel : BodyOwner, Model {
+  using Model::Model;
+  Body body() const override { return static_cast<const Model&>(*this); }
+};
 
 /// Makes a function callable from JavaScript.
 #define LIMBER_EXPORT(name) extern "C" __attribute__((export_name(#name)))
@@ -110,6 +124,14 @@ void give_stats(const QueryStats& stats, std::size_t first);
 /// Writes how many there are of what give_bytes() has told of, to Exchange::words[2], whether they are all, to [3], and
 /// statistics to Exchange::numbers[0] and [1].
 void give_count(std::size_t count, bool is_complete, const QueryStats& stats);
+
+/// Writes contacts, and tells of them as give_count() does. One column after the other: distances, depths, points of a,
+/// points of b, normals, weights of a, weights of b; then, in 32 bits, triangles of a and of b; then, in 8 bits, kind
+/// and index of the features of a and of b, contact by contact, and the normals' sides.
+void give_contacts(std::span<const Contact> contacts, const PairCount& count);
+
+/// OrientedFaces by its number; -1 leaves the choice to the library.
+std::optional<OrientedFaces> oriented_faces_from(int number);
 
 /// Memory for the columns of many answers.
 class Columns {

@@ -28,9 +28,9 @@ std::optional<WeldedMesh> last_welded;
 
 /// A model of vertices and faces in input(). Returns null on failure.
 LIMBER_EXPORT(newModel)
-Model* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle_count, double motion_margin,
-                 bool rebuilds, double rebuild_budget_us, bool preallocate) {
-  Model* model = nullptr;
+OwnedModel* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle_count, double motion_margin,
+                      bool rebuilds, double rebuild_budget_us, bool preallocate) {
+  OwnedModel* model = nullptr;
   guarded([&] {
     Mesh mesh = mesh_from(vertex_count, is_float32, triangle_count);
     const ModelOptions options{
@@ -38,15 +38,15 @@ Model* new_model(std::size_t vertex_count, bool is_float32, std::size_t triangle
         .rebuild_policy = rebuilds ? RebuildPolicy::in_commit : RebuildPolicy::off,
         .rebuild_budget_us = rebuild_budget_us == automatic ? std::nullopt : std::optional(rebuild_budget_us),
         .preallocate = preallocate};
-    model = new Model(std::move(mesh), options);
+    model = new OwnedModel(std::move(mesh), options);
   });
   return model;
 }
 
-LIMBER_EXPORT(deleteModel) void delete_model(Model* model) { delete model; }
+LIMBER_EXPORT(deleteBody) void delete_body(BodyOwner* body) { delete body; }
 
 /// Positions in input(), then ids.
-LIMBER_EXPORT(moveVertices) bool move_vertices(Model* model, std::size_t count, bool is_float32) {
+LIMBER_EXPORT(moveVertices) bool move_vertices(OwnedModel* model, std::size_t count, bool is_float32) {
   return guarded([&] {
     const std::byte* const after_positions = input() + 3 * count * (is_float32 ? sizeof(float) : sizeof(double));
     const std::span ids(reinterpret_cast<const VertexId*>(after_positions), count);
@@ -54,31 +54,31 @@ LIMBER_EXPORT(moveVertices) bool move_vertices(Model* model, std::size_t count, 
   });
 }
 
-LIMBER_EXPORT(moveAll) bool move_all(Model* model, std::size_t count, bool is_float32) {
+LIMBER_EXPORT(moveAll) bool move_all(OwnedModel* model, std::size_t count, bool is_float32) {
   return guarded([&] { model->move_all(positions_from(count, is_float32)).value(); });
 }
 
-LIMBER_EXPORT(commit) bool commit(Model* model) {
+LIMBER_EXPORT(commit) bool commit(OwnedModel* model) {
   return guarded([&] { model->commit(); });
 }
 
-LIMBER_EXPORT(isCommitted) bool is_committed(const Model* model) { return model->is_committed(); }
+LIMBER_EXPORT(isCommitted) bool is_committed(const OwnedModel* model) { return model->is_committed(); }
 
-LIMBER_EXPORT(rebuild) bool rebuild(Model* model) {
+LIMBER_EXPORT(rebuild) bool rebuild(OwnedModel* model) {
   return guarded([&] { model->rebuild(); });
 }
 
-LIMBER_EXPORT(setMotionMargin) bool set_motion_margin(Model* model, double motion_margin) {
+LIMBER_EXPORT(setMotionMargin) bool set_motion_margin(OwnedModel* model, double motion_margin) {
   return guarded([&] { model->set_motion_margin(motion_margin); });
 }
 
-LIMBER_EXPORT(validate) bool validate(const Model* model) {
+LIMBER_EXPORT(validate) bool validate(const OwnedModel* model) {
   return guarded([&] { model->validate().value(); });
 }
 
-LIMBER_EXPORT(meshOf) void mesh_of(const Model* model) { give_mesh(model->mesh()); }
+LIMBER_EXPORT(meshOf) void mesh_of(const OwnedModel* model) { give_mesh(model->mesh()); }
 
-LIMBER_EXPORT(boundingBox) bool bounding_box(const Model* model) {
+LIMBER_EXPORT(boundingBox) bool bounding_box(const OwnedModel* model) {
   return guarded([&] {
     const Box box = model->bounding_box();
     double* to = exchange.numbers;
@@ -86,14 +86,14 @@ LIMBER_EXPORT(boundingBox) bool bounding_box(const Model* model) {
   });
 }
 
-LIMBER_EXPORT(boundingSphere) bool bounding_sphere(const Model* model) {
+LIMBER_EXPORT(boundingSphere) bool bounding_sphere(const OwnedModel* model) {
   return guarded([&] {
     double* to = exchange.numbers;
     put_sphere(to, model->bounding_sphere());
   });
 }
 
-LIMBER_EXPORT(nodeSpheres) bool node_spheres(const Model* model, double level) {
+LIMBER_EXPORT(nodeSpheres) bool node_spheres(const OwnedModel* model, double level) {
   return guarded([&] {
     const bool is_level = level >= 0 && level < model->tree_stats().levels;
     const std::vector<Sphere> of_level = model->node_spheres(is_level ? static_cast<std::uint32_t>(level) : no_id);
@@ -104,13 +104,13 @@ LIMBER_EXPORT(nodeSpheres) bool node_spheres(const Model* model, double level) {
   });
 }
 
-LIMBER_EXPORT(treeStats) void tree_stats(const Model* model) {
+LIMBER_EXPORT(treeStats) void tree_stats(const OwnedModel* model) {
   const TreeStats stats = model->tree_stats();
   exchange.numbers[0] = stats.levels, exchange.numbers[1] = stats.nodes;
   exchange.numbers[2] = stats.leaves, exchange.numbers[3] = stats.bytes;
 }
 
-LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const Model* model) {
+LIMBER_EXPORT(maintenanceStats) void maintenance_stats(const OwnedModel* model) {
   const MaintenanceStats stats = model->maintenance_stats();
   const double numbers[7] = {static_cast<double>(stats.moved_vertices),
                              static_cast<double>(stats.refits),

@@ -70,7 +70,7 @@ bool exported_element_impact(bool are_edges, double max_time, double time_error,
   });
 }
 
-LIMBER_EXPORT(newMovingModel) MovingWithEdges* new_moving_model(const Model* model) {
+LIMBER_EXPORT(newMovingModel) MovingWithEdges* new_moving_model(const OwnedModel* model) {
   MovingWithEdges* moving = nullptr;
   guarded([&] { moving = new MovingWithEdges(*model); });
   return moving;

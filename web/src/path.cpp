@@ -42,24 +42,26 @@ LIMBER_EXPORT(poseAt) bool pose_at(const RigidMotion* motion, double time) {
 }
 
 LIMBER_EXPORT(pathImpact)
-bool exported_path_impact(const Model* a, const RigidMotion* motion_a, const Model* b, const RigidMotion* motion_b,
-                          double max_time, double min_separation, double distance_error, double deadline_ms,
-                          double max_steps, QueryCache* cache) {
+bool exported_path_impact(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
+                          const RigidMotion* motion_b, double max_time, double min_separation, double distance_error,
+                          double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
     const PathOptions options{max_time, min_separation, distance_error, cache, budget_from(deadline_ms, max_steps)};
-    const PathImpact found = time_of_impact(*a, motion_from(motion_a), *b, motion_from(motion_b), options);
+    const PathImpact found =
+        time_of_impact(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found.witness, found.stats, static_cast<std::uint32_t>(found.status), found.stopped_by);
     give_time(found.time, found.distances);
   });
 }
 
 LIMBER_EXPORT(leastDistance)
-bool exported_least_distance(const Model* a, const RigidMotion* motion_a, const Model* b, const RigidMotion* motion_b,
-                             double max_time, double distance_error, double deadline_ms, double max_steps,
-                             QueryCache* cache) {
+bool exported_least_distance(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
+                             const RigidMotion* motion_b, double max_time, double distance_error, double deadline_ms,
+                             double max_steps, QueryCache* cache) {
   return guarded([&] {
     const PathOptions options{max_time, 0, distance_error, cache, budget_from(deadline_ms, max_steps)};
-    const PathDistance found = least_distance(*a, motion_from(motion_a), *b, motion_from(motion_b), options);
+    const PathDistance found =
+        least_distance(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found.witness, found.stats, 0, found.stopped_by);
     exchange.numbers[0] = found.lower, exchange.numbers[1] = found.upper;
     give_time(found.time, found.distances);

@@ -47,7 +47,7 @@ void give_points(const std::vector<T>& results, const IsInside& is_inside) {
 
 /// The closest points of a model to the points in input().
 LIMBER_EXPORT(closestPoints)
-bool exported_closest_points(const Model* model, PoseForm pose, std::size_t count, bool is_float32,
+bool exported_closest_points(const OwnedModel* model, PoseForm pose, std::size_t count, bool is_float32,
                              double max_distance) {
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
@@ -57,7 +57,7 @@ bool exported_closest_points(const Model* model, PoseForm pose, std::size_t coun
   });
 }
 
-LIMBER_EXPORT(newClosedSurface) ClosedSurface* new_closed_surface(const Model* model) {
+LIMBER_EXPORT(newClosedSurface) ClosedSurface* new_closed_surface(const OwnedModel* model) {
   ClosedSurface* surface = nullptr;
   guarded([&] { surface = new ClosedSurface(ClosedSurface::create(*model).value()); });
   return surface;

@@ -16,6 +16,9 @@ namespace limber::web {
 namespace {
 
 std::vector<ObjectPair> pairs_found;
+std::vector<ObjectId> ids_found;
+ObjectContacts contacts_found;
+std::vector<std::uint32_t> offsets;  // of those contacts
 Columns columns;
 
 /// Ids in input(), behind that many numbers.
@@ -121,8 +124,8 @@ LIMBER_EXPORT(newScene) Scene* new_scene() {
 }
 LIMBER_EXPORT(deleteScene) void delete_scene(Scene* scene) { delete scene; }
 
-LIMBER_EXPORT(sceneAdd) bool scene_add(Scene* scene, const Model* model, PoseForm pose) {
-  return guarded([&] { exchange.words[0] = scene->add({*model, pose_from(pose, 0, "pose")}); });
+LIMBER_EXPORT(sceneAdd) bool scene_add(Scene* scene, const BodyOwner* body, PoseForm pose) {
+  return guarded([&] { exchange.words[0] = scene->add({body->body(), pose_from(pose, 0, "pose")}); });
 }
 
 LIMBER_EXPORT(sceneRemove) bool scene_remove(Scene* scene, ObjectId id) {
@@ -205,6 +208,17 @@ bool scene_distance(const Scene* scene, std::size_t count, double relative_error
   });
 }
 
+/// Writes where each pair's contacts begin, and where the last ones end, behind what give_contacts() tells.
+LIMBER_EXPORT(sceneContacts)
+bool scene_contacts(const Scene* scene, std::size_t count, double margin, int oriented_faces) {
+  return guarded([&] {
+    contacts_found = scene->contacts(object_pairs_from(count), margin, {oriented_faces_from(oriented_faces)});
+    offsets.assign(contacts_found.offsets.begin(), contacts_found.offsets.end());
+    give_contacts(contacts_found.contacts, {});
+    exchange.words[4] = address_of(offsets.data());
+  });
+}
+
 // --- all pairs ---
 
 LIMBER_EXPORT(sceneClosestObjects)
@@ -223,6 +237,34 @@ bool scene_any_within(const Scene* scene, double max_distance, double deadline_m
   return guarded([&] {
     const AnyWithinOptions options{filter_from(has_filter, matrix), budget_from(deadline_ms, max_steps)};
     give_objects(scene->any_within(max_distance, options));
+  });
+}
+
+// --- one body next to all objects ---
+
+LIMBER_EXPORT(sceneCandidates)
+bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, double margin) {
+  return guarded([&] {
+    ids_found.clear();
+    const auto keep = [](ObjectId id) { return ids_found.push_back(id), true; };
+    scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep);
+    give_bytes(ids_found.data(), ids_found.size() * sizeof(ObjectId));
+  });
+}
+
+/// The filter is asked about an object as about a pair of it and itself.
+LIMBER_EXPORT(sceneClosestObject)
+bool scene_closest_object(const Scene* scene, const BodyOwner* body, PoseForm pose, double relative_error,
+                          double absolute_error, double max_distance, double deadline_ms, double max_steps,
+                          bool has_filter) {
+  return guarded([&] {
+    const auto ask = [](ObjectId id) { return ask_filter(id, id); };
+    const Placed placed(body->body(), pose_from(pose, 0, "pose"));
+    const ClosestObject found = scene->closest_object(
+        placed, {relative_error, absolute_error, max_distance,
+                 has_filter ? std::optional<ObjectFilter>(ask) : std::nullopt, budget_from(deadline_ms, max_steps)});
+    give(found.result);
+    exchange.words[4] = found.object;
   });
 }
 

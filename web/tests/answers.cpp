@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "json_of.h"
@@ -23,6 +24,9 @@ namespace {
 using namespace limber;
 using namespace limber::web;
 using scenes::Rng;
+
+/// What is asked about is a model, by its place; or a shape, by this and its place.
+constexpr std::size_t first_shape = 1000;
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
@@ -48,6 +52,15 @@ class Recorder {
     return models_.size() - 1;
   }
 
+  /// A shape that a factory of that name makes of these arguments.
+  std::size_t add(const char* factory, const std::vector<json>& args, Shape shape) {
+    std::vector<json> all{factory};
+    all.insert(all.end(), args.begin(), args.end());
+    write("Shape", {}, all, {}, of(shape));
+    shapes_.push_back(std::move(shape));
+    return first_shape + shapes_.size() - 1;
+  }
+
   void move_all(std::size_t m, const std::vector<Vec3>& to, bool is_float32) {
     const std::vector<Vec3> positions = rounded(to, is_float32);
     write("moveAll", {m}, {numbers_of(positions, is_float32)});
@@ -66,34 +79,33 @@ class Recorder {
     json given = options_of(pose, asked);
     given["relativeError"] = options.relative_error, given["absoluteError"] = options.absolute_error;
     given["maxDistance"] = of(options.max_distance);
-    write("distance", {a, b}, {}, given, of(limber::distance(models_[a], {models_[b], pose}, options)));
+    write("distance", {a, b}, {}, given, of(limber::distance(placed(a), placed(b, pose), options)));
   }
   void collide(std::size_t a, std::size_t b, const Transform& pose, Asked asked = {}) {
-    const CollideResult result = limber::collide(models_[a], {models_[b], pose},
+    const CollideResult result = limber::collide(placed(a), placed(b, pose),
                                                  {.cache = cache(a, asked), .budget = {.max_steps = asked.max_steps}});
     write("collide", {a, b}, {}, options_of(pose, asked), of(result));
   }
   void within(std::size_t a, std::size_t b, const Transform& pose, double max_distance) {
-    const CollideResult result = limber::within(models_[a], {models_[b], pose}, max_distance);
+    const CollideResult result = limber::within(placed(a), placed(b, pose), max_distance);
     write("within", {a, b}, {max_distance}, options_of(pose), of(result));
   }
 
   void contacts(std::size_t a, std::size_t b, const Transform& pose, double margin) {
     std::vector<Contact> found;
     const auto keep = [&](const Contact& contact) { return found.push_back(contact), true; };
-    const PairCount count = visit_contacts(models_[a], {models_[b], pose}, margin, keep);
+    const PairCount count = visit_contacts(placed(a), placed(b, pose), margin, keep);
     write("contacts", {a, b}, {margin}, options_of(pose), contacts_of(found, count));
   }
   void intersections(std::size_t a, std::size_t b, const Transform& pose) {
     std::vector<TrianglePair> found;
     const auto keep = [&](const TrianglePair& one) { return found.push_back(one), true; };
-    const PairCount count = visit_intersections(models_[a], {models_[b], pose}, keep);
+    const PairCount count = visit_intersections(placed(a), placed(b, pose), keep);
     write("intersections", {a, b}, {}, options_of(pose), pairs_of(found, count));
   }
   void closest_pairs(std::size_t a, std::size_t b, const Transform& pose, std::size_t most, double max_distance) {
     std::vector<Contact> found(most);
-    const PairCount count =
-        limber::closest_pairs(models_[a], {models_[b], pose}, found, {.max_distance = max_distance});
+    const PairCount count = limber::closest_pairs(placed(a), placed(b, pose), found, {.max_distance = max_distance});
     found.resize(count.count);
     json given{{"poseB", of(pose)}, {"maxDistance", of(max_distance)}};
     write("closestPairs", {a, b}, {most}, given, contacts_of(found, count));
@@ -155,11 +167,11 @@ class Recorder {
 
   /// The contact of the closest triangles, and all its gradients.
   void gradients(std::size_t a, std::size_t b, const Transform& pose, const Vec3& center) {
-    const Placed placed(models_[b], pose);
-    const Witness witness = limber::distance(models_[a], placed).witness.value();
+    const Placed first = placed(a), second = placed(b, pose);
+    const Witness witness = limber::distance(first, second).witness.value();
     Contact contact;
     contact.triangle_a = witness.triangle_a, contact.triangle_b = witness.triangle_b;
-    static_cast<TriangleContact&>(contact) = contact_of(models_[a], placed, witness);
+    static_cast<TriangleContact&>(contact) = contact_of(first, second, witness);
     const json given{{"poseA", nullptr}, {"poseB", of(pose)}}, described = of(contact);
     write("contactOf", {a, b}, {of(std::optional(witness))}, given, described);
     write("poseGradientA", {}, {described, of(center)}, {}, of(pose_gradient_a(contact, center)));
@@ -187,7 +199,7 @@ class Recorder {
   // --- one scene ---
 
   void add_object(std::size_t m, const Transform& pose) {
-    write("sceneAdd", {m}, {of(pose)}, {}, scene_.add({models_[m], pose}));
+    write("sceneAdd", {m}, {of(pose)}, {}, scene_.add(placed(m, pose)));
   }
   void remove_object(ObjectId id) {
     scene_.remove(id);
@@ -220,6 +232,9 @@ class Recorder {
     scene_.distance(pairs, distances, {.relative_error = 0.01, .cache = cache, .budget = budget});
     given["relativeError"] = 0.01;
     write("sceneCall", {}, {"distance", uint32s(ids)}, given, each(distances));
+    const ObjectContacts found = scene_.contacts(pairs, 0.1 * margin);
+    write("sceneCall", {}, {"contacts", uint32s(ids), 0.1 * margin}, json::object(),
+          {{"contacts", each(found.contacts)}, {"offsets", found.offsets}});
   }
 
   /// All questions about all pairs, but one that the matrix leaves out, and about some configurations.
@@ -239,6 +254,20 @@ class Recorder {
     scene_.closest_objects_many(ids, poses, closest, {.max_distance = 2, .filter = counts});
     given["maxDistance"] = 2;
     write("sceneCall", {}, {"closestObjectsMany", uint32s(ids), matrices_of(poses)}, given, each(closest));
+  }
+
+  /// All questions about one body next to all objects but one.
+  void next_to_scene(std::size_t m, const Transform& pose, ObjectId left_out, const ClosestObjectOptions& options) {
+    std::vector<ObjectId> ids;
+    scene_.visit_candidates(placed(m, pose), 1, [&](ObjectId id) { return ids.push_back(id), true; });
+    write("sceneNextTo", {m}, {"candidates", 1}, {{"pose", of(pose)}}, ids);
+    const auto counts = [&](ObjectId id) { return id != left_out; };
+    ClosestObjectOptions asked = options;
+    asked.filter = counts;
+    json given{{"pose", of(pose)}, {"leftOut", left_out}, {"relativeError", options.relative_error}};
+    given["maxDistance"] = of(options.max_distance);
+    if (options.budget.max_steps < unlimited) given["budget"] = {{"maxSteps", options.budget.max_steps}};
+    write("sceneNextTo", {m}, {"closestObject"}, given, of(scene_.closest_object(placed(m, pose), asked)));
   }
 
   /// A vertex and a face, or two edges, by four points at the start and four at the end.
@@ -289,10 +318,10 @@ class Recorder {
                {"distanceError", options.distance_error},
                {"cache", asked.uses_cache}};
     if (asked.max_steps < unlimited) given["budget"] = {{"maxSteps", asked.max_steps}};
-    const PathDistance nearest = least_distance(models_[a], RigidMotion(start, end), models_[b], {}, options);
+    const PathDistance nearest = least_distance(body(a), RigidMotion(start, end), body(b), {}, options);
     write("leastDistance", {a, b}, {}, given, of(nearest));
     given["minSeparation"] = options.min_separation;
-    const PathImpact first = limber::time_of_impact(models_[a], RigidMotion(start, end), models_[b], {}, options);
+    const PathImpact first = limber::time_of_impact(body(a), RigidMotion(start, end), body(b), {}, options);
     write("pathImpact", {a, b}, {}, given, of(first));
   }
 
@@ -351,6 +380,8 @@ class Recorder {
     write("commit", {m}, {});
     models_[m].commit();
   }
+  Body body(std::size_t i) const { return i < first_shape ? Body(models_[i]) : Body(shapes_[i - first_shape]); }
+  Placed placed(std::size_t i, const Transform& pose = {}) const { return {body(i), pose}; }
   QueryCache* cache(std::size_t a, Asked asked) { return asked.uses_cache ? &caches_[a] : nullptr; }
 
   static json options_of(const Transform& pose, Asked asked = {}) {
@@ -392,6 +423,7 @@ class Recorder {
 
   std::ofstream out_;
   std::deque<Model> models_;  // stay where they are, as moving models refer to them
+  std::deque<Shape> shapes_;
   std::deque<MeshEdges> edges_;
   std::deque<MovingModel> moving_;
   std::vector<QueryCache> caches_;
@@ -512,6 +544,54 @@ void ask_of_bodies(Recorder& record, std::size_t a, std::size_t b, double distan
   }
 }
 
+/// Every shape but cylinders: their sines are those of the C library, which may round them otherwise.
+std::vector<std::size_t> add_shapes(Recorder& record, Rng& rng) {
+  const auto coordinates = [](const Vec3& v) { return of(v); };
+  const Vec3 start{-0.5, 0.25, 0}, end{0.75, 0, 0.5}, extents{0.5, 0.75, 0.25}, normal{0.25, -0.5, 1};
+  const std::vector<Vec3> points = points_around(rng, 60, 1), rough = rounded(points, true);
+  const std::vector<Vec3> flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  std::vector<double> heights(35);
+  for (double& height : heights) height = rng.uniform();
+  const json of_heights{{"Float64Array", heights}};
+  return {record.add("sphere", {0.375}, Shape::sphere(0.375)),
+          record.add("capsule", {coordinates(start), coordinates(end), 0.1}, Shape::capsule(start, end, 0.1)),
+          record.add("box", {coordinates(extents)}, Shape::box(extents)),
+          record.add("box", {coordinates(extents), 0.3}, Shape::box(extents, 0.3)),
+          record.add("halfSpace", {coordinates(normal), -0.7, 8}, Shape::half_space(normal, -0.7, 8)),
+          record.add("convexHull", {numbers_of(points)}, Shape::convex_hull(points)),
+          record.add("convexHull", {numbers_of(rough, true), 0.2}, Shape::convex_hull(rough, 0.2)),
+          record.add("convexHull", {numbers_of(flat)}, Shape::convex_hull(flat)),
+          record.add("heightField", {of_heights, 5, 7, 0.5, 0.25}, Shape::height_field(heights, 5, 7, 0.5, 0.25)),
+          record.add("heightField", {of_heights, 7, 5, 0.5, 0.25, 0.05},
+                     Shape::height_field(heights, 7, 5, 0.5, 0.25, 0.05)),
+          record.add("pointCloud", {numbers_of(rough, true), 0.05}, Shape::point_cloud(rough, 0.05))};
+}
+
+/// Shapes next to a model and to each other, every query.
+void ask_of_shapes(Recorder& record, std::size_t model, const std::vector<std::size_t>& shapes, Rng& rng) {
+  for (const std::size_t a : shapes) {
+    for (const std::size_t b : shapes) {
+      const Transform pose = random_pose(rng, 3);
+      record.distance(a, b, pose, {});
+      record.distance(a, b, pose, {.relative_error = 0.1, .max_distance = 2});
+      record.collide(a, b, pose);
+      record.within(a, b, pose, 0.5);
+      record.contacts(a, b, pose, 0.25);
+      record.intersections(a, b, pose);
+    }
+    for (int i = 0; i < 8; ++i) {
+      const Transform pose = random_pose(rng, 3);
+      record.distance(model, a, pose, {}, {.uses_cache = true});
+      record.distance(a, model, pose, {}, {.max_steps = 1 + rng.below(20)});
+      record.collide(model, a, pose, {.uses_cache = true});
+      record.contacts(a, model, pose, 0.1);
+      record.closest_pairs(model, a, pose, 20, infinity);
+      record.gradients(model, a, pose, points_around(rng, 1, 1)[0]);
+      record.path(a, model, pose, points_around(rng, 1, 3)[0], {.min_separation = 0.1});
+    }
+  }
+}
+
 /// Objects that move, come and go.
 void ask_of_scenes(Recorder& record, const std::vector<std::size_t>& models, Rng& rng) {
   constexpr std::size_t count = 24;
@@ -531,6 +611,12 @@ void ask_of_scenes(Recorder& record, const std::vector<std::size_t>& models, Rng
     record.pairs_of_scene(1, frame % 3 == 1 ? 1 + rng.below(20) : unlimited, frame % 2 == 0);
     for (Transform& pose : poses) pose = random_pose(rng, 12);
     record.all_of_scene(static_cast<ObjectId>(frame), 20, {3, 7, 7, 11}, {poses.begin(), poses.begin() + 20});
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      ClosestObjectOptions options{.relative_error = i % 2 == 0 ? 0 : 0.1};
+      if (i % 3 == 1) options.max_distance = 1;
+      if (i % 3 == 2) options.budget = {.max_steps = 1 + rng.below(20)};
+      record.next_to_scene(models[i], poses[i], static_cast<ObjectId>(i), options);
+    }
   }
 }
 
@@ -639,7 +725,11 @@ void ask(Recorder& record) {
 
   const std::size_t box = record.add(cube());
   ask_of_bodies(record, ball, box, 3, rng);
-  ask_of_scenes(record, {ball, box, soup}, rng);
+  const std::vector<std::size_t> shapes = add_shapes(record, rng);
+  ask_of_shapes(record, ball, shapes, rng);
+  std::vector<std::size_t> bodies{ball, box, soup};
+  bodies.insert(bodies.end(), shapes.begin(), shapes.end());
+  ask_of_scenes(record, bodies, rng);
   record.weld(scenes::ball(12, 8));
   record.weld(scenes::lattice_soup(rng, 100, 3));
 

@@ -24,7 +24,8 @@ function same(actual, expected, what) {
   }
 }
 
-const models = [], caches = [], moving = [];
+const models = [], caches = [], moving = [], shapes = [];
+const firstShape = 1000;
 let scene, sceneCache;
 
 /** An argument as it is given: typed arrays come with the name of their type, NaN as null. */
@@ -36,6 +37,7 @@ function given(argument) {
 
 /** What a result says, as answers.cpp writes it. */
 function said(result) {
+  if (result?.contacts instanceof limber.Contacts) return { ...result, contacts: [...result.contacts] };
   if (result instanceof limber.Contacts) return { ...result, contacts: [...result] };
   if (result instanceof limber.Impacts) return { ...result, impacts: [...result] };
   if (result instanceof limber.CollideResults || result instanceof limber.DistanceResults) {
@@ -56,6 +58,10 @@ const calls = {
     models.push(new limber.Model(...args));
     caches.push(new limber.QueryCache());
     moving.push(new limber.MovingModel(models.at(-1)));
+  },
+  Shape(_, name, ...args) {
+    shapes.push(limber.Shape[name](...args));
+    return shapes.at(-1);
   },
   moveAll: (model, positions) => model.moveAll(positions),
   moveVertices: (model, ...args) => model.moveVertices(...args),
@@ -82,6 +88,11 @@ const calls = {
     others.filter?.dispose();
     return result;
   },
+  sceneNextTo(body, name, ...args) {
+    const { leftOut, ...options } = args.pop();
+    if (leftOut !== undefined) options.filter = (id) => id !== leftOut;
+    return scene[name](body, ...args, options);
+  },
   edges: (model) => model.edges(),
   setMotion: (model, ...args) => model.setMotion(...args),
   tree(model) {
@@ -91,7 +102,7 @@ const calls = {
   },
 };
 
-const withOptions = ["signedDistances", "setMotion", "sceneCall"];
+const withOptions = ["signedDistances", "setMotion", "sceneCall", "sceneNextTo"];
 const ofSurfaces = ["solidRelation", "deepestVertices", "separatingTranslation", "signedDistance"];
 const ofContacts = ["poseGradientA", "poseGradientB", "vertexGradientsA", "vertexGradientsB"];
 const withoutOptions = [...ofContacts, "weld", "readMeshBytes"];
@@ -99,7 +110,7 @@ const ofMotion = ["edges", "setMotion", "timeOfImpact", "selfTimeOfImpact", "imp
 const functions = { ...limber, pathImpact: limber.timeOfImpact };
 
 function ask({ call, of, args, options }) {
-  const asked = of.map((i) => (ofMotion.includes(call) ? moving : models)[i]);
+  const asked = of.map((i) => (ofMotion.includes(call) ? moving : models)[i] ?? shapes[i - firstShape]);
   const { rings: edges, cache, maxDistance, motions, ...others } = options ?? {};
   if (cache) others.cache = caches[of[0]];
   if (maxDistance !== undefined) others.maxDistance = Number(maxDistance);

@@ -21,6 +21,7 @@
 #include "limber/penetration.h"
 #include "limber/points.h"
 #include "limber/scene.h"
+#include "limber/shapes.h"
 #include "limber/solids.h"
 
 /// Results as JSON, with the names of the JavaScript package. Decimals give back the bits of the numbers.
@@ -180,6 +181,14 @@ requires requires(const Found& found) { found.objects; }
 json of(const Found& found) {
   const ObjectPair pair = found.objects;
   return {{"objects", pair.a == no_id ? json(nullptr) : json{pair.a, pair.b}}, {"result", of(found.result)}};
+}
+
+inline json of(const ClosestObject& c) {
+  return {{"object", c.object == no_id ? json(nullptr) : json(c.object)}, {"result", of(c.result)}};
+}
+
+inline json of(const Shape& shape) {
+  return {{"radius", shape.radius()}, {"isSolid", shape.is_solid()}, {"deviation", shape.deviation()}};
 }
 
 inline json of(const Error& error) {

@@ -107,9 +107,12 @@ test("calls about bodies and scenes take no memory", () => {
     scene.setPose(2, { translation: [Math.sin(i), 0, 0.5] });
     scene.commit();
     scene.distance(scene.candidatePairs(0.5), { cache });
+    scene.contacts([0, 1, 2, 3], 0.2);
+    scene.closestObject(ball, { filter: (id) => id > 0 });
     scene.closestObjects({ filter: (a, b) => b - a > 1 });
     scene.anyWithinMany([1, 4], poses, 0.1);
   });
+  staysFlat(5000, () => limber.Shape.pointCloud(vertices, 0.1).dispose());
   staysFlat(5000, () => {
     const passing = new limber.Scene(), matrix = new limber.ObjectPairMatrix(500);
     passing.add(model);

@@ -114,6 +114,45 @@ test("configurations are asked as scenes are, and change nothing", () => {
   assert.deepEqual([...scene.anyWithinMany(ids, asked, 0, { filter: () => false }).answers], [0, 0, 0, 0]);
 });
 
+test("contacts of pairs are those of two models", () => {
+  const model = tetrahedron(), scene = row(4, model), pairs = [0, 1, 0, 3, 2, 1];
+  const { contacts, offsets } = scene.contacts(pairs, 0.1);
+  assert.ok(offsets[0] === 0 && offsets[1] > 0 && offsets.length === 4 && contacts.isComplete);
+  assert.deepEqual([offsets[2], offsets[3]], [offsets[1], contacts.count]);
+  for (let i = 0; i < 3; ++i) {
+    const options = { poseA: scene.pose(pairs[2 * i]), poseB: scene.pose(pairs[2 * i + 1]) };
+    assert.deepEqual([...contacts].slice(offsets[i], offsets[i + 1]), [...limber.contacts(model, model, 0.1, options)]);
+  }
+  const plain = scene.contacts(pairs, 0.1, { orientedFaces: "none" }).contacts;
+  assert.ok(contacts.normalSides.some((side) => side !== 0) && plain.normalSides.every((side) => side === 0));
+  assert.deepEqual([...scene.contacts([], 1).offsets], [0]);
+});
+
+test("one body is asked about next to all objects", () => {
+  const scene = row(4), ball = limber.Shape.sphere(0.25), pose = { translation: [9, 0, 0] };
+  const one = scene.add(ball, { translation: [20, 0, 0] });
+  scene.commit();
+  assert.equal(scene.model(one), ball);
+  const next = scene.closestObject(ball, { pose });
+  assert.deepEqual([next.object, next.result.upper, next.result.witness.pointA], [3, 5.5, [8.75, 0, 0]]);
+  const seen = [], filter = (...ids) => { seen.push(ids.length); return ids[0] !== 3; };
+  assert.equal(scene.closestObject(ball, { pose, filter }).object, 2);
+  assert.ok(seen.length > 0 && seen.every((count) => count === 1));
+  const none = scene.closestObject(ball, { pose, maxDistance: 5 });
+  assert.deepEqual([none.object, none.result.status], [null, "beyondLimit"]);
+  assert.deepEqual([...scene.candidates(ball, 0.75, { pose: { translation: [20, 1, 0] } })], [one]);
+  assert.deepEqual([...scene.candidates(ball, 99)].sort(), [0, 1, 2, 3, one]);
+  const thrown = new Error("filter");
+  assert.throws(() => scene.closestObject(ball, { filter: () => { throw thrown; } }), thrown);
+  refuses(() => scene.closestObject(ball, { filter: 3 }), "invalidArgument", "filter");
+  refuses(() => scene.closestObject(7), "invalidArgument", "body is no Model or Shape");
+  refuses(() => scene.candidates(ball, -1), "invalidArgument", "margin");
+  refuses(() => scene.contacts([0, 1], NaN), "invalidArgument", "margin");
+  refuses(() => scene.contacts([0, 9], 1), "invalidArgument", "pair");
+  ball.dispose();
+  refuses(() => scene.candidatePairs(1), "disposed", `object ${one}`);
+});
+
 test("mistakes are errors and change nothing", () => {
   const model = tetrahedron(), scene = row(3, model);
   for (const id of [7, -1, 0.5, "1", undefined, NaN]) {

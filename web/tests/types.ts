@@ -59,6 +59,18 @@ const uppers: Float64Array = scene.distance(scene.candidatePairs(1), { relativeE
 const pair: [number, number] | null = scene.closestObjects({ filter: counts, cache: sceneCache }).objects;
 const close: CollideResult[] = [...scene.anyWithinMany([id], new Float64Array(32), 0, { filter: (m, n) => m < n })];
 
+const shape: limber.Shape = limber.Shape.box(vector3, 0.1), floor = limber.Shape.heightField(vertices, 3, 3, 1, 1);
+const bodies: limber.Body[] = [a, shape, limber.Shape.cylinder([0, 0, 0], vector3, 1, 0.01)];
+const gap: number = limber.distance(bodies[0], floor).upper + shape.deviation;
+const offsets: Uint32Array = scene.contacts([id, id], 0.1, { orientedFaces: "both" }).offsets;
+const closest: number | null = scene.closestObject(shape, { pose: null, filter: (other) => other > 1 }).object;
+
+// @ts-expect-error shapes do not change
+shape.radius = 1;
+// @ts-expect-error shapes are made by functions
+new limber.Shape(1);
+// @ts-expect-error a shape has no mesh of its own
+limber.closestPoint(shape, vector3);
 // @ts-expect-error vertices are numbers
 new limber.Model("vertices", faces);
 // @ts-expect-error there is no worker
@@ -89,5 +101,6 @@ scene.closestObjects({ filter: rings });
 // @ts-expect-error nothing may touch
 touching.elements.kind;
 
-export { close, code, crossed, deepest, depth, edges, element, file, found, ids, impacts, inside, isWithin, maybe,
-  meets, moment, nearest, onPath, pair, placed, point, relation, soon, spheres, started, uppers, weldedOf, wrong };
+export { close, closest, code, crossed, deepest, depth, edges, element, file, found, gap, ids, impacts, inside,
+  isWithin, maybe, meets, moment, nearest, offsets, onPath, pair, placed, point, relation, soon, spheres, started,
+  uppers, weldedOf, wrong };
