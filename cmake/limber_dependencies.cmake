@@ -58,6 +58,11 @@ if(LIMBER_THREADS OR LIMBER_BUILD_PROGRAM OR LIMBER_BUILD_TESTS OR LIMBER_BUILD_
     https://github.com/oneapi-src/oneTBB/archive/refs/tags/v2021.12.0.tar.gz
     c7bb7aa69c254d91b8f0041a71c5bcc3936acb64408a1719aec0b2b7639dd84f
     "LIMBER_THREADS=OFF goes without it, if the program is not built either.")
+  # oneTBB asks for protections of the stack. GCC for Windows fails to compile one (its bug 90458), others are in libssp.
+  if(limber_fetched_TBB AND MINGW AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(tbb PRIVATE -fno-stack-clash-protection)
+    target_link_libraries(tbb INTERFACE ssp)
+  endif()
 endif()
 if(LIMBER_NEEDS_IO)
   limber_dependency(nlohmann_json nlohmann_json::nlohmann_json ""

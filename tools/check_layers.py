@@ -71,6 +71,7 @@ THIRD_PARTY = {
     "nanobind": ("python/",),
     "oneapi": ("src/base/", "apps/", "python/", "tests/", "bench/"),
     "wasm_simd128.h": ("src/simd/", "src/kernels/"),
+    "xlocale.h": ("src/io/decimal.cpp",),
     "xmmintrin.h": ("src/base/", "tests/", "fuzz/"),
 }
 

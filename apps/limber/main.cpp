@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "command/output.h"
+#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 
@@ -302,8 +302,7 @@ ExitCode main_program(int argc, const char* const* argv) {
 }  // namespace limber::program
 
 int main(int argc, char** argv) {
-  // When the reader of standard output is gone, a write fails, instead of a signal ending the program.
-  std::signal(SIGPIPE, SIG_IGN);
+  limber::program::prepare_streams();
   try {
     return static_cast<int>(limber::program::main_program(argc, argv));
   } catch (...) {

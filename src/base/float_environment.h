@@ -63,13 +63,31 @@ class DefaultFloatEnvironment {
   using Control = std::uint32_t;
   // MXCSR: all exceptions masked, rounding to nearest, neither flush-to-zero nor denormals-are-zero. The six sticky
   // flags, which note past exceptions, do not matter.
-  static constexpr Control default_control = 0x1f80, sticky_flags = 0x3f;
+  static constexpr Control default_mxcsr = 0x1f80, sticky_flags = 0x3f;
+#if defined(__MINGW32__)
+  // MinGW's mathematical functions compute on the x87 unit. The upper half is its control word: exceptions masked, 64
+  // bits of precision, rounding to nearest.
+  static constexpr Control default_control = default_mxcsr | 0x037f'0000;
+  static Control read() {
+    std::uint16_t x87 = 0;
+    asm volatile("fnstcw %0" : "=m"(x87));
+    return _mm_getcsr() | Control{x87} << 16U;
+  }
+  static void write(Control control) {
+    const auto x87 = static_cast<std::uint16_t>(control >> 16U);
+    asm volatile("fldcw %0" ::"m"(x87) : "memory");  // no load or store moves across
+    _mm_setcsr(control & 0xffffU);
+    asm volatile("" ::: "memory");
+  }
+#else
+  static constexpr Control default_control = default_mxcsr;
   static Control read() { return _mm_getcsr(); }
   static void write(Control control) {
     asm volatile("" ::: "memory");  // no load or store moves across
     _mm_setcsr(control);
     asm volatile("" ::: "memory");
   }
+#endif
   static bool is_default(Control control) { return (control & ~sticky_flags) == default_control; }
 #elif defined(__aarch64__)
   using Control = std::uint64_t;

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 /// Puts the path in front; the whole stays one line of text whatever the path, or what is quoted of the file, holds.
 Error in_file(const fs::path& path, Error error) {
-  error.text = path.string() + ": " + error.text;
+  const std::u8string name = path.u8string();
+  error.text = std::string(name.begin(), name.end()) + ": " + error.text;
   std::replace_if(
       error.text.begin(), error.text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; },
       ' ');

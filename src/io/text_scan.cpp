@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "io/decimal.h"
+
 namespace limber::io {
 namespace {
 
@@ -46,7 +48,7 @@ std::string_view without_comment(std::string_view line) {
 Number number(std::string_view word) {
   word = without_plus(word);
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = from_decimal(word.data(), word.data() + word.size(), value);
   const bool is_whole_word = end == word.data() + word.size();
   if (error == std::errc::invalid_argument) return {};
   if (!is_whole_word) {

@@ -33,12 +33,14 @@ TEST_F(Errors, missing_file_and_folder_are_unreadable) {
   EXPECT_EQ(unreadable("/dev/zero").code, ErrorCode::unreadable_file);
 }
 
+#if !defined(_WIN32)
 TEST_F(Errors, file_without_permission_is_unreadable) {
   if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
   const fs::path file = write("secret.obj", tetrahedron_obj());
   fs::permissions(file, fs::perms::none);
   EXPECT_EQ(unreadable(file).code, ErrorCode::unreadable_file);
 }
+#endif
 
 TEST_F(Errors, unknown_extensions_are_named) {
   EXPECT_EQ(refused("a.fbx", tetrahedron_obj()).code, ErrorCode::unsupported_format);

@@ -34,7 +34,10 @@ class FilesTest : public ::testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
 
-  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  /// A file or folder with a name in UTF-8.
+  std::filesystem::path path(const std::string& name) const {
+    return folder_ / std::u8string(name.begin(), name.end());
+  }
 
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
     std::filesystem::remove(path(name));  // overwriting waits for the disk, a new file does not

@@ -138,19 +138,23 @@ TEST_F(Gltf, buffer_files_lie_in_the_folder_or_below) {
     const Result<MeshFile> file = read("a.gltf", parts.gltf());
     EXPECT_TRUE(file) << uri << file.error().text;
   }
+#if !defined(_WIN32)  // where few may make links, and the standard library of MinGW cannot
   fs::create_symlink("below/b.bin", path("link.bin"));
   GltfParts parts;
   parts.uri = "link.bin";
   EXPECT_TRUE(read("a.gltf", parts.gltf()));
+#endif
 }
 
 TEST_F(Gltf, buffer_files_elsewhere_are_refused) {
   fs::create_directories(path("folder/below"));
   GltfParts parts;
   write("folder/inside.bin", parts.buffer);
-  const std::string outside = write("outside.bin", parts.buffer).string();
+  const std::string outside = write("outside.bin", parts.buffer).generic_string();
+#if !defined(_WIN32)
   fs::create_symlink(outside, path("folder/link.bin"));
   fs::create_directory_symlink(path(""), path("folder/up"));
+#endif
   for (const std::string& uri :
        {std::string("../outside.bin"), std::string("%2e%2E/outside.bin"), std::string("..%2Foutside.bin"),
         std::string("./../outside.bin"), outside, "file://" + outside, std::string("http://localhost/outside.bin"),
@@ -164,12 +168,14 @@ TEST_F(Gltf, buffer_files_elsewhere_are_refused) {
   }
 }
 
+#if !defined(_WIN32)
 TEST_F(Gltf, pipes_and_devices_are_no_buffer_files) {
   GltfParts parts;
   ASSERT_EQ(mkfifo(path("pipe.bin").c_str(), 0600), 0);
   parts.uri = "pipe.bin";
   EXPECT_NE(refused_parts(parts).text.find("is not a regular file"), std::string::npos);
 }
+#endif
 
 TEST_F(Gltf, bytes_in_a_buffer_file_beyond_the_promised_length_do_not_count) {
   GltfParts parts;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -193,6 +194,71 @@ TEST(ProgramContacts, AFileOfRowsLeavesTheAnswerAsItIs) {
   EXPECT_EQ(text_of(csv), answer_to(soups.question + "--margin 0.1 --csv -"));
   answer_to(soups.question + "--intersections --limit 0 --csv " + csv);
   EXPECT_EQ(text_of(csv), "triangle_a,triangle_b,face_a,face_b\n");
+}
+
+/// Numbers of regions by brute force: a flood from pair to pair, whose triangles are compared corner by corner.
+std::vector<std::size_t> flooded_regions(const std::vector<nlohmann::json>& pairs, MeshView a, MeshView b) {
+  const auto share = [](const Corners& t, const Corners& u) {
+    return std::any_of(t.begin(), t.end(), [&u](VertexId v) { return std::count(u.begin(), u.end(), v) > 0; });
+  };
+  const auto corners = [](MeshView mesh, const nlohmann::json& id) { return mesh.triangles[id.get<std::size_t>()]; };
+  std::vector<std::size_t> region(pairs.size(), pairs.size());
+  for (std::size_t start = 0; start < pairs.size(); ++start) {
+    if (region[start] < pairs.size()) continue;
+    std::vector<std::size_t> open = {start};
+    region[start] = start;
+    while (!open.empty()) {
+      const nlohmann::json at = pairs[open.back()];
+      open.pop_back();
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (region[i] < pairs.size()) continue;
+        if (!share(corners(a, at["triangle_a"]), corners(a, pairs[i]["triangle_a"]))) continue;
+        if (!share(corners(b, at["triangle_b"]), corners(b, pairs[i]["triangle_b"]))) continue;
+        region[i] = start;
+        open.push_back(i);
+      }
+    }
+  }
+  return region;
+}
+
+TEST(ProgramContacts, RegionsAreConnectedPairs) {
+  const Folder folder;
+  const Mesh sheet = scenes::wave_sheet(22, 22, 3), other = scenes::wave_sheet(22, 22, 9);
+  const std::string a = folder.store("a.obj", sheet), b = folder.store("b.obj", other);
+  for (const std::string margin : {"0", "0.05"}) {
+    const std::string line = "contacts " + a + ' ' + b + " --margin " + margin + " --regions";
+    const nlohmann::json json = json_of(line);
+    const std::vector<nlohmann::json> pairs = json["pairs"], regions = json["regions"];
+    const std::vector<std::size_t> expected = flooded_regions(pairs, sheet, other);
+    ASSERT_GT(regions.size(), 2U);
+    std::map<std::size_t, std::size_t> number_of;
+    std::vector<std::size_t> counts(regions.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const std::size_t found = pairs[i]["region"];
+      EXPECT_EQ(number_of.try_emplace(expected[i], found).first->second, found) << i;
+      ++counts.at(found);
+      const nlohmann::json& region = regions[found];
+      EXPECT_LE(region["distance"], pairs[i]["distance"]);
+      EXPECT_GE(region["depth"], pairs[i]["depth"]);
+      for (const char* const point : {"point_a", "point_b"}) {
+        const Vec3 p = point_of(pairs[i][point]), low = point_of(region["low"]), high = point_of(region["high"]);
+        EXPECT_TRUE(min(p, low) == low && max(p, high) == high);
+      }
+    }
+    EXPECT_EQ(number_of.size(), regions.size());
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      EXPECT_EQ(regions[r]["count"], counts[r]);
+      EXPECT_GE(regions[r > 0 ? r - 1 : 0]["depth"], regions[r]["depth"]);
+    }
+    EXPECT_NE(answer_to(line).find("regions   " + std::to_string(regions.size())), std::string::npos);
+    // Where few pairs are written, regions are still those of all.
+    const nlohmann::json few = json_of(line + " --limit 1");
+    EXPECT_EQ(few["regions"], json["regions"]);
+    EXPECT_EQ(few["pairs"].size(), 1U);
+    EXPECT_EQ(table_of(answer_to(line + " --csv -"))[0].at("region"), std::to_string(pairs[0]["region"].get<int>()));
+  }
+  expect_refused("contacts " + a + ' ' + b + " --intersections --regions", "--margin");
 }
 
 }  // namespace

@@ -104,6 +104,18 @@ TEST(ProgramReplay, HoldsAllFramesWithinHalfAStepAndAllAnswers) {
   EXPECT_EQ(poses_of(data["models"][0]["poses"]).size(), 1U);
 }
 
+TEST(ProgramReplay, HasTheClearanceThatIsRequired) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,2,1,0,0,0\n");
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses;
+  const Report with(line + " --min-clearance 2"), without(line);
+  EXPECT_EQ(with.outcome.exit_code, 3);
+  EXPECT_EQ(with.data["min_clearance"], 2);
+  EXPECT_EQ(with.data["rows"]["too_close"], (nlohmann::json{false, true}));
+  EXPECT_TRUE(without.data["min_clearance"].is_null());
+  EXPECT_EQ(without.data["rows"]["too_close"], (nlohmann::json{nullptr, nullptr}));
+}
+
 TEST(ProgramReplay, ThinsOutFramesOfPagesThatWouldBeTooLargeAndSaysSo) {
   const Folder folder;
   const std::vector<Mesh> meshes = waves(13, 90);

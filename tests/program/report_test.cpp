@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -182,9 +181,6 @@ TEST(ProgramReport, NamesOfFilesAreOnlyText) {
 TEST(ProgramReport, IsRefusedWhereItHasNoPlace) {
   const Folder folder;
   const std::string page = folder.path("r.html");
-  const std::string pairs = folder.store("pairs.csv", "model_a,model_b\nscene:ball,scene:square\n");
-  expect_refused("distance --pairs " + pairs + " --report " + page, "--pairs");
-  EXPECT_FALSE(std::filesystem::exists(page));
   const std::string huge = folder.store("huge.obj", "v 1e60 0 0\nv 0 1e60 0\nv 0 0 1e60\nf 1 2 3\n");
   expect_refused("distance " + huge + " scene:ball --pose-a 1.6e60,0,0,1,0,0,0 --report " + page,
                  "--report: a pose moves a vertex");

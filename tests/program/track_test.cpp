@@ -115,6 +115,43 @@ TEST(ProgramTrack, PosesMoveRigidModels) {
   EXPECT_EQ(rows[3].at("status"), "collision");
 }
 
+TEST(ProgramTrack, TellsWhetherAClearanceIsKept) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,3,1,0,0,0\n0,0,1.5,1,0,0,0\n");
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses;
+  const auto expect_marks = [&](const std::string& options, const std::string& marks, int exit_code) {
+    const Outcome outcome = run(line + options);
+    std::string found;
+    for (const Row& row : table_of(outcome.out)) found += row.at("too_close") + ' ';
+    EXPECT_EQ(found, marks) << options;
+    EXPECT_EQ(outcome.exit_code, exit_code) << options;
+  };
+  expect_marks(" --min-clearance 0.5", "false false false ", 0);  // distances are 3, 2 and 0.5
+  expect_marks(" --min-clearance 2", "false false true ", 3);
+  expect_marks(" --min-clearance 2.5 --max-distance 2.5", "false true true ", 3);
+  // Errors that are allowed do not decide.
+  expect_marks(" --min-clearance 2 --relative-error 1", "false false true ", 3);
+  expect_marks(" --min-clearance 2 --engine classic --absolute-error 1", "false false true ", 3);
+  EXPECT_EQ(table_of(run(line).out).front().count("too_close"), 0U);
+  EXPECT_EQ(json_lines_of(run(line + " --min-clearance 2 --json"))[2]["too_close"], true);
+  expect_refused(line + " --min-clearance 2 --max-distance 1", "--max-distance");
+  expect_refused(line + " --min-clearance 0", "--min-clearance");
+}
+
+TEST(ProgramTrack, AClearanceIsBrokenBetweenFrames) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,-4,1,0,0,0\n0,0,-5,1,0,0,0\n");
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses + " --min-clearance 0.5 --json";
+  EXPECT_EQ(run(line).exit_code, 0);
+  const Outcome outcome = run(line + " --continuous");
+  EXPECT_EQ(outcome.exit_code, 3);
+  const std::vector<nlohmann::json> rows = json_lines_of(outcome);
+  ASSERT_EQ(rows.size(), 3U);
+  for (const auto& [frame, is_broken] : {std::pair(0, false), std::pair(1, true), std::pair(2, false)}) {
+    EXPECT_EQ(rows[static_cast<std::size_t>(frame)]["too_close"], is_broken) << frame;
+  }
+}
+
 TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
   const Folder folder;
   const auto distance_with = [&](const std::string& csv) {

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <numbers>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "limber/distance.h"
@@ -183,13 +183,13 @@ TYPED_TEST(Query, SharesModelsBetweenThreads) {
   const auto separation = [](std::size_t i) { return 0.25 + 0.5 * static_cast<double>(i % 4); };
   std::vector<double> found(8);
   {
-    std::vector<std::jthread> threads;
+    std::vector<std::future<void>> threads;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      threads.emplace_back([&, i] {
+      threads.push_back(std::async(std::launch::async, [&, i] {
         const Transform pose = scenes::ball_over_square(ball.mesh(), separation(i), 0);
         for (int repeat = 0; repeat < 5; ++repeat) found[i] = this->distance(square, ball, pose).upper;
         if (this->collide(square, ball, pose).is_yes()) found[i] = -1;
-      });
+      }));
     }
   }
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], separation(i), 1e-13);

@@ -40,6 +40,13 @@ CLI::Option* add_relative_error(CLI::App& command, double& target) {
                     "the answer may exceed the true distance by this fraction of it; 0 is exact");
 }
 
+void add_min_clearance(CLI::App& command, std::optional<double>& target, const std::string& description) {
+  add_number(command, "--min-clearance", target,
+             {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
+             description)
+      ->type_name("LENGTH");
+}
+
 void add_distance_options(CLI::App& command, DistanceOptions& target) {
   add_relative_error(command, target.relative_error);
   add_number(command, "--absolute-error", target.absolute_error, not_negative,

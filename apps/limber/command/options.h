@@ -82,6 +82,9 @@ CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& t
 /// `--relative-error`.
 CLI::Option* add_relative_error(CLI::App& command, double& target);
 
+/// `--min-clearance`, with what it means.
+void add_min_clearance(CLI::App& command, std::optional<double>& target, const std::string& description);
+
 /// `--relative-error`, `--absolute-error`, `--max-distance`.
 void add_distance_options(CLI::App& command, DistanceOptions& target);
 

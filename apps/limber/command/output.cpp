@@ -3,7 +3,6 @@
 #include "command/output.h"
 
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +11,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "command/terminal.h"
 #include "command/text.h"
 
 namespace limber::program {
@@ -138,7 +138,7 @@ OutputFile::~OutputFile() {
   if (stream_ != stdout) std::fclose(stream_);  // everything has been handed over
 }
 
-bool OutputFile::is_terminal() const { return isatty(fileno(stream_)) != 0; }
+bool OutputFile::is_terminal() const { return program::is_terminal(stream_); }
 
 void OutputFile::write(std::string_view text) {
   write_to(stream_, text);
@@ -151,7 +151,7 @@ void show(const std::string& text) {
 }
 
 ProgressBar::ProgressBar(std::size_t count, const char* unit)
-    : count_(count), unit_(unit), is_shown_(isatty(STDERR_FILENO) != 0) {}
+    : count_(count), unit_(unit), is_shown_(is_terminal(stderr)) {}
 
 void ProgressBar::clear() {
   if (stands_) show("\r\033[K");

@@ -38,12 +38,21 @@ std::string_view without_dashes(std::string_view word) {
 std::optional<double> parsed_number(std::string_view text) {
   text = trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+#if defined(_LIBCPP_VERSION) && (_LIBCPP_VERSION < 200000 || defined(__APPLE__))
+  // Its std::from_chars reads no doubles. The program sets no locale, so the point is a point to strtod.
+  if (text.empty() || text.front() == '+' || text.find_first_of("xX( \t\n\v\f\r") != text.npos) return std::nullopt;
+  const std::string word(text);
+  char* stop = nullptr;
+  const double number = std::strtod(word.c_str(), &stop);
+  return stop == word.c_str() + word.size() ? std::optional(number) : std::nullopt;
+#else
   double number = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (text.empty() || stop != text.data() + text.size()) return std::nullopt;
   if (error == std::errc::result_out_of_range) return std::strtod(std::string(text).c_str(), nullptr);  // 0 or infinity
   if (error != std::errc{}) return std::nullopt;
   return number;
+#endif
 }
 
 std::optional<std::uint64_t> parsed_count(std::string_view text) {

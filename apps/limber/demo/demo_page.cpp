@@ -96,7 +96,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run
 std::string demo_page(const DemoRun& run, const std::string& command_line) {
   const Mesh first_sheet = scenes::thesis_sheet();
   Replay replay(
-      {run.frames.size(), run.frames.size(), {}, {}, words_of(run.options.model), run.options.query, max_megabytes},
+      {run.frames.size(), run.frames.size(), {}, {}, words_of(run.options.model), run.options.query, {}, max_megabytes},
       {ReplayedModel{"sheet", first_sheet, true, false}, ReplayedModel{"ball", run.ball, false, true}});
   replay_sheet(run.options, [&](std::size_t f, std::span<const Vec3> positions) {
     const DemoFrame& frame = run.frames[f];

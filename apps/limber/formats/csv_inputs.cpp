@@ -22,6 +22,8 @@ constexpr std::array<std::string_view, 16> pair_columns = {
     "model_a",   "model_b",                                                                     //
     "pose_a_tx", "pose_a_ty", "pose_a_tz", "pose_a_qw", "pose_a_qx", "pose_a_qy", "pose_a_qz",  //
     "pose_b_tx", "pose_b_ty", "pose_b_tz", "pose_b_qw", "pose_b_qx", "pose_b_qy", "pose_b_qz"};
+constexpr std::array<std::string_view, 9> part_columns = {"model",   "name",    "pose_tx", "pose_ty", "pose_tz",
+                                                          "pose_qw", "pose_qx", "pose_qy", "pose_qz"};
 
 Result<Transform> pose_of(const std::array<double, 7>& n) {
   return transform_from_quaternion({n[0], n[1], n[2]}, n[3], n[4], n[5], n[6]);
@@ -33,11 +35,12 @@ double number_in(const std::string& field, std::string_view column) {
   return *number;
 }
 
-/// The pose whose columns in a row of a file of pairs start with `first`.
-Transform pose_in(const std::vector<std::string>& fields, std::size_t first) {
+/// The pose whose fields in a row start with `first`, as do their names in `all_columns`.
+Transform pose_in(const std::vector<std::string>& fields, std::span<const std::string_view> all_columns,
+                  std::size_t first) {
   std::array<double, 7> numbers = {0, 0, 0, 1, 0, 0, 0};
   const std::span own = std::span(fields).subspan(first, numbers.size());
-  const std::span columns = std::span(pair_columns).subspan(first, numbers.size());
+  const std::span columns = all_columns.subspan(first, numbers.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (!own[i].empty()) numbers[i] = number_in(own[i], columns[i]);
   }
@@ -103,7 +106,17 @@ std::vector<PairRow> read_pairs(const std::string& path) {
     for (const std::size_t c : {0U, 1U}) {
       if (fields[c].empty()) throw BadInput(fmt::format("column {}: is empty", pair_columns[c]));
     }
-    rows.push_back({fields[0], fields[1], pose_in(fields, 2), pose_in(fields, 9), line});
+    rows.push_back({fields[0], fields[1], pose_in(fields, pair_columns, 2), pose_in(fields, pair_columns, 9), line});
+  });
+  return rows;
+}
+
+std::vector<PartRow> read_parts(const std::string& path) {
+  const CsvFormat format{"part", part_columns, 1, true, "; the first row names the columns: model"};
+  std::vector<PartRow> rows;
+  read_csv(path, format, [&](const std::vector<std::string>& fields, std::size_t line) {
+    if (fields[0].empty()) throw BadInput("column model: is empty");
+    rows.push_back({fields[1], fields[0], pose_in(fields, part_columns, 2), line});
   });
   return rows;
 }

@@ -10,8 +10,8 @@
 
 #include "limber/math.h"
 
-/// Poses, points and pairs of models as users write them. A pose is seven numbers tx,ty,tz,qw,qx,qy,qz: a translation
-/// in the mesh's length unit and a quaternion, which is normalised.
+/// Poses, points, pairs of models and parts as users write them. A pose is seven numbers tx,ty,tz,qw,qx,qy,qz: a
+/// translation in the mesh's length unit and a quaternion, which is normalised.
 ///
 /// Errors   BadInput of whatever reads a file, naming it and, where there are some, line and column.
 namespace limber::program {
@@ -39,5 +39,17 @@ struct PairRow {
 /// pose_a_ty, pose_a_tz, pose_a_qw, pose_a_qx, pose_a_qy, pose_a_qz. Numbers that are left out are those of the
 /// identity, but a quaternion is whole.
 std::vector<PairRow> read_pairs(const std::string& path);
+
+/// One row of a file of parts.
+struct PartRow {
+  std::string name;      ///< empty where the file has none
+  std::string model;     ///< as on the command line
+  Transform pose;        ///< world_from_model
+  std::size_t line = 0;  ///< where it stands in the file, counted from 1
+};
+
+/// The parts of a CSV file with a header: model, and where they are wanted name and pose_tx, pose_ty, pose_tz, pose_qw,
+/// pose_qx, pose_qy, pose_qz, as in a file of pairs.
+std::vector<PartRow> read_parts(const std::string& path);
 
 }  // namespace limber::program

@@ -4,14 +4,9 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
-#include <sched.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <future>
 #include <stdexcept>
 #include <vector>
@@ -21,39 +16,6 @@
 
 namespace limber::program {
 namespace {
-
-/// Lets the calling thread, and those that it starts, run on these cores only. Returns whether it may.
-bool run_on(const std::vector<int>& cores) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (const int core : cores) CPU_SET(core, &set);
-  return sched_setaffinity(0, sizeof(set), &set) == 0;
-}
-
-/// While an object lives, what the process has mapped stays in memory, its code and stacks included, and the calling
-/// thread has the scheduling policy SCHED_FIFO, where both are granted. In any case its sleeps end on time: the kernel
-/// lets ordinary threads sleep up to 50 us longer, to wake several at once.
-class RealTime {
- public:
-  RealTime() {
-    if (mlockall(MCL_CURRENT) != 0) locked_memory.refusal = std::strerror(errno);
-    constexpr unsigned long least_slack_ns = 1;
-    prctl(PR_SET_TIMERSLACK, least_slack_ns);
-    sched_param parameters{};
-    parameters.sched_priority = fifo_priority;
-    if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) priority.refusal = std::strerror(errno);
-  }
-  ~RealTime() {
-    const sched_param parameters{};
-    if (priority) sched_setscheduler(0, SCHED_OTHER, &parameters);
-    prctl(PR_SET_TIMERSLACK, 0UL);  // what the thread started with
-    if (locked_memory) munlockall();
-  }
-  RealTime(const RealTime&) = delete;
-  RealTime& operator=(const RealTime&) = delete;
-
-  Granted priority, locked_memory;
-};
 
 std::chrono::nanoseconds ns(double count) { return std::chrono::nanoseconds(std::llround(count)); }
 
@@ -116,24 +78,6 @@ void show_until_done(const std::future<void>& playing, const LoopOptions& option
 }
 
 }  // namespace
-
-std::vector<int> allowed_cores() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  std::vector<int> cores;
-  sched_getaffinity(0, sizeof(set), &set);  // fails on machines of more cores than a set has; then no core is known
-  for (int core = 0; core < CPU_SETSIZE; ++core) {
-    if (CPU_ISSET(core, &set)) cores.push_back(core);
-  }
-  return cores;
-}
-
-bool may_run_on(int core) {
-  const std::vector<int> before = allowed_cores();
-  const bool may = run_on({core});
-  if (may) run_on(before);
-  return may;
-}
 
 HapticRun run_haptics(const LoopOptions& options) {
   // A commit in a loop does not wait for other threads.

@@ -3,28 +3,14 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "haptics/haptic_scene.h"
+#include "haptics/real_time.h"
 #include "haptics/tick_loop.h"
 
 /// The haptic loop without its output, and what it asks of the operating system.
 namespace limber::program {
-
-/// The cores that the calling thread runs on, in ascending order. Cores that the kernel keeps free are not among them.
-std::vector<int> allowed_cores();
-
-/// Whether the calling thread may be told to run on a core, be it kept free.
-bool may_run_on(int core);
-
-/// An empty reason where something was granted; otherwise why it was not.
-struct Granted {
-  std::string refusal;
-  explicit operator bool() const { return refusal.empty(); }
-};
-
-inline constexpr int fifo_priority = 80;  ///< above the interrupt threads of a real-time kernel, which have 50
 
 struct LoopOptions {
   HapticOptions scene;

@@ -187,25 +187,37 @@ double diagonal_of(const Box& box) { return length(box.high - box.low); }
 /// The triangles of each model that intersect the other, and how many pairs of them there are.
 struct Intersections {
   std::size_t pair_count = 0;
-  std::vector<TriangleId> a, b;
+  IntersectingTriangles triangles;
   std::optional<Vec3> normal;  ///< of the deepest pair, from A to B
 };
 
-std::vector<TriangleId> marked_ids(const std::vector<bool>& is_marked) {
-  std::vector<TriangleId> ids;
-  for (TriangleId t = 0; t < is_marked.size(); ++t) {
-    if (is_marked[t]) ids.push_back(t);
+/// Which triangles of two models have been named.
+class MarkedTriangles {
+ public:
+  MarkedTriangles(const Placed& a, const Placed& b)
+      : a_(a.model().mesh().triangles().size()), b_(b.model().mesh().triangles().size()) {}
+
+  void mark(TriangleId a, TriangleId b) { a_[a] = b_[b] = true; }
+  IntersectingTriangles triangles() const { return {ids_of(a_), ids_of(b_)}; }
+
+ private:
+  static std::vector<TriangleId> ids_of(const std::vector<bool>& is_marked) {
+    std::vector<TriangleId> ids;
+    for (TriangleId t = 0; t < is_marked.size(); ++t) {
+      if (is_marked[t]) ids.push_back(t);
+    }
+    return ids;
   }
-  return ids;
-}
+
+  std::vector<bool> a_, b_;
+};
 
 Intersections intersections_of(const Placed& a, const Placed& b) {
-  std::vector<bool> meets_b(a.model().mesh().triangles().size()), meets_a(b.model().mesh().triangles().size());
+  MarkedTriangles marked(a, b);
   Intersections found;
   double deepest = -1;
   const auto visit = [&](const Contact& contact) {
-    meets_b[contact.triangle_a] = true;
-    meets_a[contact.triangle_b] = true;
+    marked.mark(contact.triangle_a, contact.triangle_b);
     if (contact.depth > deepest) {
       deepest = contact.depth;
       found.normal = contact.normal;
@@ -213,8 +225,7 @@ Intersections intersections_of(const Placed& a, const Placed& b) {
     return true;
   };
   found.pair_count = visit_contacts(a, b, 0, visit).count;
-  found.a = marked_ids(meets_b);
-  found.b = marked_ids(meets_a);
+  found.triangles = marked.triangles();
   return found;
 }
 
@@ -261,11 +272,19 @@ Json json_of_witness_corners(const Pair& pair, const std::optional<FoundWitness>
 
 }  // namespace
 
+IntersectingTriangles intersecting_triangles_of(const Placed& a, const Placed& b) {
+  MarkedTriangles marked(a, b);
+  visit_intersections(a, b, [&](const TrianglePair& pair) {
+    marked.mark(pair.a, pair.b);
+    return true;
+  });
+  return marked.triangles();
+}
+
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer) {
   // Only the fast engine has point queries and contacts.
-  const Model model_a(pair.a().model.mesh()), model_b(pair.b().model.mesh());
-  const Placed a{model_a, pair.a().pose}, b{model_b, pair.b().pose};
+  const Placed a{pair.a().model.in_fast_engine(), pair.a().pose}, b{pair.b().model.in_fast_engine(), pair.b().pose};
   Intersections found;
   if (answer.result.status == Status::collision) found = intersections_of(a, b);
   const double shortest_edge =
@@ -281,8 +300,8 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
   json["intersections"] = found.pair_count;
   json["contact_normal"] = found.normal ? to_json(*found.normal) : Json(nullptr);
   json["witness_corners"] = json_of_witness_corners(pair, answer.witness);
-  json["models"] = {json_of_model(arguments.a, pair.a(), b, shortest_edge, found.a),
-                    json_of_model(arguments.b, pair.b(), a, shortest_edge, found.b)};
+  json["models"] = {json_of_model(arguments.a, pair.a(), b, shortest_edge, found.triangles.a),
+                    json_of_model(arguments.b, pair.b(), a, shortest_edge, found.triangles.b)};
   return json;
 }
 

@@ -3,11 +3,17 @@
 #include "reports/page_template.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "command/text.h"
+#include "reports/sha256.h"
 #include "verbs/models.h"
 
 namespace limber::program {
@@ -21,6 +27,45 @@ const std::string& checked(const std::string& path) {
   return path;
 }
 
+/// "2026-11-26 17:05 UTC"
+std::string time_of_day() {
+  using namespace std::chrono;
+  const auto now = floor<minutes>(system_clock::now());
+  const auto today = floor<days>(now);
+  const year_month_day date(today);
+  const hh_mm_ss time(now - today);
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02} UTC", int{date.year()}, unsigned{date.month()},
+                     unsigned{date.day()}, time.hours().count(), time.minutes().count());
+}
+
+/// Name, size and digest of a file; nothing where it cannot be read a second time, as a pipe.
+std::optional<Json> described(const std::string& path) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed)) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> part(std::size_t{1} << 16U);
+  Sha256 digest;
+  std::uint64_t byte_count = 0;
+  while (file.read(part.data(), static_cast<std::streamsize>(part.size())) || file.gcount() > 0) {
+    const auto count = static_cast<std::size_t>(file.gcount());
+    digest.add(std::string_view(part.data(), count));
+    byte_count += count;
+  }
+  if (!file.eof()) return std::nullopt;
+  return Json{{"name", path}, {"bytes", byte_count}, {"sha256", digest.digest()}};
+}
+
+Json described_inputs(Names inputs) {
+  std::sort(inputs.begin(), inputs.end());
+  inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
+  Json json = Json::array();
+  for (const std::string& input : inputs) {
+    if (input.empty() || is_scene(input)) continue;
+    if (auto file = described(input)) json.push_back(std::move(*file));
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string filled_page(Json data, const std::string& command_line) {
@@ -28,6 +73,7 @@ std::string filled_page(Json data, const std::string& command_line) {
   const std::size_t at = viewer_template.find(placeholder);
   if (at == std::string_view::npos) throw std::logic_error("the viewer has no place for its data");
   data["version"] = LIMBER_VERSION;
+  data["made_at"] = time_of_day();
   data["command"] = command_line;
   std::string filled(viewer_template.substr(0, at));
   for (const char c : to_line(data)) {
@@ -41,13 +87,27 @@ std::string filled_page(Json data, const std::string& command_line) {
 }
 
 CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description) {
-  return command.add_option(option_name, arguments.path, description)->type_name("FILE");
+  CLI::Option* const report = command.add_option(option_name, arguments.path, description)->type_name("FILE");
+  command.add_option("--title", arguments.title, "with --report: the title of the page")
+      ->type_name("TEXT")
+      ->needs(report);
+  command.add_option("--unit", arguments.unit, "with --report: the unit of lengths in the page, such as mm")
+      ->type_name("NAME")
+      ->needs(report);
+  return report;
 }
 
 ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
-    : command_line_(arguments.command_line), file_(option_name, checked(arguments.path), inputs, {standard_output}) {}
+    : arguments_(arguments),
+      file_(option_name, checked(arguments.path), inputs, {standard_output}),
+      inputs_(described_inputs(inputs)) {}
 
-void ReportFile::write(Json data) { file_.write(filled_page(std::move(data), command_line_)); }
+void ReportFile::write(Json data) {
+  data["title"] = arguments_.title;
+  data["unit"] = arguments_.unit;
+  data["inputs"] = inputs_;
+  file_.write(filled_page(std::move(data), arguments_.command_line));
+}
 
 std::string shown_name(const std::string& argument) {
   return is_scene(argument) ? argument : std::filesystem::path(argument).filename().string();

@@ -17,26 +17,29 @@ namespace limber::program {
 
 extern const std::string_view viewer_template;
 
-/// The page with its data in place, to which the program's version and the command line are added. It shows a sequence
-/// if the data has "rows", as that of Replay, a force loop if it has "haptics", and otherwise what distance_report()
-/// gives.
+/// The page with its data in place, to which the program's version, the time and the command line are added. It shows a
+/// sequence if the data has "rows", as that of Replay, a study if it has "study", as that of Study, a force loop if it
+/// has "haptics", and otherwise what distance_report() gives.
 ///
 /// Pre      All numbers are finite.
 std::string filled_page(Json data, const std::string& command_line);
 
-/// `--report`: where to, and what the page says about its making.
+/// `--report`: where to, and what the page says about itself and its making.
 struct ReportArguments {
   std::string path;  ///< empty: no report is asked for
+  std::string title, unit;
   std::string command_line;
 };
 
+/// `--report`, `--title`, `--unit`. Returns the first.
 CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description);
 
 /// The file of a report. It is opened before the models are asked, so that a path that cannot be written is told at
 /// once.
 class ReportFile {
  public:
-  /// `inputs` are models and files as the user has named them.
+  /// `inputs` are models and files as the user has named them, and have just been read. The page names each file once,
+  /// with its size and SHA-256.
   ///
   /// Errors   BadInput where the path is "-" or one of the inputs, or cannot be written.
   ReportFile(const ReportArguments& arguments, const Names& inputs);
@@ -47,8 +50,9 @@ class ReportFile {
   void write(Json data);
 
  private:
-  std::string command_line_;
+  ReportArguments arguments_;
   OutputFile file_;
+  Json inputs_;
 };
 
 /// A name of a model as a page shows it: without its folders.

@@ -74,10 +74,9 @@ void write_work_lines(const QueryStats& stats, double build_us, double query_us)
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b) {
   const std::optional<double>& clearance = question.min_clearance;
   const auto timed = ask(a, b, [&](const auto& placed_a, const auto& placed_b) {
-    const DistanceResult result = distance(placed_a, placed_b, question.options);
-    const bool is_decided = !clearance || result.upper < *clearance || result.lower >= *clearance;
-    if (is_decided) return result;
-    return distance(placed_a, placed_b, {.max_distance = question.options.max_distance});
+    return decided_distance(question.options, clearance, [&](const DistanceOptions& options) {
+      return DistanceResult(distance(placed_a, placed_b, options));
+    });
   });
   DistanceAnswer answer;
   answer.result = timed.answer;

@@ -68,8 +68,17 @@ struct DistanceAnswer {
   double elapsed_us = 0;
 };
 
-/// Asks. Where `min_clearance` lies in the interval that the errors allow, the query is asked once more without them,
-/// so that `too_close` is as true as an exact distance.
+/// The answer of `ask`, which takes the options of a distance and gives it. Where a clearance lies in the interval that
+/// the errors allow, it is asked once more without them, so that whether the models are closer is as true as an exact
+/// distance says.
+template <typename Ask>
+DistanceResult decided_distance(const DistanceOptions& options, const std::optional<double>& clearance, Ask ask) {
+  const DistanceResult result = ask(options);
+  const bool is_decided = !clearance || result.upper < *clearance || result.lower >= *clearance;
+  return is_decided ? result : ask({.max_distance = options.max_distance});
+}
+
+/// Asks, as decided_distance() does.
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b);
 
 /// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond

@@ -24,6 +24,12 @@ constexpr std::uint64_t table_rows_unless_told = 10;
 constexpr std::uint64_t most_closest = 1'000'000;
 constexpr std::size_t csv_chunk_bytes = std::size_t{1} << 16U;
 
+Json json_of_region(const ContactRegion& region) {
+  return {{"count", region.count},       {"intersecting", region.intersecting_count},
+          {"distance", region.distance}, {"depth", region.depth},
+          {"low", to_json(region.low)},  {"high", program::to_json(region.high)}};
+}
+
 /// As NormalSide, whose first value is unknown.
 constexpr std::array normal_side_words = {"unknown", "outward", "inward"};
 
@@ -94,6 +100,7 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
   }
   json["face_a"] = contact.face_a;
   json["face_b"] = contact.face_b;
+  if (contact.region) json["region"] = *contact.region;
   return json;
 }
 
@@ -103,9 +110,20 @@ std::string contact_columns(ContactDetail detail) {
          "normal_x,normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b";
 }
 
+void find_regions(FoundContacts& found, MeshView a, MeshView b, std::size_t room) {
+  ContactRegions regions = regions_of({found.first.begin(), found.first.end()}, a, b);
+  for (std::size_t i = 0; i < found.first.size(); ++i) found.first[i].region = regions.region_of[i];
+  found.regions = std::move(regions.regions);
+  found.first.resize(std::min(room, found.first.size()));
+}
+
 void append_contacts(Json& json, const FoundContacts& found) {
   json["count"] = found.count;
   json["intersecting"] = found.intersecting_count;
+  if (found.regions) {
+    Json& regions = json["regions"] = Json::array();
+    for (const ContactRegion& region : *found.regions) regions.push_back(json_of_region(region));
+  }
   Json& pairs = json["pairs"] = Json::array();
   for (const FoundContact& contact : found.first) pairs.push_back(to_json(contact, found.detail));
 }
@@ -113,6 +131,13 @@ void append_contacts(Json& json, const FoundContacts& found) {
 void write_count_line(const FoundContacts& found) {
   if (found.detail == ContactDetail::ids) return write_line("pairs     {}", found.count);
   write_line("pairs     {}, {} of them at distance 0", found.count, found.intersecting_count);
+  if (!found.regions) return;
+  write_line("regions   {}", found.regions->size());
+  for (std::size_t r = 0; r < std::min<std::size_t>(table_rows_unless_told, found.regions->size()); ++r) {
+    const ContactRegion& region = (*found.regions)[r];
+    write_line("region {}  {} pairs, distance {:.6g}, depth {:.6g}, from {} to {}", r, region.count, region.distance,
+               region.depth, to_text(region.low, " "), to_text(region.high, " "));
+  }
 }
 
 void write_table(const FoundContacts& found, std::size_t row_count) {
@@ -198,7 +223,7 @@ void ContactOutput::write(const FoundContacts& found, const std::function<Json()
 }
 
 void ContactOutput::write_csv(const FoundContacts& found) {
-  std::string text = contact_columns(found.detail) + '\n';
+  std::string text = contact_columns(found.detail) + (found.regions ? ",region\n" : "\n");
   for (const FoundContact& contact : found.first) {
     text += csv_line(to_json(contact, found.detail));
     if (text.size() < csv_chunk_bytes) continue;

@@ -11,6 +11,7 @@
 
 #include "command/output.h"
 #include "limber/contacts.h"
+#include "verbs/contact_regions.h"
 
 namespace CLI {
 class App;
@@ -22,6 +23,7 @@ namespace limber::program {
 /// A pair of triangles, and the faces of the files that they come from.
 struct FoundContact : Contact {
   std::uint32_t face_a = 0, face_b = 0;
+  std::optional<std::uint32_t> region = {};  ///< where regions were asked for
 };
 
 /// What was asked about each pair.
@@ -35,6 +37,7 @@ struct FoundContacts {
   std::size_t intersecting_count = 0;  ///< those at distance 0
   ContactDetail detail = ContactDetail::all;
   std::vector<FoundContact> first;  ///< as many as were asked for: the deepest, then the nearest, then by ids
+  std::optional<std::vector<ContactRegion>> regions = {};  ///< of all pairs, where they were asked for
   QueryStats stats;
   double elapsed_us = 0;
 };
@@ -76,10 +79,13 @@ std::string to_text(Feature feature);
 Json to_json(const FoundContact& contact, ContactDetail detail);
 std::string contact_columns(ContactDetail detail);
 
-/// `count`, `intersecting` and `pairs`.
+/// Finds the regions of all pairs, and keeps the first few of the pairs. Pre: all pairs are there, with all detail.
+void find_regions(FoundContacts& found, MeshView a, MeshView b, std::size_t room);
+
+/// `count`, `intersecting`, `regions` where there are some, and `pairs`.
 void append_contacts(Json& json, const FoundContacts& found);
 
-/// How many pairs there are.
+/// How many pairs there are, and regions where they were asked for: the first few of these, too.
 void write_count_line(const FoundContacts& found);
 /// At most `row_count` of the pairs, below a blank line and names of columns. Nothing where there is no row.
 void write_table(const FoundContacts& found, std::size_t row_count);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,15 +20,16 @@ namespace {
 
 struct ContactsArguments {
   PlacedArguments models;
+  bool regions = false;
   ContactArguments contacts;
 };
 
-/// Asks the one question of the arguments. `near` and `meeting` take a margin and a visitor, or a visitor alone.
+/// Asks the one question of the arguments. `within_margin` takes a margin and a visitor, `meeting` a visitor alone.
 FoundContacts find(const ContactArguments& arguments, std::size_t room, std::uint64_t pair_count, const auto& closest,
-                   const auto& near, const auto& meeting) {
+                   const auto& within_margin, const auto& meeting) {
   const ContactDetail detail = arguments.margin || arguments.closest ? ContactDetail::all : ContactDetail::ids;
   return collect_contacts(room, detail, [&](ContactCollector& visit) {
-    if (arguments.margin) return near(*arguments.margin, visit);
+    if (arguments.margin) return within_margin(*arguments.margin, visit);
     if (!arguments.closest) return meeting(visit);
     std::vector<Contact> pairs(std::min(*arguments.closest, pair_count));
     const PairCount found = closest(std::span(pairs));
@@ -51,7 +53,11 @@ FoundContacts find(const ContactArguments& arguments, const Pair& pair, std::siz
 ExitCode run(const ContactsArguments& arguments) {
   const Pair pair(arguments.models);
   ContactOutput output(arguments.contacts, {arguments.models.a, arguments.models.b});
-  const FoundContacts found = find(arguments.contacts, pair, output.room());
+  const std::size_t all = std::numeric_limits<std::size_t>::max();
+  FoundContacts found = find(arguments.contacts, pair, arguments.regions ? all : output.room());
+  if (arguments.regions) {
+    find_regions(found, pair.a().model.mesh(), pair.b().model.mesh(), output.room());
+  }
   const Nesting nesting = found.intersecting_count > 0 ? Nesting::none : nesting_of(pair.a(), pair.b());
   const auto json = [&] {
     Json answer = {{"query", "contacts"}};
@@ -75,6 +81,12 @@ One of --margin, --intersections and --closest says which pairs are asked for. T
 where fewer are written. With --closest it is less than K where there are fewer pairs; which of several equally close
 ones are among the K is not defined. Whether triangles intersect is decided exactly, and touching is intersecting.
 Points and normals are in the world frame.
+
+--regions says which pairs are connected: two are neighbors if their triangles of A share a vertex, or are one, and
+their triangles of B, too. A region is all that is reached from neighbor to neighbor, such as each place where a shaft
+goes through a plate. The deepest comes first, then the nearest; regions count from 0. Pairs get a column region. JSON
+has regions, an array of count, intersecting, distance, which is the least, depth, the largest, and low and high, a box
+around the points of its pairs.
 
 Models are surfaces, not solids: pairs of one wholly inside the other are those of their surfaces. Where a closed model
 has the other inside, a warning says so, and the field inside in JSON.
@@ -162,6 +174,8 @@ Verb add_contacts(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("contacts", "Pairs of triangles of two models that intersect or are close");
   add_placed_arguments(command, arguments->models);
   add_contact_arguments(command, arguments->contacts, "there is such a pair");
+  command.add_flag("--regions", arguments->regions, "with --margin: which pairs belong together")
+      ->needs(command.get_option("--margin"));
   command.parse_complete_callback([&command] {
     if (check_contact_arguments(command)) return;
     throw CLI::RequiredError("--margin, --intersections or --closest");

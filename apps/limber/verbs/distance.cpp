@@ -1,32 +1,29 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <limits>
-#include <map>
 #include <memory>
 #include <optional>
-#include <system_error>
-#include <vector>
 
 #include "command/options.h"
 #include "command/text.h"
 #include "command/verb.h"
-#include "formats/csv_inputs.h"
 #include "limber/distance.h"
 #include "reports/distance_report.h"
 #include "verbs/answers.h"
+#include "verbs/distance_many.h"
 #include "verbs/models.h"
+#include "verbs/vertex_distances.h"
 
 namespace limber::program {
 namespace {
 
 struct DistanceArguments {
   PairArguments pair;
-  std::string pairs, out = "-";
+  std::string pairs, parts, out = "-";
   DistanceOptions options;
   std::optional<double> min_clearance;
   ReportArguments report;
+  VertexFiles vertices;
 };
 
 DistanceQuestion question_of(const DistanceArguments& arguments) {
@@ -51,12 +48,15 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, double absolut
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
+  const Names inputs = {arguments.pair.a, arguments.pair.b, arguments.pair.path_a, arguments.pair.path_b};
+  VertexDistances vertices(arguments.vertices, inputs, {arguments.report.path});
   std::optional<ReportFile> report;
-  if (!arguments.report.path.empty()) report.emplace(arguments.report, Names{arguments.pair.a, arguments.pair.b});
+  if (!arguments.report.path.empty()) report.emplace(arguments.report, inputs);
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.options.absolute_error)
                                             : answer_to(question, pair.a(), pair.b());
   if (report) report->write(distance_report(arguments.pair, pair, question, answer));
+  vertices.write(pair.a(), pair.b());
   if (arguments.pair.json) {
     Json json = {{"query", "distance"}};
     append_answer(json, answer);
@@ -76,107 +76,11 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   return exit_code_of(question, answer);
 }
 
-/// Models by their names. A file that is named in several ways is still one model.
-class Models {
- public:
-  explicit Models(Engine engine) : engine_(engine) {}
-
-  const RigidModel* load(const std::string& name) {
-    std::unique_ptr<RigidModel>& model = models_[key_of(name)];
-    if (!model) model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
-    return model.get();
-  }
-
-  /// The files that have been loaded.
-  Names files() const {
-    Names files;
-    for (const auto& [name, model] : models_) files.push_back(name);
-    return files;
-  }
-
- private:
-  static std::string key_of(const std::string& name) {
-    if (is_scene(name)) return name;
-    std::error_code failed;
-    const std::filesystem::path path = std::filesystem::weakly_canonical(name, failed);
-    return failed ? name : path.string();
-  }
-
-  Engine engine_;
-  std::map<std::string, std::unique_ptr<RigidModel>> models_;
-};
-
-/// The models of one row.
-struct LoadedPair {
-  const RigidModel *a = nullptr, *b = nullptr;
-};
-
-std::vector<LoadedPair> load_all(const std::vector<PairRow>& rows, const std::string& path, Models& models) {
-  std::vector<LoadedPair> pairs;
-  pairs.reserve(rows.size());
-  const auto load = [&](const PairRow& row, const char* column, const std::string& name) {
-    try {
-      return models.load(name);
-    } catch (const BadInput& error) {
-      throw BadInput(fmt::format("{}: line {}: column {}: {}", path, row.line, column, error.what()));
-    }
-  };
-  for (const PairRow& row : rows) {
-    pairs.push_back({load(row, "model_a", row.model_a), load(row, "model_b", row.model_b)});
-  }
-  return pairs;
-}
-
-Json answer_in_row(std::size_t number, const PairRow& row, const DistanceAnswer& answer) {
-  Json json = {{"row", number}, {"model_a", row.model_a}, {"model_b", row.model_b}};
-  append_answer(json, answer);
-  append_work(json, answer.result.stats, answer.elapsed_us);
-  return json;
-}
-
-void warn_about(std::size_t nested_count) {
-  if (nested_count == 0) return;
-  const std::string where =
-      nested_count == 1 ? "in 1 row a model lies" : fmt::format("in {} rows a model lies", nested_count);
-  warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
-}
-
-/// The columns of the answer to a file of pairs, as csv_line() makes them from answer_in_row().
-std::string pairs_answer_columns() {
-  return fmt::format("row,model_a,model_b,{},{},too_close,inside,clash,solids,query_us,node_tests,triangle_tests",
-                     distance_columns, witness_columns);
-}
-
-/// Answers the same question for every pair of a file, and writes a row for each. All rows are read, and each model is
-/// loaded once, before anything is written.
-ExitCode answer_pairs(const DistanceArguments& arguments) {
-  const DistanceQuestion question = question_of(arguments);
-  const std::vector<PairRow> rows = read_pairs(arguments.pairs);
-  Models models(arguments.pair.engine);
-  const std::vector<LoadedPair> pairs = load_all(rows, arguments.pairs, models);
-  Names inputs = models.files();
-  inputs.push_back(arguments.pairs);
-  OutputFile out("--out", arguments.out, inputs, {});
-  ProgressBar bar(rows.size(), "pairs");
-  ExitCode exit_code = ExitCode::answered;
-  std::size_t nested_count = 0;
-  if (!arguments.pair.json) out.write(pairs_answer_columns() + '\n');
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    bar.draw(i);
-    const DistanceAnswer answer = answer_to(question, {*pairs[i].a, rows[i].pose_a}, {*pairs[i].b, rows[i].pose_b});
-    if (answer.relation.nesting != Nesting::none) ++nested_count;
-    if (exit_code_of(question, answer) == ExitCode::found) exit_code = ExitCode::found;
-    if (out.is_terminal()) bar.clear();
-    const Json row = answer_in_row(i, rows[i], answer);
-    out.write(arguments.pair.json ? to_line(row) : csv_line(row));
-  }
-  bar.clear();
-  warn_about(nested_count);
-  return exit_code;
-}
-
 ExitCode run(const DistanceArguments& arguments) {
-  return arguments.pairs.empty() ? answer_pair(arguments) : answer_pairs(arguments);
+  if (arguments.pairs.empty() && arguments.parts.empty()) return answer_pair(arguments);
+  return answer_pairs(
+      {arguments.pairs, arguments.parts, arguments.out, arguments.pair.json, arguments.pair.engine, arguments.report},
+      question_of(arguments));
 }
 
 constexpr const char* help_text = R"(
@@ -204,9 +108,14 @@ left out is 0; a quaternion is given whole, or not at all. Other columns are ign
 misspelt. Blank lines and those that start with # are skipped. Paths are relative to the working directory. Each file is
 loaded once.
 
+A file of parts has the column model, and where you want them name and pose_tx to pose_qz. The answer has a row for each
+pair of parts, the first with all others first. part_a and part_b count parts from 0, name_a and name_b are their names,
+or their models without folders.
+
 --report writes one HTML file that needs no network: both meshes in 3D with the closest points, a section through
 them, the distance of each surface from the other in colours, or the triangles that intersect, and the answer as a
-table.
+table. Of a file of pairs or parts it says first whether the clearance is kept, and lists all pairs, the worst first;
+each is shown in 3D. Pages name date, version, and the SHA-256 of files that were read.
 
 Example, pairs.csv:
 
@@ -215,31 +124,36 @@ Example, pairs.csv:
   gear.obj,scene:ball,3,0,0
 
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
+  limber distance --pairs pairs.csv --min-clearance 0.5 --report study.html
+  limber distance --parts parts.csv --report assembly.html --unit mm
 
 Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other
 without touching it, solids where a model is not closed, upper and the witness where status is beyond_limit. JSON has
 the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a,
 triangle_b, face_a, face_b. For one pair build_us is the time for both trees. Columns of the answer, where row counts
-from 0:
+from 0; with --parts part_a, part_b, name_a and name_b are in place of the models:
 
 )";
 
 /// What the options say about each other.
 void check_options(const CLI::App& command, const DistanceArguments& arguments) {
   const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
-  const bool has_pairs = is_given("--pairs");
+  const char* const file = is_given("--pairs") ? "--pairs" : is_given("--parts") ? "--parts" : nullptr;
   for (const char* const name : {"A", "B"}) {
-    if (!has_pairs && !is_given(name)) throw CLI::RequiredError(name);
+    if (file == nullptr && !is_given(name)) throw CLI::RequiredError(name);
   }
-  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--path-a", "--path-b", "--report"}) {
-    if (has_pairs && is_given(name)) throw CLI::ValidationError("--pairs", std::string("leaves no room for ") + name);
+  for (const char* const name :
+       {"A", "B", "--pose-a", "--pose-b", "--path-a", "--path-b", "--vertices-a", "--vertices-b"}) {
+    if (file != nullptr && is_given(name)) throw CLI::ValidationError(file, std::string("leaves no room for ") + name);
   }
+  if (is_given("--pairs") && is_given("--parts")) throw CLI::ValidationError("--pairs", "leaves no room for --parts");
   for (const char* const path : {"--path-a", "--path-b"}) {
-    for (const char* const name : {"--relative-error", "--max-distance", "--min-clearance", "--report"}) {
+    for (const char* const name :
+         {"--relative-error", "--max-distance", "--min-clearance", "--report", "--vertices-a", "--vertices-b"}) {
       if (is_given(path) && is_given(name)) throw CLI::ValidationError(path, std::string("leaves no room for ") + name);
     }
   }
-  if (!has_pairs && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs");
+  if (file == nullptr && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs and --parts");
   if (arguments.min_clearance > arguments.options.max_distance) {
     throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
   }
@@ -259,22 +173,30 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
       "a pair is at most --max-distance apart, or a hard clash; where --min-clearance is given, that decides");
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
-  add_number(command, "--min-clearance", arguments->min_clearance,
-             {std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(), "a finite number > 0"},
-             "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance")
-      ->type_name("LENGTH");
+  add_min_clearance(
+      command, arguments->min_clearance,
+      "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance");
   command
       .add_option("--pairs", arguments->pairs,
                   "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
                   "--json an object for each row")
       ->type_name("CSV");
-  command.add_option("--out", arguments->out, "with --pairs: where the answer is written, - for standard output")
+  command
+      .add_option("--parts", arguments->parts,
+                  "instead of A and B: a CSV file with a part of an assembly in each row; the answer is that of all "
+                  "pairs of parts")
+      ->type_name("CSV");
+  command
+      .add_option("--out", arguments->out,
+                  "with --pairs and --parts: where the answer is written, - for standard output")
       ->type_name("FILE")
       ->capture_default_str();
   add_report(command, arguments->report,
-             "also write a page that shows the answer: both meshes, a section, their distance in colours");
+             "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
+             "pairs, the worst first");
+  add_vertex_files(command, arguments->vertices);
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(std::string(help_text) + clash_help + path_answer_help + path_help + pairs_help +
+  command.footer(std::string(help_text) + clash_help + vertex_files_help + path_answer_help + path_help + pairs_help +
                  spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -14,6 +13,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "haptics/haptic_report.h"
@@ -79,7 +79,7 @@ ExitCode run(const Arguments& arguments) {
   LoopOptions options = arguments.loop;
   options.core = chosen_core(arguments);
   options.scene.tick_budget = tick_budget(arguments);
-  options.shows_progress = !arguments.is_quiet && isatty(STDERR_FILENO) != 0;
+  options.shows_progress = !arguments.is_quiet && is_terminal(stderr);
   const std::unique_ptr<OutputFile> out = opened("--out", arguments.out), page = opened("--page", arguments.page);
   const HapticRun run = run_haptics(options);
   const HapticSummary summary = summary_of(run);

@@ -185,12 +185,13 @@ bool RigidModel::is_closed() const {
   return *is_closed_;
 }
 
+const Model& RigidModel::in_fast_engine() const {
+  if (const auto* const model = std::get_if<Model>(&model_)) return *model;
+  return in_fast_engine_ ? *in_fast_engine_ : in_fast_engine_.emplace(mesh());
+}
+
 const Result<ClosedSurface>& RigidModel::surface() const {
-  if (!surface_) {
-    const Model* model = std::get_if<Model>(&model_);
-    if (model == nullptr) model = &model_of_surface_.emplace(mesh());
-    surface_ = ClosedSurface::create(*model);
-  }
+  if (!surface_) surface_ = ClosedSurface::create(in_fast_engine());
   return *surface_;
 }
 

@@ -63,6 +63,8 @@ class RigidModel {
   const Mesh& mesh() const;
   /// Pre: the engine is the fast one.
   const Model& fast() const { return std::get<Model>(model_); }
+  /// The model in the fast engine, whichever it is of; made when it is first asked for.
+  const Model& in_fast_engine() const;
   std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
   std::size_t face_count() const { return face_count_; }  ///< of the file
   double build_us() const { return build_us_; }           ///< time for the tree
@@ -81,7 +83,7 @@ class RigidModel {
   std::vector<std::uint32_t> face_of_triangle_;
   std::size_t face_count_ = 0;
   mutable std::optional<bool> is_closed_;
-  mutable std::optional<Model> model_of_surface_;  // where the engine is not the fast one
+  mutable std::optional<Model> in_fast_engine_;  // where the engine is another one
   mutable std::optional<Result<ClosedSurface>> surface_;
 };
 

@@ -20,7 +20,8 @@ double most_frame_bytes(std::uint64_t max_megabytes) {
   return std::max(fewest_frame_bytes, (1e6 * static_cast<double>(max_megabytes) - other_bytes) * 3 / 4);
 }
 
-constexpr std::array row_names = {"lower", "upper", "status", "update_us", "query_us", "moved_vertices", "witness"};
+constexpr std::array row_names = {"lower",     "upper",    "status",         "too_close",
+                                  "update_us", "query_us", "moved_vertices", "witness"};
 constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
 constexpr std::array impact_row_names = {"status", "lower", "touch"};
 
@@ -56,10 +57,10 @@ TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   return *this;
 }
 
-std::string track_csv_header(const Names& contact_names, const Names& impact_names) {
+std::string track_csv_header(bool has_clearance, const Names& contact_names, const Names& impact_names) {
   std::string header =
-      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests",
-                  distance_columns, witness_columns);
+      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests{}",
+                  distance_columns, witness_columns, has_clearance ? ",too_close" : "");
   const std::string of_contacts = "us,count,intersecting," + contact_columns(ContactDetail::all);
   for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
   for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
@@ -74,6 +75,7 @@ Json to_json(const TrackRow& row) {
   json["absorbed"] = row.update.done.absorbed;
   json["node_tests"] = row.result.stats.node_tests;
   json["triangle_tests"] = row.result.stats.triangle_tests;
+  if (row.too_close) json["too_close"] = *row.too_close;
   for (const auto& [name, found] : row.contacts) {
     json[name] = {{"query_us", found.elapsed_us},
                   {"count", found.count},
@@ -151,6 +153,7 @@ void Replay::add_row(const TrackRow& row) {
   Json answer;
   append_distance(answer, row.result, row.witness);
   for (const char* const name : {"lower", "upper", "status"}) rows_[name].push_back(answer[name]);
+  rows_["too_close"].push_back(program::to_json(row.too_close));
   rows_["update_us"].push_back(row.update.elapsed_us);
   rows_["query_us"].push_back(row.query_us);
   rows_["moved_vertices"].push_back(row.update.done.moved_vertices);
@@ -185,6 +188,7 @@ Json Replay::to_json() const {
           {"absolute_error", sequence_.query.absolute_error},
           {"max_distance",
            std::isfinite(sequence_.query.max_distance) ? Json(sequence_.query.max_distance) : Json(nullptr)},
+          {"min_clearance", program::to_json(sequence_.min_clearance)},
           {"frame_count", sequence_.frame_count},
           {"stride", stride_},
           {"max_megabytes", sequence_.max_megabytes},

@@ -41,12 +41,15 @@ struct TrackRow {
   double query_us = 0;
   DistanceResult result;
   std::optional<FoundWitness> witness;
+  /// Whether the models are closer than a clearance that is required, or touch on the way from the line before; empty
+  /// where none is.
+  std::optional<bool> too_close;
   std::vector<FrameContacts> contacts;
   std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
 /// The first line of CSV; names are the words that columns of contacts and of impacts start with.
-std::string track_csv_header(const Names& contact_names, const Names& impact_names);
+std::string track_csv_header(bool has_clearance, const Names& contact_names, const Names& impact_names);
 /// The line, whose values are the cells under the header.
 Json to_json(const TrackRow& row);
 
@@ -75,6 +78,7 @@ class Replay {
     Names contact_names, impact_names;
     std::string engine;  ///< in words
     DistanceOptions query;
+    std::optional<double> min_clearance;
     std::uint64_t max_megabytes = 0;  ///< that the page may have
   };
 

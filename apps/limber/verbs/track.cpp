@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -13,6 +12,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -32,6 +32,7 @@ constexpr std::uint64_t max_loops = 1'000'000;
 struct TrackArguments {
   ModelArguments a, b;
   DistanceOptions query;
+  std::optional<double> min_clearance;
   DeformingOptions model;
   bool contacts = false;         // pairs of triangles of the two models are counted
   bool self_contacts = false;    // pairs of triangles of each deforming model with itself are counted
@@ -48,6 +49,9 @@ struct TrackArguments {
 void check_options(const TrackArguments& arguments) {
   if (arguments.margin && !arguments.contacts && !arguments.self_contacts) {
     throw BadInput("--margin: belongs to --contacts and --self");
+  }
+  if (arguments.min_clearance > arguments.query.max_distance) {
+    throw BadInput("--max-distance: must be at least --min-clearance");
   }
   if (arguments.model.engine == DeformingEngine::fast) return;
   for (const auto& [is_given, name] : {std::pair{arguments.contacts, "--contacts"},
@@ -131,6 +135,16 @@ FrameImpact impact_of(const AskedPair& asked, std::size_t row, bool is_first, bo
   return impact;
 }
 
+/// Whether the models are closer than the clearance in a frame, or touch on the way to it. Pre: all else is set.
+bool is_too_close(const TrackRow& row, const Asked& asked, double min_clearance) {
+  bool touches = false;
+  for (std::size_t i = 0; i < row.impacts.size(); ++i) {
+    const bool is_of_both = asked.impacts[i].a != asked.impacts[i].b;
+    touches = touches || (is_of_both && row.impacts[i].status.value_or(ImpactStatus::clear) != ImpactStatus::clear);
+  }
+  return touches || row.result.upper < min_clearance;
+}
+
 TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::size_t number, std::size_t frame,
                      const TrackArguments& arguments) {
   TrackRow row;
@@ -145,12 +159,15 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::
   row.update += a.go();
   row.update += b.go();
   const Stopwatch asking;
-  row.result = DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), arguments.query);
+  row.result = decided_distance(arguments.query, arguments.min_clearance, [&](const DistanceOptions& options) {
+    return DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
+  });
   row.query_us = asking.microseconds();
   row.witness = with_faces(row.result.witness, a, b);
   for (const AskedPair& pair : asked.contacts) {
     row.contacts.push_back(find_contacts(pair, arguments.margin.value_or(0)));
   }
+  if (arguments.min_clearance) row.too_close = is_too_close(row, asked, *arguments.min_clearance);
   return row;
 }
 
@@ -182,26 +199,28 @@ ExitCode run(const TrackArguments& arguments) {
   if (!arguments.report.path.empty()) {
     page.emplace(arguments.report, inputs_of(arguments));
     replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, impact_names, words_of(arguments.model),
-                                    arguments.query, arguments.max_report_megabytes},
+                                    arguments.query, arguments.min_clearance, arguments.max_report_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) write(track_csv_header(contact_names, impact_names));
+  if (!arguments.json) write(track_csv_header(arguments.min_clearance.has_value(), contact_names, impact_names));
+  ExitCode exit_code = ExitCode::answered;
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
     const TrackRow row = track_frame(a, b, asked, r, r % frame_count, arguments);
+    if (row.too_close.value_or(false)) exit_code = ExitCode::found;
     if (replay) replay->add(row, {a.state(), b.state()});
-    if (isatty(STDOUT_FILENO) != 0) bar.clear();
+    if (is_terminal(stdout)) bar.clear();
     write((arguments.json ? to_line : csv_line)(to_json(row)));
     flush();
   }
-  if (!replay) return ExitCode::answered;
+  if (!replay) return exit_code;
   if (replay->stride() > 1) {
     warn("track", fmt::format("--report: the page has 1 of every {} frames, as more would exceed {} MB",
                               replay->stride(), arguments.max_report_megabytes));
   }
   page->write(replay->to_json());
-  return ExitCode::answered;
+  return exit_code;
 }
 
 constexpr const char* track_help = R"(
@@ -216,9 +235,14 @@ models are farther apart than --max-distance, status is beyond_limit, and upper 
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files,
 and with --continuous for setting motions. Whether one model lies inside the other is not looked at.
 
+--min-clearance adds the column too_close after triangle_tests. It is decided as for an exact distance, whatever the
+errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before. How near
+they come between frames otherwise is not looked at; --path-a of limber distance is for rigid models.
+
 --report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
-of the distance, of times, and of contacts where they are counted, with impacts between frames. A vertex of a deforming
-mesh is shown within 2^-16 of the diagonal of its first frame in each coordinate.
+of the distance, of times, and of contacts where they are counted, with impacts between frames. With --min-clearance it
+says first whether it is kept, starts with the worst frame, and lists all, the worst first. A vertex of a deforming mesh
+is shown within 2^-16 of the diagonal of its first frame in each coordinate.
 
 --contacts adds columns that start with contact_, and --self those that start with self_a_ and self_b_ for each model
 that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;
@@ -258,6 +282,9 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
         ->type_name("CSV");
   }
   add_distance_options(command, arguments->query);
+  add_min_clearance(command, arguments->min_clearance,
+                    "exit with 3 instead of 0 when the models are closer than this length in a frame, or with "
+                    "--continuous touch between two; at most --max-distance");
   add_deforming(command, arguments->model);
   command.add_flag("--contacts", arguments->contacts,
                    "fast: also count the pairs of triangles of the two models that intersect or are close");

@@ -26,8 +26,6 @@ export interface HapticData {
     times: string[][];
     summary: [string, string][];
   };
-  version: string;
-  command: string;
 }
 
 const colors = ['model-a', 'model-b'];

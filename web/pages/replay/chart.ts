@@ -47,6 +47,8 @@ export interface ChartOptions {
   x?: { values: readonly number[]; isLogarithmic: boolean };
   /** Values of x with a line. */
   marks?: readonly number[];
+  /** A value with a line across. */
+  limit?: { name: string; value: number };
 }
 
 const height = 180;
@@ -57,11 +59,13 @@ export class Chart {
   private readonly plot: uPlot;
   private row: number | undefined;
   private readonly marks: readonly number[];
+  private readonly limit: number | undefined;
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
   constructor(host: HTMLElement, options: ChartOptions, jump?: (row: number) => void) {
     const { areas = [], curves, dots = [], marks = [] } = options;
     this.marks = marks;
+    this.limit = options.limit?.value;
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
@@ -69,6 +73,7 @@ export class Chart {
       ...curves.map((curve) => key(curve, curve.isDashed === true ? 'dashed' : 'line')),
       ...areas.map((of) => key(of, 'area')),
       ...dots.map((of) => key(of, 'dot')),
+      ...(options.limit === undefined ? [] : [key({ name: options.limit.name, color: 'mark' }, 'dashed')]),
     ].flat();
     const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
     host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
@@ -117,7 +122,7 @@ export class Chart {
       cursor: { ...linked, drag: { x: false, y: false }, points: { show: false } },
       scales: {
         x: { time: false, ...(x?.isLogarithmic === true ? { distr: 3, range: this.rangeWithMarks } : {}) },
-        y: isLogarithmic ? { distr: 3, range: roundRange } : { range: fromZero },
+        y: isLogarithmic ? { distr: 3, range: roundRange } : { range: this.rangeWithLimit },
       },
       axes: [
         { ...axis, ticks: { show: false }, size: 30, ...alongX },
@@ -150,7 +155,12 @@ export class Chart {
   private readonly rangeWithMarks = (plot: uPlot, low: number | null, high: number | null): [number, number] =>
     roundRange(plot, Math.min(low ?? Infinity, ...this.marks), Math.max(high ?? -Infinity, ...this.marks));
 
-  /** The row that is shown, and the marks. */
+  private readonly rangeWithLimit = (_: uPlot, low: number | null, high: number | null): [number, number] => {
+    if (this.limit === undefined) return fromZero(low, high);
+    return fromZero(Math.min(low ?? Infinity, this.limit), Math.max(high ?? 0, this.limit));
+  };
+
+  /** The row that is shown, the marks, and the limit. */
   private drawLines(plot: uPlot): void {
     const { ctx, bbox } = plot;
     ctx.save();
@@ -166,6 +176,15 @@ export class Chart {
     };
     for (const mark of this.marks) draw(mark, 'mark');
     if (this.row !== undefined) draw(this.row, 'ink');
+    if (this.limit !== undefined) {
+      const y = plot.valToPos(this.limit, 'y', true);
+      ctx.strokeStyle = token('mark');
+      ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+      ctx.beginPath();
+      ctx.moveTo(bbox.left, y);
+      ctx.lineTo(bbox.left + bbox.width, y);
+      ctx.stroke();
+    }
     ctx.restore();
   }
 }
@@ -179,7 +198,7 @@ function key({ name, numbers, color }: Drawn, symbol: string): HTMLElement[] {
 }
 
 /** Axes start at zero, unless the curve would be a line far above it. */
-const fromZero = (_: uPlot, low: number | null, high: number | null): [number, number] => {
+const fromZero = (low: number | null, high: number | null): [number, number] => {
   const top = high !== null && high > 0 ? high : 1;
   if (low === null || low <= top / 2 || low === top) return [0, 1.06 * top];
   const gap = (top - low) / 10;
@@ -211,7 +230,7 @@ const labels = (isLogarithmic: boolean): Partial<uPlot.Axis> => ({
 /** Logarithms need positive numbers: others are gaps. */
 const positive = (values: Values): (number | null)[] => values.map((v) => (v !== null && v <= 0 ? null : v));
 
-function described({ title, unit, curves, dots = [] }: ChartOptions): string {
+function described({ title, unit, curves, dots = [], limit }: ChartOptions): string {
   const parts = [...curves, ...dots].flatMap(({ name, values }) => {
     if (name === undefined) return [];
     const numbers = values.filter((v) => v !== null);
@@ -220,5 +239,6 @@ function described({ title, unit, curves, dots = [] }: ChartOptions): string {
     const high = numbers.reduce((a, b) => Math.max(a, b));
     return [`${name}: ${shown(low)} to ${shown(high)}`];
   });
+  if (limit !== undefined) parts.push(limit.name);
   return `${title}, ${unit}. ${parts.join('; ')}`;
 }

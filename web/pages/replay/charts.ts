@@ -4,7 +4,7 @@
 /** The charts of a sequence. */
 
 import { byId } from '../shared/dom.ts';
-import { median, percentile, shownTime } from '../shared/numbers.ts';
+import { inUnit, median, percentile, shownLength, shownTime } from '../shared/numbers.ts';
 import { Chart } from './chart.ts';
 import type { Area, ChartOptions, Curve, Dots } from './chart.ts';
 import type { ReplayData } from './model.ts';
@@ -44,7 +44,13 @@ export function showCharts(data: ReplayData, jump: (row: number) => void): Chart
   return charts.map((options) => new Chart(byId('charts'), options, jump));
 }
 
-function distanceChart({ rows, impacts, demo }: ReplayData): ChartOptions {
+/** The clearance that is required, as charts have it. */
+export const limitAt = (clearance: number): { name: string; value: number } => ({
+  name: `required clearance ${shownLength(clearance)}`,
+  value: clearance,
+});
+
+function distanceChart({ rows, impacts, demo, min_clearance }: ReplayData): ChartOptions {
   const isInterval = rows.lower.some((lower, row) => lower !== rows.upper[row]);
   const upper: Curve = { name: isInterval ? 'upper bound' : 'exact', color: 'model-a', values: rows.upper };
   const lower: Curve = { name: 'lower bound', color: 'model-b', values: rows.lower };
@@ -57,10 +63,11 @@ function distanceChart({ rows, impacts, demo }: ReplayData): ChartOptions {
   const dots: Dots[] = contact.includes(0) ? [{ name: 'in contact', color: 'mark', values: contact, size: 6 }] : [];
   return {
     title: 'Distance',
-    unit: 'in the meshes\u2019 unit',
+    unit: inUnit(),
     areas,
     curves: isInterval ? [upper, lower] : [upper],
     dots,
+    limit: min_clearance === null ? undefined : limitAt(min_clearance),
     marks: impacts.flatMap(({ status, lower }) => lower.flatMap((at, row) => (status[row] === 'contact' ? at! : []))),
   };
 }

@@ -10,6 +10,7 @@ import { Box3, Matrix4, Vector3 } from 'three';
 import { PositionFrames, cornersOf, pointsOf, posesOf } from '../shared/decode.ts';
 import type { FramesData, QuantizedPoints } from '../shared/decode.ts';
 import type { Mesh } from '../shared/surface.ts';
+import { matrixInFrame } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
 
 export interface ModelData {
@@ -28,6 +29,8 @@ interface Rows {
   lower: (number | null)[];
   upper: (number | null)[];
   status: string[];
+  /** Whether the models are closer than the clearance; null where none is required. */
+  too_close: (boolean | null)[];
   update_us: number[];
   query_us: number[];
   moved_vertices: number[];
@@ -67,6 +70,7 @@ export interface ReplayData {
   relative_error: number;
   absolute_error: number;
   max_distance: number | null;
+  min_clearance: number | null;
   frame_count: number;
   stride: number;
   max_megabytes: number;
@@ -75,8 +79,19 @@ export interface ReplayData {
   impacts: ImpactRows[];
   models: [ModelData, ModelData];
   demo?: DemoData;
-  version: string;
-  command: string;
+}
+
+/** Whether the models touch in a row, or on the way to it. */
+export const touchesIn = ({ rows, impacts }: ReplayData, row: number): boolean =>
+  rows.status[row] === 'collision' ||
+  impacts.some(({ name, status }) => name === 'impact' && status[row] !== null && status[row] !== 'clear');
+
+/** The numbers of all rows, the worst first: those where the models touch, then the nearest. */
+export function worstFirst(data: ReplayData): number[] {
+  const { lower, upper } = data.rows;
+  const keys = upper.map((_, row) => [touchesIn(data, row) ? 0 : (upper[row] ?? Infinity), lower[row] ?? Infinity]);
+  const order = keys.map((_, row) => row);
+  return order.sort((r, s) => keys[r][0] - keys[s][0] || keys[r][1] - keys[s][1] || r - s);
 }
 
 export class ReplayModel {
@@ -130,11 +145,8 @@ export class ReplayModel {
   }
 
   /** Places the mesh in the picture. */
-  matrixAt(frame: number, { center, size }: Frame): Matrix4 {
-    const factor = 1 / size;
-    const inPicture = new Matrix4().makeScale(factor, factor, factor);
-    inPicture.setPosition(center.clone().multiplyScalar(-factor));
-    return inPicture.multiply(this.placeAt(frame));
+  matrixAt(frame: number, inPicture: Frame): Matrix4 {
+    return matrixInFrame(inPicture).multiply(this.placeAt(frame));
   }
 
   /** Places the mesh in the world. */

@@ -7,9 +7,10 @@ import { Box3 } from 'three';
 import { byId } from '../shared/dom.ts';
 import { frameOf } from '../shared/viewer.ts';
 import { showCharts } from './charts.ts';
-import { ReplayModel } from './model.ts';
+import { RowList } from '../viewer/row_list.ts';
+import { ReplayModel, worstFirst } from './model.ts';
 import type { ReplayData } from './model.ts';
-import { showKind, showModels, showNow, showSummary, showTiles } from './texts.ts';
+import { frameText, showKind, showModels, showNow, showSummary, showTiles, shownDistance } from './texts.ts';
 import { showView } from './view.ts';
 
 export function showReplay(data: ReplayData): void {
@@ -29,11 +30,28 @@ export function showReplay(data: ReplayData): void {
   const show = showView(data, models, frame, bounds);
   /** Rows whose frame the page has. */
   const keptRows = data.rows.status.map((_, row) => row).filter((row) => (row % data.frame_count) % data.stride === 0);
+  const list = data.min_clearance === null ? undefined : listOf(data, (row) => player.jumpTo(row));
   const player = new Player(keptRows, (row) => {
     show(row, (row % data.frame_count) / data.stride);
     showNow(data, row);
     for (const chart of charts) chart.show(row);
+    list?.show(row);
   });
+  if (list === undefined) return;
+  const [worst] = worstFirst(data);
+  byId('worst').hidden = false;
+  byId('worst').addEventListener('click', () => player.jumpTo(worst));
+  player.jumpTo(worst);
+}
+
+/** All frames, the worst first. */
+function listOf(data: ReplayData, jump: (row: number) => void): RowList {
+  byId('rows-section').hidden = false;
+  const listed = worstFirst(data).map((row) => {
+    const { kind, text } = frameText(data, row);
+    return { row, kind, cells: [String(row), text, shownDistance(data, row)] };
+  });
+  return new RowList(['Frame', 'Clearance', 'Distance'], listed, jump);
 }
 
 /** Which row is shown: the slider, play and pause, and jumps. */

@@ -3,9 +3,10 @@
 
 /** The answers in words, tiles and tables. */
 
-import { byId, fillTable } from '../shared/dom.ts';
-import { grouped, inPage, median, shown, shownTime } from '../shared/numbers.ts';
+import { byId, element, fillTable } from '../shared/dom.ts';
+import { grouped, inPage, median, shown, shownLength, shownTime, withUnit } from '../shared/numbers.ts';
 import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
+import { touchesIn } from './model.ts';
 import type { ImpactRows, ReplayData, ReplayModel } from './model.ts';
 
 export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
@@ -22,7 +23,26 @@ export function queryName({ relative_error, absolute_error }: ReplayData): strin
 /** The distance in a row: one number, or an interval. */
 export function shownDistance({ rows }: ReplayData, row: number): string {
   if (rows.status[row] === 'collision') return 'in contact';
-  return shownBounds(rows.lower[row], rows.upper[row]);
+  return withUnit(shownBounds(rows.lower[row], rows.upper[row]));
+}
+
+/** Whether a frame keeps the clearance that is required, in words, and by what readers part frames. */
+export function frameText(data: ReplayData, row: number): { kind: string; text: HTMLElement } {
+  const isKept = data.rows.too_close[row] !== true;
+  const isOnTheWay = data.rows.status[row] !== 'collision' && touchesIn(data, row);
+  const kind = isKept ? 'Kept' : touchesIn(data, row) ? 'Contact' : 'Too close';
+  return { kind, text: element('span', isKept ? 'good' : 'bad', isOnTheWay ? 'Contact on the way' : kind) };
+}
+
+/** The verdict about the clearance that is required. */
+function clearanceTiles({ rows, min_clearance }: ReplayData): HTMLElement[] {
+  if (min_clearance === null) return [];
+  const broken = rows.too_close.filter((is) => is).length;
+  const required = shownLength(min_clearance);
+  if (broken === 0)
+    return [tile('\u2713 Kept', `a clearance of ${required}, in all ${frames(rows.status.length)}`, 'good')];
+  const count = `\u2717 ${grouped(broken)} of ${grouped(rows.status.length)}`;
+  return [tile(count, `${broken === 1 ? 'frame is' : 'frames are'} closer than the required ${required}`, 'bad')];
 }
 
 const frames = (count: number): string => `${grouped(count)} ${count === 1 ? 'frame' : 'frames'}`;
@@ -39,14 +59,14 @@ export function showTiles(data: ReplayData): void {
   const contactCount = rows.status.filter((status) => status === 'collision').length;
   const uppers = rows.upper.map((upper) => upper ?? Infinity);
   const least = uppers.reduce((a, b) => Math.min(a, b), Infinity);
-  const tiles = [];
+  const tiles = clearanceTiles(data);
   if (contactCount > 0) {
     const first = rows.status.indexOf('collision');
     tiles.push(tile(frames(contactCount), `in contact; the first is frame ${grouped(first)}`, 'bad'));
   } else if (Number.isFinite(least)) {
     const row = uppers.indexOf(least);
     const name = rows.lower[row] === least ? 'smallest distance' : 'smallest upper bound';
-    tiles.push(tile(shown(least), `${name}, in frame ${grouped(row)}`));
+    tiles.push(tile(shownLength(least), `${name}, in frame ${grouped(row)}`));
   } else {
     tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
   }
@@ -82,6 +102,10 @@ export function showNow(data: ReplayData, row: number): void {
     const { relative_error, lower, upper, query_us } = demo.rough;
     const found = `${shownBounds(lower[row], upper[row])}, in ${shownTime(query_us[row])}`;
     lines.push([`Within ${percent(relative_error)}`, found]);
+  }
+  if (data.min_clearance !== null) {
+    const verdict = rows.too_close[row] === true ? 'below' : 'at least';
+    lines.push(['Required clearance', `${data.min_clearance}; it is ${verdict}`]);
   }
   const witness = rows.witness[row];
   if (witness !== null) lines.push(['Triangles', `${witness[6]} of A, ${witness[7]} of B`]);

@@ -23,7 +23,7 @@ export function showView(
   bounds: readonly Box3[],
 ): (row: number, frame: number) => void {
   const view = new ModelsView(models);
-  const { viewer, surfaces, marks, names } = view;
+  const { viewer, surfaces, marks } = view;
   let now = { row: 0, shownFrame: 0 };
   const show = (row: number, shownFrame: number): void => {
     now = { row, shownFrame };
@@ -33,8 +33,8 @@ export function showView(
         surfaces[i].pointsHaveMoved();
       }
       surfaces[i].place(model.matrixAt(shownFrame, frame));
-      names[i].at.copy(surfaces[i].farthestAlong(viewer.up));
     });
+    view.nameTops();
     const witness = data.rows.witness[row];
     const point = (first: number): Vector3 => framed(frame, new Vector3().fromArray(witness!, first));
     marks.show({

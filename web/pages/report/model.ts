@@ -9,6 +9,7 @@ import type { Quantized, QuantizedPoints } from '../shared/decode.ts';
 import type { Mesh } from '../shared/surface.ts';
 import { framed } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
+import type { Clash, Inside, Solids } from '../viewer/clashes.ts';
 
 export type Point = [number, number, number];
 
@@ -40,9 +41,9 @@ export interface ReportData {
     face_b: number;
   } | null;
   too_close: boolean | null;
-  inside: 'a_in_b' | 'b_in_a' | null;
-  clash: 'hard_clash' | 'touching' | 'clearance' | 'clear' | 'surfaces_meet' | 'surfaces_apart';
-  solids: 'apart' | 'touching' | 'overlapping' | 'a_inside_b' | 'b_inside_a' | 'equal' | null;
+  inside: Inside;
+  clash: Clash;
+  solids: Solids;
   build_us: number;
   query_us: number;
   node_tests: number;
@@ -55,8 +56,6 @@ export interface ReportData {
   contact_normal: Point | null;
   witness_corners: [Point[], Point[]] | null;
   models: [ModelData, ModelData];
-  version: string;
-  command: string;
 }
 
 export const boxOf = ({ low, high }: ModelData): Box3 => new Box3(new Vector3(...low), new Vector3(...high));

@@ -5,7 +5,7 @@
 
 import { Color, Vector3 } from 'three';
 import { byId, element, tokenRgb } from '../shared/dom.ts';
-import { shown, ticks } from '../shared/numbers.ts';
+import { shown, shownLength, ticks } from '../shared/numbers.ts';
 import { mapColors } from '../shared/surface.ts';
 import { frameOf, framed, framedBox } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
@@ -26,7 +26,7 @@ export function showReport(data: ReportData): void {
   const view = new ModelsView(models);
   const { look, surfaces } = view;
   const markColor = { value: new Color() };
-  models.forEach((model, i) => surfaces[i].addMarked(model.marked, markColor));
+  models.forEach((model, i) => surfaces[i].mark(model.marked, markColor));
   view.color(() => {
     look.lineColor.value.setRGB(...tokenRgb('mark'));
     markColor.value.setRGB(...tokenRgb('hit'));
@@ -82,16 +82,19 @@ function showLegend(data: ReportData, models: readonly ReportModel[], { viewer, 
   const slider = byId<HTMLInputElement>('map-end');
   const range = most - low;
   byId('legend-bar').style.background = `linear-gradient(to right, ${mapColors.join(', ')})`;
-  byId('legend-title').textContent =
-    'Distance to the other model; dark lines as on the scale' + (limit > 0 ? `, the red line at ${shown(limit)}` : '');
   look.limit.value = limit;
   const apply = (): void => {
     const high = low + range * (Number(slider.value) / 1000) ** 2;
     const { step, values } = ticks(low, high, 6);
+    const hasLimit = limit > low && limit < high;
+    byId('legend-title').textContent = `Distance to the other model; dark lines as on the scale${
+      hasLimit ? `, the red one at ${shownLength(limit)}` : ''
+    }`;
+    showLimit(hasLimit ? (limit - low) / (high - low) : undefined);
     look.range.value = [low, high];
     look.lineStep.value = step;
-    byId('map-end-text').textContent = shown(high, 4);
-    slider.setAttribute('aria-valuetext', shown(high, 4));
+    byId('map-end-text').textContent = shownLength(high, 4);
+    slider.setAttribute('aria-valuetext', shownLength(high, 4));
     showTicks(low, high, values);
     byId('legend-beyond').hidden = high >= most;
     viewer.request();
@@ -100,6 +103,13 @@ function showLegend(data: ReportData, models: readonly ReportModel[], { viewer, 
   slider.min = '20';
   slider.addEventListener('input', apply);
   apply();
+}
+
+/** A red line on the scale where surfaces have it, as a part of the scale's length. */
+function showLimit(part: number | undefined): void {
+  const line = byId('legend-limit');
+  line.hidden = part === undefined;
+  if (part !== undefined) line.style.left = `${100 * part}%`;
 }
 
 function showTicks(low: number, high: number, values: readonly number[]): void {

@@ -7,7 +7,7 @@ import { Vector3 } from 'three';
 import { byId, svgElement } from '../shared/dom.ts';
 import { Marks } from '../shared/marks.ts';
 import type { Segment } from '../shared/marks.ts';
-import { roundBelow, shown } from '../shared/numbers.ts';
+import { roundBelow, shown, shownLength } from '../shared/numbers.ts';
 import type { Mesh } from '../shared/surface.ts';
 import { Viewer, framedBox } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
@@ -82,7 +82,7 @@ function scaleOf(viewer: Viewer, frame: Frame): SVGElement[] {
   return [
     svgElement('path', { class: 'scale halo', d }),
     svgElement('path', { class: 'scale', d }),
-    svgElement('text', { class: 'units', x: 20, y }, shown(units)),
+    svgElement('text', { class: 'units', x: 20, y }, shownLength(units)),
   ];
 }
 

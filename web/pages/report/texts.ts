@@ -4,31 +4,13 @@
 /** The answer in words, tiles and tables. */
 
 import { byId, element, fillTable } from '../shared/dom.ts';
-import { grouped, shown, shownPoint, shownTime } from '../shared/numbers.ts';
+import { grouped, shown, shownLength, shownPoint, shownTime, unitNote, withUnit } from '../shared/numbers.ts';
+import { clashWords, placeOf, statusWords } from '../viewer/clashes.ts';
 import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
 import type { ModelData, ReportData, ReportModel } from './model.ts';
 
 /** The distance as it stands next to the closest points. */
-export const shownDistance = ({ lower, upper }: ReportData): string => shownBounds(lower, upper);
-
-const clashWords = {
-  hard_clash: 'Hard clash',
-  touching: 'Touching',
-  clearance: 'Below the clearance',
-  clear: 'Clear',
-  surfaces_meet: 'Surfaces meet',
-  surfaces_apart: 'Surfaces are apart',
-};
-
-/** How the models lie, besides their distance; empty where the word of the clash says it all. */
-function placeOf({ clash, solids, inside }: ReportData): string {
-  if (solids === 'a_inside_b' || inside === 'a_in_b') return 'A is enclosed in B';
-  if (solids === 'b_inside_a' || inside === 'b_in_a') return 'B is enclosed in A';
-  if (solids === 'equal') return 'both volumes are equal';
-  if (clash === 'hard_clash') return 'the volumes overlap';
-  if (clash === 'touching') return 'the volumes do not overlap';
-  return solids === null ? 'a model is not closed' : '';
-}
+export const shownDistance = ({ lower, upper }: ReportData): string => withUnit(shownBounds(lower, upper));
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
   const tiles = [];
@@ -38,12 +20,9 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
     tiles.push(tile(clashWords[data.clash], placeOf(data), kind));
   }
   if (meets) tiles.push(tile(grouped(data.intersections), 'pairs of triangles intersect'));
-  else
-    tiles.push(
-      tile(capital(shownDistance(data)), `${isHard ? 'between surfaces' : 'clearance'}, in the meshes\u2019 unit`),
-    );
+  else tiles.push(tile(capital(shownDistance(data)), `${isHard ? 'between surfaces' : 'clearance'}${unitNote()}`));
   if (data.min_clearance !== null) {
-    const required = shown(data.min_clearance);
+    const required = shownLength(data.min_clearance);
     if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
     else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
   }
@@ -55,17 +34,10 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
 
 function missing({ min_clearance: required, upper, status, clash }: ReportData): string {
   if (required === null || upper === null || status !== 'exact' || clash === 'hard_clash') return '';
-  return `; ${shown(required - upper)} are missing`;
+  return `; ${shownLength(required - upper)} are missing`;
 }
 
 const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
-
-const statusWords = {
-  exact: 'exact: lower and upper are equal',
-  within_error: 'within the allowed error',
-  collision: 'collision: the models meet',
-  beyond_limit: 'beyond limit: farther apart than the largest distance asked for',
-};
 
 export function showAnswer(data: ReportData): void {
   const [word, place] = [clashWords[data.clash], placeOf(data)];
@@ -114,4 +86,4 @@ export function showModels(data: ReportData, models: readonly ReportModel[]): vo
 }
 
 const shownSize = ({ low, high }: ModelData, digits: number): string =>
-  high.map((c, axis) => shown(c - low[axis], digits)).join(' \u00d7 ');
+  withUnit(high.map((c, axis) => shown(c - low[axis], digits)).join(' \u00d7 '));

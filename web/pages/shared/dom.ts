@@ -63,7 +63,9 @@ export const rgbOf = (color: string): [number, number, number] =>
 
 export const tokenRgb = (name: string): [number, number, number] => rgbOf(token(name));
 
-/** Calls back whenever the reader's screen changes between light and dark. */
+/** Calls back whenever the reader's screen changes between light and dark, or to paper, which is light. */
 export function onThemeChange(callback: () => void): void {
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', callback);
+  for (const media of ['(prefers-color-scheme: dark)', 'print']) {
+    matchMedia(media).addEventListener('change', callback);
+  }
 }

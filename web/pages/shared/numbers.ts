@@ -11,6 +11,25 @@ export function shown(number: number, digits = 5): string {
   return String(Number(number.toPrecision(digits)).toExponential()).replace('e+', 'e');
 }
 
+let unit = '';
+
+/** Sets the unit of lengths, which is none at first. */
+export function setUnit(name: string): void {
+  unit = name;
+}
+
+/** A length in words, with its unit if that is known. */
+export const withUnit = (text: string): string => (unit === '' ? text : `${text}\u00a0${unit}`);
+
+/** Which unit lengths are in. */
+export const inUnit = (): string => (unit === '' ? 'in the meshes\u2019 unit' : `in ${unit}`);
+
+/** The same where a length stands that does not say its unit; empty if it does. */
+export const unitNote = (): string => (unit === '' ? `, ${inUnit()}` : '');
+
+/** A length in few digits. */
+export const shownLength = (length: number, digits = 5): string => withUnit(shown(length, digits));
+
 function integerDigits(size: number): number {
   return size < 1 ? 0 : Math.floor(Math.log10(size)) + 1;
 }

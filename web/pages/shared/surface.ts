@@ -64,6 +64,7 @@ uniform float limit;
 uniform bool isCut;
 uniform vec4 plane;
 uniform vec4 relief;
+uniform float opacity;
 in float value;
 in vec3 seen;
 in vec3 placed;
@@ -94,8 +95,18 @@ void main() {
       shown = mix(lineColor, shown, smoothstep(1.0, 2.0, off));
     }
   }
-  result = vec4(shown, 1.0);
+  // What is seen through is clearer where it is seen from the front, as a bubble is.
+  result = vec4(shown, opacity < 1.0 ? opacity * mix(2.6, 0.4, sqrt(abs(normal.z))) : 1.0);
 }`;
+
+function geometryOf(mesh: Mesh, mapped: Float32Array): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(mesh.points, 3));
+  geometry.setAttribute('mapped', new BufferAttribute(mapped, 1));
+  geometry.setIndex(new BufferAttribute(mesh.corners, 1));
+  geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
+  return geometry;
+}
 
 /** What all surfaces of a page share: how they are coloured and cut. */
 export class SurfaceLook {
@@ -131,18 +142,28 @@ export class Surface {
   private readonly color = { value: new Color() };
   private readonly relief = { value: new Vector4() };
   private readonly look: SurfaceLook;
+  private readonly ownMaterial: ShaderMaterial;
+  private marked: Object3D | undefined;
 
   /** `mapped`: a number for each vertex. */
-  constructor(mesh: Mesh, look: SurfaceLook, mapped?: Float32Array) {
+  constructor(mesh: Mesh, look: SurfaceLook, mapped?: Float32Array, geometry?: BufferGeometry) {
     this.mesh = mesh;
     this.look = look;
-    this.geometry = new BufferGeometry();
-    this.geometry.setAttribute('position', new BufferAttribute(mesh.points, 3));
-    this.geometry.setAttribute('mapped', new BufferAttribute(mapped ?? new Float32Array(mesh.points.length / 3), 1));
-    this.geometry.setIndex(new BufferAttribute(mesh.corners, 1));
-    this.geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
-    const own = { color: this.color, relief: this.relief };
-    this.object = new ThreeMesh(this.geometry, this.material({ ...this.uniforms(), ...own }));
+    this.geometry = geometry ?? geometryOf(mesh, mapped ?? new Float32Array(mesh.points.length / 3));
+    this.ownMaterial = this.material({ ...this.uniforms(), color: this.color, relief: this.relief });
+    this.object = new ThreeMesh(this.geometry, this.ownMaterial);
+  }
+
+  /** The same mesh once more, with a colour and a place of its own. It must not deform. */
+  twin(): Surface {
+    return new Surface(this.mesh, this.look, undefined, this.geometry);
+  }
+
+  /** Lets what is behind show through, where it is below 1. */
+  setOpacity(opacity: number): void {
+    this.ownMaterial.uniforms.opacity.value = opacity;
+    this.ownMaterial.transparent = opacity < 1;
+    this.ownMaterial.depthWrite = opacity === 1;
   }
 
   setColor(rgb: readonly [number, number, number]): void {
@@ -189,8 +210,9 @@ export class Surface {
     return new Vector3().fromArray(points, best).applyMatrix4(this.object.matrix);
   }
 
-  /** Draws some of the triangles once more, in a colour of their own. */
-  addMarked(triangles: readonly number[], color: { value: Color }): void {
+  /** Draws some of the triangles once more, in a colour of their own, and those before no more. */
+  mark(triangles: readonly number[], color: { value: Color }): void {
+    if (this.marked !== undefined) this.object.remove(this.marked);
     const corners = new Uint32Array(3 * triangles.length);
     triangles.forEach((t, i) => corners.set(this.mesh.corners.subarray(3 * t, 3 * t + 3), 3 * i));
     const geometry = new BufferGeometry();
@@ -202,13 +224,15 @@ export class Surface {
     inFront.polygonOffset = true;
     inFront.polygonOffsetFactor = -1;
     inFront.polygonOffsetUnits = -1;
-    this.object.add(new ThreeMesh(geometry, inFront));
+    this.marked = new ThreeMesh(geometry, inFront);
+    this.object.add(this.marked);
   }
 
   private uniforms(): Record<string, { value: unknown }> {
     const { isMapped, range, lineStep, limit, lineColor, isCut, plane, table } = this.look;
     const relief = { value: new Vector4() };
-    return { isMapped, range, lineStep, limit, lineColor, isCut, plane, table, relief };
+    const opacity = { value: 1 };
+    return { isMapped, range, lineStep, limit, lineColor, isCut, plane, table, relief, opacity };
   }
 
   private material(uniforms: Record<string, { value: unknown }>): ShaderMaterial {

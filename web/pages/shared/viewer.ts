@@ -6,7 +6,18 @@
  * across the view are true to scale. A picture is drawn only where something has changed.
  */
 
-import { Box3, MOUSE, OrthographicCamera, Raycaster, Scene, TOUCH, Vector2, Vector3, WebGLRenderer } from 'three';
+import {
+  Box3,
+  MOUSE,
+  Matrix4,
+  OrthographicCamera,
+  Raycaster,
+  Scene,
+  TOUCH,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
 import type { Intersection, Object3D } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { element } from './dom.ts';
@@ -26,6 +37,12 @@ export function frameOf(box: Box3): Frame {
 export const framed = ({ center, size }: Frame, p: Vector3): Vector3 => p.clone().sub(center).divideScalar(size);
 
 export const framedBox = (frame: Frame, { min, max }: Box3): Box3 => new Box3(framed(frame, min), framed(frame, max));
+
+/** From the world to the frame. */
+export function matrixInFrame({ center, size }: Frame): Matrix4 {
+  const factor = 1 / size;
+  return new Matrix4().makeScale(factor, factor, factor).setPosition(center.clone().multiplyScalar(-factor));
+}
 
 export const upY = new Vector3(0, 1, 0);
 export const upZ = new Vector3(0, 0, 1);

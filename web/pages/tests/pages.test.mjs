@@ -46,7 +46,8 @@ const reports = [
   'minute',
   'huge',
 ];
-const tracks = ['replay', 'twice', 'single'];
+const tracks = ['replay', 'twice', 'single', 'clearance'];
+const studies = ['poses', 'mixed', 'parts', 'far'];
 const demos = ['usual', 'few', 'thinned'];
 
 before(async () => {
@@ -82,6 +83,23 @@ before(async () => {
   track('replay', '--a', ...frames, ...moving, '--relative-error', '0.3', ...more);
   track('twice', '--a', ...frames.slice(0, 3), '--b', 'scene:ball', '--loop', '2');
   track('single', '--a', box, '--b', 'scene:ball');
+  const moves = folder.store('moves.csv', [3, 2.5, 1.6, 4].map((z) => `0,0,${z},1,0,0,0\n`).join(''));
+  track('clearance', '--a', 'scene:ball', '--b', 'scene:square', '--poses-a', moves, '--min-clearance', '2');
+  const study = (name, option, rows, ...words) => {
+    const file = folder.store(`${name}.csv`, rows.map((row) => `${row}\n`).join(''));
+    answers[name] = limber('distance', option, file, ...words, '--json', '--report', path(name));
+  };
+  const room = folder.file('room.obj');
+  const heads = 'model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz';
+  const heights = Array.from({ length: 210 }, (_, i) => (i === 150 ? -0.1 : 0.02 + 1.4 * (1 + Math.cos(i / 12))));
+  const asPoses = heights.map((z) => `${box},${plate},0,0,${0.2 - z}`);
+  study('poses', '--pairs', [heads, ...asPoses], '--min-clearance', '0.5', '--unit', 'mm');
+  const mixed = [`${box},scene:ball,0,0,0`, `${room},scene:ball,0,0,0`, `${box},${box},2,0.25,0`];
+  study('mixed', '--pairs', [heads, ...mixed, `${box},scene:square,0,0,0`, `${box},${plate},0,0,0`]);
+  const partRows = [`room,${room},0`, `box,${box},0`, `box,${box},2`, `"box, last",${box},4.1`, 'ball,scene:ball,9'];
+  const partHeads = 'name,model,pose_tx';
+  study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
+  study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
   const demo = (name, ...words) => limber('demo', '--json', '--out', path(name), ...words);
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
@@ -111,14 +129,14 @@ async function go(page, frame) {
   await settled(page);
 }
 
-for (const name of [...reports, ...tracks, ...demos]) {
+for (const name of [...reports, ...tracks, ...studies, ...demos]) {
   for (const { width, scheme } of screens) {
     test(`${name} draws its pictures without a complaint at ${width} pixels, ${scheme}`, async () => {
       const page = await look(name, { width, scheme });
       await expectGoodLooks(page);
       if (reports.includes(name)) assert.ok((await section(page)).length > 50);
       const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
-      assert.equal(charts.length > 0, !reports.includes(name));
+      assert.equal(charts.length > 0, !reports.includes(name) && !['parts', 'far'].includes(name));
       for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
       await page.close();
     });
@@ -147,12 +165,18 @@ for (const { width, scheme } of screens) {
 test('a page has the parts of its kind alone', async () => {
   const parts = {
     apart: ['legend', 'section', 'answer'],
-    replay: ['introduction', 'play', 'charts', 'now', 'summary'],
+    replay: ['introduction', 'play', 'now', 'summary'],
+    poses: ['see-through', 'charts-section'],
+    parts: ['matrix-section'],
   };
   for (const name of Object.keys(parts)) {
     const page = await look(name);
     for (const [owner, ids] of Object.entries(parts)) {
-      for (const id of ids) assert.equal(await page.locator(`main #${id}`).count(), owner === name ? 1 : 0, id);
+      for (const id of ids) {
+        const isThere = owner === name || (id === 'see-through' && name === 'parts');
+        const isShared = id === 'answer' && ['poses', 'parts'].includes(name);
+        assert.equal(await page.locator(`main #${id}`).count(), isThere || isShared ? 1 : 0, `${id} in ${name}`);
+      }
     }
     assert.equal(await page.locator('template').count(), 0);
     await page.close();
@@ -297,6 +321,199 @@ test('models and colours can be switched off', async () => {
   await settled(page);
   assert.equal(await names(), 'A');
   assert.ok((await picture(page)).drawn < before.drawn);
+  await page.close();
+});
+
+const tileTexts = (page) => page.$$eval('#tiles > div', (all) => all.map((tile) => tile.textContent));
+const listed = async (page) => (await rowsOf(page, '#rows')).map(([row]) => Number(row));
+
+test('a study says first whether the clearance is kept, and starts with the worst', async () => {
+  const page = await look('poses');
+  const { rows } = dataOf(path('poses')).study;
+  const broken = rows.too_close.filter((is) => is).length;
+  assert.ok(broken > 0 && broken < 210);
+  const [verdict, worst] = await tileTexts(page);
+  assert.equal(verdict, `\u2717 ${broken} of 210are closer than the required 0.5\u00a0mm`);
+  const order = await listed(page);
+  assert.equal(order[0], 150); // the one that is in the plate
+  assert.ok(worst.includes('Hard clash') && worst.includes('row 150'), worst);
+  assert.equal(order.length, 200);
+  const nearest = rows.upper.map((upper, row) => [upper, row]).sort(([a, i], [b, j]) => a - b || i - j);
+  assert.deepEqual(
+    order,
+    nearest.slice(0, 200).map(([, row]) => row),
+  );
+  assert.equal(await page.textContent('#answer-title'), 'Row 150: hard clash');
+  assert.match(await page.getAttribute('.plot', 'aria-label'), /required clearance 0\.5\u00a0mm$/);
+  await page.click('#rows-more');
+  assert.equal((await listed(page)).length, 210);
+  assert.ok(!(await page.isVisible('#rows-more')));
+  await page.close();
+});
+
+test('a click in the list, in the chart and steps show a pair with the numbers of the program', async () => {
+  for (const width of [1280, 400]) {
+    const page = await look('poses', { width });
+    const shownRow = async () => Number(/Row (\d+)/.exec(await page.textContent('#answer-title'))[1]);
+    const expectRow = async (row) => {
+      await settled(page);
+      assert.equal(await shownRow(), row);
+      assert.equal(await page.textContent('#rows [aria-current] td'), String(row));
+      const cells = new Map(await rowsOf(page, '#answer'));
+      assert.equal(Number(cells.get('Distance, upper bound')), answers.poses[row].upper);
+      const text =
+        answers.poses[row].status === 'collision' ? 'shared point' : `${shown(answers.poses[row].upper)}\u00a0mm`;
+      assert.equal(await page.textContent('#view .length'), text);
+      return (await picture(page)).text;
+    };
+    const order = await listed(page);
+    const pictures = [await expectRow(order[0])];
+    await page.click(`#rows tr[data-row="${order[5]}"]`);
+    pictures.push(await expectRow(order[5]));
+    await page.click('#forward');
+    await expectRow(order[6]);
+    await page.click('#back');
+    assert.equal(await expectRow(order[5]), pictures[1]);
+    assert.notEqual(pictures[0], pictures[1]);
+    await page.focus(`#rows tr[data-row="${order[3]}"] button`);
+    await page.keyboard.press('Enter');
+    await expectRow(order[3]);
+    const chart = page.locator('.u-over');
+    await chart.scrollIntoViewIfNeeded();
+    const { width: across, height } = await chart.boundingBox();
+    await chart.click({ position: { x: across / 2, y: height / 2 } });
+    const reached = await shownRow();
+    assert.ok(Math.abs(reached - 104.5) < 3, `${reached}`);
+    await expectRow(reached);
+    await page.close();
+  }
+});
+
+test('the list is parted by kinds of clashes', async () => {
+  const page = await look('mixed');
+  const kinds = await page.$$eval('#rows-kinds button', (all) => all.map((button) => button.textContent));
+  assert.deepEqual(kinds, ['All 5', 'Hard clash 2', 'Surfaces meet 1', 'Touching 1', 'Clear 1']);
+  const words = (await rowsOf(page, '#rows')).map((cells) => cells[2]);
+  assert.deepEqual(words, ['Hard clash', 'Hard clash', 'Surfaces meet', 'Touching', 'Clear']);
+  await page.click('#rows-kinds button:nth-child(4)');
+  assert.deepEqual(await listed(page), [2]);
+  assert.equal(await page.getAttribute('#rows-kinds button:nth-child(4)', 'aria-pressed'), 'true');
+  await page.click('#rows-kinds button:nth-child(1)');
+  assert.equal((await listed(page)).length, 5);
+  assert.equal(await page.textContent('#title'), '5 pairs of 5 models');
+  await page.close();
+});
+
+test('a matrix of parts has the word of each pair, and shows it', async () => {
+  for (const width of [1280, 400]) {
+    const page = await look('parts', { width });
+    const { rows } = dataOf(path('parts')).study;
+    const cells = await page.$$eval('#matrix button', (all) =>
+      all.map(({ className, dataset, title }) => ({ kind: className, row: Number(dataset.row), title })),
+    );
+    assert.equal(cells.length, 10);
+    for (const { kind, row } of cells) assert.equal(kind, answers.parts[row].clash);
+    assert.deepEqual(new Set(rows.clash), new Set(['hard_clash', 'touching', 'clearance', 'clear']));
+    assert.match(cells.find(({ row }) => row === 4).title, /^2 box and 1 box: touching, 0$/);
+    await page.click('#matrix button[data-row="4"]');
+    assert.equal(await page.textContent('#answer-title'), 'Pair 4: touching');
+    assert.equal(await page.textContent('#rows [aria-current] td'), '4');
+    await page.keyboard.press('ArrowDown');
+    assert.match(await page.textContent('#answer-title'), /^Pair 5: /);
+    assert.equal(await page.$eval('#matrix button[tabindex="0"]', (button) => button.dataset.row), '5');
+    assert.equal(await page.textContent('#title'), 'All <parts>');
+    assert.equal(await page.textContent('#subtitle'), '5 parts');
+    await page.close();
+  }
+});
+
+test('other parts can be hidden, and what encloses is seen through', async () => {
+  const page = await look('parts');
+  const start = await picture(page);
+  assert.ok((await page.textContent('#answer')).includes('enclosed in A'));
+  assert.ok(await page.isVisible('#others-label'));
+  await page.uncheck('#show-others');
+  await settled(page);
+  const alone = await picture(page);
+  assert.ok(alone.drawn < start.drawn, `${alone.drawn} and ${start.drawn}`);
+  await page.check('#see-through');
+  await settled(page);
+  assert.notEqual((await picture(page)).text, alone.text);
+  await page.close();
+  const poses = await look('poses');
+  assert.ok(!(await poses.isVisible('#others-label')));
+  await poses.close();
+});
+
+test('a track with a clearance starts with its worst frame, and lists all', async () => {
+  const page = await look('clearance');
+  assert.equal(await page.textContent('#frame-text'), '2 of 3');
+  const [verdict] = await tileTexts(page);
+  assert.equal(verdict, '\u2717 2 of 4frames are closer than the required 2');
+  assert.deepEqual(await rowsOf(page, '#rows'), [
+    ['2', 'Too close', shown(answers.clearance[2].upper)],
+    ['1', 'Too close', shown(answers.clearance[1].upper)],
+    ['0', 'Kept', shown(answers.clearance[0].upper)],
+    ['3', 'Kept', shown(answers.clearance[3].upper)],
+  ]);
+  await page.click('#rows tr[data-row="3"]');
+  assert.equal(await page.textContent('#frame-text'), '3 of 3');
+  await page.click('#worst');
+  assert.equal(await page.textContent('#frame-text'), '2 of 3');
+  assert.match(await page.getAttribute('.plot', 'aria-label'), /required clearance 2$/);
+  await page.close();
+  const without = await look('single');
+  assert.ok(!(await without.isVisible('#worst')) && !(await without.isVisible('#rows-section')));
+  await without.close();
+});
+
+test('a page names its files, their digests and its time', async () => {
+  const page = await look('close');
+  const { inputs, version, made_at } = dataOf(path('close'));
+  assert.equal(await page.textContent('#version'), `limber ${version} on ${made_at}`);
+  assert.deepEqual(
+    (await rowsOf(page, '#inputs')).slice(1),
+    inputs.map(({ name, bytes, sha256 }) => [name, grouped(bytes), sha256]),
+  );
+  assert.equal(inputs.length, 2);
+  await page.close();
+});
+
+test('the scale has a line at the clearance where surfaces have one, and says so then alone', async () => {
+  const close = await look('close');
+  assert.ok(await close.isVisible('#legend-limit'));
+  assert.match(await close.textContent('#legend-title'), /the red one at 0\.5$/);
+  await close.fill('#map-end', '20');
+  assert.ok(!(await close.isVisible('#legend-limit')));
+  assert.doesNotMatch(await close.textContent('#legend-title'), /red/);
+  await close.close();
+  const kept = await look('kept'); // the clearance is below all distances
+  assert.ok(!(await kept.isVisible('#legend-limit')));
+  assert.doesNotMatch(await kept.textContent('#legend-title'), /red/);
+  await kept.close();
+});
+
+test('the triangles of the closest points do not have the colour of their distance', async () => {
+  const page = await look('apart');
+  const colors = await page.$$eval('#view line.mark:not(.halo), #view polygon.mark:not(.halo)', (all) =>
+    all.map((mark) => `${mark.tagName} ${getComputedStyle(mark).stroke}`),
+  );
+  const [polygon, line] = ['polygon', 'line'].map(
+    (tag) => colors.find((color) => color.startsWith(tag)).split(' ', 2)[1],
+  );
+  assert.notEqual(polygon, line);
+  await page.close();
+});
+
+test('on paper, pages are light and lists whole', async () => {
+  const page = await look('poses', { scheme: 'dark' });
+  await page.emulateMedia({ media: 'print' });
+  await settled(page);
+  const looks = await page.evaluate(() => ({
+    ink: getComputedStyle(document.body).color,
+    list: document.getElementById('rows-scroll').clientHeight >= document.getElementById('rows').clientHeight,
+  }));
+  assert.deepEqual(looks, { ink: 'rgb(35, 40, 45)', list: true });
   await page.close();
 });
 
@@ -511,7 +728,7 @@ test('frames that have been left out are said to be, and charts have them', asyn
 test('everything that is operated has a name, and shows when it has the focus', async () => {
   for (const name of ['apart', 'replay', 'usual']) {
     const page = await look(name, name === 'usual' ? screens[1] : screens[0]);
-    const ids = await page.$$eval('button, input, select, [tabindex]', (all) =>
+    const ids = await page.$$eval('button, input, select, summary, [tabindex]', (all) =>
       all.filter((e) => e.offsetParent !== null).map((e) => e.id),
     );
     assert.ok(ids.length > 8);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * The page of `--report`, `limber demo` and `limber haptics`: two models as they stand, a replay of frames if it has
- * rows, or the times of a force loop.
+ * The page of `--report`, `limber demo` and `limber haptics`: two models as they stand, a study of many pairs, a replay
+ * of frames if it has rows, or the times of a force loop.
  */
 
 import { showHaptics } from '../haptics/haptics.ts';
@@ -13,23 +13,37 @@ import type { ReplayData } from '../replay/model.ts';
 import { showReport } from '../report/report.ts';
 import type { ReportData } from '../report/model.ts';
 import { byId, connectCopy } from '../shared/dom.ts';
-import { showTitle } from './texts.ts';
+import { inUnit, setUnit } from '../shared/numbers.ts';
+import type { StudyData } from '../study/model.ts';
+import { showStudy } from '../study/study.ts';
+import { isOfOnePair, usualTitle } from '../study/texts.ts';
+import { showMaking, showTitle } from './texts.ts';
+import type { Making } from './texts.ts';
 
-const data = JSON.parse(byId('data').textContent ?? 'null') as ReportData | ReplayData | HapticData;
-const view = 'haptics' in data ? 'haptics' : 'rows' in data ? 'replay' : 'report';
-// The page has templates for what only one of the views has; what is of models is of all but the force loop.
+type Data = (ReportData | ReplayData | StudyData | HapticData) & Making & { title?: string; unit?: string };
+
+const data = JSON.parse(byId('data').textContent ?? 'null') as Data;
+const view = 'haptics' in data ? 'haptics' : 'study' in data ? 'study' : 'rows' in data ? 'replay' : 'report';
+// The page has templates for what only some of the views have; what is of models is of all but the force loop.
 for (const part of document.querySelectorAll('template')) {
-  if (part.dataset.of === view) part.replaceWith(part.content);
+  if (part.dataset.of?.split(' ').includes(view)) part.replaceWith(part.content);
   else part.remove();
 }
+setUnit(data.unit ?? '');
+for (const place of document.querySelectorAll('.in-unit')) place.textContent = inUnit();
+const title = data.title ?? '';
 if ('haptics' in data) {
   for (const part of document.querySelectorAll('.of-models')) part.remove();
   showHaptics(data.haptics);
+} else if ('study' in data) {
+  const { study, models } = data;
+  const pair = [study.rows.a[0], study.rows.b[0]].map((part) => study.parts.name[part]) as [string, string];
+  showTitle(title, isOfOnePair(study) ? pair : usualTitle(study, models));
+  showStudy(data);
 } else {
-  showTitle(data.models);
+  showTitle(title, [data.models[0].name, data.models[1].name]);
   if ('rows' in data) showReplay(data);
   else showReport(data);
 }
-byId('version').textContent = `limber ${data.version}`;
-byId('command').textContent = data.command;
+showMaking(data);
 connectCopy();

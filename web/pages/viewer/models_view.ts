@@ -23,24 +23,48 @@ export class ModelsView {
   readonly viewer: Viewer;
   readonly marks: Marks;
   readonly look = new SurfaceLook();
-  readonly surfaces: readonly Surface[];
   readonly names: readonly Name[];
+  private shown: readonly Surface[];
 
-  constructor(models: readonly ShownModel[]) {
-    this.viewer = new Viewer(byId('view'), usualUp(models.map(({ data }) => data.name)));
+  /** `fileNames`: of all models that may be shown, which say what is up. */
+  constructor(models: readonly ShownModel[], fileNames = models.map(({ data }) => data.name)) {
+    this.viewer = new Viewer(byId('view'), usualUp(fileNames));
     this.marks = new Marks(this.viewer);
-    this.surfaces = models.map(({ mesh, distances }) => new Surface(mesh, this.look, distances));
-    this.viewer.add(...this.surfaces.map((surface) => surface.object));
-    this.color(() => this.surfaces.forEach((surface, i) => surface.setColor(tokenRgb(`model-${'ab'[i]}`))));
-    this.names = this.surfaces.map((surface, i) => ({
+    this.shown = models.map(({ mesh, distances }) => new Surface(mesh, this.look, distances));
+    this.viewer.add(...this.shown.map((surface) => surface.object));
+    this.color(() => this.recolor());
+    this.names = this.shown.map((surface, i) => ({
       name: i === 0 ? 'A' : 'B',
       at: surface.farthestAlong(this.viewer.up),
-      isShown: () => surface.object.visible,
+      isShown: () => this.shown[i].object.visible,
     }));
     this.marks.show({ names: this.names });
-    this.surfaces.forEach(({ object }, i) => {
-      this.connectBox(`show-${'ab'[i]}`, true, (isOn) => (object.visible = isOn));
-    });
+    for (const i of [0, 1]) {
+      this.connectBox(`show-${'ab'[i]}`, true, (isOn) => (this.shown[i].object.visible = isOn));
+    }
+  }
+
+  get surfaces(): readonly Surface[] {
+    return this.shown;
+  }
+
+  /** Shows two other surfaces, which have been placed. */
+  replace(surfaces: readonly Surface[]): void {
+    this.viewer.remove(...this.shown.map((surface) => surface.object));
+    surfaces.forEach(({ object }, i) => (object.visible = this.shown[i].object.visible));
+    this.shown = surfaces;
+    this.viewer.add(...surfaces.map((surface) => surface.object));
+    this.recolor();
+    this.nameTops();
+  }
+
+  /** Puts the names to the highest points. */
+  nameTops(): void {
+    this.names.forEach(({ at }, i) => at.copy(this.shown[i].farthestAlong(this.viewer.up)));
+  }
+
+  private recolor(): void {
+    this.shown.forEach((surface, i) => surface.setColor(tokenRgb(`model-${'ab'[i]}`)));
   }
 
   /** Colours things now, and whenever the reader's screen changes between light and dark. */
@@ -67,7 +91,7 @@ export class ModelsView {
 
   /**
    * Connects the buttons that say where to look from, and the choice of what is up. Starts by showing all boxes, which
-   * what is returned does again. `onUp` is called when the reader has chosen what is up.
+   * what is returned does again. `onUp` is called when the reader has chosen what is up. Boxes may change later.
    */
   connectDirections(boxes: readonly Box3[], onUp: () => void): () => void {
     const { viewer } = this;

@@ -8,12 +8,46 @@ import { grouped, shown } from '../shared/numbers.ts';
 
 const letter = (name: 'A' | 'B'): HTMLElement => element('span', `letter ${name.toLowerCase()}`, name);
 
-/** Both names, where the page, its window and its view have them. */
-export function showTitle([a, b]: readonly { name: string }[]): void {
-  const [nameA, nameB] = [element('span', 'model', letter('A'), a.name), element('span', 'model', letter('B'), b.name)];
-  byId('title').append(nameA, element('span', 'joint', ' and '), nameB);
-  document.title = `${a.name} and ${b.name}`;
-  byId('view').setAttribute('aria-label', `Both models in 3D: ${document.title}`);
+/** What the page is called: a title that it was given, or else what it is about. */
+export function showTitle(given: string, usual: string | readonly [string, string]): void {
+  const heading = given === '' ? byId('title') : byId('subtitle');
+  if (typeof usual === 'string') heading.textContent = usual;
+  else {
+    const names = usual.map((name, i) => element('span', 'model', letter(i === 0 ? 'A' : 'B'), name));
+    heading.append(names[0], element('span', 'joint', ' and '), names[1]);
+  }
+  byId('subtitle').hidden = given === '';
+  if (given !== '') byId('title').textContent = given;
+  const about = typeof usual === 'string' ? usual : usual.join(' and ');
+  document.title = given === '' ? about : given;
+  byId('view').setAttribute('aria-label', `Both models in 3D: ${about}`);
+}
+
+/** When the page was made, by which version, of which files. */
+export function showMaking({ version, made_at, command, inputs = [] }: Making): void {
+  byId('version').textContent = `limber ${version} on ${made_at}`;
+  byId('command').textContent = command;
+  const part = byId<HTMLDetailsElement>('inputs-part');
+  part.hidden = inputs.length === 0;
+  part.open = inputs.length <= mostInputsAtOnce;
+  byId('inputs-title').textContent =
+    inputs.length === 1 ? 'The file that was read' : `The ${grouped(inputs.length)} files that were read`;
+  const heads = ['Name', 'Bytes', 'SHA-256'].map((head) => element('th', '', head));
+  const body = element('tbody');
+  fillTable(
+    body,
+    inputs.map(({ name, bytes, sha256 }) => [name, grouped(bytes), element('span', 'digest', sha256)]),
+  );
+  byId('inputs').append(element('thead', '', element('tr', '', ...heads)), body);
+}
+
+const mostInputsAtOnce = 12;
+
+export interface Making {
+  version: string;
+  made_at: string;
+  command: string;
+  inputs?: { name: string; bytes: number; sha256: string }[];
 }
 
 /** A number or a verdict, and what it is. */

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verbs/distance_many.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "command/text.h"
+#include "formats/csv_inputs.h"
+#include "reports/study.h"
+
+namespace limber::program {
+namespace {
+
+/// Models by their names. A file that is named in several ways is still one model.
+class Models {
+ public:
+  explicit Models(Engine engine) : engine_(engine) {}
+
+  const RigidModel* load(const std::string& name) {
+    std::unique_ptr<RigidModel>& model = models_[key_of(name)];
+    if (model) return model.get();
+    model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
+    files_.push_back(name);
+    return model.get();
+  }
+
+  /// What has been loaded, each under the name that came first.
+  const Names& files() const { return files_; }
+
+ private:
+  static std::string key_of(const std::string& name) {
+    if (is_scene(name)) return name;
+    std::error_code failed;
+    const std::filesystem::path path = std::filesystem::weakly_canonical(name, failed);
+    return failed ? name : path.string();
+  }
+
+  Engine engine_;
+  std::map<std::string, std::unique_ptr<RigidModel>> models_;
+  Names files_;
+};
+
+/// What is asked about.
+struct AskedPairs {
+  StudyKind kind = StudyKind::pairs;
+  std::vector<StudyPart> parts;
+  std::vector<PartPair> pairs;
+};
+
+/// Loads the model that stands in a row of a file. Errors: BadInput naming the place.
+StudyPart loaded(Models& models, const std::string& path, std::size_t line, const char* column,
+                 const std::string& model, const Transform& pose) {
+  try {
+    return {shown_name(model), model, models.load(model), pose};
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}: line {}: column {}: {}", path, line, column, error.what()));
+  }
+}
+
+AskedPairs pairs_of_file(const std::string& path, Models& models) {
+  AskedPairs asked;
+  for (const PairRow& row : read_pairs(path)) {
+    asked.pairs.push_back({asked.parts.size(), asked.parts.size() + 1});
+    asked.parts.push_back(loaded(models, path, row.line, "model_a", row.model_a, row.pose_a));
+    asked.parts.push_back(loaded(models, path, row.line, "model_b", row.model_b, row.pose_b));
+  }
+  return asked;
+}
+
+AskedPairs pairs_of_parts(const std::string& path, Models& models) {
+  AskedPairs asked{StudyKind::parts, {}, {}};
+  for (const PartRow& row : read_parts(path)) {
+    asked.parts.push_back(loaded(models, path, row.line, "model", row.model, row.pose));
+    if (!row.name.empty()) asked.parts.back().name = row.name;
+  }
+  if (asked.parts.size() < 2) throw BadInput(path + ": has one part alone, which makes no pair");
+  for (std::size_t a = 0; a < asked.parts.size(); ++a) {
+    for (std::size_t b = a + 1; b < asked.parts.size(); ++b) asked.pairs.push_back({a, b});
+  }
+  return asked;
+}
+
+Json answer_in_row(std::size_t number, const AskedPairs& asked, const DistanceAnswer& answer) {
+  const auto& [a, b] = asked.pairs[number];
+  const StudyPart &part_a = asked.parts[a], &part_b = asked.parts[b];
+  Json json = {{"row", number}};
+  if (asked.kind == StudyKind::pairs) {
+    json["model_a"] = part_a.file;
+    json["model_b"] = part_b.file;
+  } else {
+    json["part_a"] = a;
+    json["part_b"] = b;
+    json["name_a"] = part_a.name;
+    json["name_b"] = part_b.name;
+  }
+  append_answer(json, answer);
+  append_work(json, answer.result.stats, answer.elapsed_us);
+  return json;
+}
+
+void warn_about(std::size_t nested_count) {
+  if (nested_count == 0) return;
+  const std::string where =
+      nested_count == 1 ? "in 1 row a model lies" : fmt::format("in {} rows a model lies", nested_count);
+  warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
+}
+
+/// The columns that answer_in_row() fills after those that name the pair.
+std::string answer_columns() {
+  return fmt::format("{},{},too_close,inside,clash,solids,query_us,node_tests,triangle_tests", distance_columns,
+                     witness_columns);
+}
+
+std::string parts_answer_columns() { return "row,part_a,part_b,name_a,name_b," + answer_columns(); }
+
+}  // namespace
+
+std::string pairs_answer_columns() { return "row,model_a,model_b," + answer_columns(); }
+
+ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestion& question) {
+  Models models(arguments.engine);
+  const std::string& path = arguments.parts.empty() ? arguments.pairs : arguments.parts;
+  const AskedPairs asked = arguments.parts.empty() ? pairs_of_file(path, models) : pairs_of_parts(path, models);
+  Names inputs = models.files();
+  inputs.push_back(path);
+  check_output("--report", arguments.report.path, inputs, {arguments.out});
+  std::optional<Study> study;
+  if (!arguments.report.path.empty()) study.emplace(asked.kind, question, asked.parts, asked.pairs.size());
+  OutputFile out("--out", arguments.out, inputs, {});
+  std::optional<ReportFile> report;
+  if (study) report.emplace(arguments.report, inputs);
+  ProgressBar bar(asked.pairs.size(), "pairs");
+  ExitCode exit_code = ExitCode::answered;
+  std::size_t nested_count = 0;
+  if (!arguments.json) {
+    out.write((asked.kind == StudyKind::pairs ? pairs_answer_columns() : parts_answer_columns()) + '\n');
+  }
+  for (std::size_t i = 0; i < asked.pairs.size(); ++i) {
+    bar.draw(i);
+    const auto& [a, b] = asked.pairs[i];
+    const DistanceAnswer answer = answer_to(question, asked.parts[a].placed(), asked.parts[b].placed());
+    if (answer.relation.nesting != Nesting::none) ++nested_count;
+    if (exit_code_of(question, answer) == ExitCode::found) exit_code = ExitCode::found;
+    if (study) study->add(asked.pairs[i], answer);
+    if (out.is_terminal()) bar.clear();
+    const Json row = answer_in_row(i, asked, answer);
+    out.write(arguments.json ? to_line(row) : csv_line(row));
+  }
+  bar.clear();
+  warn_about(nested_count);
+  if (report) report->write(study->to_json());
+  return exit_code;
+}
+
+}  // namespace limber::program
