@@ -14,6 +14,8 @@
 namespace limber::python {
 namespace {
 
+nb::handle numpy_array;  // the class, which lives as long as the process
+
 /// The element type that a format of the struct module stands for.
 Scalar scalar_of(const char* format, std::size_t item_bytes) {
   if (format == nullptr) return Scalar::other;
@@ -39,11 +41,12 @@ Scalar scalar_of(const char* format, std::size_t item_bytes) {
 
 /// Whether reading the memory of an array would read what its mask hides.
 bool has_masked_elements(nb::handle object) {
-  const bool is_plain = object.type().is(nb::module_::import_("numpy").attr("ndarray"));
-  return !is_plain && nb::cast<bool>(nb::module_::import_("numpy.ma").attr("is_masked")(object));
+  return !object.type().is(numpy_array) && nb::cast<bool>(nb::module_::import_("numpy.ma").attr("is_masked")(object));
 }
 
 }  // namespace
+
+void bind_arrays() { numpy_array = nb::object(nb::module_::import_("numpy").attr("ndarray")).release(); }
 
 Array::Array(nb::handle object, const char* name, const char* expected, Lists lists)
     : owner_(nb::borrow(object)), name_(name), expected_(expected) {

@@ -28,6 +28,7 @@ namespace limber::python {
 namespace nb = nanobind;
 using nb::literals::operator""_a;
 
+void bind_arrays();
 void bind_records(nb::module_& module);
 void bind_results(nb::module_& module);
 void bind_model(nb::module_& module);

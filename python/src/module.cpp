@@ -83,6 +83,7 @@ NB_MODULE(_core, module) {
   module.doc() = "The compiled part of limber3d.";
   module.attr("version") = LIMBER_VERSION;
   python::bind_errors(module);
+  python::bind_arrays();
   python::bind_records(module);
   python::bind_results(module);
   python::bind_model(module);

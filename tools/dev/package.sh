@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 #: package NAME     build what others install, below build/packages, and install it on bare Debian systems with a first
-#:                  query: wheels, deb, npm; recipes checks those of packaging; reproducible builds twice and compares
+#:                  query: wheels [VERSION...], deb, npm; recipes checks those of packaging; reproducible builds twice and compares
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 names=(wheels deb npm recipes reproducible)

@@ -9,9 +9,7 @@ source "$root/tools/dev/roots.sh"
 
 recipes=$root/packaging
 tools=$root/build/recipe_tools/bin
-for file in conda/recipe.yaml vcpkg/vcpkg.json conan/conanfile.py homebrew/limber.rb nix/default.nix debian/changelog; do
-  grep -qF "$version" "$recipes/$file" || die "packaging/$file is not of version $version"
-done
+check_versions
 need build io recipes
 python_environment recipe_tools requirements_recipes.txt
 "$tools/python" -c 'import json, sys, yaml

@@ -12,15 +12,6 @@ source "$root/tools/dev/roots.sh"
 folder=$root/build/release
 name=limber-$version
 
-# What speaks of a version speaks of this one.
-check_versions() {
-  local file
-  for file in CITATION.cff web/limber3d/package.json packaging/debian/changelog CHANGELOG.md; do
-    grep -qF "${version%.0}" "$root/$file" || die "$file does not speak of version $version"
-  done
-  [[ -z $(git -C "$root" status --porcelain) ]] || die "a release is of what is committed"
-}
-
 # The README's way to install, its Python package and its first programs, from the archive.
 try_readme() {
   bare_root bookworm release g++ cmake ninja-build python3-venv python3-dev libhwy-dev libtbb-dev libboost-dev \
@@ -40,6 +31,7 @@ try_readme() {
 }
 
 check_versions
+[[ -z $(git -C "$root" status --porcelain) ]] || die "a release is of what is committed"
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
 copy_sources "$folder/$name"

@@ -9,6 +9,16 @@
 artefacts=$root/build/packages
 version=$(sed -n 's/^project(limber VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
 
+# check_versions: what names the version names that of CMakeLists.txt.
+check_versions() {
+  local file
+  for file in CITATION.cff web/limber3d/package.json \
+    packaging/{conda/recipe.yaml,vcpkg/vcpkg.json,conan/conanfile.py,homebrew/limber.rb,nix/default.nix,debian/changelog}; do
+    grep -qF "$version" "$root/$file" || die "$file is not of version $version"
+  done
+  grep -q "^## .*\b${version%.0}\b" "$root/CHANGELOG.md" || die "CHANGELOG.md has no heading for version $version"
+}
+
 # Two builds give the same bits: times of files are that of the last commit, and no file names the folder of the build.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct 2>/dev/null || stat -c %Y "$root/CHANGELOG.md")}
 export SOURCE_DATE_EPOCH
