@@ -29,11 +29,10 @@ const std::string& checked(const std::string& path) {
 
 /// "2026-11-26 17:05 UTC"
 std::string time_of_day() {
-  using namespace std::chrono;
-  const auto now = floor<minutes>(system_clock::now());
-  const auto today = floor<days>(now);
-  const year_month_day date(today);
-  const hh_mm_ss time(now - today);
+  const auto now = std::chrono::floor<std::chrono::minutes>(std::chrono::system_clock::now());
+  const auto today = std::chrono::floor<std::chrono::days>(now);
+  const std::chrono::year_month_day date(today);
+  const std::chrono::hh_mm_ss time(now - today);
   return fmt::format("{:04}-{:02}-{:02} {:02}:{:02} UTC", int{date.year()}, unsigned{date.month()},
                      unsigned{date.day()}, time.hours().count(), time.minutes().count());
 }
