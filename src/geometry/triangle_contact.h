@@ -13,7 +13,7 @@ struct FeaturesAndDirection {
   bool are_proven_apart;  ///< `a_to_b` is the normal of a plane that separates the triangles, beyond rounding
 };
 
-/// `a_to_b` is 0 if they intersect in the middle of a face.
+/// `a_to_b` is 0 where an edge crosses the middle of a face.
 FeaturesAndDirection features_and_direction(const Triangle& a, const Triangle& b);
 
 }  // namespace limber::geometry

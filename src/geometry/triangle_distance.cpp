@@ -72,7 +72,8 @@ struct Best {
 
 bool is_point(const Triangle& t) { return t.v0 == t.v1 && t.v0 == t.v2; }
 
-/// What closest_pair() finds, to the bit, where b is a point: of its edges and corners, the first ones.
+/// The closest points of a face and a point, to the bit those that closest_pair() would find with its kernel. The point
+/// counts as corner v0 of b.
 Best closest_to_point(const Face& a, const Vec3& b) {
   Best best;
   for (std::size_t i = 0; i < 3; ++i) {

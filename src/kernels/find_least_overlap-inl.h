@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::find_least_overlap: rows of four axes, three cross products of edges and a normal, one in each lane.
+// Kernels::find_least_overlap: the axes in rows of four. A row has the cross products of an edge of a with the three
+// edges of b, and a normal.
 
 #if defined(LIMBER_SIMD_FIND_LEAST_OVERLAP_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_LEAST_OVERLAP_INL_H
@@ -35,7 +36,7 @@ LIMBER_KERNEL Quad3 perpendicular(const Quad3& e, const Quad3& f) {
 struct HeightRange {
   Quad low, high;
 };
-LIMBER_KERNEL HeightRange extent_along(const Quad3& axis, const Triangle& t) {
+LIMBER_KERNEL HeightRange heights_along(const Quad3& axis, const Triangle& t) {
   const Quad p0 = dot(axis, broadcast(t.v0)), p1 = dot(axis, broadcast(t.v1)), p2 = dot(axis, broadcast(t.v2));
   return {min(min(p0, p1), p2), max(max(p0, p1), p2)};
 }
@@ -71,7 +72,7 @@ LIMBER_KERNEL void find_least_overlap(const TriangleAxes& a, const TriangleAxes&
         axis = axis * select(is_long, Quad::set(1), Quad::set(0x1p600));
         axis_sq = dot(axis, axis);
       }
-      const HeightRange of_a = extent_along(axis, a.corner), of_b = extent_along(axis, b.corner);
+      const HeightRange of_a = heights_along(axis, a.corner), of_b = heights_along(axis, b.corner);
       const Quad ahead = of_a.high - of_b.low, back = of_b.high - of_a.low;
       Quad overlap = min(ahead, back);
       if (intersect) overlap = max(overlap, Quad::set(0));  // below 0 is rounding then

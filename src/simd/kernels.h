@@ -153,8 +153,8 @@ struct TriangleFeatures {
   unsigned feet_of_b;            ///< bit mask: corners of b whose foot is in triangle a
 };
 
-/// A triangle as its axes are compared: edges and normal near length 1, or 0. They need not be those of the corners,
-/// which may have lost digits when they were moved.
+/// A triangle, and the directions of its edges and its normal, each near length 1, or 0. The directions may be more
+/// accurate than the corners, which lose digits where a small triangle is moved near a large one.
 struct TriangleAxes {
   Triangle corner;
   std::array<Vec3, 3> edge;

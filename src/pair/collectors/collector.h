@@ -25,9 +25,9 @@ namespace limber::pair {
 // is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
 // different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
 // QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter.
-// close_enough(): a pair at most that far apart is all that is looked for. compare():
-// returns std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a
-// collector of all hits.
+// close_enough(): a pair at most that far apart is all that is looked for. compare(): returns
+// std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a collector
+// of all hits.
 //
 // See      docs/design/adding_a_query.md.
 
