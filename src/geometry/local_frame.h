@@ -54,6 +54,9 @@ inline Vec3 near_unit(const Vec3& v) {
   return v * std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
+/// Whether all three corners are one.
+inline bool is_point(const Triangle& t) { return t.v0 == t.v1 && t.v0 == t.v2; }
+
 /// Length that stays positive where the square underflows.
 inline double safe_length(const Vec3& v) {
   const double v_sq = length_sq(v);

@@ -28,6 +28,7 @@ namespace limber {
 namespace {
 
 using geometry::Face;
+using geometry::is_point;
 using geometry::LocalFrame;
 using geometry::next_corner;
 using geometry::point_at;
@@ -69,8 +70,6 @@ struct Best {
     if (length_sq(candidate) < distance_sq) *this = {length_sq(candidate), candidate, w_a, w_b};
   }
 };
-
-bool is_point(const Triangle& t) { return t.v0 == t.v1 && t.v0 == t.v2; }
 
 /// The closest points of a face and a point, to the bit those that closest_pair() would find with its kernel. The point
 /// counts as corner v0 of b.

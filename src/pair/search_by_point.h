@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "geometry/local_frame.h"
 #include "limber/distance.h"
 #include "pair/placed_leaf.h"
 #include "pair/placed_pair.h"
@@ -17,9 +18,7 @@ namespace limber::pair {
 /// The side of which a model is a single point, as the core of a sphere is; b if both are.
 inline std::optional<Side> side_of_point(const PlacedPair& placed) {
   for (const Side s : {Side::b, Side::a}) {
-    if (!placed.is_triangle(s)) continue;
-    const Triangle t = placed.local_triangle(s, 0);
-    if (t.v0 == t.v1 && t.v0 == t.v2) return s;
+    if (placed.is_triangle(s) && geometry::is_point(placed.local_triangle(s, 0))) return s;
   }
   return std::nullopt;
 }
@@ -31,7 +30,7 @@ template <typename Collector>
 void search_by_point(const PlacedPair& placed, Side of_point, Collector& collector, Pruning& pruning,
                      QueryStats& stats) {
   const PlacedTriangle point = placed_triangle(placed, of_point, 0);
-  LIMBER_ASSERT(point.corners.v0 == point.corners.v1 && point.corners.v0 == point.corners.v2);
+  LIMBER_ASSERT(geometry::is_point(point.corners));
   const Side side = other(of_point);
   const point::PlacedModel model(placed.tree(side), placed.mesh(side), placed.pose(side));
   point::NearestTriangles nearest(model);
