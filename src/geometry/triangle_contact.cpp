@@ -108,20 +108,29 @@ class LocalPair {
   Triangle first_, second_;
 };
 
-simd::TriangleAxes axes_of(const Triangle& local, const Triangle& as_given) {
-  const std::array<Vec3, 3> edges = directions_of_edges(as_given);
-  return {local, edges, normal_of(edges)};
-}
+/// A triangle, and the directions of its edges and its normal, each near unit length, or 0.
+struct Axes {
+  Triangle corner;  ///< near the origin
+  std::array<Vec3, 3> edge;
+  Vec3 normal;
 
-/// The axis along which two triangles overlap least: moving the second along it by that much parts them.
+  Axes(const Triangle& local, const Triangle& as_given)
+      : corner(local), edge(directions_of_edges(as_given)), normal(normal_of(edge)) {}
+};
+
+/// The axis along which two triangles overlap least: moving the second along it by that much parts them. Of equal ones
+/// the first that was considered.
 ///
-/// A triangle that an axis separates from the other overlaps less than 0.
+/// A triangle that an axis separates from the other overlaps less than 0; `intersect` says that this would be rounding.
 class LeastOverlap {
  public:
   LeastOverlap(const LocalPair& pair, const Triangle& first, const Triangle& second, bool intersect)
-      : first_(axes_of(pair.first(), first)), second_(axes_of(pair.second(), second)), intersect_(intersect) {
-    simd::kernels().find_least_overlap(first_, second_, intersect, least_);
-    if (!least_.is_well_conditioned) consider_across_longest_edge();
+      : first_(pair.first(), first), second_(pair.second(), second), intersect_(intersect) {
+    consider(first_.normal), consider(second_.normal);
+    for (const Vec3& e : first_.edge) {
+      for (const Vec3& f : second_.edge) consider(perpendicular(e, f));
+    }
+    if (!is_well_conditioned_) consider_across_longest_edge();
   }
 
   /// Takes the line from corner i of the first triangle to corner j of the second, or the part of it across an edge at
@@ -143,7 +152,7 @@ class LeastOverlap {
     }
   }
 
-  Vec3 normal() const { return unit(least_.axis); }
+  Vec3 normal() const { return unit(axis_); }
 
  private:
   void consider_across_longest_edge() {
@@ -164,6 +173,8 @@ class LeastOverlap {
   /// Takes the axis if the triangles overlap less along it than along those before; an axis of 0 is none.
   void consider(Vec3 axis) {
     double axis_sq = length_sq(axis);
+    // Below an angle of 2^-30 a cross product has lost half of its digits.
+    if (axis_sq > 0x1p-60) is_well_conditioned_ = true;
     if (!(axis_sq > 0x1p-200)) {
       if (max_abs(axis) == 0) return;
       axis = near_unit(axis);
@@ -177,12 +188,13 @@ class LeastOverlap {
     double overlap = std::min(ahead, back);
     if (intersect_) overlap = std::max(overlap, 0.0);
     overlap /= std::sqrt(axis_sq);
-    if (overlap < least_.overlap) least_.overlap = overlap, least_.axis = back < ahead ? -axis : axis;
+    if (overlap < least_) least_ = overlap, axis_ = back < ahead ? -axis : axis;
   }
 
-  simd::TriangleAxes first_, second_;
-  bool intersect_;
-  simd::LeastOverlap least_;
+  Axes first_, second_;
+  bool intersect_, is_well_conditioned_ = false;
+  double least_ = std::numeric_limits<double>::infinity();
+  Vec3 axis_;
 };
 
 /// A normal on the outside of a triangle, of any length; 0 if the triangle is so thin that rounding could turn it.
@@ -223,6 +235,7 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
 
 /// How the normal from a to b, which are apart, lies to their outsides.
 NormalSide side_of(const Vec3& normal, const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+  if (oriented == OrientedFaces::none) return NormalSide::unknown;
   const Vec3 out_of_a = oriented == OrientedFaces::of_b ? Vec3{} : outside_of(a);
   const Vec3 into_b = oriented == OrientedFaces::of_a ? Vec3{} : -outside_of(b);
   const double out_of_a_sq = length_sq(out_of_a), into_b_sq = length_sq(into_b);
@@ -277,8 +290,57 @@ Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance
 
 }  // namespace
 
-TriangleContact geometry::contact(const Triangle& a, const Triangle& b, OrientedFaces oriented, double farthest) {
-  const FeaturesAndDirection found = features_and_direction(a, b);
+void geometry::ContactBatch::clear() {
+  size_ = 0;
+  crossings_.are_certain = 0;
+  has_overlaps_ = false;
+}
+
+void geometry::ContactBatch::add(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+  LIMBER_ASSERT(size_ < room && !has_overlaps_);
+  for (std::size_t k = 0; k < 3; ++k) pairs_.a[k][size_] = a[k], pairs_.b[k][size_] = b[k];
+  pairs_.has_outside_a[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_a ? 1 : 0;
+  pairs_.has_outside_b[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_b ? 1 : 0;
+  ++size_;
+}
+
+void geometry::ContactBatch::find_crossings() { simd::kernels().find_crossings(pairs_, crossings_); }
+
+OrientedFaces geometry::ContactBatch::oriented(std::uint32_t i) const {
+  const bool of_a = pairs_.has_outside_a[i] > 0, of_b = pairs_.has_outside_b[i] > 0;
+  if (of_a) return of_b ? OrientedFaces::both : OrientedFaces::of_a;
+  return of_b ? OrientedFaces::of_b : OrientedFaces::none;
+}
+
+ClosestFeatures geometry::ContactBatch::crossing(std::uint32_t i) const {
+  LIMBER_ASSERT(geometry::intersects(a(i), b(i)));
+  const bool is_of_a = (crossings_.are_of_a >> i & 1) != 0;
+  const auto edge = static_cast<std::size_t>(crossings_.edge[i]);
+  const double parameter = crossings_.parameter[i];
+  Vec3 weights_on_edge;
+  weights_on_edge[edge] = 1 - parameter, weights_on_edge[next_corner[edge]] = parameter;
+  const Feature of_edge{FeatureKind::edge, static_cast<std::uint8_t>(edge)}, face{FeatureKind::face, 0};
+  const Vec3 &point = crossings_.point[i], &weights_in_face = crossings_.weights_in_face[i];
+  if (is_of_a) return {0, point, point, of_edge, face, weights_on_edge, weights_in_face};
+  return {0, point, point, face, of_edge, weights_in_face, weights_on_edge};
+}
+
+void geometry::ContactBatch::part(std::uint32_t i, TriangleContact& contact) {
+  if (!has_overlaps_) simd::kernels().find_least_overlaps(pairs_, overlaps_);
+  has_overlaps_ = true;
+  if ((overlaps_.are_ordinary >> i & 1) == 0) return limber::part(a(i), b(i), oriented(i), contact);
+  contact.normal = overlaps_.normal[i], contact.depth = overlaps_.depth[i];
+  if ((overlaps_.are_outward >> i & 1) != 0) contact.normal_side = NormalSide::outward;
+}
+
+TriangleContact geometry::ContactBatch::contact(std::uint32_t i, double farthest) {
+  LIMBER_ASSERT(i < size_);
+  FeaturesAndDirection found;
+  if ((crossings_.are_certain >> i & 1) != 0) {
+    found.closest = crossing(i);
+  } else {
+    found = features_and_direction(a(i), b(i));
+  }
   const ClosestFeatures& closest = found.closest;
   TriangleContact contact;
   contact.distance = closest.distance;
@@ -286,13 +348,19 @@ TriangleContact geometry::contact(const Triangle& a, const Triangle& b, Oriented
   contact.feature_a = closest.feature_a, contact.feature_b = closest.feature_b;
   contact.weights_a = closest.weights_a, contact.weights_b = closest.weights_b;
   if (closest.distance == 0) {
-    part(a, b, oriented, contact);
-    return contact;
+    part(i, contact);
+  } else if (closest.distance <= farthest) {
+    const Triangle t = a(i), u = b(i);
+    contact.normal = found.are_proven_apart ? unit(found.a_to_b) : normal_of_a_small_gap(t, u, closest.distance);
+    contact.normal_side = side_of(contact.normal, t, u, oriented(i));
   }
-  if (closest.distance > farthest) return contact;
-  contact.normal = found.are_proven_apart ? unit(found.a_to_b) : normal_of_a_small_gap(a, b, closest.distance);
-  if (oriented != OrientedFaces::none) contact.normal_side = side_of(contact.normal, a, b, oriented);
   return contact;
+}
+
+TriangleContact geometry::contact(const Triangle& a, const Triangle& b, OrientedFaces oriented, double farthest) {
+  ContactBatch batch;
+  batch.add(a, b, oriented);
+  return batch.contact(0, farthest);
 }
 
 }  // namespace limber

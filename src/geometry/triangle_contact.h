@@ -2,18 +2,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "geometry/primitives.h"
+#include "simd/kernels.h"
 
 namespace limber::geometry {
 
 /// Closest features, and what a normal is made of.
 struct FeaturesAndDirection {
   ClosestFeatures closest;
-  Vec3 a_to_b;            ///< from point_a to point_b in a frame of any scale, with digits that the points may not have
-  bool are_proven_apart;  ///< `a_to_b` is the normal of a plane that separates the triangles, beyond rounding
+  Vec3 a_to_b;  ///< from point_a to point_b in a frame of any scale, with digits that the points may not have
+  bool are_proven_apart = false;  ///< `a_to_b` is the normal of a plane that separates the triangles, beyond rounding
 };
 
-/// `a_to_b` is 0 where an edge crosses the middle of a face.
 FeaturesAndDirection features_and_direction(const Triangle& a, const Triangle& b);
+
+/// A few pairs of triangles whose contacts are found together. What a pair gets does not depend on the others.
+class ContactBatch {
+ public:
+  static constexpr std::uint32_t room = simd::TrianglePairs::room;
+
+  std::uint32_t size() const { return size_; }
+  void clear();
+  /// Pre: size() < room, and nothing has been found since clear().
+  void add(const Triangle& a, const Triangle& b, OrientedFaces oriented);
+  /// Finds the pairs that cross for certain, so that contact() is faster for these. It pays for several pairs.
+  void find_crossings();
+  /// The contact of pair i, to the bit that of geometry::contact(). Pre: i < size().
+  TriangleContact contact(std::uint32_t i, double farthest);
+
+ private:
+  Triangle a(std::uint32_t i) const { return {pairs_.a[0][i], pairs_.a[1][i], pairs_.a[2][i]}; }
+  Triangle b(std::uint32_t i) const { return {pairs_.b[0][i], pairs_.b[1][i], pairs_.b[2][i]}; }
+  OrientedFaces oriented(std::uint32_t i) const;
+  /// The points and features of pair i, which crosses for certain.
+  ClosestFeatures crossing(std::uint32_t i) const;
+  /// Sets normal, side and depth of pair i, which intersects.
+  void part(std::uint32_t i, TriangleContact& contact);
+
+  simd::TrianglePairs pairs_;
+  simd::Crossings crossings_;
+  simd::LeastOverlaps overlaps_;
+  bool has_overlaps_ = false;
+  std::uint32_t size_ = 0;
+};
 
 }  // namespace limber::geometry

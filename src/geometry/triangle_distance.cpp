@@ -40,9 +40,6 @@ using geometry::safe_length;
 // The height of a corner along a direction d is off by 9 u max|d|, for three products with three roundings each, and by
 // 3 u max|d| for the rounded corner: 24 u for two heights. The rest of 32 u is room.
 constexpr double separation_error = 0x1p-48;
-// The shared point of triangles that intersect may be found the fast way if it is on both within 16 u: half of the 32 u
-// that users are promised.
-constexpr double shared_point_tolerance = 0x1p-49;
 // Closest points touch if they are within 128 u: far above all errors. Only the choice of features depends on it.
 constexpr double touching_distance = 0x1p-46;
 
@@ -185,7 +182,6 @@ class Crossings {
 struct SharedPoint {
   Vec3 point;
   Vec3 weights_a, weights_b;
-  bool is_on_edge_of_a = false;  ///< if it was found where an edge crosses a face
 };
 
 /// A point that is on both triangles as nearly as rounding allows. Pre: they intersect.
@@ -235,35 +231,9 @@ bool find_crossing(const Face& owner, const Face& target, double tolerance, Vec3
 
 /// Finds a point of both triangles the fast way. If it finds none, shared_point_robust() does.
 bool find_shared_point_fast(const Face& a, const Face& b, double extent, SharedPoint& shared) {
-  const double tolerance = shared_point_tolerance * extent;
-  shared.is_on_edge_of_a = find_crossing(a, b, tolerance, shared.point, shared.weights_a, shared.weights_b);
-  return shared.is_on_edge_of_a || find_crossing(b, a, tolerance, shared.point, shared.weights_b, shared.weights_a);
-}
-
-/// Whether a shared point that was found fast proves that the triangles intersect, there where no smaller features
-/// touch: an edge crosses a face far from its own ends and from the edges of the face, a millionth of the extent.
-///
-/// With u = 2^-53, E the extent, and an angle of the face of at least 7 degrees, heights over the plane and over the
-/// edges are off by less than 2^-44 E. The crossing edge then passes the edges of the face at more than 2^-42 E, since
-/// it is at most 4 E long. Rounded corners are off by 2 u E, and moving corners by less than half of these distances
-/// changes nothing: no end gets to the face, and the edge gets to no edge of the face.
-bool crosses_for_certain(const Face& a, const Face& b, const SharedPoint& shared, double extent) {
-  const Face &owner = shared.is_on_edge_of_a ? a : b, &target = shared.is_on_edge_of_a ? b : a;
-  const Vec3& weights = shared.is_on_edge_of_a ? shared.weights_a : shared.weights_b;
-  const double far = 0x1p-20 * extent, far_sq = far * far;
-  if (!(length_sq(target.normal) > 0x1p-6 * length_sq(target.edge[0]) * length_sq(target.edge[1]))) return false;
-  const Vec3 areas = target.areas(shared.point);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double of_edge = areas[next_corner[next_corner[k]]];
-    if (!(of_edge * of_edge > far_sq * length_sq(target.inward[k]))) return false;
-    if (weights[k] == 0) {
-      if (!(max_abs(owner.corner[k] - shared.point) > far)) return false;
-    } else {
-      const double height = dot(owner.corner[k] - shared.point, target.normal);
-      if (!(height * height > far_sq * length_sq(target.normal))) return false;
-    }
-  }
-  return true;
+  const double tolerance = simd::shared_point_tolerance * extent;
+  return find_crossing(a, b, tolerance, shared.point, shared.weights_a, shared.weights_b) ||
+         find_crossing(b, a, tolerance, shared.point, shared.weights_b, shared.weights_a);
 }
 
 /// Two triangles compared once, for all answers about them. It refers to its arguments, which must outlive it.
@@ -352,15 +322,7 @@ geometry::FeaturesAndDirection geometry::features_and_direction(const Triangle& 
   if (frame.extent() == 0) {
     return {{0, a.v0, a.v0, feature_of(v0), feature_of(v0), v0, v0}, Vec3{}, false};
   }
-  // Most triangles that intersect cross in the middle of an edge and a face, so that nothing more has to be compared.
   const Face local_a(frame.to_local(a)), local_b(frame.to_local(b));
-  SharedPoint crossing;
-  if (find_shared_point_fast(local_a, local_b, frame.extent(), crossing) &&
-      crosses_for_certain(local_a, local_b, crossing, frame.extent())) {
-    LIMBER_ASSERT(geometry::intersects(a, b));
-    const Vec3 point = frame.from_local(crossing.point), &w_a = crossing.weights_a, &w_b = crossing.weights_b;
-    return {{0, point, point, feature_of(w_a), feature_of(w_b), w_a, w_b}, Vec3{}, false};
-  }
   const Comparison c(frame, a, b, local_a, local_b);
   Vec3 weights_a = c.best().weights_a, weights_b = c.best().weights_b;
   ClosestPoints points;

@@ -57,14 +57,19 @@ class AllPairs {
       push_roots(root_bound);
       visit_all();
     }
+    finish();
   }
 
   /// Offers the collector the pairs of a part.
   void run(const SearchPart& part) {
     LIMBER_ASSERT(size_ == 0);
-    if (part.first_node < part.end_node) return compare_siblings_of(part.first_node, part.end_node);
-    push(part.pair);
-    visit_all();
+    if (part.first_node < part.end_node) {
+      compare_siblings_of(part.first_node, part.end_node);
+    } else {
+      push(part.pair);
+      visit_all();
+    }
+    finish();
   }
 
   /// Splits the search into parts, at least `count` where there is so much work, some thousand at most. The parts in
@@ -120,6 +125,10 @@ class AllPairs {
   void push(const NodePair& pair) {
     LIMBER_ASSERT(size_ < capacity);
     stack_[size_++] = pair;
+  }
+
+  void finish() {
+    if constexpr (requires { collector_.finish(); }) collector_.finish();
   }
 
   bool has_to_end() { return collector_.is_done() || search_.meter.is_spent(steps_); }

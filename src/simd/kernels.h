@@ -153,19 +153,33 @@ struct TriangleFeatures {
   unsigned feet_of_b;            ///< bit mask: corners of b whose foot is in triangle a
 };
 
-/// A triangle, and the directions of its edges and its normal, each near length 1, or 0. The directions may be more
-/// accurate than the corners, which lose digits where a small triangle is moved near a large one.
-struct TriangleAxes {
-  Triangle corner;
-  std::array<Vec3, 3> edge;
-  Vec3 normal;
+/// Pairs of triangles: corners by corner and pair. Entries that are not in use must be finite.
+struct TrianglePairs {
+  static constexpr std::uint32_t room = 4;
+  Vec3 a[3][room]{}, b[3][room]{};
+  double has_outside_a[room]{}, has_outside_b[room]{};  ///< 1 or 0
 };
 
-/// The axis along which two triangles overlap least: moving b along it by that much parts them.
-struct LeastOverlap {
-  double overlap;            ///< infinite if all axes are 0
-  Vec3 axis;                 ///< from a to b, of any length
-  bool is_well_conditioned;  ///< whether some axis has at least half of its digits
+/// A point that two triangles share is on both within this part of the extent, where it is found the fast way: half of
+/// what users are promised.
+inline constexpr double shared_point_tolerance = 0x1p-49;
+
+/// Where pairs of triangles cross, as geometry::closest_features() says, to the bit: the edge of one that crosses the
+/// face of the other. Numbers of pairs that are not certain mean nothing.
+struct Crossings {
+  unsigned are_certain = 0;  ///< bit mask: these cross in the middle of edge and face, whatever rounding does
+  unsigned are_of_a = 0;     ///< bit mask: the edge is one of a, and the face is b
+  Vec3 point[TrianglePairs::room], weights_in_face[TrianglePairs::room];
+  double edge[TrianglePairs::room], parameter[TrianglePairs::room];  ///< which edge, and where the point is on it
+};
+
+/// Normals and depths of geometry::contact(), of pairs of triangles that intersect. Numbers of pairs that are not
+/// ordinary mean nothing.
+struct LeastOverlaps {
+  unsigned are_ordinary;  ///< bit mask: neither huge nor tiny, and no slivers; it does not depend on which is a
+  unsigned are_outward;   ///< bit mask: the normal tells outside from inside
+  Vec3 normal[TrianglePairs::room];
+  double depth[TrianglePairs::room];
 };
 
 /// Pairs of segments. Entries that are not in use must be finite.
@@ -328,10 +342,11 @@ using OverlappingPairs = std::uint64_t (*)(const bvh::BoxNode& a, const bvh::Box
 /// most 2^100 in size.
 using CompareTriangles = void (*)(const FaceVectors& a, const FaceVectors& b, TriangleFeatures& features);
 
-/// Finds the axis along which two triangles overlap least, among their normals and the nine cross products of edges; of
-/// equal ones the first in this order. Below 0 they are apart; `intersect` says that this would be rounding. Pre: as
-/// above.
-using FindLeastOverlap = void (*)(const TriangleAxes& a, const TriangleAxes& b, bool intersect, LeastOverlap& least);
+/// Finds the pairs that cross for certain, and where.
+using FindCrossings = void (*)(const TrianglePairs& pairs, Crossings& found);
+
+/// Finds how pairs of triangles that intersect can be parted. Others get numbers that mean nothing.
+using FindLeastOverlaps = void (*)(const TrianglePairs& pairs, LeastOverlaps& found);
 
 /// The closest points of all pairs of segments.
 using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& found);
@@ -362,7 +377,8 @@ using CompareSegments = void (*)(const SegmentPairs& pairs, ClosestOfSegments& f
   X(OverlappingBoxes, overlapping_boxes)             \
   X(OverlappingPairs, overlapping_pairs)             \
   X(CompareTriangles, compare_triangles)             \
-  X(FindLeastOverlap, find_least_overlap)            \
+  X(FindCrossings, find_crossings)                   \
+  X(FindLeastOverlaps, find_least_overlaps)          \
   X(CompareSegments, compare_segments)
 
 /// The kernels for one instruction set.

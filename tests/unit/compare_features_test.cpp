@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The kernels that compare pairs of segments, and edges, corners and axes of two triangles, next to one pair at a time.
+// The kernels that compare pairs of segments, and edges, corners and crossings of two triangles, next to one pair at a
+// time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +11,12 @@
 #include <cstdint>
 #include <limits>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
+#include "geometry/triangle_contact.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 
@@ -133,64 +137,85 @@ TEST_P(CompareFeatures, OfTrianglesFindsTheFirstOfTheClosestEdgesAndAllFeet) {
   EXPECT_GT(feet, 0);
 }
 
-// --- axes of two triangles ---
+// --- contacts of triangles ---
 
-/// Edges as given, and a normal of any two of them.
-simd::TriangleAxes axes_of(const Triangle& t) {
-  simd::TriangleAxes axes{t, {t.v1 - t.v0, t.v2 - t.v1, t.v0 - t.v2}, {}};
-  const double size = std::max({max_abs(axes.edge[0]), max_abs(axes.edge[1]), max_abs(axes.edge[2]), 0x1p-500});
-  for (Vec3& edge : axes.edge) edge = edge * (1 / size);
-  axes.normal = cross(axes.edge[0], axes.edge[1]);
-  return axes;
+auto values_of(const TriangleContact& c) {
+  return std::tuple(c.distance, c.depth, c.point_a, c.point_b, c.normal, c.weights_a, c.weights_b, c.feature_a,
+                    c.feature_b, c.normal_side);
 }
 
-/// One axis after the other.
-simd::LeastOverlap least_overlap(const simd::TriangleAxes& a, const simd::TriangleAxes& b, bool intersect) {
-  simd::LeastOverlap least{std::numeric_limits<double>::infinity(), {}, false};
-  const auto compare = [&](Vec3 axis) {
-    if (max_abs(axis) == 0) return;
-    if (length_sq(axis) > 0x1p-60) least.is_well_conditioned = true;
-    if (!(length_sq(axis) > 0x1p-200)) axis = axis * 0x1p600;
-    const auto range = [&](const Triangle& t) {
-      return std::minmax({dot(axis, t.v0), dot(axis, t.v1), dot(axis, t.v2)});
-    };
-    const auto [low_a, high_a] = range(a.corner);
-    const auto [low_b, high_b] = range(b.corner);
-    double overlap = std::min(high_a - low_b, high_b - low_a);
-    if (intersect && overlap < 0) overlap = 0;
-    overlap = overlap / length(axis);
-    if (overlap < least.overlap) least.overlap = overlap, least.axis = high_b - low_a < high_a - low_b ? -axis : axis;
-  };
-  compare(a.normal), compare(b.normal);
-  for (const Vec3& e : a.edge) {
-    for (const Vec3& f : b.edge) {
-      Vec3 axis = cross(e, f);
-      const double axis_sq = length_sq(axis);
-      if (axis_sq < 0x1p-4 && axis_sq > 0) axis = axis - e * (dot(axis, e) / length_sq(e));
-      compare(axis);
+/// A few pairs, each with random outsides.
+struct OrientedPairs {
+  std::vector<std::pair<Triangle, Triangle>> triangles;
+  std::vector<OrientedFaces> oriented;
+
+  OrientedPairs(Rng& rng, PairKind kind) {
+    for (std::size_t i = 0; i < geometry::ContactBatch::room; ++i) {
+      triangles.push_back(random_pair(rng, kind));
+      constexpr OrientedFaces ways[] = {OrientedFaces::none, OrientedFaces::of_a, OrientedFaces::of_b,
+                                        OrientedFaces::both};
+      oriented.push_back(ways[rng.below(4)]);
     }
   }
-  return least;
-}
+  /// The contacts of the first `count`, found together.
+  std::vector<TriangleContact> contacts(std::size_t count, double farthest) const {
+    geometry::ContactBatch batch;
+    for (std::size_t i = 0; i < count; ++i) batch.add(triangles[i].first, triangles[i].second, oriented[i]);
+    batch.find_crossings();
+    std::vector<TriangleContact> found;
+    for (std::uint32_t i = 0; i < batch.size(); ++i) found.push_back(batch.contact(i, farthest));
+    return found;
+  }
+};
 
-TEST_P(CompareFeatures, OfTrianglesFindsTheFirstAxisOfLeastOverlap) {
+TEST_P(CompareFeatures, ContactsDoNotDependOnInstructionSetsNorOnTheOtherPairs) {
   Rng rng(1503);
-  int found_any = 0;
-  for (int i = 0; i < 4000; ++i) {
-    const auto [t, u] = random_pair(rng, GetParam());
-    const simd::TriangleAxes a = axes_of(t), b = axes_of(u);
-    const bool intersect = geometry::intersects(t, u);
-    const simd::LeastOverlap expected = least_overlap(a, b, intersect);
-    for (const simd::Kernels& set : simd::all_kernels()) {
-      simd::LeastOverlap found;
-      set.find_least_overlap(a, b, intersect, found);
-      ASSERT_EQ(found.overlap, expected.overlap) << set.name << ", pair " << i;
-      ASSERT_EQ(found.axis, expected.axis) << set.name << ", pair " << i;
-      ASSERT_EQ(found.is_well_conditioned, expected.is_well_conditioned) << set.name << ", pair " << i;
+  for (int round = 0; round < 500; ++round) {
+    const OrientedPairs pairs(rng, GetParam());
+    const double farthest = round % 2 == 0 ? 1 : 0;
+    std::vector<TriangleContact> expected;
+    simd::use_kernels(&simd::scalar_kernels);
+    for (std::size_t i = 0; i < pairs.triangles.size(); ++i) {
+      const auto& [t, u] = pairs.triangles[i];
+      expected.push_back(geometry::contact(t, u, pairs.oriented[i], farthest));
     }
-    found_any += expected.is_well_conditioned ? 1 : 0;
+    for (const simd::Kernels& set : simd::all_kernels()) {
+      simd::use_kernels(&set);
+      const std::size_t count = 1 + static_cast<std::size_t>(round) % expected.size();
+      const std::vector<TriangleContact> found = pairs.contacts(count, farthest);
+      ASSERT_EQ(found.size(), count);
+      for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_EQ(values_of(found[i]), values_of(expected[i])) << set.name << ", pair " << i << " of round " << round;
+      }
+    }
+    simd::use_kernels(nullptr);
   }
-  EXPECT_GT(found_any, 0);
+}
+
+/// What the kernel answers itself is a contact without doubt, and most of what crosses is answered.
+TEST_P(CompareFeatures, CrossingsAreThoseOfTrianglesThatIntersect) {
+  Rng rng(1504);
+  int answered = 0, intersecting = 0;
+  for (int round = 0; round < 1000; ++round) {
+    simd::TrianglePairs pairs;
+    bool intersect[simd::TrianglePairs::room];
+    for (std::uint32_t i = 0; i < simd::TrianglePairs::room; ++i) {
+      const auto [t, u] = random_pair(rng, GetParam());
+      for (std::size_t k = 0; k < 3; ++k) pairs.a[k][i] = t[k], pairs.b[k][i] = u[k];
+      intersect[i] = geometry::intersects(t, u);
+      intersecting += intersect[i] ? 1 : 0;
+    }
+    simd::Crossings found;
+    simd::kernels().find_crossings(pairs, found);
+    for (std::uint32_t i = 0; i < simd::TrianglePairs::room; ++i) {
+      if ((found.are_certain >> i & 1) == 0) continue;
+      ++answered;
+      ASSERT_TRUE(intersect[i]) << round;
+    }
+  }
+  if (GetParam() == PairKind::uniform) {
+    EXPECT_GT(answered, intersecting * 9 / 10);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryKind, CompareFeatures,

@@ -38,7 +38,9 @@ class ClosestPairs {
     if (are_neighbors && !pairs_.meet(a, b)) return std::nullopt;
     const bool is_full = count == closest_.size();
     const double farthest = is_full ? closest_.front().distance : max_distance_;
-    const Contact contact = pairs_.contact(a, b, are_neighbors, farthest);
+    const Contact contact = pairs_.of_bodies(
+        {geometry::contact(a.corners, b.corners, pairs_.oriented(are_neighbors), pairs_.core_limit(farthest)), a.id,
+         b.id});
     if (is_full ? contact.distance >= farthest : contact.distance > farthest) return std::nullopt;
     LIMBER_ASSERT(count <= closest_.size());
     // A heap with the farthest pair first.

@@ -17,6 +17,9 @@ namespace limber::pair {
 //          bool is_done() const;
 //          compare(const PlacedTriangle& a, const PlacedTriangle& b);
 //
+// One of all hits may have finish(), which is called after the last pair: compare() may then wait for more pairs, to
+// look at them together.
+//
 // One of the closest pair needs also, for a contact that was found without a distance, and for searches of one tree:
 //          std::optional<BoundUpdate> take(double distance, const Witness& points);
 //          double close_enough() const;

@@ -30,11 +30,10 @@ class PairsOfTwo {
   bool meet(const PlacedTriangle& a, const PlacedTriangle& b) const {
     return geometry::intersects(a.corners, b.corners);
   }
-  /// Whole only if they are at most `farthest` apart.
-  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool /*are_neighbors*/, double farthest) const {
-    const double limit = core_limit(farthest);
-    return radii_.contact(Contact{geometry::contact(a.corners, b.corners, oriented_, limit), a.id, b.id});
-  }
+  /// Which triangles of a pair have an outside.
+  OrientedFaces oriented(bool /*are_neighbors*/) const { return oriented_; }
+  /// The contact of the bodies, given that of two of their triangles.
+  Contact of_bodies(const Contact& contact) const { return radii_.contact(contact); }
 
  private:
   static OrientedFaces closed(const Mesh& a, const Mesh& b) {
@@ -70,13 +69,11 @@ class PairsOfOne {
   bool meet(const PlacedTriangle& a, const PlacedTriangle& b) const {
     return geometry::meets_elsewhere(a.corners, mesh_.triangles[a.id], b.corners, mesh_.triangles[b.id]);
   }
-  /// Whole only if they are at most `farthest` apart. Neighbors that meet have been folded, so their outsides do not
-  /// tell how to part them.
-  Contact contact(const PlacedTriangle& a, const PlacedTriangle& b, bool are_neighbors, double farthest) const {
-    const bool are_oriented = is_oriented_ && !are_neighbors;
-    const OrientedFaces oriented = are_oriented ? OrientedFaces::both : OrientedFaces::none;
-    return {geometry::contact(a.corners, b.corners, oriented, farthest), a.id, b.id};
+  /// Neighbors that meet have been folded, so their outsides do not tell how to part them.
+  OrientedFaces oriented(bool are_neighbors) const {
+    return is_oriented_ && !are_neighbors ? OrientedFaces::both : OrientedFaces::none;
   }
+  Contact of_bodies(const Contact& contact) const { return contact; }
 
  private:
   MeshView mesh_;

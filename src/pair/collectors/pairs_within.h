@@ -4,11 +4,12 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 
 #include "base/check.h"
-#include "geometry/primitives.h"
+#include "geometry/triangle_contact.h"
 #include "limber/contacts.h"
 #include "pair/collectors/collector.h"
 
@@ -34,9 +35,21 @@ class PairsWithin {
     if (!pairs_.counts(a, b)) return;
     const bool are_neighbors = pairs_.are_neighbors(a, b);
     if (are_neighbors && !pairs_.meet(a, b)) return;
-    const Contact contact = pairs_.contact(a, b, are_neighbors, margin_);
-    LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
-    if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
+    ids_[batch_.size()] = {a.id, b.id};
+    batch_.add(a.corners, b.corners, pairs_.oriented(are_neighbors));
+    if (batch_.size() == geometry::ContactBatch::room) finish();
+  }
+  /// Visits what has been compared since the last time.
+  void finish() {
+    if (batch_.size() == 0) return;
+    batch_.find_crossings();
+    const double limit = pairs_.core_limit(margin_);
+    for (std::uint32_t i = 0; i < batch_.size() && !is_stopped_; ++i) {
+      const Contact contact = pairs_.of_bodies({batch_.contact(i, limit), ids_[i].a, ids_[i].b});
+      LIMBER_ASSERT(contact.distance >= 0 && contact.depth >= 0);
+      if (contact.distance <= margin_) ++count, is_stopped_ = !visit_(contact);
+    }
+    batch_.clear();
   }
 
   std::size_t count = 0;
@@ -47,6 +60,8 @@ class PairsWithin {
   Pairs pairs_;
   double margin_;
   ContactVisitor visit_;
+  geometry::ContactBatch batch_;
+  TrianglePair ids_[geometry::ContactBatch::room];
   bool is_stopped_ = false;
 };
 
