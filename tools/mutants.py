@@ -166,7 +166,8 @@ class Workshop:
         copy_sources(ROOT, self.source)
         shutil.rmtree(self._runs, ignore_errors=True)
         self._runs.mkdir(parents=True)
-        options = [f"-DCMAKE_CXX_FLAGS={FLAGS}", "-DCMAKE_BUILD_TYPE=None", "-DLIMBER_CHECKS=ON", "-DLIMBER_INSTALL=OFF"]
+        options = [f"-DCMAKE_CXX_FLAGS={FLAGS}", "-DCMAKE_BUILD_TYPE=None", "-DLIMBER_CHECKS=ON", "-DLIMBER_INSTALL=OFF",
+                   "-DLIMBER_BUILD_TESTS=ON"]
         if ccache := shutil.which("ccache"):
             options.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={ccache}")
         command = ["cmake", "-S", str(self.source), "-B", str(self.build_tree), "-G", "Ninja", *options]

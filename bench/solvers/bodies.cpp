@@ -93,19 +93,19 @@ void run(const Options& options, Checker& checker) {
   Heap heap;
   std::vector<ObjectPair> pairs(64 * body_count);
   std::vector<double> us_a_contact[2], processor_us_a_contact[2];
+  ObjectContacts found;
   std::size_t pair_count = 0, contact_count = 0;
   oneapi::tbb::task_arena arenas[2] = {oneapi::tbb::task_arena(1), oneapi::tbb::task_arena(2)};
   for (int frame = 0, frames = options.quick ? 2 : 30; frame < frames; ++frame) {
     heap.move();
     for (std::size_t k = 0; k < 2; ++k) {
-      ObjectContacts found;
       const Stopwatch watch;
       const std::clock_t before = std::clock();
       arenas[k].execute([&] {
         heap.scene.set_poses(heap.ids, heap.poses);
         heap.scene.commit();
         pair_count = heap.scene.candidate_pairs(margin, pairs).count;
-        found = heap.scene.contacts(std::span(pairs).first(pair_count), margin);
+        heap.scene.contacts(std::span(pairs).first(pair_count), margin, found);
       });
       const double us = watch.us(), processor_us = 1e6 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
       contact_count = found.contacts.size();

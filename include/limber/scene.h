@@ -277,11 +277,13 @@ class Scene {
 
   /// The contacts of each pair, as visit_contacts() finds them for its two models, in that order.
   ///
+  /// found    What was in it is replaced; its memory is used again, so keep it for the next frame.
+  ///
   /// Promise  The same contacts, to the bit and in order, on any number of threads.
-  /// Throws   As collide(), and unless the margin is finite and >= 0.
+  /// Throws   As collide(), and unless the margin is finite and >= 0; `found` is then empty or unchanged.
   /// Cost     That of the queries, on the threads of the calling oneTBB arena.
-  LIMBER_API ObjectContacts contacts(std::span<const ObjectPair> pairs, double margin,
-                                     const ObjectContactOptions& options = {}) const;
+  LIMBER_API void contacts(std::span<const ObjectPair> pairs, double margin, ObjectContacts& found,
+                           const ObjectContactOptions& options = {}) const;
 
   /// The clearance of the scene: the shortest distance of any two objects that the filter lets through.
   ///

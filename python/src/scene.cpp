@@ -110,8 +110,8 @@ using Offsets = Named<"NDArray[numpy.int64]">;
 std::pair<RecordArray, Offsets> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
                                                   std::optional<OrientedFaces> oriented_faces) {
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
-  const ObjectContacts found = self.read(
-      [&](const Scene& scene) { return without_gil([&] { return scene.contacts(asked, margin, {oriented_faces}); }); });
+  ObjectContacts found;
+  self.read([&](const Scene& scene) { without_gil([&] { scene.contacts(asked, margin, found, {oriented_faces}); }); });
   const std::vector<std::int64_t> offsets(found.offsets.begin(), found.offsets.end());
   return {array_of(std::span<const Contact>(found.contacts), dtypes().contact),
           array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()})};

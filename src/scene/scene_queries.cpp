@@ -4,6 +4,7 @@
 // Queries of pairs of objects, on all threads.
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "base/arguments.h"
@@ -86,41 +87,42 @@ void Scene::distance(std::span<const ObjectPair> pairs, std::span<DistanceResult
   });
 }
 
-ObjectContacts Scene::contacts(std::span<const ObjectPair> pairs, double margin,
-                               const ObjectContactOptions& options) const {
+void Scene::contacts(std::span<const ObjectPair> pairs, double margin, ObjectContacts& found,
+                     const ObjectContactOptions& options) const {
   const Impl& scene = impl("contacts");
   check_pairs(scene, pairs, pairs.size());
   base::check_margin(margin, "limber::Scene::contacts");
   // Contacts of some pairs at a time are appended while those of others are found: stored once more, all of them would
   // take as much memory again.
-  struct Found {
+  struct Chunk {
     std::vector<Contact> contacts;
     std::vector<std::size_t> ends;  // of each pair, in `contacts`
   };
-  const auto find = [&](std::size_t chunk, Found& found) {
+  const auto find = [&](std::size_t chunk, Chunk& of_chunk) {
     const std::size_t begin = chunk * pairs_of_chunk, end = std::min(begin + pairs_of_chunk, pairs.size());
-    const auto keep = [&](const Contact& contact) { return found.contacts.push_back(contact), true; };
+    const auto keep = [&](const Contact& contact) { return of_chunk.contacts.push_back(contact), true; };
     for (std::size_t i = begin; i < end; ++i) {
       visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep,
                      {.oriented_faces = options.oriented_faces});
-      found.ends.push_back(found.contacts.size());
+      of_chunk.ends.push_back(of_chunk.contacts.size());
     }
   };
-  ObjectContacts all;
+  ObjectContacts all = std::exchange(found, {});
+  all.contacts.clear(), all.offsets.clear();
   all.offsets.reserve(pairs.size() + 1);
   all.offsets.push_back(0);
-  const auto append = [&](Found& found) {
-    const std::size_t count = all.contacts.size(), done = all.offsets.size() - 1 + found.ends.size();
-    if (count + found.contacts.size() > all.contacts.capacity()) {
-      all.contacts.reserve(room_for(count + found.contacts.size(), done, pairs.size()));
+  const auto append = [&](Chunk& chunk) {
+    const std::size_t count = all.contacts.size(), done = all.offsets.size() - 1 + chunk.ends.size();
+    if (count + chunk.contacts.size() > all.contacts.capacity()) {
+      all.contacts.reserve(room_for(count + chunk.contacts.size(), done, pairs.size()));
     }
-    all.contacts.insert(all.contacts.end(), found.contacts.begin(), found.contacts.end());
-    for (const std::size_t end : found.ends) all.offsets.push_back(count + end);
-    found.contacts.clear(), found.ends.clear();
+    all.contacts.insert(all.contacts.end(), chunk.contacts.begin(), chunk.contacts.end());
+    for (const std::size_t end : chunk.ends) all.offsets.push_back(count + end);
+    chunk.contacts.clear(), chunk.ends.clear();
   };
-  base::parallel_in_order<Found>((pairs.size() + pairs_of_chunk - 1) / pairs_of_chunk, find, append);
+  base::parallel_in_order<Chunk>((pairs.size() + pairs_of_chunk - 1) / pairs_of_chunk, find, append);
   LIMBER_ASSERT(all.offsets.size() == pairs.size() + 1 && all.offsets.back() == all.contacts.size());
-  return all;
+  found = std::move(all);
 }
 
 }  // namespace limber

@@ -259,7 +259,7 @@ bool play_scene(const Model& ball, std::int64_t k, Failing failing) {
     failing_call(scene, [&] { scene.closest_objects_many(ids, poses, results, {.filter = are_not_next}); });
     EXPECT_NEAR(results[16].result.upper, 1, 0.1);
     ObjectContacts contacts;
-    failing_call(scene, [&] { contacts = scene.contacts(std::span(pairs).first(count), 0); });
+    failing_call(scene, [&] { scene.contacts(std::span(pairs).first(count), 0, contacts); });
     EXPECT_TRUE(contacts.offsets.size() == count + 1 && contacts.offsets[count] >= count);
   }
   return failing_call.has_failed();

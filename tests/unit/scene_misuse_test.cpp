@@ -167,14 +167,15 @@ TEST_F(SceneMisuse, OfModelsNextToTheSceneIsRefused) {
   ASSERT_TRUE(static_cast<bool>(moved.move_all(moved.mesh().positions())));
   refused("Scene::visit_candidates", "commit", [&] { scene_.visit_candidates({moved}, 0, visit); });
   refused("Scene::closest_object", "commit", [&] { (void)scene_.closest_object({moved}); });
+  ObjectContacts found;
   for (const double bad : bad_numbers) {
     refused("Scene::visit_candidates", "margin", [&] { scene_.visit_candidates({ball_}, bad, visit); });
     refused("Scene::closest_object", "relative_error",
             [&] { (void)scene_.closest_object({ball_}, {.relative_error = bad}); });
-    refused("Scene::contacts", "margin", [&] { (void)scene_.contacts(pair_, bad); });
+    refused("Scene::contacts", "margin", [&] { scene_.contacts(pair_, bad, found); });
   }
   const std::vector<ObjectPair> bad_pair{{0, 2}};
-  refused("Scene", "pairs", [&] { (void)scene_.contacts(bad_pair, 0); });
+  refused("Scene", "pairs", [&] { scene_.contacts(bad_pair, 0, found); });
 }
 
 TEST_F(SceneMisuse, OfMatricesIsRefused) {
@@ -209,7 +210,8 @@ TEST_F(SceneMisuse, OfChangesThatAreNotCommittedIsRefused) {
           [&] { scene_.visit_candidates({ball_}, 0, [](ObjectId) { return true; }); });
   refused("Scene::any_within", "commit", [&] { (void)scene_.any_within(1); });
   refused("Scene::any_within_many", "commit", [&] { scene_.any_within_many({}, {}, 1, {}); });
-  refused("Scene", "committed", [&] { (void)scene_.contacts(pair_, 0); });
+  ObjectContacts found;
+  refused("Scene", "committed", [&] { scene_.contacts(pair_, 0, found); });
   refused("Scene::bounding_box", "commit", [&] { (void)scene_.bounding_box(0); });
   scene_.set_pose(0, {});
   scene_.commit();

@@ -138,6 +138,7 @@ TEST(SceneContactsTest, AreThoseOfTwoModelsOnAnyNumberOfThreads) {
   pairs.insert(pairs.begin(), {1, 0});  // any order, and repeated
   pairs.push_back(pairs[1]);
   ASSERT_GT(pairs.size(), 50U);
+  ObjectContacts found;
   for (const auto oriented : {std::optional<OrientedFaces>{}, std::optional(OrientedFaces::of_b)}) {
     std::vector<Contact> expected;
     std::vector<std::size_t> offsets{0};
@@ -151,7 +152,7 @@ TEST(SceneContactsTest, AreThoseOfTwoModelsOnAnyNumberOfThreads) {
     const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, 5);
     for (const int threads : {1, 2, 5}) {
       oneapi::tbb::task_arena(threads).execute([&] {
-        const ObjectContacts found = heap.scene.contacts(pairs, 0.1, {.oriented_faces = oriented});
+        heap.scene.contacts(pairs, 0.1, found, {.oriented_faces = oriented});
         ASSERT_EQ(found.offsets, offsets);
         ASSERT_EQ(found.contacts.size(), expected.size());
         for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -162,7 +163,9 @@ TEST(SceneContactsTest, AreThoseOfTwoModelsOnAnyNumberOfThreads) {
       });
     }
   }
-  EXPECT_EQ(heap.scene.contacts({}, 0.1).offsets, std::vector<std::size_t>{0});
+  heap.scene.contacts({}, 0.1, found);
+  EXPECT_EQ(found.offsets, std::vector<std::size_t>{0});
+  EXPECT_TRUE(found.contacts.empty());
 }
 
 }  // namespace

@@ -212,7 +212,7 @@ bool scene_distance(const Scene* scene, std::size_t count, double relative_error
 LIMBER_EXPORT(sceneContacts)
 bool scene_contacts(const Scene* scene, std::size_t count, double margin, int oriented_faces) {
   return guarded([&] {
-    contacts_found = scene->contacts(object_pairs_from(count), margin, {oriented_faces_from(oriented_faces)});
+    scene->contacts(object_pairs_from(count), margin, contacts_found, {oriented_faces_from(oriented_faces)});
     offsets.assign(contacts_found.offsets.begin(), contacts_found.offsets.end());
     give_contacts(contacts_found.contacts, {});
     exchange.words[4] = address_of(offsets.data());

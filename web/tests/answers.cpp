@@ -232,7 +232,8 @@ class Recorder {
     scene_.distance(pairs, distances, {.relative_error = 0.01, .cache = cache, .budget = budget});
     given["relativeError"] = 0.01;
     write("sceneCall", {}, {"distance", uint32s(ids)}, given, each(distances));
-    const ObjectContacts found = scene_.contacts(pairs, 0.1 * margin);
+    ObjectContacts found;
+    scene_.contacts(pairs, 0.1 * margin, found);
     write("sceneCall", {}, {"contacts", uint32s(ids), 0.1 * margin}, json::object(),
           {{"contacts", each(found.contacts)}, {"offsets", found.offsets}});
   }
