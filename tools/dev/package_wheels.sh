@@ -37,21 +37,22 @@ prepare() {
 
 # wheel VERSION
 wheel() {
-  local settings=(-C "wheel.py-api=cp312") name
-  for name in HWY TBB Boost nlohmann_json; do settings+=(-C "cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
+  local settings=("wheel.py-api=cp312") name
+  for name in HWY TBB Boost nlohmann_json; do settings+=("cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
   for name in HWY=highway TBB=onetbb NLOHMANN_JSON=nlohmann-json3 BOOST=boost BOOSTCONFIG=boost; do
-    settings+=(-C "cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
+    settings+=("cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
   done
   # The system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends daemon threads,
   # gives the module the system's record of a stack, and the two libraries do not read each other's.
-  settings+=(-C "cmake.define.CMAKE_MODULE_LINKER_FLAGS=$(gcc -print-file-name=libgcc_s.so.1)")
+  settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$(gcc -print-file-name=libgcc_s.so.1)")
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
   say "building the wheel of CPython $1; its log is ${folder#"$root/"}/log-$1"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
   # -O3 also for what CMake tries, so that Zig builds its C++ library once.
   PATH=$tools:$PATH CXX=$tools/zig-c++ CCACHE_COMPILERTYPE=clang CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) \
     CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
-    "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps "${settings[@]}" \
+    "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
+    "${settings[@]/#/--config-settings=}" \
     -w "$folder/plain-$1" "$root" </dev/null >"$folder/log-$1" 2>&1 || die "$(tail -n 40 -- "$folder/log-$1")"
   PATH=$tools:$PATH auditwheel repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
 }
