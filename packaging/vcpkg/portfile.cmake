@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-# A port for an overlay: vcpkg install limber --overlay-ports=packaging
+# A port for an overlay: vcpkg install limber --overlay-ports=packaging/vcpkg
 get_filename_component(SOURCE_PATH "${CURRENT_PORT_DIR}/../.." ABSOLUTE)
 vcpkg_check_features(OUT_FEATURE_OPTIONS options FEATURES tools LIMBER_BUILD_PROGRAM)
 vcpkg_cmake_configure(SOURCE_PATH "${SOURCE_PATH}" OPTIONS ${options} -DLIMBER_FETCH=OFF)

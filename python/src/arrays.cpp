@@ -91,7 +91,8 @@ void Array::for_elements(const Use& use) const {
   std::vector<unsigned char> packed;
   if (!is_packed()) {
     packed.resize(static_cast<std::size_t>(buffer_.len));
-    if (PyBuffer_ToContiguous(packed.data(), &buffer_, buffer_.len, 'C') != 0) throw nb::python_error();
+    Py_buffer view = buffer_;  // CPython 3.10 takes no const one
+    if (PyBuffer_ToContiguous(packed.data(), &view, view.len, 'C') != 0) throw nb::python_error();
   }
   const unsigned char* const first = is_packed() ? data() : packed.data();
   const auto use_as = [&]<typename T>(T value) {

@@ -248,8 +248,8 @@ Returns  An array of at most `count` contacts, limber3d.contact_dtype, with thes
 
 /// Binds a query without a budget, and with one.
 template <typename Plain, typename Limited, typename... Arguments>
-void bind(nb::module_& m, const char* name, Plain plain, Limited limited, const std::string& documentation,
-          const Arguments&... arguments) {
+void bind_query(nb::module_& m, const char* name, Plain plain, Limited limited, const std::string& documentation,
+                const Arguments&... arguments) {
   m.def(name, plain, arguments..., "budget"_a = nb::none(), documentation.c_str());
   m.def(name, limited, arguments..., "budget"_a, documentation.c_str());
 }
@@ -262,31 +262,34 @@ void bind_self_queries(nb::module_& m) {
   m.def("self_distance", &self_distance_of, "model"_a, nb::kw_only(), "relative_error"_a = 0.0,
         "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
         docs::self_distance);
-  bind(m, "self_intersections", &self_intersections_of<NoBudget>, &self_intersections_of<WithBudget>,
-       pairs_documentation(docs::visit_self_intersections), "model"_a, nb::kw_only(), "filter"_a = nb::none(),
-       "max_count"_a = nb::none(), "is_parallel"_a = false);
-  bind(m, "self_contacts", &self_contacts_of<NoBudget>, &self_contacts_of<WithBudget>,
-       contacts_documentation(docs::visit_self_contacts), "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-       "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false);
-  bind(m, "self_closest_pairs", &self_closest_pairs_of<NoBudget>, &self_closest_pairs_of<WithBudget>,
-       closest_documentation(docs::self_closest_pairs), "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
-       "filter"_a = nb::none(), "oriented_faces"_a = nb::none());
+  bind_query(m, "self_intersections", &self_intersections_of<NoBudget>, &self_intersections_of<WithBudget>,
+             pairs_documentation(docs::visit_self_intersections), "model"_a, nb::kw_only(), "filter"_a = nb::none(),
+             "max_count"_a = nb::none(), "is_parallel"_a = false);
+  bind_query(m, "self_contacts", &self_contacts_of<NoBudget>, &self_contacts_of<WithBudget>,
+             contacts_documentation(docs::visit_self_contacts), "model"_a, "margin"_a, nb::kw_only(),
+             "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
+             "is_parallel"_a = false);
+  bind_query(m, "self_closest_pairs", &self_closest_pairs_of<NoBudget>, &self_closest_pairs_of<WithBudget>,
+             closest_documentation(docs::self_closest_pairs), "model"_a, "count"_a, nb::kw_only(),
+             max_distance_argument(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none());
 }
 
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
   main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
-  bind(m, "intersections", &intersections_of<NoBudget>, &intersections_of<WithBudget>,
-       pairs_documentation(docs::visit_intersections), "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-       nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "is_parallel"_a = false);
-  bind(m, "contacts", &contacts_of<NoBudget>, &contacts_of<WithBudget>, contacts_documentation(docs::visit_contacts),
-       "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
-       "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false);
-  bind(m, "closest_pairs", &closest_pairs_of<NoBudget>, &closest_pairs_of<WithBudget>,
-       closest_documentation(docs::closest_pairs), "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(),
-       "pose_b"_a = nb::none(), nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(),
-       "oriented_faces"_a = nb::none());
+  bind_query(m, "intersections", &intersections_of<NoBudget>, &intersections_of<WithBudget>,
+             pairs_documentation(docs::visit_intersections), "a"_a, "b"_a, "pose_a"_a = nb::none(),
+             "pose_b"_a = nb::none(), nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
+             "is_parallel"_a = false);
+  bind_query(m, "contacts", &contacts_of<NoBudget>, &contacts_of<WithBudget>,
+             contacts_documentation(docs::visit_contacts), "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(),
+             "pose_b"_a = nb::none(), nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(),
+             "oriented_faces"_a = nb::none(), "is_parallel"_a = false);
+  bind_query(m, "closest_pairs", &closest_pairs_of<NoBudget>, &closest_pairs_of<WithBudget>,
+             closest_documentation(docs::closest_pairs), "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(),
+             "pose_b"_a = nb::none(), nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(),
+             "oriented_faces"_a = nb::none());
   m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
         (std::string(docs::reduce_contacts) +
          "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nradius: " +

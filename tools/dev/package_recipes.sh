@@ -12,8 +12,9 @@ tools=$root/build/recipe_tools/bin
 check_versions
 need build io recipes
 python_environment recipe_tools requirements_recipes.txt
-"$tools/python" -c 'import json, sys, yaml
-yaml.safe_load(open(sys.argv[1])); json.load(open(sys.argv[2]))' "$recipes/conda/recipe.yaml" "$recipes/vcpkg/vcpkg.json"
+"$tools/python" -c 'import json, sys, rattler_build as rattler
+rattler.Stage0Recipe.from_file(sys.argv[1]).render(rattler.VariantConfig({"c_stdlib": ["sysroot"]}))
+json.load(open(sys.argv[2]))' "$recipes/conda/recipe.yaml" "$recipes/vcpkg/vcpkg.json"
 ruby -c "$recipes/homebrew/limber.rb" >/dev/null
 nix-instantiate --parse "$recipes/nix/default.nix" >/dev/null
 say "recipes of conda, vcpkg, Homebrew and Nix can be read"

@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 # Wheels that run wherever glibc is 2.28 or newer, with all libraries inside, and the archive of sources. Zig's Clang
-# compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones, the
-# others for one version each. Versions may be named; all are made if none is.
+# compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones, and
+# comes with one for 64-bit ARM; the others are for one version each. Versions may be named; all are made if none is.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
@@ -25,35 +25,47 @@ interpreter() {
 }
 
 prepare() {
-  need build io python
+  need build io python arm
   python_environment wheel_tools requirements_wheel.txt
   debian_sources highway onetbb nlohmann-json3
   mkdir -p -- "$sources/boost/include"
   ln -sfn -- /usr/include/boost "$sources/boost/include/boost"
-  printf '#!/bin/sh\nexec "%s/zig" c++ -target x86_64-linux-gnu.2.28 "$@"\n' \
-    "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" >"$tools/zig-c++"
-  chmod +x -- "$tools/zig-c++"
+  local processor
+  for processor in x86_64 aarch64; do
+    printf '#!/bin/sh\nexec "%s/zig" c++ -target %s-linux-gnu.2.28 "$@"\n' \
+      "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" "$processor" >"$tools/zig-c++-$processor"
+    chmod +x -- "$tools/zig-c++-$processor"
+  done
 }
 
-# wheel VERSION
+# wheel VERSION [PROCESSOR]: for another processor the stub is that of this one, whose wheel is built before.
 wheel() {
-  local settings=(-C "wheel.py-api=cp312") name
-  for name in HWY TBB Boost nlohmann_json; do settings+=(-C "cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
+  local settings=("wheel.py-api=cp312") name processor=${2:-x86_64} platform=manylinux_2_28_x86_64 log
+  log=$folder/log-$1-$processor
+  if [[ $processor != x86_64 ]]; then
+    platform=auto
+    for name in SYSTEM_NAME=Linux SYSTEM_PROCESSOR="$processor"; do settings+=("cmake.define.CMAKE_$name"); done
+    settings+=("cmake.define.LIMBER_PYTHON_STUB=$root/build/wheel-cp312-abi3-linux_x86_64/python/limber3d/_core.pyi")
+  fi
+  for name in HWY TBB Boost nlohmann_json; do settings+=("cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
   for name in HWY=highway TBB=onetbb NLOHMANN_JSON=nlohmann-json3 BOOST=boost BOOSTCONFIG=boost; do
-    settings+=(-C "cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
+    settings+=("cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
   done
   # The system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends daemon threads,
   # gives the module the system's record of a stack, and the two libraries do not read each other's.
-  settings+=(-C "cmake.define.CMAKE_MODULE_LINKER_FLAGS=$(gcc -print-file-name=libgcc_s.so.1)")
+  settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$processor-linux-gnu-gcc" -print-file-name=libgcc_s.so.1)")
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
-  say "building the wheel of CPython $1; its log is ${folder#"$root/"}/log-$1"
+  say "building the wheel of CPython $1 for $processor; its log is ${log#"$root/"}"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
   # -O3 also for what CMake tries, so that Zig builds its C++ library once.
-  PATH=$tools:$PATH CXX=$tools/zig-c++ CCACHE_COMPILERTYPE=clang CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) \
-    CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
-    "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps "${settings[@]}" \
-    -w "$folder/plain-$1" "$root" </dev/null >"$folder/log-$1" 2>&1 || die "$(tail -n 40 -- "$folder/log-$1")"
-  PATH=$tools:$PATH auditwheel repair --plat manylinux_2_28_x86_64 --only-plat -w "$folder" "$folder/plain-$1"/*.whl </dev/null
+  PATH=$tools:$PATH _PYTHON_HOST_PLATFORM=linux-$processor CXX=$tools/zig-c++-$processor CCACHE_COMPILERTYPE=clang \
+    CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
+    CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" \
+    "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
+    "${settings[@]/#/--config-settings=}" \
+    -w "$folder/plain-$1-$processor" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
+  PATH=$tools:$PATH auditwheel repair --plat "$platform" --only-plat -w "$folder" \
+    "$folder/plain-$1-$processor"/*.whl </dev/null
 }
 
 # What PyPI and its users ask of them: tags that are true, the licenses of what is inside, and no symbol beside the module.
@@ -64,7 +76,7 @@ check() {
     [[ ! -e $file ]] || "$tools/abi3audit" --strict "$file"
   done
   for file in "$folder"/*.whl; do
-    "$tools/auditwheel" show "$file" | grep -q '"manylinux_2_' ||
+    "$tools/auditwheel" show "$file" | grep -Eq '"manylinux_2_(17|2[0-8])_' ||
       die "auditwheel does not find $file to be what its name says"
     found=$(python3 -m zipfile -l "$file")
     [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
@@ -98,10 +110,27 @@ try() {
     python=$place/bin/python3
     ln -s -- "$python" "$root/build/roots/$name/usr/local/bin/python3"
   fi
-  cp -- "$folder"/*.whl "$root/build/roots/$name/packages/"
+  cp -- "$folder"/*x86_64.whl "$root/build/roots/$name/packages/"
   block README.md python '^## Python' >"$root/build/roots/$name/root/first.py"
   expect_answer "$name" "$(block docs/guide/install.md sh '^### Wheel')" 2.0
   say "the wheel answers on Debian $1 with CPython $2"
+}
+
+# The wheel for 64-bit ARM asks on the CPython that Debian has for it, by an emulator.
+try_arm() {
+  local place=$root/build/roots/arm file found
+  need roots
+  say "making a Debian for 64-bit ARM"
+  rm -rf -- "$place"
+  debootstrap --arch arm64 --foreign --variant=minbase --include=python3 trixie "$place" >"$place.log" 2>&1 ||
+    die "see build/roots/arm.log"
+  for file in "$place"/var/cache/apt/archives/*.deb; do dpkg-deb -x "$file" "$place"; done
+  "$tools/python" -m pip install -q --find-links "$folder" --target "$place/root" --only-binary=:all: \
+    --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 --python-version 3.13 limber3d </dev/null
+  block README.md python '^## Python' >"$place/root/first.py"
+  found=$(PYTHONPATH=$place/root qemu-aarch64 -L "$place" "$place/usr/bin/python3" "$place/root/first.py" 2>&1)
+  [[ $found == *2.0* ]] || die "the wheel for 64-bit ARM answers $found"
+  say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13"
 }
 
 # The archive of sources, with Debian's libraries.
@@ -119,6 +148,7 @@ try_all() {
     run_tests_of 3.12
     try trixie 3.13
     try sid 3.14
+    try_arm
   fi
   try bookworm "$1"
 }
@@ -130,7 +160,10 @@ if (($#)); then pythons=("$@"); fi
 prepare
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
-for python in "${pythons[@]}"; do wheel "$python"; done
+for python in "${pythons[@]}"; do
+  wheel "$python"
+  if [[ $python == 3.12 ]]; then wheel 3.12 aarch64; fi
+done
 (cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||
   die "$(tail -n 40 -- "$folder/log-sdist")"
 check

@@ -27,7 +27,8 @@ same_paths=-ffile-prefix-map=$root=.
 # copy_sources FOLDER: the files of this checkout that git knows or would take; without git, all but build.
 copy_sources() {
   mkdir -p -- "$1"
-  if git -C "$root" rev-parse --git-dir >/dev/null 2>&1; then
+  # A copy below build lies in a checkout, but is none.
+  if [[ $(git -C "$root" rev-parse --show-toplevel 2>/dev/null) == "$root" ]]; then
     (cd -- "$root" && git ls-files -z --cached --others --exclude-standard | tar --null -T - -cf -) | tar -C "$1" -xf -
   else
     tar -C "$root" --exclude=./build -cf - . | tar -C "$1" -xf -

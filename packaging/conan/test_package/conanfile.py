@@ -31,4 +31,4 @@ class Test(ConanFile):
 
     def test(self):
         if can_run(self):
-            self.run(str(Path(self.cpp.build.bindir) / "first"), env="conanrun")
+            self.run(str(Path(self.build_folder) / self.cpp.build.bindir / "first"), env="conanrun")
