@@ -2,21 +2,22 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: portable [TARGET...]  cross-compile the program and tests for musl, windows and bigendian, and run them; long. Without
-#:                  an argument all. LIMBER_SOURCES can name a folder of libraries'
-#:                  sources (HWY, TBB, BOOST, BOOSTCONFIG, ...); else Debian has them
+#: portable [TARGET...]  cross-compile the program and tests for musl, windows and bigendian, and run them; the
+#:                  program alone for macos, where it is not run; all without an argument; long. LIMBER_SOURCES can
+#:                  name a folder of libraries' sources (HWY, TBB, BOOST, BOOSTCONFIG, ...); else Debian has them
 
-# A target is compiled with all libraries inside: the program, and the tests of units and mesh files that need no library
-# but GoogleTest. What can run here does: the tests, and the program, whose answers about mesh files must be to the byte
-# those of the program of this machine.
+# A target is compiled with all libraries inside: the program, and the tests of units and mesh files that need no
+# library but GoogleTest. What can run here does: the tests, and the program, whose answers about mesh files must be to
+# the byte those of the program of this machine.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # One line each: target, list of Debian packages, system, processor, compiler (zig:TRIPLE, or start:end of the names of
-# GCC's programs), and what runs a program.
+# GCC's programs), and what runs a program, if anything does.
 targets='
 musl      python     Linux   x86_64  zig:x86_64-linux-musl     env
 windows   mingw      Windows x86_64  x86_64-w64-mingw32:-posix /usr/lib/wine/wine64
 bigendian big_endian Linux   s390x   s390x-linux-gnu:          qemu-s390x
+macos     python     Darwin  arm64   zig:aarch64-macos
 '
 folder=$root/build/portable
 
@@ -88,7 +89,7 @@ zig_programs() {
   done
 }
 
-# compile TARGET SYSTEM PROCESSOR COMPILER
+# compile TARGET SYSTEM PROCESSOR COMPILER BUILT...
 compile() {
   local target=$1 system=$2 processor=$3 compiler=$4 source name program part options=()
   if [[ $compiler == zig:* ]]; then
@@ -102,7 +103,10 @@ compile() {
       options+=("-DCMAKE_${part%=*}=${compiler%:*}-${part#*=}${compiler#*:}")
     done
   fi
-  options+=(-DCMAKE_EXE_LINKER_FLAGS=-static)
+  # CMake wants Apple's tool to be there, which only installs.
+  if [[ $system == Darwin ]]; then options+=(-DCMAKE_INSTALL_NAME_TOOL=/bin/false); else
+    options+=(-DCMAKE_EXE_LINKER_FLAGS=-static)
+  fi
   for source in "${LIMBER_SOURCES:-$folder/sources}"/[A-Z]*/; do
     name=$(basename -- "$source")
     options+=("-DFETCHCONTENT_SOURCE_DIR_$name=$(readlink -f -- "$source")")
@@ -117,7 +121,7 @@ compile() {
     -DLIMBER_BUILD_TESTS=ON -DLIMBER_GTEST_SOURCES=/usr/src/googletest \
     -DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST \
     "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true)" </dev/null
-  build "portable/$target" --target limber_program limber_unit_tests limber_io_tests
+  build "portable/$target" --target "${@:5}"
   for program in apps/limber/limber tests/limber_{unit,io}_tests; do  # without .exe, which Windows adds
     if [[ -e $folder/$target/$program.exe ]]; then ln -sf -- "${program##*/}.exe" "$folder/$target/$program"; fi
   done
@@ -170,6 +174,11 @@ answers_of "$root/build/release/apps/limber/limber" >"$folder/answers"
 for target in "${wanted[@]}"; do
   read -r _ packages system processor compiler runner < <(awk -v target="$target" '$1 == target' <<<"$targets")
   need "$packages"
-  (compile "$target" "$system" "$processor" "$compiler")
-  (run "$target" "$runner")
+  if [[ -n $runner ]]; then
+    (compile "$target" "$system" "$processor" "$compiler" limber_program limber_unit_tests limber_io_tests)
+    (run "$target" "$runner")
+  else
+    (compile "$target" "$system" "$processor" "$compiler" limber_program)
+    say "$target: the program is compiled and linked, not run"
+  fi
 done
