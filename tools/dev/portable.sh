@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: portable [TARGET...]  cross-compile the program and tests for musl, windows and bigendian, and run them; the
+#: portable [TARGET...]  cross-compile the program and tests for musl, windows, bigendian and arm64, and run them; the
 #:                  program alone for macos, where it is not run; all without an argument; long. LIMBER_SOURCES can
 #:                  name a folder of libraries' sources (HWY, TBB, BOOST, BOOSTCONFIG, ...); else Debian has them
 
@@ -17,6 +17,7 @@ targets='
 musl      python     Linux   x86_64  zig:x86_64-linux-musl     env
 windows   mingw      Windows x86_64  x86_64-w64-mingw32:-posix /usr/lib/wine/wine64
 bigendian big_endian Linux   s390x   s390x-linux-gnu:          qemu-s390x
+arm64     arm        Linux   aarch64 aarch64-linux-gnu:        qemu-aarch64
 macos     python     Darwin  arm64   zig:aarch64-macos
 '
 folder=$root/build/portable
