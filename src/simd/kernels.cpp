@@ -8,9 +8,12 @@
 #include <atomic>
 #include <vector>
 
-// Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. The macro tells
-// Highway so. It would otherwise mark functions by an attribute that GCC does not give to constructors that it makes.
-#if defined(__aarch64__)
+// Every 64-bit ARM processor has the vectors of NEON, so that there is nothing to choose at run time. The macros tell
+// Highway so, each on its systems. It would otherwise mark functions by an attribute that compilers do not give to
+// constructors that they make.
+#if defined(__aarch64__) && defined(__APPLE__)
+#define HWY_HAVE_RUNTIME_DISPATCH 0
+#elif defined(__aarch64__)
 #define TOOLCHAIN_MISS_SYS_AUXV_H
 #endif
 // Vectors whose size is not known cannot be members.

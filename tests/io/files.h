@@ -80,7 +80,8 @@ class FilesTest : public ::testing::Test {
 template <typename Number>
 void append(std::string& bytes, Number number, bool big_endian = false) {
   const auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(number);
-  for (std::size_t i = 0; i < raw.size(); ++i) bytes += raw[big_endian ? raw.size() - 1 - i : i];
+  const bool is_native = big_endian == (std::endian::native == std::endian::big);
+  for (std::size_t i = 0; i < raw.size(); ++i) bytes += raw[is_native ? i : raw.size() - 1 - i];
 }
 
 /// The number a decimal stands for.

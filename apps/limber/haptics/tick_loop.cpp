@@ -6,20 +6,26 @@
 #include <cerrno>
 #include <ctime>
 #include <limits>
+#include <thread>
 
 namespace limber::program {
 namespace {
 
 constexpr std::chrono::milliseconds lead{1};  // before the first tick
 
-/// libstdc++'s steady clock is CLOCK_MONOTONIC; both count from the same origin.
+#if defined(__APPLE__)  // which has no clock_nanosleep()
+void sleep_until(TickClock::time_point time) { std::this_thread::sleep_until(time); }
+#else
+/// The standard libraries' steady clock is CLOCK_MONOTONIC; both count from the same origin.
 void sleep_until(TickClock::time_point time) {
   const auto since_origin = time.time_since_epoch();
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(since_origin);
-  const timespec target{whole.count(), std::chrono::nanoseconds(since_origin - whole).count()};
+  const timespec target{static_cast<std::time_t>(whole.count()),
+                        static_cast<long>(std::chrono::nanoseconds(since_origin - whole).count())};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &target, nullptr) == EINTR) {
   }
 }
+#endif
 
 /// Returns the first time seen that is not before `time`.
 TickClock::time_point wait_until(TickClock::time_point time, std::chrono::nanoseconds spin) {
