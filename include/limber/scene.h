@@ -60,7 +60,7 @@ class ObjectPairMatrix {
   /// Says it of every id of one list with every other id of another.
   LIMBER_API void set_between(std::span<const ObjectId> ids_a, std::span<const ObjectId> ids_b, bool counts);
 
-  /// Whether a pair counts: the filter.
+  /// Whether a pair counts: the filter. An object with itself does not.
   LIMBER_API bool operator()(ObjectId a, ObjectId b) const;
 
  private:

@@ -182,12 +182,12 @@ TEST_F(SceneMisuse, OfMatricesIsRefused) {
   ObjectPairMatrix counts(3);
   const std::vector<ObjectId> good{0, 1}, bad{0, 3};
   refused("ObjectPairMatrix::set", "same", [&] { counts.set(1, 1, false); });
-  refused("ObjectPairMatrix", "same", [&] { (void)counts(1, 1); });
   refused("ObjectPairMatrix::set", "size", [&] { counts.set(0, 3, false); });
   refused("ObjectPairMatrix::set_among", "size", [&] { counts.set_among(bad, false); });
   refused("ObjectPairMatrix::set_between", "size", [&] { counts.set_between(good, bad, false); });
   refused("ObjectPairMatrix", "size", [&] { (void)counts(3, 0); });
   EXPECT_TRUE(counts(0, 1) && counts(0, 2) && counts(1, 2));
+  EXPECT_FALSE(counts(1, 1));
   ObjectPairMatrix taken(std::move(counts));
   refused("ObjectPairMatrix", "size", [&] { (void)counts(0, 1); });
   EXPECT_TRUE(taken(0, 1));
