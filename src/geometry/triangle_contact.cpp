@@ -256,6 +256,13 @@ bool comes_first(const Triangle& a, const Triangle& b) {
   return true;
 }
 
+/// Whether a triangle has corners on both sides of the plane of another, but for rounding.
+bool seems_to_straddle(const Triangle& t, const Triangle& plane) {
+  const Vec3 normal = cross(plane.v1 - plane.v0, plane.v2 - plane.v0);
+  const double h0 = dot(normal, t.v0 - plane.v0), h1 = dot(normal, t.v1 - plane.v0), h2 = dot(normal, t.v2 - plane.v0);
+  return std::min(std::min(h0, h1), h2) < 0 && std::max(std::max(h0, h1), h2) > 0;
+}
+
 /// Normal, side and depth of triangles that intersect.
 void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, TriangleContact& contact) {
   const bool in_order = comes_first(a, b);
@@ -304,7 +311,14 @@ void geometry::ContactBatch::add(const Triangle& a, const Triangle& b, OrientedF
   ++size_;
 }
 
-void geometry::ContactBatch::find_crossings() { simd::kernels().find_crossings(pairs_, crossings_); }
+void geometry::ContactBatch::find_crossings() {
+  for (std::uint32_t i = 0; i < size_; ++i) {
+    const Triangle t = a(i), u = b(i);
+    if (seems_to_straddle(t, u) && seems_to_straddle(u, t)) {
+      return simd::kernels().find_crossings(pairs_, crossings_);
+    }
+  }
+}
 
 OrientedFaces geometry::ContactBatch::oriented(std::uint32_t i) const {
   const bool of_a = pairs_.has_outside_a[i] > 0, of_b = pairs_.has_outside_b[i] > 0;
@@ -360,6 +374,7 @@ TriangleContact geometry::ContactBatch::contact(std::uint32_t i, double farthest
 TriangleContact geometry::contact(const Triangle& a, const Triangle& b, OrientedFaces oriented, double farthest) {
   ContactBatch batch;
   batch.add(a, b, oriented);
+  batch.find_crossings();
   return batch.contact(0, farthest);
 }
 

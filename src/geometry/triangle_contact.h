@@ -27,7 +27,7 @@ class ContactBatch {
   void clear();
   /// Pre: size() < room, and nothing has been found since clear().
   void add(const Triangle& a, const Triangle& b, OrientedFaces oriented);
-  /// Finds the pairs that cross for certain, so that contact() is faster for these. It pays for several pairs.
+  /// Finds the pairs that cross for certain, if any seems to cross: contact() is faster for these.
   void find_crossings();
   /// The contact of pair i, to the bit that of geometry::contact(). Pre: i < size().
   TriangleContact contact(std::uint32_t i, double farthest);
