@@ -35,13 +35,13 @@ struct FaceLanes {
     normal = cross(edge[0], edge[1]);
     for (std::size_t k = 0; k < 3; ++k) inward[k] = cross(normal, edge[k]);
   }
-  /// Of the corner opposite to edge k.
+  /// Twice the area between the foot of p and edge k, times the length of the normal, as geometry::Face::areas().
   LIMBER_KERNEL Quad area(std::size_t k, const Quad3& p) const { return dot(inward[k], p - t.corner[k]); }
   LIMBER_KERNEL QuadMask has_foot(const Quad3& p) const {
     const Quad w0 = area(1, p), w1 = area(2, p), w2 = area(0, p), zero = number(0);
     return (w0 >= zero) & (w1 >= zero) & (w2 >= zero) & (w0 + w1 + w2 > zero);
   }
-  /// The same arithmetic as geometry::Face::foot_weights().
+  /// The weights of the foot of p, computed step by step as geometry::Face::foot_weights() does.
   LIMBER_KERNEL Quad3 foot_weights(const Quad3& p) const {
     const Quad smallest = number(std::numeric_limits<double>::min()), zero = number(0), one = number(1);
     const Quad3 to_p = p - t.corner[0], to_v1 = edge[0], to_v2 = edge[2] * number(-1);
@@ -66,7 +66,7 @@ LIMBER_KERNEL FaceLanes select(QuadMask which, const FaceLanes& a, const FaceLan
   return chosen;
 }
 
-/// The same arithmetic as geometry::point_at().
+/// The point with the given weights, computed step by step as geometry::point_at() does.
 LIMBER_KERNEL Quad3 point_at(const TriangleLanes& t, const Quad3& w) {
   const Quad3 &v0 = t.corner[0], &v1 = t.corner[1], &v2 = t.corner[2];
   const auto from = [](const Quad3& k, Quad w_i, const Quad3& i, Quad w_j, const Quad3& j) {
@@ -125,7 +125,7 @@ LIMBER_KERNEL QuadMask is_certain(const CrossingLanes& c, const FaceLanes& targe
     certain = certain & (area * area > far_sq * length_sq(target.inward[k]));
   }
   certain = certain & (c.start * c.start > far_sq * normal_sq) & (c.end * c.end > far_sq * normal_sq);
-  return certain & (max_abs(c.opposite_of_edge - c.point) > far);
+  return certain & (largest_abs(c.opposite_of_edge - c.point) > far);
 }
 
 LIMBER_KERNEL void find_crossings(const TrianglePairs& pairs, Crossings& found) {

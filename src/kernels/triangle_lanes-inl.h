@@ -22,11 +22,7 @@ namespace limber::simd::LIMBER_TARGET {
 namespace {
 
 LIMBER_KERNEL Quad number(double x) { return Quad::set(x); }
-LIMBER_KERNEL Quad3 select(QuadMask which, const Quad3& a, const Quad3& b) {
-  return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
-}
 LIMBER_KERNEL Quad length_sq(const Quad3& v) { return dot(v, v); }
-LIMBER_KERNEL Quad max_abs(const Quad3& v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 LIMBER_KERNEL Quad3 abs3(const Quad3& v) { return {abs(v.x), abs(v.y), abs(v.z)}; }
 
 /// A triangle of each pair.
@@ -49,8 +45,8 @@ LIMBER_KERNEL TriangleLanes select(QuadMask which, const TriangleLanes& a, const
 
 /// The largest coordinate of two triangles.
 LIMBER_KERNEL Quad largest_coordinate(const TriangleLanes& a, const TriangleLanes& b) {
-  Quad largest = max(max_abs(a.corner[0]), max_abs(b.corner[0]));
-  for (std::size_t k = 1; k < 3; ++k) largest = max(largest, max(max_abs(a.corner[k]), max_abs(b.corner[k])));
+  Quad largest = max(largest_abs(a.corner[0]), largest_abs(b.corner[0]));
+  for (std::size_t k = 1; k < 3; ++k) largest = max(largest, max(largest_abs(a.corner[k]), largest_abs(b.corner[k])));
   return largest;
 }
 /// Whether powers of an extent up to the 16th neither overflow nor vanish.

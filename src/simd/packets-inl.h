@@ -89,10 +89,14 @@ LIMBER_KERNEL Triple<P> aligned(const Triple<P>& v, const Triple<P>& side) {
   const P cosine = dot(v, side);
   return {flipped_as(v.x, cosine), flipped_as(v.y, cosine), flipped_as(v.z, cosine)};
 }
-LIMBER_KERNEL Packet3 select(Mask which, const Packet3& a, const Packet3& b) {
+template <typename M, typename P>
+LIMBER_KERNEL Triple<P> select(M which, const Triple<P>& a, const Triple<P>& b) {
   return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
 }
-LIMBER_KERNEL Packet largest_abs(const Packet3& a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
+template <typename P>
+LIMBER_KERNEL P largest_abs(const Triple<P>& a) {
+  return max(max(abs(a.x), abs(a.y)), abs(a.z));
+}
 LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
   p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }

@@ -192,7 +192,7 @@ TEST_P(CompareFeatures, ContactsDoNotDependOnInstructionSetsNorOnTheOtherPairs) 
   }
 }
 
-/// What the kernel answers itself is a contact without doubt, and most of what crosses is answered.
+/// Pairs that the kernel calls certain intersect, and most pairs that intersect are certain.
 TEST_P(CompareFeatures, CrossingsAreThoseOfTrianglesThatIntersect) {
   Rng rng(1504);
   int answered = 0, intersecting = 0;

@@ -35,7 +35,7 @@ PairBudget.Whose* ParallelPairs.* PathImpact.IsNotLater* PointKernels.Intervals*
 Endings.Of* CloseElements.* Coincident.TrianglesAmong* Coincident.TrianglesThatPartAre* ContactReduction.TakesTime*
 ContactReduction.OfMany* ContactReduction.KeepsWhat* ContactSides.OfOneTriangle* ContactSides.OfAny*
 ContactSides.OfTwoBalls* CountingCollector.* DirtySet.Marks* FloatEnvironment.OfTheCallerChanges* FloatEnvironment.OfA*
-Front.IsTraversed* Front.IsRight* *BodyKinds.* *FirstAxisOfLeastOverlap/ne*
+Front.IsTraversed* Front.IsRight* *BodyKinds.* *ContactsDoNotDepend*
 '
 
 # The sources of the libraries: name for FetchContent, place in Debian's archive, SHA-256.
