@@ -27,7 +27,7 @@ PRIVATE = {
     "motion": ("pair/budget_meter.h", "pair/placed_pair.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "path": ("geometry", "base"),
     "solid": ("pair", "point", "model", "mesh", "bvh", "geometry", "simd", "base"),
-    "scene": ("model", "bvh", "geometry", "simd", "base"),
+    "scene": ("path", "model", "bvh", "geometry", "simd", "base"),
     "penetration": ("point", "pair/budget_meter.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "classic": ("mesh", "geometry", "base"),
     "io": ("base/check.h", "base/float_environment.h"),

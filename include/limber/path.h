@@ -85,6 +85,7 @@ struct PathImpact {
   /// distance_error farther apart at `time`. Infinite for `clear`.
   double time = 0;
   std::optional<Witness> witness;  ///< the closest points at `time`, if they touch
+  Vec3 normal;                     ///< from a to b, as contact_of() tells of the witness (gradients.h); 0 without one
   std::uint64_t distances = 0;     ///< that were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};

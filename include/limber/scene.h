@@ -12,6 +12,7 @@
 
 #include "limber/contacts.h"
 #include "limber/model.h"
+#include "limber/path.h"
 
 /// The broad phase: many placed models, the pairs of them that may be close, and queries of many pairs on all threads.
 namespace limber {
@@ -98,6 +99,12 @@ struct ClosestObject {
   DistanceResult result;    ///< of the placed model and the object, in this order
 };
 
+/// The object of a scene that a moving body touches first.
+struct ObjectImpact {
+  ObjectId object = no_id;  ///< no_id exactly when the result has no witness
+  PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` are those of all
+};
+
 /// The contacts of many pairs of objects.
 struct ObjectContacts {
   std::vector<Contact> contacts;     ///< pair by pair
@@ -167,6 +174,13 @@ struct ClosestObjectOptions {
   double max_distance = std::numeric_limits<double>::infinity();
   std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
   QueryBudget budget = {};                            ///< as in SceneQueryOptions
+};
+
+/// Until when a body moves, what counts as touching, as PathOptions says, and which objects count.
+struct ObjectImpactOptions {
+  double max_time = 1, min_separation = 0, distance_error = 0;
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
+  QueryBudget budget = {};  ///< as in SceneQueryOptions; steps are distances, as in PathOptions
 };
 
 /// How good the distance of the closest objects must be, as DistanceOptions says, and which pairs count.
@@ -346,6 +360,20 @@ class Scene {
   ///
   /// Throws   Also unless the model is committed and its pose is rigid.
   LIMBER_API ClosestObject closest_object(const Placed& model, const ClosestObjectOptions& options = {}) const;
+
+  /// The object that a body touches first on its way, of those that the filter lets through; all objects stand where
+  /// they were at the last commit. Other engines call this a sweep or a shape cast.
+  ///
+  /// Promise  As time_of_impact() of two bodies (path.h): nothing that counts is within the separation before the time.
+  ///          Which of several objects that are touched at the same time is named is not defined beyond that.
+  /// Budget   If it is spent first, the status is `undecided`, and nothing touches before the time.
+  /// Throws   As time_of_impact() of two bodies, and unless the scene is committed; whatever the filter throws.
+  /// Cost     For each piece of the way about as long as the body, that of visit_candidates(); that of time_of_impact()
+  ///          for each object near the way up to the first impact. On the calling thread. Allocates a bit for each id.
+  LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidMotion& motion,
+                                         const ObjectImpactOptions& options = {}) const;
+  LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidPath& path,
+                                         const ObjectImpactOptions& options = {}) const;
 
   /// For the library's own use.
   struct Impl;

@@ -79,6 +79,7 @@ __all__ = [
     "MovingModel",
     "NeighborRings",
     "NormalSide",
+    "ObjectImpact",
     "ObjectPairMatrix",
     "OrientedFaces",
     "OutOfRangeError",

@@ -248,6 +248,7 @@ void bind_values(nb::module_& m) {
       .field("status", &PathImpact::status, "An ImpactStatus.")
       .field("time", &PathImpact::time, docs::PathImpact_time)
       .field("witness", &PathImpact::witness, docs::PathImpact_witness)
+      .field("normal", &PathImpact::normal, docs::PathImpact_normal)
       .field("distances", &PathImpact::distances, docs::PathImpact_distances)
       .field("stopped_by", &PathImpact::stopped_by, "Which limit of its budget has ended the query.")
       .field("stats", &PathImpact::stats, docs::QueryStats);

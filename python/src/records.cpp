@@ -126,8 +126,8 @@ nb::object impact_dtype() {
 
 nb::object path_impact_dtype() {
   const PathImpactRecord r{};
-  return dtype_of(r, {"status", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distances"}, r.status,
-                  r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distances);
+  return dtype_of(r, {"status", "time", "point_a", "point_b", "normal", "triangle_a", "triangle_b", "distances"},
+                  r.status, r.time, r.point_a, r.point_b, r.normal, r.triangle_a, r.triangle_b, r.distances);
 }
 
 nb::object path_distance_dtype() {
@@ -186,7 +186,7 @@ CloseObjectsRecord record_of(const CloseObjects& c) {
 
 PathImpactRecord record_of(const PathImpact& r) {
   const Witness w = witness_or_nowhere(r.witness);
-  return {r.time, w.point_a, w.point_b, r.distances, w.triangle_a, w.triangle_b, r.status};
+  return {r.time, w.point_a, w.point_b, r.normal, r.distances, w.triangle_a, w.triangle_b, r.status};
 }
 
 PathDistanceRecord record_of(const PathDistance& r) {

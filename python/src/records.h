@@ -56,6 +56,7 @@ struct CloseObjectsRecord {
 struct PathImpactRecord {
   double time;
   Vec3 point_a, point_b;  // not a number without a witness
+  Vec3 normal;            // 0 without one
   std::uint64_t distances;
   TriangleId triangle_a, triangle_b;
   ImpactStatus status;

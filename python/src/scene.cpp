@@ -89,6 +89,20 @@ ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> mode
   });
 }
 
+ObjectImpact time_of_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
+                               double max_time, double min_separation, double distance_error,
+                               const SingleObjectFilter& filter, const BudgetObject* budget) {
+  auto& object = nb::cast<BodyObject&>(body);
+  const Reading model_guard = reading(object);
+  const SingleFilter which(filter);
+  return self.read([&](const Scene& scene) {
+    return without_gil_unless(which.needs_gil(), [&] {
+      return scene.time_of_impact(object.body(), motion,
+                                  {max_time, min_separation, distance_error, which.get(), budget_of(budget)});
+    });
+  });
+}
+
 CloseObjects any_within_of(SceneObject& self, double max_distance, const ObjectFilter& filter,
                            const BudgetObject* budget) {
   const Filter which(filter);
@@ -191,8 +205,11 @@ void bind_scene(nb::module_& m) {
       .field("objects", &CloseObjects::objects, "The ids of the two, or None unless the answer is yes.")
       .field("result", &CloseObjects::result, docs::CloseObjects_result);
   ValueClass<ClosestObject>(m, "ClosestObject", docs::ClosestObject)
-      .field("object", &ClosestObject::object, "Its id, or 2^32 - 1 if the result has no witness.")
+      .id_or_none("object", &ClosestObject::object, "Its id, or None if the result has no witness.")
       .field("result", &ClosestObject::result, docs::ClosestObject_result);
+  ValueClass<ObjectImpact>(m, "ObjectImpact", docs::ObjectImpact)
+      .id_or_none("object", &ObjectImpact::object, "Its id, or None if the result has no witness.")
+      .field("result", &ObjectImpact::result, docs::ObjectImpact_result);
   nb::class_<ObjectPairMatrix>(m, "ObjectPairMatrix", docs::ObjectPairMatrix)
       .def(nb::init<std::size_t, bool>(), "size"_a, "counts"_a = true,
            "All pairs of ids below `size` count, or none does.")
@@ -263,7 +280,10 @@ void bind_scene(nb::module_& m) {
       .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), docs::Scene_visit_candidates)
       .def("closest_object", &closest_object_of, "model"_a, "pose"_a = nb::none(), nb::kw_only(),
            "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(),
-           "budget"_a = nb::none(), docs::Scene_closest_object);
+           "budget"_a = nb::none(), docs::Scene_closest_object)
+      .def("time_of_impact", &time_of_impact_of, "body"_a, "motion"_a, nb::kw_only(), "max_time"_a = 1.0,
+           "min_separation"_a = 0.0, "distance_error"_a = 0.0, "filter"_a = nb::none(), "budget"_a = nb::none(),
+           docs::Scene_time_of_impact);
 }
 
 }  // namespace limber::python

@@ -6,8 +6,10 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -114,6 +116,16 @@ class ValueClass {
     } else {
       class_.def_ro(name, member, documentation);
     }
+    return *this;
+  }
+
+  /// A field that is an id, or None for no_id.
+  ValueClass& id_or_none(const char* name, std::uint32_t Value::*member, const char* documentation) {
+    using Id = std::optional<std::uint32_t>;
+    const auto read = [member](const Value& value) { return value.*member == no_id ? Id() : Id(value.*member); };
+    const auto write = [member](Value& value, nb::handle from) { value.*member = nb::cast<Id>(from).value_or(no_id); };
+    fields_->all.push_back({name, [read](const Value& value) { return nb::cast(read(value)); }, write});
+    class_.def_prop_ro(name, read, documentation);
     return *this;
   }
 

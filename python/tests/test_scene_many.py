@@ -135,8 +135,29 @@ def test_a_model_next_to_all_objects(scene: limber3d.Scene, tetra: limber3d.Mode
     others = [d for id, d in zip(ids, distances) if id != found.object]
     assert scene.closest_object(tetra, pose, filter=lambda id: id != found.object).result.upper == min(others)
     none = scene.closest_object(tetra, pose, filter=lambda id: False)
-    assert none.object == 2**32 - 1 and none.result.witness is None
+    assert none.object is None and none.result.witness is None
     assert scene.candidates(tetra, 0.5, pose=([1, 0, 0, 0], [500, 0, 0])).shape == (0,)
+
+
+def test_the_first_impact_of_a_moving_body(scene: limber3d.Scene, tetra: limber3d.Model) -> None:
+    start, end = [-20.0, 0.1, 0.2], [20.0, 0.0, 0.0]
+    motion = limber3d.RigidMotion(([1, 0, 0, 0], start), ([1, 0, 0, 0], end))
+    singles = {
+        id: limber3d.time_of_impact(tetra, motion, scene.model(id), limber3d.RigidMotion(scene.pose(id)))
+        for id in (0, 2, 3, 4, 5)
+    }
+    found = scene.time_of_impact(tetra, motion)
+    assert found.object is not None and found.result.status is limber3d.ImpactStatus.contact
+    assert found.result.time == pytest.approx(min(single.time for single in singles.values()), abs=1e-5)
+    assert numpy.linalg.norm(found.result.normal) == pytest.approx(1)
+    later = scene.time_of_impact(tetra, motion, filter=lambda id: id != found.object)
+    assert later.object != found.object and later.result.time >= found.result.time
+    clear = scene.time_of_impact(tetra, motion, max_time=0.01)
+    assert clear.object is None and clear.result.status is limber3d.ImpactStatus.clear
+    none = scene.time_of_impact(tetra, motion, budget=limber3d.QueryBudget(max_steps=0))
+    assert none.result.status is limber3d.ImpactStatus.undecided and 0 < none.result.time < found.result.time
+    with pytest.raises(ValueError, match="max_time"):
+        scene.time_of_impact(tetra, motion, max_time=2.0)
 
 
 def test_contacts_of_pairs_are_those_of_two_models(scene: limber3d.Scene) -> None:

@@ -13,22 +13,16 @@
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
+#include "limber/gradients.h"
 #include "limber/path.h"
+#include "path/path_motion.h"
 
 namespace limber {
 namespace path {
 namespace {
 
-void check(const PathOptions& options, double speed_a, double speed_b, double speed, const char* function) {
-  const auto require = [&](bool holds, const char* what) {
-    LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
-  };
-  require(options.max_time >= 0 && options.max_time <= 1, "max_time is not in [0, 1]");
-  require(base::is_finite_and_not_negative(options.min_separation), "min_separation must be finite and at least 0");
-  require(base::is_finite_and_not_negative(options.distance_error), "distance_error must be finite and at least 0");
-  require(base::is_finite_and_not_negative(speed_a) && base::is_finite_and_not_negative(speed_b),
-          "the speed of a path must be finite and at least 0");
-  require(std::isfinite(speed), "the sum of both speeds must be finite");
+void require(bool holds, const char* function, const char* what) {
+  LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
 }
 
 /// Distances of two models at times on their paths, until the budget is spent.
@@ -49,6 +43,11 @@ class MovingDistance {
     ++count, stats.node_tests += found.stats.node_tests, stats.triangle_tests += found.stats.triangle_tests;
     stopped_by = found.stopped_by;
     return found;
+  }
+
+  /// The normal of what is found at a time.
+  Vec3 normal_at(double time, const Witness& witness) const {
+    return contact_of(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), witness).normal;
   }
 
   /// How long the models are certainly apart by more than a gap that is given, rounded down. Infinite if they stand.
@@ -94,7 +93,7 @@ double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& ga
 /// Conservative advancement. A distance shows that some time after it is free, and as much before it. So the next one
 /// is asked for beyond what is free. If that does not reach back, or the models touch there, the next one is asked for
 /// where the free time ends, as in plain advancement [KeinertEtAl2014].
-PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
+PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions& options) {
   struct Interval {
     double begin, end;
   };
@@ -105,12 +104,13 @@ PathImpact first_impact(MovingDistance& moving, const PathOptions& options) {
     result.status = status, result.time = time;
     result.distances = moving.count, result.stats = moving.stats;
     if (status == ImpactStatus::undecided) result.stopped_by = moving.stopped_by;
+    if (result.witness) result.normal = moving.normal_at(time, *result.witness);
     return result;
   };
-  double free = 0, end = options.max_time;  // nothing touches before `free`; what touches after `end` does not matter
-  Interval ahead{2, 2};                     // nothing touches in it
-  Gap earlier{0, 0};
-  for (double time = 0; free <= end;) {
+  double free = begin, end = options.max_time;  // nothing touches before `free`; what is after `end` does not matter
+  Interval ahead{2, 2};                         // nothing touches in it
+  Gap earlier{begin, 0};
+  for (double time = begin; free <= end;) {
     // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
     DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
@@ -198,23 +198,30 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   return result;
 }
 
-/// How fast points of the cores of two bodies move relative to each other at most: the centers move straight, each body
-/// turns. A ball around a point of a core moves as that point does.
+/// How fast the points of a core move as seen from the body's center, which turns about itself.
+double turning_speed(const Body& body, const RigidMotion& motion) {
+  const Sphere sphere = body.model().bounding_sphere();
+  const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
+  return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
+}
+
+/// How fast the cores of two bodies move relative to each other at most: the centers move straight, each body turns.
 double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b) {
-  const auto turning = [](const Body& body, const RigidMotion& motion) {
-    const Sphere sphere = body.model().bounding_sphere();
-    const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
-    return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
-  };
-  return (length(motion_b.displacement() - motion_a.displacement()) + turning(a, motion_a) + turning(b, motion_b)) *
-         (1 + 0x1p-40);
+  const double straight = length(motion_b.displacement() - motion_a.displacement());
+  return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * (1 + 0x1p-40);
+}
+
+PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& options) {
+  return first_impact(moving, 0, options);
 }
 
 /// Checks the options, and answers one of the two questions.
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function) {
-  check(options, path_a.speed, path_b.speed, speed, function);
+  check_options(options, function);
+  check_speed(path_a.speed, function), check_speed(path_b.speed, function);
+  require(std::isfinite(speed), function, "the sum of both speeds must be finite");
   MovingDistance moving(a, path_a, b, path_b, speed, options);
   return question(moving, options);
 }
@@ -229,19 +236,44 @@ auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidM
 }
 
 }  // namespace
+
+void check_options(const PathOptions& options, const char* function) {
+  require(options.max_time >= 0 && options.max_time <= 1, function, "max_time is not in [0, 1]");
+  require(base::is_finite_and_not_negative(options.min_separation), function,
+          "min_separation must be finite and at least 0");
+  require(base::is_finite_and_not_negative(options.distance_error), function,
+          "distance_error must be finite and at least 0");
+}
+
+void check_speed(double speed, const char* function) {
+  require(base::is_finite_and_not_negative(speed), function, "the speed of a path must be finite and at least 0");
+}
+
+double speed_of(const Body& body, const RigidMotion& motion) {
+  return (length(motion.displacement()) + turning_speed(body, motion)) * (1 + 0x1p-40);
+}
+
+PathImpact first_impact(const Body& body, const RigidPath& path, const Placed& standing, double begin,
+                        const PathOptions& options) {
+  const auto stands = [&](double) { return standing.pose; };
+  const RigidPath still{stands};
+  MovingDistance moving(body, path, standing.body(), still, path.speed, options);
+  return first_impact(moving, begin, options);
+}
+
 }  // namespace path
 
 PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::first_impact>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
-                                       "limber::time_of_impact");
+  return path::ask<path::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                              "limber::time_of_impact");
 }
 
 PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::first_impact>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
+  return path::ask<path::impact_on_whole_way>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
 }
 
 PathDistance least_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,

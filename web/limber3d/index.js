@@ -86,6 +86,8 @@ export { init } from "./wasm.js";
  * @typedef {import("./scene.js").ClosestObjects} ClosestObjects
  * @typedef {import("./scene.js").CloseObjects} CloseObjects
  * @typedef {import("./scene.js").ObjectContacts} ObjectContacts
+ * @typedef {import("./scene.js").ObjectImpact} ObjectImpact
+ * @typedef {import("./scene.js").ObjectImpactOptions} ObjectImpactOptions
  * @typedef {import("./scene.js").SceneQueryOptions} SceneQueryOptions
  * @typedef {import("./scene_options.js").Matrices} Matrices
  * @typedef {import("./scene_options.js").ObjectPairFilter} ObjectPairFilter

@@ -10,8 +10,8 @@ import { invalid } from "./errors.js";
 import { poseOf, writePose } from "./poses.js";
 import { cacheAddress, limitsOf, stats, stoppedBy, witness } from "./queries.js";
 import { bodyAddress } from "./shapes.js";
-import { Owner, check, engine, number, word } from "./wasm.js";
-/** @import { Vector } from "./arrays.js" */
+import { Owner, check, engine, number, point, word } from "./wasm.js";
+/** @import { Point, Vector } from "./arrays.js" */
 /** @import { ImpactStatus } from "./elements.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { QueryBudget, QueryCache, QueryStats, StoppedBy, Witness } from "./queries.js" */
@@ -89,6 +89,7 @@ export class RigidMotion extends Owner {
  * @property {ImpactStatus} status
  * @property {number} time infinite for "clear"
  * @property {Witness | null} witness the closest points at `time`, if they touch
+ * @property {Point} normal from a to b, of length 1; 0, 0, 0 without a witness
  * @property {number} distances that were asked for
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "undecided"
  * @property {QueryStats} stats
@@ -107,8 +108,12 @@ export class RigidMotion extends Owner {
  * @property {QueryStats} stats
  */
 
-/** @param {RigidMotion | undefined} motion @param {string} name */
-function motionAddress(motion, name) {
+/**
+ * Private to the package: 0 stands for a body that stays where its model is.
+ *
+ * @param {RigidMotion | undefined} motion @param {string} name
+ */
+export function motionAddress(motion, name) {
   if (motion === undefined) return 0;
   if (!(motion instanceof RigidMotion)) throw invalid(`${name} is no RigidMotion`);
   return Owner.addressOf(motion, name);
@@ -136,6 +141,11 @@ const asked = () => ({
   stats: stats(8),
 });
 
+/** Private to the package: the last result. @returns {PathImpact} */
+export function pathImpactResult() {
+  return { status: impactStatuses[word(2)], ...asked(), normal: point(12) };
+}
+
 /**
  * Private to the package: timeOfImpact() of rigid bodies.
  *
@@ -151,7 +161,7 @@ export function pathImpact(a, b, options) {
   const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
   const bodies = movingBodies(a, b, options), kept = cacheAddress(cache);
   check(engine().pathImpact(...bodies, maxTime, minSeparation, distanceError, ...limits, kept));
-  return { status: impactStatuses[word(2)], ...asked() };
+  return pathImpactResult();
 }
 
 /**

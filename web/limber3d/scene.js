@@ -6,6 +6,7 @@
 import { checkNames, idsOf, numberOf } from "./arrays.js";
 import { Contacts, facesOf } from "./contacts.js";
 import { invalid } from "./errors.js";
+import { motionAddress, pathImpactResult } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
 import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
@@ -14,6 +15,7 @@ import { bodyAddress } from "./shapes.js";
 import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writeIds, writeInput } from "./wasm.js";
 /** @import { Ids, Point } from "./arrays.js" */
 /** @import { OrientedFacesOptions } from "./contacts.js" */
+/** @import { PathImpact, RigidMotion } from "./path.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { CollideResult, DistanceResult, ErrorOptions, QueryBudget } from "./queries.js" */
 /** @import { Matrices, ObjectFilter, ObjectPairOptions, SceneCache } from "./scene_options.js" */
@@ -50,12 +52,42 @@ import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writ
  */
 
 /**
+ * The object of a scene that a moving body touches first.
+ *
+ * @typedef {object} ObjectImpact
+ * @property {number | null} object none exactly when the result has no witness
+ * @property {PathImpact} result of the body and the object, in this order; `distances` and `stats` are those of all
+ */
+
+/**
+ * Until when a body moves, what counts as touching, as PathImpactOptions say, and which objects count.
+ *
+ * @typedef {object} ObjectImpactOptions
+ * @property {number} [maxTime]
+ * @property {number} [minSeparation]
+ * @property {number} [distanceError]
+ * @property {ObjectFilter} [filter] all objects count without one
+ * @property {QueryBudget} [budget] The deadline is that of the whole call, a number of distances that of each object.
+ */
+
+/**
  * The contacts of many pairs of objects.
  *
  * @typedef {object} ObjectContacts
  * @property {Contacts} contacts pair by pair, without statistics
  * @property {Uint32Array} offsets pair i has contacts from offsets[i] to offsets[i + 1]; one more than pairs
  */
+
+/** Asks about one object. @param {ObjectFilter | undefined} filter */
+function objectFilterOf(filter) {
+  if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function");
+  return filter && ((/** @type {number} */ id) => filter(id));
+}
+
+/** The object of the last result. @returns {number | null} */
+function objectOfLast() {
+  return word(4) === 0xffffffff ? null : word(4);
+}
 
 /** The two objects of the last result. @returns {[a: number, b: number] | null} */
 const objects = () => (word(4) === 0xffffffff ? null : [word(4), word(5)]);
@@ -329,11 +361,30 @@ export class Scene extends Owner {
   closestObject(body, options = {}) {
     checkNames(options, ["pose", "relativeError", "absoluteError", "maxDistance", "filter", "budget"]);
     const { filter, budget } = options, errors = errorsOf(options), limits = limitsOf(budget);
-    if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function");
-    const read = poseOf(options.pose, "pose"), wanted = filter && ((/** @type {number} */ id) => filter(id));
+    const read = poseOf(options.pose, "pose"), wanted = objectFilterOf(filter);
     const scene = this.#address(), address = bodyAddress(body, "body"), form = writePose(read, 0);
     callWithFilter(wanted, "sceneClosestObject", scene, address, form, ...errors, ...limits, wanted ? 1 : 0);
-    return { object: word(4) === 0xffffffff ? null : word(4), result: distanceResult() };
+    return { object: objectOfLast(), result: distanceResult() };
+  }
+
+  /**
+   * The object that a body touches first on its way, of those that the filter lets through; all objects stand where
+   * they were at the last commit. Other engines call this a sweep or a shape cast. All else as timeOfImpact().
+   *
+   * @param {Body} body
+   * @param {RigidMotion} motion
+   * @param {ObjectImpactOptions} [options]
+   * @returns {ObjectImpact}
+   */
+  timeOfImpact(body, motion, options = {}) {
+    checkNames(options, ["maxTime", "minSeparation", "distanceError", "filter", "budget"]);
+    const { budget } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
+    const minSeparation = numberOf(options.minSeparation, "minSeparation", 0);
+    const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
+    const wanted = objectFilterOf(options.filter), way = motionAddress(motion, "motion");
+    const given = [this.#address(), bodyAddress(body, "body"), way, maxTime, minSeparation, distanceError, ...limits];
+    callWithFilter(wanted, "sceneTimeOfImpact", ...given, wanted ? 1 : 0);
+    return { object: objectOfLast(), result: pathImpactResult() };
   }
 
   /**

@@ -114,6 +114,7 @@ QueryBudget budget_from(double deadline_ms, double max_steps);
 /// Writes a result: to Exchange::numbers the bounds of the distance, the two points and the statistics; to words the
 /// two triangles, status or answer, and what has stopped the query. Without a witness the triangles are no_id.
 void give(const DistanceResult& result);
+void give(const PathImpact& impact);
 void give(const CollideResult& result);
 /// Writes a result that has no bounds: all of the above but these.
 void give(const std::optional<Witness>& witness, const QueryStats& stats, std::uint32_t status, StoppedBy stopped_by);

@@ -20,6 +20,13 @@ void give_time(double time, std::uint64_t distances) {
 
 }  // namespace
 
+void give(const PathImpact& impact) {
+  give(impact.witness, impact.stats, static_cast<std::uint32_t>(impact.status), impact.stopped_by);
+  give_time(impact.time, impact.distances);
+  double* normal = exchange.numbers + 12;
+  put(normal, impact.normal);
+}
+
 LIMBER_EXPORT(newRigidMotion)
 RigidMotion* new_rigid_motion(PoseForm start, PoseForm end, double x, double y, double z) {
   RigidMotion* motion = nullptr;
@@ -49,8 +56,7 @@ bool exported_path_impact(const BodyOwner* a, const RigidMotion* motion_a, const
     const PathOptions options{max_time, min_separation, distance_error, cache, budget_from(deadline_ms, max_steps)};
     const PathImpact found =
         time_of_impact(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
-    give(found.witness, found.stats, static_cast<std::uint32_t>(found.status), found.stopped_by);
-    give_time(found.time, found.distances);
+    give(found);
   });
 }
 

@@ -108,6 +108,9 @@ void give_all(const std::vector<T>& results) {
   for (const T& r : results) *columns.byte++ = static_cast<std::uint8_t>(result_of(r).stopped_by);
 }
 
+/// The filter of objects is asked about one as about a pair of it and itself.
+bool ask_about_one(ObjectId id) { return ask_filter(id, id); }
+
 /// The result, and the two objects behind it; no_id without any.
 template <typename T>
 void give_objects(const T& found) {
@@ -252,17 +255,30 @@ bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, 
   });
 }
 
-/// The filter is asked about an object as about a pair of it and itself.
 LIMBER_EXPORT(sceneClosestObject)
 bool scene_closest_object(const Scene* scene, const BodyOwner* body, PoseForm pose, double relative_error,
                           double absolute_error, double max_distance, double deadline_ms, double max_steps,
                           bool has_filter) {
   return guarded([&] {
-    const auto ask = [](ObjectId id) { return ask_filter(id, id); };
     const Placed placed(body->body(), pose_from(pose, 0, "pose"));
-    const ClosestObject found = scene->closest_object(
-        placed, {relative_error, absolute_error, max_distance,
-                 has_filter ? std::optional<ObjectFilter>(ask) : std::nullopt, budget_from(deadline_ms, max_steps)});
+    const ClosestObject found =
+        scene->closest_object(placed, {relative_error, absolute_error, max_distance,
+                                       has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt,
+                                       budget_from(deadline_ms, max_steps)});
+    give(found.result);
+    exchange.words[4] = found.object;
+  });
+}
+
+LIMBER_EXPORT(sceneTimeOfImpact)
+bool scene_time_of_impact(const Scene* scene, const BodyOwner* body, const RigidMotion* motion, double max_time,
+                          double min_separation, double distance_error, double deadline_ms, double max_steps,
+                          bool has_filter) {
+  return guarded([&] {
+    const ObjectImpact found = scene->time_of_impact(
+        body->body(), motion != nullptr ? *motion : RigidMotion(),
+        {max_time, min_separation, distance_error,
+         has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt, budget_from(deadline_ms, max_steps)});
     give(found.result);
     exchange.words[4] = found.object;
   });

@@ -39,6 +39,9 @@ test("options that do not exist are refused with those that do", () => {
     "relativeError, absoluteError, maxDistance, budget, cache": [(o) => scene.distance([], o)],
     "relativeError, absoluteError, maxDistance, filter, budget, cache": [(o) => scene.closestObjects(o)],
     "relativeError, absoluteError, maxDistance, filter, budget": [(o) => scene.closestObjectsMany([0], [], o)],
+    "maxTime, minSeparation, distanceError, filter, budget": [
+      (o) => scene.timeOfImpact(a, new limber.RigidMotion(), o),
+    ],
     "filter, budget": [(o) => scene.anyWithin(1, o), (o) => scene.anyWithinMany([0], [], 1, o)],
     "pose, maxDistance": [
       (o) => limber.closestPoint(a, [0, 0, 0], o),

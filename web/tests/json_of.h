@@ -107,9 +107,9 @@ inline json of(const ImpactResult& r) {
 }
 
 inline json of(const PathImpact& r) {
-  return {{"status", of(r.status)},        {"time", of(r.time)},
-          {"witness", of(r.witness)},      {"distances", r.distances},
-          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}};
+  return {
+      {"status", of(r.status)},        {"time", of(r.time)},   {"witness", of(r.witness)}, {"distances", r.distances},
+      {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}, {"normal", of(r.normal)}};
 }
 
 inline json of(const PathDistance& r) {

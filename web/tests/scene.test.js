@@ -153,6 +153,27 @@ test("one body is asked about next to all objects", () => {
   refuses(() => scene.candidatePairs(1), "disposed", `object ${one}`);
 });
 
+test("a body that moves is asked what it touches first", () => {
+  const scene = row(4), ball = limber.Shape.sphere(0.25);
+  const along = new limber.RigidMotion({ translation: [20, 0.1, 0.1] }, { translation: [-20, 0.1, 0.1] });
+  const first = scene.timeOfImpact(ball, along), { status, time, witness, normal } = first.result;
+  assert.deepEqual([first.object, status], [3, "contact"]);
+  const alone = limber.timeOfImpact(ball, scene.model(3), {
+    motionA: along, motionB: new limber.RigidMotion(scene.pose(3)),
+  });
+  assert.ok(Math.abs(time - alone.time) < 1e-6 && Math.abs(Math.hypot(...normal) - 1) < 1e-9 && normal[0] < 0);
+  assert.ok(witness !== null && Math.abs(Math.hypot(...alone.normal) - 1) < 1e-9);
+  const filter = (id) => id !== 3;
+  assert.equal(scene.timeOfImpact(ball, along, { filter }).object, 2);
+  assert.deepEqual(scene.timeOfImpact(ball, along, { maxTime: 0.1 }).object, null);
+  const none = scene.timeOfImpact(ball, along, { budget: { maxSteps: 0 } }).result;
+  assert.ok(none.status === "undecided" && none.time > 0 && none.time < time);
+  assert.deepEqual([...none.normal], [0, 0, 0]);
+  refuses(() => scene.timeOfImpact(ball, along, { filter: 3 }), "invalidArgument", "filter");
+  refuses(() => scene.timeOfImpact(ball, { start: null }), "invalidArgument", "motion");
+  refuses(() => scene.timeOfImpact(ball, along, { maxTime: 2 }), "invalidArgument", "max_time");
+});
+
 test("mistakes are errors and change nothing", () => {
   const model = tetrahedron(), scene = row(3, model);
   for (const id of [7, -1, 0.5, "1", undefined, NaN]) {

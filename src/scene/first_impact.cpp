@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The first impact of a body that moves through a scene. The way is walked in pieces of time, in which the body moves by
+// about its own size. Objects near a piece, which no earlier piece was near, are asked for all of the way that is left; a hit ends
+// that way.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "limber/path.h"
+#include "path/path_motion.h"
+#include "scene/scene_impl.h"
+#include "scene/searches.h"
+
+namespace limber {
+namespace {
+
+constexpr const char* function = "limber::Scene::time_of_impact";
+
+class ImpactSearch {
+ public:
+  ImpactSearch(const Scene::Impl& scene, const Body& body, const RigidPath& path, const ObjectImpactOptions& options)
+      : scene_(scene), body_(body), path_(path), filter_(options.filter), asked_(scene.objects.size()) {
+    of_pair_.max_time = options.max_time, of_pair_.min_separation = options.min_separation;
+    of_pair_.distance_error = options.distance_error, of_pair_.budget = options.budget;
+    found_.result.status = ImpactStatus::clear;
+    found_.result.time = std::numeric_limits<double>::infinity();
+  }
+
+  ObjectImpact run();
+
+ private:
+  struct Near {
+    double bound;
+    ObjectId id;
+    friend bool operator<(const Near& s, const Near& t) { return s.bound != t.bound ? s.bound < t.bound : s.id < t.id; }
+  };
+  static constexpr double most_pieces = 64;
+
+  void find_near(const scene::WorldBounds& bounds, double reach);
+  void ask(ObjectId id);
+
+  const Scene::Impl& scene_;
+  const Body body_;
+  const RigidPath path_;
+  const std::optional<ObjectFilter> filter_;
+  PathOptions of_pair_;  // its max_time is that of the first impact so far
+  double begin_ = 0;     // of the piece
+  std::vector<bool> asked_;
+  std::vector<Near> near_;
+  ObjectImpact found_;
+};
+
+/// Finds the objects that count, have not been asked, and may be within a distance.
+void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
+  near_.clear();
+  scene_.tree.visit_near(bounds, scene::margin_with_error(reach), [&](std::uint32_t rank) {
+    const ObjectId id = scene_.tree.id_of(rank);
+    if (asked_[id]) return true;
+    asked_[id] = true;
+    if (!filter_ || (*filter_)(id)) near_.push_back({scene_.tree.lower_bound(bounds, rank), id});
+    return true;
+  });
+  std::sort(near_.begin(), near_.end());
+}
+
+void ImpactSearch::ask(ObjectId id) {
+  const PathImpact impact = path::first_impact(body_, path_, scene_.placed(id), begin_, of_pair_);
+  PathImpact& first = found_.result;
+  const std::uint64_t distances = first.distances + impact.distances;
+  const QueryStats stats{first.stats.node_tests + impact.stats.node_tests,
+                         first.stats.triangle_tests + impact.stats.triangle_tests};
+  // A contact and an object that could not be decided may share a time: the contact counts.
+  const bool is_first = impact.time < first.time || (impact.witness && !first.witness && impact.time == first.time);
+  if (is_first) {
+    first = impact;
+    found_.object = impact.witness ? id : no_id;
+    of_pair_.max_time = impact.time;
+  }
+  first.distances = distances, first.stats = stats;
+}
+
+ObjectImpact ImpactSearch::run() {
+  const scene::LocalBounds local = scene::local_bounds(body_);
+  const double size = std::max(2 * local.radius, std::numeric_limits<double>::min());
+  const double pieces = std::min(std::floor(path_.speed * of_pair_.max_time / size) + 1, most_pieces);
+  const double duration = of_pair_.max_time / pieces;
+  // Times are rounded.
+  const double reach = of_pair_.min_separation + path_.speed * (0.5 * duration + 0x1p-50);
+  for (double piece = 0; piece < pieces; ++piece) {
+    begin_ = piece * duration;
+    if (begin_ > of_pair_.max_time) break;
+    const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
+    scene::check_placed(there, function);
+    find_near(scene::world_bounds(local, there.pose), reach);
+    for (const Near& object : near_) {
+      ask(object.id);
+      if (!scene::ends_all(found_.result.stopped_by)) continue;
+      found_.result.time = begin_;  // nothing is known of other objects near this piece
+      return found_;
+    }
+  }
+  return found_;
+}
+
+void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
+  LIMBER_REQUIRE(scene.is_committed(),
+                 "limber::Scene::time_of_impact: objects or models have changed since the last commit");
+  scene::check_placed(Placed(body), function);
+  path::check_options({options.max_time, options.min_separation, options.distance_error}, function);
+}
+
+}  // namespace
+
+ObjectImpact Scene::time_of_impact(const Body& body, const RigidMotion& motion,
+                                   const ObjectImpactOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("time_of_impact");
+  check(scene, body, options);
+  const auto pose = [&](double time) { return motion.at(time); };
+  return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, options).run();
+}
+
+ObjectImpact Scene::time_of_impact(const Body& body, const RigidPath& path, const ObjectImpactOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  const Impl& scene = impl("time_of_impact");
+  check(scene, body, options);
+  path::check_speed(path.speed, function);
+  return ImpactSearch(scene, body, path, options).run();
+}
+
+}  // namespace limber
