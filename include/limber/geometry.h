@@ -90,7 +90,8 @@ struct TriangleContact {
 /// (b - a) x (c - a) points to, -1 on the other, 0 when the four points are coplanar.
 ///
 /// Throws   std::invalid_argument if a coordinate is not finite.
-/// Promise  The sign of the exact determinant; no rounding, underflow or overflow can change it.
+/// Promise  The sign of the exact determinant; no rounding, underflow or overflow can change it. It is that of CGAL's
+///          orientation(), and the opposite of what Shewchuk's function of this name returns.
 /// Source   [Shewchuk1997]; docs/algorithms/intersection.md.
 LIMBER_API int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
@@ -181,17 +182,5 @@ LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 /// Cost     As above.
 /// Source   docs/algorithms/triangle_distance.md, "Outsides".
 LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented);
-
-/// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
-LIMBER_API Sphere enclosing_sphere(const Triangle& triangle);
-
-/// Smallest sphere around two spheres, its radius recomputed from the stored center and rounded up.
-LIMBER_API Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
-
-/// Whether `outer` contains `inner`, judged so that rounding can only say no.
-LIMBER_API bool contains(const Sphere& outer, const Sphere& inner);
-
-/// Whether `sphere` contains `triangle`, judged so that rounding can only say no.
-LIMBER_API bool contains(const Sphere& sphere, const Triangle& triangle);
 
 }  // namespace limber

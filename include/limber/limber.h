@@ -20,3 +20,4 @@
 #include "limber/scene.h"
 #include "limber/shapes.h"
 #include "limber/solids.h"
+#include "limber/version.h"

@@ -90,9 +90,6 @@ constexpr Transform inverse(const Transform& a_from_b) {
   return {turned_back, -(turned_back * a_from_b.translation)};
 }
 
-/// Upper bound of how much `rotation` stretches any vector: 1 for an exact rotation, a little more after rounding.
-LIMBER_API double max_stretch(const Mat3& rotation);
-
 /// True when the translation is finite and not above `max_coordinate`, two rows of the rotation are orthonormal to 1e-9
 /// and the third is their cross product to 1e-9: no reflection, nothing that is not a number.
 LIMBER_API bool is_rigid(const Transform& transform);

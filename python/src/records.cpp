@@ -315,15 +315,16 @@ void* memory_of(nb::handle array, std::size_t bytes) {
 GivenContacts contacts_from(nb::handle object, std::optional<std::size_t> axes) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   const nb::object given = numpy.attr("asarray")(object);
-  // Arrays that NumPy has put together have the fields, at other places.
-  const bool has_fields = given.attr("dtype").attr("names").equal(dtypes().contact.attr("names"));
+  // Arrays that NumPy has put together have the fields at other places; those of another version may have more.
+  const nb::object names = given.attr("dtype").attr("names"), wanted = dtypes().contact.attr("names");
+  const bool has_fields = !names.is_none() && nb::cast<bool>(nb::set(wanted).attr("issubset")(names));
   if (!has_fields || (axes && nb::cast<std::size_t>(given.attr("ndim")) != *axes)) {
     const nb::object text =
         nb::str("contacts: expected shape {} and the fields of contact_dtype; got shape {} and fields {}")
-            .format(axes == 1 ? "(n,)" : "(...)", given.attr("shape"), given.attr("dtype").attr("names"));
+            .format(axes == 1 ? "(n,)" : "(...)", given.attr("shape"), names);
     throw nb::value_error(nb::cast<std::string>(text).c_str());
   }
-  nb::object packed = numpy.attr("array")(given, dtypes().contact, "order"_a = "C");
+  nb::object packed = numpy.attr("array")(given[nb::list(wanted)], dtypes().contact, "order"_a = "C");
   const auto count = nb::cast<std::size_t>(packed.attr("size"));
   auto* const first = static_cast<Contact*>(memory_of(packed, count * sizeof(Contact)));
   return {std::move(packed), {first, count}};

@@ -89,9 +89,9 @@ ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> mode
   });
 }
 
-ObjectImpact time_of_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
-                               double max_time, double min_separation, double distance_error,
-                               const SingleObjectFilter& filter, const BudgetObject* budget) {
+ObjectImpact object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
+                              double max_time, double min_separation, double distance_error,
+                              const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(body);
   const Reading model_guard = reading(object);
   const SingleFilter which(filter);
@@ -281,7 +281,7 @@ void bind_scene(nb::module_& m) {
       .def("closest_object", &closest_object_of, "model"_a, "pose"_a = nb::none(), nb::kw_only(),
            "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_closest_object)
-      .def("time_of_impact", &time_of_impact_of, "body"_a, "motion"_a, nb::kw_only(), "max_time"_a = 1.0,
+      .def("time_of_impact", &object_impact_of, "body"_a, "motion"_a, nb::kw_only(), "max_time"_a = 1.0,
            "min_separation"_a = 0.0, "distance_error"_a = 0.0, "filter"_a = nb::none(), "budget"_a = nb::none(),
            docs::Scene_time_of_impact);
 }

@@ -96,6 +96,14 @@ def test_arrays_of_contacts_give_arrays_of_gradients(ball: limber3d.Model) -> No
     assert (limber3d.pose_gradient_a(folded, [0, 0, 0])[1].reshape(12, 3)
             == limber3d.pose_gradient_a(contacts[::2], [0, 0, 0])[1]).all()
     assert limber3d.vertex_gradients_b(contacts[:0]).shape == (0, 3, 3)
+    # Fields are read by name: a later version may have more, in another order.
+    names = contacts.dtype.names or ()
+    later = numpy.zeros(24, [("new", "f8"), *((name, contacts.dtype[name]) for name in reversed(names))])
+    for name in names:
+        later[name] = contacts[name]
+    assert (limber3d.pose_gradient_b(later, [1.9, 0, 0])[1] == moments).all()
+    with pytest.raises(ValueError, match="fields of contact_dtype"):
+        limber3d.pose_gradient_b(later[["new", "normal"]], [1.9, 0, 0])
 
 
 def test_mistakes_are_errors(tetra: limber3d.Model) -> None:

@@ -44,7 +44,7 @@ void check_placed(const Placed& a, const Placed& b) {
 class PlacedTree {
  public:
   explicit PlacedTree(const Placed& placed)
-      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {}
+      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(geometry::max_stretch(placed.pose.rotation)) {}
 
   const Node& node(std::uint32_t n) const { return tree_.nodes[n]; }
   Sphere sphere(std::uint32_t n) const {

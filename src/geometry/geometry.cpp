@@ -90,24 +90,4 @@ TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces orie
   return environment.computed_before_restore(geometry::contact(a, b, oriented));
 }
 
-Sphere enclosing_sphere(const Triangle& triangle) {
-  const DefaultFloatEnvironment environment;
-  return environment.computed_before_restore(geometry::enclosing_sphere(triangle));
-}
-
-Sphere enclosing_sphere(const Sphere& a, const Sphere& b) {
-  const DefaultFloatEnvironment environment;
-  return environment.computed_before_restore(geometry::enclosing_sphere(a, b));
-}
-
-bool contains(const Sphere& outer, const Sphere& inner) {
-  const DefaultFloatEnvironment environment;
-  return environment.computed_before_restore(geometry::contains(outer, inner));
-}
-
-bool contains(const Sphere& sphere, const Triangle& triangle) {
-  const DefaultFloatEnvironment environment;
-  return environment.computed_before_restore(geometry::contains(sphere, triangle));
-}
-
 }  // namespace limber

@@ -8,7 +8,7 @@
 
 #include "limber/geometry.h"
 
-/// The functions of limber/geometry.h as the library itself calls them. Promises are the same.
+/// The functions of limber/geometry.h as the library itself calls them, and some more. Promises are the same.
 ///
 /// Pre      The thread is in the default floating-point environment (base/float_environment.h). The public functions
 ///          and queries see to that once; here it would cost as much as a predicate.
@@ -31,8 +31,11 @@ ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
 TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented,
                         double farthest = std::numeric_limits<double>::infinity());
 
+/// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
 Sphere enclosing_sphere(const Triangle& triangle);
+/// The smallest sphere around two, its radius recomputed from the stored center and rounded up.
 Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
+/// Whether a sphere contains another one, or a triangle, judged so that rounding can only say no.
 bool contains(const Sphere& outer, const Sphere& inner);
 bool contains(const Sphere& sphere, const Triangle& triangle);
 

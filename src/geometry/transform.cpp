@@ -23,10 +23,9 @@ Vec3 orthonormality_errors(const Mat3& rotation) {
 
 }  // namespace
 
-double max_stretch(const Mat3& rotation) {
-  const base::DefaultFloatEnvironment environment;
+double geometry::max_stretch(const Mat3& rotation) {
   // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
-  return environment.computed_before_restore(std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48);
+  return std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48;
 }
 
 bool is_rigid(const Transform& transform) {

@@ -120,11 +120,11 @@ check_missing_component() {
   cmake -S "$here/seeker" -B "$scratch/build" "-DCMAKE_PREFIX_PATH=$scratch/without_io" -DCOMPONENT= >/dev/null
 }
 
-# The shared libraries show what the lists in exports say, by name, and nothing else.
+# The shared libraries show what the lists in exports say, with the types of arguments, and nothing else.
 check_exports() {
   local library
   for library in limber limber_io; do
-    nm -D --defined-only -C "$libraries/lib$library.so" | sed -E 's/^[0-9a-f]+ . //; s/\(.*//' | LC_ALL=C sort -u |
+    nm -D --defined-only -C "$libraries/lib$library.so" | sed -E 's/^[0-9a-f]+ . //' | LC_ALL=C sort -u |
       diff "$here/exports/$library.txt" - ||
       die "lib$library.so does not show (<), or shows (>), what tests/package/exports/$library.txt has"
   done

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "geometry/primitives.h"
 #include "limber/elements.h"
 #include "limber/points.h"
 #include "limber/scene.h"
@@ -153,7 +154,7 @@ TEST(DegenerateTriangles, HaveBoundingSpheresThatHoldThem) {
     const Sphere whole = model.bounding_sphere();
     for (const Triangle& t : triangles) {
       EXPECT_TRUE(holds(whole, t));
-      EXPECT_TRUE(holds(enclosing_sphere(t), t));
+      EXPECT_TRUE(holds(geometry::enclosing_sphere(t), t));
     }
     const double size = whole.radius;
     for (int i = 0; i < 10; ++i) {

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "geometry/primitives.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
 
 namespace limber::testing {
 namespace {
+
+using geometry::contains;
+using geometry::enclosing_sphere;
 
 TEST(EnclosingSphere, OfTrianglesHasKnownValues) {
   const Vec3 p{3, -4, 5};

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/rigid.h"
 #include "limber/eigen.h"
 #include "limber/math.h"
 #include "support/random_geometry.h"
@@ -33,7 +34,7 @@ TEST(Orthonormalized, MakesRotationsOfFloat32Rigid) {
     const Mat3 rotation = scenes::random_rotation(rng), rounded = in_float32(rotation);
     const Mat3 mended = orthonormalized(rounded).value();
     ASSERT_TRUE(is_rigid({mended, {}}));
-    ASSERT_LE(max_stretch(mended) - 1, 1e-14);
+    ASSERT_LE(geometry::max_stretch(mended) - 1, 1e-14);
     ASSERT_LE(largest_difference(mended, rotation), 2e-7);
   }
 }

@@ -16,6 +16,7 @@
 
 #include "bvh/tree.h"
 #include "bvh/tree_cost.h"
+#include "geometry/primitives.h"
 #include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
@@ -225,7 +226,7 @@ void expect_spheres_hold(const Model& model) {
     const std::vector<Sphere> spheres = model.node_spheres(level);
     count += spheres.size();
     for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
-      const auto holds = [&](const Sphere& sphere) { return contains(sphere, model.mesh().triangle(t)); };
+      const auto holds = [&](const Sphere& sphere) { return geometry::contains(sphere, model.mesh().triangle(t)); };
       ASSERT_TRUE(std::any_of(spheres.begin(), spheres.end(), holds)) << "level " << level << ", triangle " << t;
     }
   }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "geometry/rigid.h"
 #include "limber/model.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
@@ -64,7 +65,7 @@ TEST(Transform, StretchBoundIsNeverBelowTheTrueStretch) {
   for (int i = 0; i < 200; ++i) {
     Mat3 m = scenes::random_rotation(rng);
     m.row0 += uniform_point(rng) * 1e-3;
-    const double bound = max_stretch(m);
+    const double bound = geometry::max_stretch(m);
     EXPECT_GE(bound, 1);
     for (int k = 0; k < 50; ++k) {
       const Vec3 v = uniform_point(rng);

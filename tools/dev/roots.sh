@@ -9,7 +9,7 @@
 artefacts=$root/build/packages
 version=$(sed -n 's/^project(limber VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
 
-# check_versions: what names the version names that of CMakeLists.txt.
+# check_versions: what names the version names that of CMakeLists.txt, which sees to limber/version.h itself.
 check_versions() {
   local file
   for file in CITATION.cff web/limber3d/package.json \

@@ -15,6 +15,7 @@
 #include "limber/math.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
+#include "limber/path.h"
 
 /// What web/limber3d, the JavaScript half of the package, calls and reads. Whatever is declared here is private to the
 /// two: the public interface is the one of JavaScript.
