@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The first impact of a body that moves through a scene. The way is walked in pieces of time, in which the body moves by
-// about its own size. Objects near a piece, which no earlier piece was near, are asked for all of the way that is left; a hit ends
-// that way.
+// The first impact of a body that moves through a scene. The way is walked in pieces of time, in which the body moves
+// by about its own size. Objects near a piece, which no earlier piece was near, are asked for all of the way that is
+// left; a hit ends that way.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
