@@ -131,6 +131,7 @@ def test_a_model_next_to_all_objects(scene: limber3d.Scene, tetra: limber3d.Mode
     near = scene.candidates(tetra, 0.5, pose)
     assert near.dtype == numpy.uint32 and {id for id, d in zip(ids, distances) if d <= 0.5} <= set(near.tolist())
     found = scene.closest_object(tetra, pose)
+    assert found.object is not None
     assert found.result.upper == min(distances) == distances[ids.index(found.object)]
     others = [d for id, d in zip(ids, distances) if id != found.object]
     assert scene.closest_object(tetra, pose, filter=lambda id: id != found.object).result.upper == min(others)
