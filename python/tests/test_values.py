@@ -50,6 +50,8 @@ def results() -> list[Any]:
         *(surface.signed_distance(point) for point in ([0.1, 0.1, 0.1], [3, 0, 0])),
         *(scene.closest_objects(), scene.closest_objects(max_distance=0.5)),
         *(scene.any_within(2.5), scene.any_within(0.5), scene.closest_object(tetra)),
+        *(scene.closest_object(tetra, FAR, max_distance=0.5), scene.time_of_impact(tetra, goes)),
+        *(scene.time_of_impact(tetra, stands),),
         *(hit, hit.elements, limber3d.time_of_impact(moving, moving)),
         *(limber3d.time_of_impact(tetra, stands, tetra, goes), limber3d.least_distance(tetra, stands, tetra, goes)),
         *(tetra.tree_stats, tetra.maintenance_stats, tetra.bounding_box(), tetra.bounding_sphere()),
@@ -66,7 +68,7 @@ CLASSES = {type(value) for value in VALUES}
 
 def test_all_classes_of_results_are_here() -> None:
     classes = [member for name in limber3d.__all__ if isinstance(member := getattr(limber3d, name), type)]
-    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 24
+    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 25
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
