@@ -29,16 +29,16 @@ struct BenchArguments {
 /// What the system calls the processor. Virtual machines leave the number out of its name, so family and model follow.
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
-  std::string name, line;
+  std::string name, parts, line;
   while (std::getline(file, line) && !line.empty()) {
     const auto fields = fields_of(line, ':');
-    const bool is_name = fields[0] == "model name", is_part = fields[0] == "cpu family" || fields[0] == "model";
-    if (fields.size() == 2 && is_name) name = std::string(fields[1]) + name;
-    if (fields.size() == 2 && is_part)
-      name += fmt::format(", {} {}", fields[0].substr(fields[0].find(' ') + 1), fields[1]);
+    if (fields.size() < 2) continue;
+    if (fields[0] == "model name") name = fields[1];
+    if (fields[0] == "cpu family") parts = fmt::format(", family {}", fields[1]);
+    if (fields[0] == "model") parts += fmt::format(", model {}", fields[1]);
   }
   const char* const of_windows = std::getenv("PROCESSOR_IDENTIFIER");
-  return !name.empty() ? name : of_windows != nullptr ? of_windows : "unknown";
+  return !name.empty() ? name + parts : of_windows != nullptr ? of_windows : "unknown";
 }
 
 Json json_of(const BenchArguments& arguments, const RigidModel& a, const RigidModel* b, const BenchTable& table) {

@@ -60,7 +60,11 @@ std::function<double()> timed(Call call, int queries = 1) {
       for (int i = 0; i < count; ++i) call();
       return watch.microseconds() / count;
     };
-    if (repetitions == 0) repetitions = 1 + static_cast<int>(shortest_sample_us / std::max(us_of(1), 0.01));
+    if (repetitions == 0) {
+      const double us = us_of(1);
+      repetitions = 1 + static_cast<int>(shortest_sample_us / std::max(us, 0.01));
+      if (repetitions == 1) return us / queries;
+    }
     return us_of(repetitions) / queries;
   };
 }
