@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = ROOT / "docs/site"
 FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools")
-SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".svg", ".png", ".ipynb")
+SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".txt", ".svg", ".png", ".ipynb")
 DOXYFILE = """
 PROJECT_NAME = limber
 INPUT = {headers}
@@ -44,7 +44,7 @@ def stage(folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     for name in FOLDERS:
         for file in sorted((ROOT / name).rglob("*")):
-            if file.suffix in SUFFIXES and file.is_file() and SETTINGS not in file.parents:
+            if file.suffix in SUFFIXES and file.is_file() and file != SETTINGS / "contents.md":
                 target = folder / file.relative_to(ROOT)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(file, target)

@@ -118,6 +118,10 @@ LIMBER_API AssertHandler set_assert_handler(AssertHandler handler);
 /// The handler in use.
 LIMBER_API AssertHandler assert_handler();
 
+/// The SIMD instructions that the engine uses on this processor, by Highway's name: "AVX2", "NEON". It chooses the best
+/// of those that it was compiled for; answers have the same bits with all of them.
+LIMBER_API const char* instruction_set() noexcept;
+
 template <typename Signature>
 class FunctionRef;
 

@@ -26,8 +26,8 @@ const std::string not_negative = "must be a finite number >= 0";
 TEST(ProgramBadInput, VerbsAndOptions) {
   expect_all_refused(
       "", {{"",
-            "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, demo, "
-            "haptics, help, version"},
+            "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, bench, "
+            "demo, haptics, help, version"},
            {"measure", "'measure' is no verb; there are info, distance, collide, within"},
            {"--jason", "'--jason' is no option"},
            {"--json distance " + two_balls, "distance: '--json' stands before the verb"},
