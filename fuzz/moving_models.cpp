@@ -105,11 +105,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       twin_b{b.mesh, b.end, b.start_pose, b.end_pose};
   fuzz::check(
       environment, [&](std::uint64_t steps) { return time_of_impact(moving_a, moving_b, options(steps)); },
-      [&] { return list([&](ImpactVisitor visit) { visit_impacts(moving_a, moving_b, {}, visit); }); },
+      [&] { return list([&](ImpactVisitor visit) { visit_impacts(moving_a, moving_b, visit); }); },
       reference::impacts(twin_a, twin_b, {}));
   fuzz::check(
       environment, [&](std::uint64_t steps) { return self_time_of_impact(moving_a, options(steps)); },
-      [&] { return list([&](ImpactVisitor visit) { visit_self_impacts(moving_a, {}, visit); }); },
+      [&] { return list([&](ImpactVisitor visit) { visit_self_impacts(moving_a, visit); }); },
       reference::self_impacts(twin_a, {}));
   return 0;
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/geometry.h"
@@ -231,13 +232,6 @@ LIMBER_API ElementState self_state_of(const MovingModel& model, const ElementPai
 /// Called for each pair; returns whether to go on.
 using ImpactVisitor = FunctionRef<bool(const Impact&)>;
 
-struct ImpactCount {
-  std::size_t count = 0;
-  bool is_complete = true;  ///< false if the visitor or the budget has stopped the query: there may be more
-  StoppedBy stopped_by = StoppedBy::nothing;
-  QueryStats stats{};
-};
-
 /// All pairs of elements that touch up to max_time, each once, with the first time at which they do. Crossings do not
 /// count. They come in no particular order, which depends on the models and their history alone.
 ///
@@ -245,9 +239,10 @@ struct ImpactCount {
 /// Throws   As time_of_impact(); whatever the visitor throws.
 /// Cost     As time_of_impact(), plus 1 to 50 us for each contact, most where elements stay in one plane.
 /// Threads  Reentrant.
-LIMBER_API ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                                     ImpactVisitor visit);
-LIMBER_API ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit);
+LIMBER_API PairCount visit_impacts(const MovingModel& a, const MovingModel& b, ImpactVisitor visit,
+                                   const ImpactOptions& options = {});
+LIMBER_API PairCount visit_self_impacts(const MovingModel& model, ImpactVisitor visit,
+                                        const ImpactOptions& options = {});
 
 /// Called for each pair that may touch; returns whether to go on.
 using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
@@ -260,10 +255,10 @@ using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 /// Throws   As visit_impacts().
 /// Cost     As time_of_impact() without comparing elements. Allocates nothing.
 /// Threads  Reentrant.
-LIMBER_API ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                                               ImpactCandidateVisitor visit);
-LIMBER_API ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
-                                                    ImpactCandidateVisitor visit);
+LIMBER_API PairCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, ImpactCandidateVisitor visit,
+                                             const ImpactOptions& options = {});
+LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, ImpactCandidateVisitor visit,
+                                                  const ImpactOptions& options = {});
 
 // --- steps for solvers ---
 

@@ -114,7 +114,8 @@ RecordArray impacts_of(MovingModelObject& a, MovingModelObject& b, double max_ti
   const auto use_a = a.use(), use_b = b.use();
   std::vector<Impact> found;
   without_gil([&] {
-    visit_impacts(use_a.moving, use_b.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+    visit_impacts(
+        use_a.moving, use_b.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
   });
   return array_of(std::span<const Impact>(found), dtypes().impact);
 }
@@ -125,7 +126,8 @@ RecordArray self_impacts_of(MovingModelObject& model, double max_time, double ti
   const auto use = model.use();
   std::vector<Impact> found;
   without_gil([&] {
-    visit_self_impacts(use.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+    visit_self_impacts(
+        use.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
   });
   return array_of(std::span<const Impact>(found), dtypes().impact);
 }
@@ -135,8 +137,9 @@ RecordArray impact_candidates_of(MovingModelObject& a, MovingModelObject& b, dou
   const auto use_a = a.use(), use_b = b.use();
   std::vector<ElementPair> found;
   without_gil([&] {
-    visit_impact_candidates(use_a.moving, use_b.moving, given.options,
-                            [&](const ElementPair& pair) { return found.push_back(pair), true; });
+    visit_impact_candidates(
+        use_a.moving, use_b.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; },
+        given.options);
   });
   return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }
@@ -146,8 +149,8 @@ RecordArray self_impact_candidates_of(MovingModelObject& model, double max_time,
   const auto use = model.use();
   std::vector<ElementPair> found;
   without_gil([&] {
-    visit_self_impact_candidates(use.moving, given.options,
-                                 [&](const ElementPair& pair) { return found.push_back(pair), true; });
+    visit_self_impact_candidates(
+        use.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; }, given.options);
   });
   return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }

@@ -85,7 +85,7 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
     moving.set_motion(ball.mesh().positions(), above.pose, above.pose * Transform{{}, {0, way, 0}}).value();
     time_of_impact(moving, still, {.budget = {.max_steps = 1000}});
     self_time_of_impact(moving);
-    visit_impact_candidates(moving, still, {.min_separation = 0.2}, [](const ElementPair&) { return true; });
+    visit_impact_candidates(moving, still, [](const ElementPair&) { return true; }, {.min_separation = 0.2});
     std::fill(displacements.begin(), displacements.end(), 1.0);
     limit_displacements(above, edges_of_ball, {square}, edges_of_square, 0.01, displacements);
     limit_self_displacements(ball, edges_of_ball, 0, displacements);

@@ -163,10 +163,9 @@ TEST(MovingModel, MayGoOnFromNearerThanTheSeparation) {
   const auto of_lowest =
       time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = 0.5, .filter = lowest});
   EXPECT_NEAR(of_lowest.upper, 0.125, 1e-12);
-  EXPECT_EQ(visit_impacts(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = 0.5},
-                          [](const Impact& i) { return i.time.status == ImpactStatus::contact; })
-                .is_complete,
-            true);
+  const auto is_contact = [](const Impact& i) { return i.time.status == ImpactStatus::contact; };
+  EXPECT_TRUE(
+      visit_impacts(box.moving, floor.moving, is_contact, {.min_separation = 0.5, .nearer_part = 0.5}).is_complete);
   // Elements that touch at the start still do.
   box.shift({0.1, 0.2, 0.5}, {0.1, 0.2, 1.5});
   EXPECT_EQ(ask(0.5).status, ImpactStatus::initial_contact);
@@ -259,19 +258,20 @@ TEST(MovingModel, CountsWhatAFilterLetsPass) {
   const auto nothing = [](const ElementPair&) { return false; };
   EXPECT_EQ(time_of_impact(box.moving, box.moving, {.filter = nothing}).status, ImpactStatus::initial_contact);
   EXPECT_EQ(time_of_impact(box.moving, floor.moving, {.filter = nothing}).status, ImpactStatus::clear);
-  EXPECT_EQ(visit_impacts(box.moving, floor.moving, {.filter = nothing}, [](const Impact&) { return true; }).count, 0U);
+  const auto all = [](const Impact&) { return true; };
+  EXPECT_EQ(visit_impacts(box.moving, floor.moving, all, {.filter = nothing}).count, 0U);
 }
 
 TEST(MovingModel, IsVisitedUntilTheVisitorStops) {
   Body box(cube()), floor(plate());
   box.shift({0, 0, 2.5}, {0, 0, -1.5});
   std::vector<Impact> all;
-  const ImpactCount count =
-      visit_impacts(box.moving, floor.moving, {}, [&](const Impact& i) { return all.push_back(i), true; });
+  const PairCount count =
+      visit_impacts(box.moving, floor.moving, [&](const Impact& i) { return all.push_back(i), true; });
   EXPECT_TRUE(count.is_complete);
   EXPECT_EQ(count.count, all.size());
   EXPECT_GT(all.size(), 8U);  // each vertex passes through the plate, and vertical edges cross the plate's edges or not
-  const ImpactCount few = visit_impacts(box.moving, floor.moving, {}, [](const Impact&) { return false; });
+  const PairCount few = visit_impacts(box.moving, floor.moving, [](const Impact&) { return false; });
   EXPECT_EQ(few.count, 1U);
   EXPECT_FALSE(few.is_complete);
 }
@@ -289,8 +289,8 @@ TEST(MovingModel, StopsWhenItsBudgetIsSpent) {
       EXPECT_EQ(found.lower, 0);
       EXPECT_EQ(found.upper, no_time);
     }
-    const ImpactCount count =
-        visit_impacts(box.moving, floor.moving, {.budget = budget}, [](const Impact&) { return true; });
+    const PairCount count =
+        visit_impacts(box.moving, floor.moving, [](const Impact&) { return true; }, {.budget = budget});
     EXPECT_FALSE(count.is_complete);
     EXPECT_NE(count.stopped_by, StoppedBy::nothing);
   }
@@ -344,8 +344,8 @@ TEST_F(MovingModelMisuse, OfAMotionThatHasEndedIsRefused) {
   EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
   EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(box_.moving)); },
                          {"limber::self_time_of_impact", "motion"}));
-  EXPECT_TRUE(is_refused([&] { visit_impacts(floor_.moving, box_.moving, {}, visit); }, {"limber::visit_impacts"}));
-  EXPECT_TRUE(is_refused([&] { visit_self_impacts(box_.moving, {}, visit); }, {"limber::visit_self_impacts"}));
+  EXPECT_TRUE(is_refused([&] { visit_impacts(floor_.moving, box_.moving, visit); }, {"limber::visit_impacts"}));
+  EXPECT_TRUE(is_refused([&] { visit_self_impacts(box_.moving, visit); }, {"limber::visit_self_impacts"}));
   box_.shift({}, {});
   ask();
   box_.model.rebuild();
@@ -398,8 +398,8 @@ TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
     const MovingModel &a = box_.moving, &b = floor_.moving;
     EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(a, b, o)); }, {"limber::time_of_impact", what}));
     EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(a, o)); }, {"self_time_of_impact", what}));
-    EXPECT_TRUE(is_refused([&] { visit_impacts(a, b, o, visit); }, {"limber::visit_impacts", what}));
-    EXPECT_TRUE(is_refused([&] { visit_self_impacts(a, o, visit); }, {"limber::visit_self_impacts", what}));
+    EXPECT_TRUE(is_refused([&] { visit_impacts(a, b, visit, o); }, {"limber::visit_impacts", what}));
+    EXPECT_TRUE(is_refused([&] { visit_self_impacts(a, visit, o); }, {"limber::visit_self_impacts", what}));
   }
 }
 

@@ -36,7 +36,7 @@ void give_impact(const ImpactResult& result) {
 
 /// One column after the other: lower, upper; then, in 32 bits, elements of a and of b; then, in 8 bits, kinds of the
 /// pairs and statuses.
-void give_impacts(const ImpactCount& count) {
+void give_impacts(const PairCount& count) {
   const std::size_t n = impacts_found.size();
   const std::size_t bytes = n * (2 * sizeof(double) + 2 * sizeof(std::uint32_t) + 2);
   columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
@@ -114,8 +114,8 @@ bool exported_impacts(const MovingWithEdges* a, const MovingWithEdges* b, double
   return guarded([&] {
     const ImpactOptions options{max_time, time_error, min_separation, nearer_part};
     const auto collect = collector(impacts_found, most);
-    give_impacts(b != nullptr ? visit_impacts(a->moving, b->moving, options, collect)
-                              : visit_self_impacts(a->moving, options, collect));
+    give_impacts(b != nullptr ? visit_impacts(a->moving, b->moving, collect, options)
+                              : visit_self_impacts(a->moving, collect, options));
   });
 }
 

@@ -302,10 +302,10 @@ class Recorder {
   void impacts(std::size_t a, std::size_t b, const ImpactOptions& options) {
     std::vector<Impact> found;
     const auto keep = [&](const Impact& impact) { return found.push_back(impact), true; };
-    const ImpactCount of_both = visit_impacts(moving_[a], moving_[b], options, keep);
+    const PairCount of_both = visit_impacts(moving_[a], moving_[b], keep, options);
     write("impacts", {a, b}, {}, options_of_all(options), impacts_of(found, of_both));
     found.clear();
-    const ImpactCount of_one = visit_self_impacts(moving_[a], options, keep);
+    const PairCount of_one = visit_self_impacts(moving_[a], keep, options);
     write("selfImpacts", {a}, {}, options_of_all(options), impacts_of(found, of_one));
   }
 
@@ -413,7 +413,7 @@ class Recorder {
   static json contacts_of(const std::vector<Contact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"contacts", each(found)}, {"stats", of(count.stats)}};
   }
-  static json impacts_of(const std::vector<Impact>& found, const ImpactCount& count) {
+  static json impacts_of(const std::vector<Impact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"isComplete", true}, {"impacts", each(found)}, {"stats", of(count.stats)}};
   }
   static json pairs_of(const std::vector<TrianglePair>& found, const PairCount& count) {
