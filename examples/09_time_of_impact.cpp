@@ -18,13 +18,12 @@ using limber::Vec3;
 constexpr double separation = 1e-3;  // that is kept between sheet and ball, and in the sheet
 constexpr double share = 0.9;        // of the way to a contact that a step takes
 
-/// A body, its edges and its motion.
+/// A body and its motion.
 struct Body {
   limber::Model model;
-  limber::MeshEdges edges;
   limber::MovingModel moving;
 
-  explicit Body(const limber::Mesh& mesh) : model(mesh), edges(mesh), moving(model, edges) {}
+  explicit Body(const limber::Mesh& mesh) : model(mesh), moving(model) {}
 };
 
 /// The largest part of the moves that keeps the separation from the ball, and within the sheet.

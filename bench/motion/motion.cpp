@@ -50,8 +50,7 @@ double median_ms(bool quick, const Call& call) {
 void compare_frames(const std::string& name, const Mesh& first, const std::vector<Vec3>& second,
                     const std::vector<PeerRow>& peers, bool quick, Checker& checker, Table& table) {
   Model model(first);
-  const MeshEdges edges(first);
-  MovingModel moving(model, edges);
+  MovingModel moving(model);
   const ImpactOptions options{.ignores_crossings = true};
   ImpactResult found;
   const double commit_ms = median_ms(quick, [&] { model.move_all(first.positions()).value(), model.commit(); });

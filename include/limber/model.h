@@ -14,6 +14,8 @@
 /// The engine: models and the queries between them.
 namespace limber {
 
+class MeshEdges;
+
 /// When a tree is rebuilt in part, because motion has degraded it.
 enum class RebuildPolicy {
   off,        ///< never: leaves keep their triangles
@@ -139,6 +141,14 @@ class Model {
   LIMBER_API const ModelOptions& options() const;
   LIMBER_API MaintenanceStats maintenance_stats() const;
   LIMBER_API const Mesh& mesh() const;
+  /// The edges of the mesh (elements.h), as pairs of elements and moving models need them. The first call builds them;
+  /// they are kept, at their address, until reset().
+  ///
+  /// Throws   std::invalid_argument if the mesh has more than 2^32 / 3 triangles; std::bad_alloc.
+  /// Cost     Of the first call O(n log n) at worst, O(n) where few edges meet at a vertex; 34 bytes a triangle of a
+  ///          closed mesh. Later ones O(1).
+  /// Threads  Of concurrent first calls one builds, and the others wait.
+  LIMBER_API const MeshEdges& edges() const;
   LIMBER_API TreeStats tree_stats() const;
 
   /// A box along the axes of the model's frame, and a sphere, that contain the model: to feed a broad phase. Both are

@@ -91,16 +91,16 @@ LIMBER_API ElementImpact time_of_impact(const MovingSegment& a, const MovingSegm
 /// A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
 /// placed by one pose, to another position, placed by another pose.
 ///
-/// Keeps pointers: the model and its edges must outlive it. Changing them, moving the model's vertices included, ends
-/// the motion: it has to be set again.
+/// Keeps a pointer: the model must outlive it. Changing the model, moving its vertices included, ends the motion: it has
+/// to be set again.
 ///
-/// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion.
+/// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion; and the Model::edges().
 /// Threads  Const functions, queries included, may run concurrently on one object.
 class MovingModel {
  public:
-  /// Pre      `edges` are those of the model's mesh.
-  /// Throws   std::invalid_argument if they are those of a mesh of another size, or the model has been moved from.
-  LIMBER_API MovingModel(const Model& model, const MeshEdges& edges);
+  /// Throws   std::invalid_argument if the model has been moved from; std::bad_alloc.
+  LIMBER_API explicit MovingModel(const Model& model);
+  explicit MovingModel(const Model&&) = delete;  // would point to a temporary
   LIMBER_API MovingModel(MovingModel&&) noexcept;
   LIMBER_API MovingModel& operator=(MovingModel&&) noexcept;
   LIMBER_API ~MovingModel();
@@ -109,8 +109,8 @@ class MovingModel {
   ///
   /// Frame    `end_positions` are in the model's own frame, one for each vertex.
   /// Errors   `size_mismatch`, `non_finite`, `too_large` with the entry's index; the motion is then as before.
-  /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; std::bad_alloc, and then
-  ///          there is no motion.
+  /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; as Model::edges();
+  ///          std::bad_alloc, and then there is no motion.
   /// Cost     O(n), on the threads of the calling oneTBB arena; some four times as much as a commit that moves all
   ///          vertices.
   LIMBER_API Result<void> set_motion(std::span<const Vec3> end_positions, const Transform& start_pose = {},
@@ -133,7 +133,7 @@ struct ElementPair {
   };
 
   Kind kind = Kind::vertex_face;
-  std::uint32_t a = no_id, b = no_id;  ///< a VertexId, a TriangleId or an EdgeId (MeshEdges), as the kind says
+  std::uint32_t a = no_id, b = no_id;  ///< a VertexId, a TriangleId or an EdgeId (Model::edges()), as the kind says
 
   friend bool operator==(const ElementPair&, const ElementPair&) = default;
 };
@@ -282,17 +282,15 @@ inline double conservative_step(const ImpactResult& found, double max_time, doub
 ///          the way. Vertices of elements that are nearer get 0. Rounded down.
 /// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
 ///          not what it should be, or the separation is not from 0 to 2^200.
-/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin. No allocation.
+/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin.
 /// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
 ///          left to the other.
-LIMBER_API void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
-                                         std::span<double> displacements);
+LIMBER_API void limit_self_displacements(const Model& model, double separation, std::span<double> displacements);
 
 /// Limits displacements of two models, as limit_self_displacements() does of one, for pairs of elements of both. A
 /// model b without numbers stands still. `of_a` and `of_b` must not overlap.
-LIMBER_API void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                    const MeshEdges& edges_b, double separation, std::span<double> of_a,
+LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                                     std::span<double> of_b = {});
 
 }  // namespace limber

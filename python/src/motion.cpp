@@ -4,7 +4,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,23 +22,18 @@
 namespace limber::python {
 namespace {
 
-/// A moving model, which keeps its edges and shares its model with Python.
+/// A moving model, which shares its model with Python.
 class MovingModelObject {
  public:
-  explicit MovingModelObject(ModelObject& model) : model_(model) {}
+  explicit MovingModelObject(ModelObject& model) : model_(model), moving_(model.model) {}
 
   void set_motion(const ArrayLike& end_positions, const PoseLike& start_pose, const PoseLike& end_pose) {
     const std::vector<Vec3> end = points_from(end_positions, "end_positions");
     const Transform start = pose_from(start_pose, "start_pose"), finish = pose_from(end_pose, "end_pose");
     const Changing own = users_.change("the moving model is in use by another thread");
     const Reading guard = reading(model_);
-    value_or_raise(without_gil([&]() -> Result<void> {
-      if (const auto edges = edges_of(model_); edges != edges_) {
-        moving_.emplace(model_.model, *edges);
-        edges_ = edges;
-      }
-      return moving_->set_motion(end, start, finish);
-    }));
+    value_or_raise(without_gil([&] { return moving_.set_motion(end, start, finish); }));
+    has_motion_ = true;
   }
 
   /// A moving model, and the right to read it and its model while a query runs.
@@ -50,15 +44,15 @@ class MovingModelObject {
   InUse use() {
     Reading own = users_.read("the motion is being set by another thread");
     Reading model = reading(model_);
-    if (!moving_) throw nb::value_error("the moving model has no motion: call set_motion()");
-    return {std::move(own), std::move(model), *moving_};
+    if (!has_motion_) throw nb::value_error("the moving model has no motion: call set_motion()");
+    return {std::move(own), std::move(model), moving_};
   }
 
  private:
   ModelObject& model_;
   Users users_;
-  std::shared_ptr<const MeshEdges> edges_;
-  std::optional<MovingModel> moving_;
+  MovingModel moving_;
+  bool has_motion_ = false;
 };
 
 /// A filter as Python passes it: called with the kind of a pair and two ids.
@@ -182,7 +176,7 @@ FloatArray array_of_numbers(const std::vector<double>& numbers) {
 FloatArray limit_self_displacements_of(ModelObject& model, double separation, const ArrayLike& displacements) {
   std::vector<double> limits = displacements_from(displacements, "displacements");
   const Reading guard = reading(model);
-  without_gil([&] { limit_self_displacements(model.model, *edges_of(model), separation, limits); });
+  without_gil([&] { limit_self_displacements(model.model, separation, limits); });
   return array_of_numbers(limits);
 }
 
@@ -193,8 +187,7 @@ std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObj
   std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
   const PlacedPair pair(a, b, pose_a, pose_b);
-  without_gil(
-      [&] { limit_displacements(pair.a(), *edges_of(a), pair.b(), *edges_of(b), separation, limits_a, limits_b); });
+  without_gil([&] { limit_displacements(pair.a(), pair.b(), separation, limits_a, limits_b); });
   return {array_of_numbers(limits_a),
           of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b))};
 }

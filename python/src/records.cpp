@@ -263,7 +263,7 @@ std::string vertex_face_fields() {
 }
 
 std::string edge_edge_fields() {
-  return fields({{"a, b", "ids of MeshEdges of each model"},
+  return fields({{"a, b", "ids of the edges of each model"},
                  {"distance", "of the two elements"},
                  {"parameter_a, parameter_b", docs::EdgeEdgePair_parameter_a}});
 }

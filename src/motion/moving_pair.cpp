@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "model/model_impl.h"
 
@@ -51,7 +52,7 @@ MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
   std::uint64_t of_slots = 0;
   for (std::uint32_t k = 0; k < bvh::width; ++k) {
     if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) break;  // the others repeat it
-    of_slots |= (simd::OwnedElements::is_in_use | model(s).edges->represented_by(leaf.triangle[k])) << (8 * k);
+    of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*model(s).edges, leaf.triangle[k])) << (8 * k);
   }
   return {leaf, model(s).tree.leaves[i], {of_slots}};
 }

@@ -33,8 +33,7 @@ std::array<VertexFacePair, 20> vertex_face_found;
 std::array<EdgeEdgePair, 20> edge_edge_found;
 
 /// One of each query at every separation, near, touching and overlapping included.
-void ask_everything(const Model& square, const MeshEdges& edges_of_square, const ClosedSurface& surface,
-                    const MeshEdges& edges_of_ball, QueryCache& cache) {
+void ask_everything(const Model& square, const ClosedSurface& surface, QueryCache& cache) {
   const Model& ball = surface.model();
   for (const double separation : {8.0, 1.0, 0.01, 0.0, -0.5}) {
     const Placed a{square}, b{ball, scenes::ball_over_square(ball.mesh(), separation, 0)};
@@ -55,7 +54,7 @@ void ask_everything(const Model& square, const MeshEdges& edges_of_square, const
     contacts(a, b, 0.5, contacts_found);
     closest_pairs(a, b, contacts_found);
     closest_pairs(a, b, contacts_found, {.max_distance = 0.5, .budget = {.max_steps = 20}});
-    element_pairs(a, edges_of_square, b, edges_of_ball, 0.5, vertex_face_found, edge_edge_found);
+    element_pairs(a, b, 0.5, vertex_face_found, edge_edge_found);
     if (const auto near = distance(a, b); near.witness) contact_of(a, b, *near.witness);
   }
   self_collide(ball);
@@ -65,7 +64,7 @@ void ask_everything(const Model& square, const MeshEdges& edges_of_square, const
   self_closest_pairs(ball, contacts_found);
   self_collide(ball, {.cache = &cache});
   self_distance(ball, {.cache = &cache});
-  self_element_pairs(ball, edges_of_ball, 0.1, vertex_face_found, edge_edge_found);
+  self_element_pairs(ball, 0.1, vertex_face_found, edge_edge_found);
 }
 
 TEST(Allocation, IsSeenByThisTest) {
@@ -76,8 +75,7 @@ TEST(Allocation, IsSeenByThisTest) {
 
 TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  const MeshEdges edges_of_square(square.mesh()), edges_of_ball(ball.mesh());
-  MovingModel still(square, edges_of_square), moving(ball, edges_of_ball);
+  MovingModel still(square), moving(ball);
   const Placed above{ball, scenes::ball_over_square(ball.mesh(), 0.5, 0)};
   std::vector<double> displacements(ball.mesh().positions().size());
   const auto step = [&](double way) {
@@ -87,8 +85,8 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
     self_time_of_impact(moving);
     visit_impact_candidates(moving, still, [](const ElementPair&) { return true; }, {.min_separation = 0.2});
     std::fill(displacements.begin(), displacements.end(), 1.0);
-    limit_displacements(above, edges_of_ball, {square}, edges_of_square, 0.01, displacements);
-    limit_self_displacements(ball, edges_of_ball, 0, displacements);
+    limit_displacements(above, {square}, 0.01, displacements);
+    limit_self_displacements(ball, 0, displacements);
   };
   step(0.1);
   const std::uint64_t before = allocation_count();
@@ -181,11 +179,10 @@ TEST(Allocation, DoesNotHappenInRealTime) {
 TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const ClosedSurface surface = ClosedSurface::create(ball).value();
-  const MeshEdges edges_of_square(square.mesh()), edges_of_ball(ball.mesh());
   QueryCache cache;
-  ask_everything(square, edges_of_square, surface, edges_of_ball, cache);
+  ask_everything(square, surface, cache);
   const std::uint64_t before = allocation_count();
-  ask_everything(square, edges_of_square, surface, edges_of_ball, cache);
+  ask_everything(square, surface, cache);
   EXPECT_EQ(allocation_count(), before);
 }
 

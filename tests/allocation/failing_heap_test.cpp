@@ -381,15 +381,14 @@ TEST(FailingHeap, LeavesAnEmptyCache) {
 
 TEST(FailingHeap, LeavesAMovingModelWithoutMotion) {
   const Model ball(scenes::ball(12, 8)), floor(scenes::grid(4, 4, -2, -2, 1, 1));
-  const MeshEdges edges(ball.mesh()), edges_of_floor(floor.mesh());
-  MovingModel still(floor, edges_of_floor);
+  MovingModel still(floor);
   still.set_motion(floor.mesh().positions()).value();
   const Transform start{{}, {0.1, 0.2, 3}}, end{{}, {0.1, 0.2, -1}};
   std::optional<MovingModel> moving;
   const auto set = [&] { moving->set_motion(ball.mesh().positions(), start, end).value(); };
   int count = 0;
   for (bool fails = true; fails; ++count) {
-    moving.emplace(ball, edges);
+    moving.emplace(ball);
     const FailingHeap heap(count, Failing::once);
     throws_bad_alloc(set);
     fails = heap.has_failed();

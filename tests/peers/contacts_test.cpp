@@ -194,10 +194,9 @@ TEST(ContactLists, HaveOneVertexWithAsManyFacesAsAreNear) {
     walls.push_back({m + r.row1, m - 0.5 * r.row1 + r.row2, m - 0.5 * r.row1 - r.row2});
   }
   const Model around(triangles_of(walls)), body(triangles_of({{{0, 0, 0}, {0, 0, 50}, {0, 1, 50}}}));
-  const MeshEdges edges_around(around.mesh()), edges_of_body(body.mesh());
   std::set<TriangleId> faces;
   visit_element_pairs(
-      {around}, edges_around, {body}, edges_of_body, 0.011,
+      {around}, {body}, 0.011,
       [&](const VertexFacePair& p) {
         if (!p.is_vertex_of_b || p.vertex != 0) return true;
         EXPECT_NEAR(p.distance, 0.01, 1e-15);

@@ -86,8 +86,7 @@ TEST(DegenerateTriangles, MakeTreesThatAnswerEveryQuery) {
       agreed_distance({model}, {probe, at(0.1, 0.1, 0.1)}, 1e-13);
       agreed_distance({model}, {probe, at(5, 5, 5)}, 1e-13);
       EXPECT_EQ(self_intersections(model, {}).count, reference::self_intersections(model.mesh()).size());
-      const MeshEdges edges(model.mesh());
-      const ElementPairCount elements = self_element_pairs(model, edges, 0.5, {}, {});
+      const ElementPairCount elements = self_element_pairs(model, 0.5, {}, {});
       const reference::ElementPairs truth = reference::self_element_pairs(model.mesh(), 0.5);
       EXPECT_EQ(elements.vertex_face, truth.vertex_face.size());
       EXPECT_EQ(elements.edge_edge, truth.edge_edge.size());

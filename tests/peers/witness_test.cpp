@@ -243,10 +243,9 @@ TEST(WitnessPoints, HaveWeightsInTheOrderOfTheCorners) {
       tip(triangles_of({{{1, 2, 1}, {1, 2, 2}, {1, 2, 3}}}));
   const SurfacePoint found = closest_point({face}, {1, 2, 1}).closest.value();
   EXPECT_EQ(found.barycentric, (std::array<double, 3>{0.625, 0.125, 0.25}));
-  const MeshEdges edges_a(face.mesh()), edges_b(tip.mesh());
   std::vector<VertexFacePair> pairs(9);
   std::vector<EdgeEdgePair> edge_pairs(9);
-  const ElementPairCount count = element_pairs({face}, edges_a, {tip}, edges_b, 1, pairs, edge_pairs);
+  const ElementPairCount count = element_pairs({face}, {tip}, 1, pairs, edge_pairs);
   ASSERT_EQ(count.vertex_face, 1U);
   EXPECT_EQ(pairs[0].weights, (Vec3{0.625, 0.125, 0.25}));
   const Model other(triangles_of({{{0, 8, 0}, {0, 0, 0}, {8, 0, 0}}}));

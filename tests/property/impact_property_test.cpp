@@ -119,18 +119,11 @@ MovingScene arbitrary_moving_scene(Rng& rng) {
 /// The queries of two models, or of one with itself.
 struct ImpactQueries {
   Model model_a, model_b;
-  MeshEdges edges_a, edges_b;
   MovingModel a, b;
   bool is_self;
 
   ImpactQueries(const MovingScene& s, bool self)
-      : model_a(s.mesh_a),
-        model_b(s.mesh_b),
-        edges_a(s.mesh_a),
-        edges_b(s.mesh_b),
-        a(model_a, edges_a),
-        b(model_b, edges_b),
-        is_self(self) {
+      : model_a(s.mesh_a), model_b(s.mesh_b), a(model_a), b(model_b), is_self(self) {
     a.set_motion(s.end_a, s.start_pose_a, s.end_pose_a).value();
     b.set_motion(s.end_b, s.start_pose_b, s.end_pose_b).value();
   }

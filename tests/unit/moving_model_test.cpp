@@ -25,14 +25,12 @@ constexpr double no_time = std::numeric_limits<double>::infinity();
 
 Transform shifted(const Vec3& by) { return {{}, by}; }
 
-/// A model with what its motion needs.
+/// A model and its motion.
 struct Body {
   Model model;
-  MeshEdges edges;
   MovingModel moving;
 
-  explicit Body(const Mesh& mesh, const ModelOptions& options = {})
-      : model(mesh, options), edges(mesh), moving(model, edges) {
+  explicit Body(const Mesh& mesh, const ModelOptions& options = {}) : model(mesh, options), moving(model) {
     shift({}, {});
   }
   /// Goes from one place to another without a change of shape.
@@ -321,14 +319,15 @@ TEST_F(MovingModelMisuse, OfPositionsIsAnError) {
   EXPECT_EQ(time_of_impact(box_.moving, floor_.moving).status, ImpactStatus::contact);  // the motion is as before
 }
 
-TEST_F(MovingModelMisuse, OfPosesAndEdgesIsRefused) {
+TEST_F(MovingModelMisuse, OfPosesAndModelsIsRefused) {
   const Transform bad{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
   const auto positions = box_.model.mesh().positions();
   for (const auto& [start, end] : {std::pair(bad, Transform{}), std::pair(Transform{}, bad)}) {
     EXPECT_TRUE(is_refused([&, s = start, e = end] { static_cast<void>(box_.moving.set_motion(positions, s, e)); },
                            {"limber::MovingModel::set_motion", "rigid"}));
   }
-  EXPECT_TRUE(is_refused([&] { MovingModel(box_.model, floor_.edges); }, {"limber::MovingModel", "edges"}));
+  Model gone = std::move(box_.model);
+  EXPECT_TRUE(is_refused([&] { MovingModel{box_.model}; }, {"limber::MovingModel", "moved from"}));
 }
 
 TEST_F(MovingModelMisuse, OfAMotionThatHasEndedIsRefused) {
@@ -351,14 +350,15 @@ TEST_F(MovingModelMisuse, OfAMotionThatHasEndedIsRefused) {
   box_.model.rebuild();
   EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
   box_.model.reset(plate());
-  EXPECT_TRUE(is_refused([&] { static_cast<void>(box_.moving.set_motion(box_.model.mesh().positions())); },
-                         {"limber::MovingModel::set_motion", "mesh"}));
+  EXPECT_TRUE(is_refused(ask, {"limber::time_of_impact", "motion"}));
+  box_.shift({0, 0, 2}, {0, 0, -2});
+  EXPECT_EQ(time_of_impact(box_.moving, floor_.moving).status, ImpactStatus::contact);  // by its new edges
 }
 
 TEST_F(MovingModelMisuse, OfNoMotionIsRefused) {
-  const MovingModel still(box_.model, box_.edges);
+  const MovingModel still(box_.model);
   EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(still)); }, {"motion"}));
-  MovingModel gone(box_.model, box_.edges);
+  MovingModel gone(box_.model);
   const MovingModel here = std::move(gone);
   EXPECT_TRUE(is_refused([&] { static_cast<void>(self_time_of_impact(gone)); }, {"moved from"}));
   EXPECT_TRUE(is_refused([&] { static_cast<void>(gone.set_motion({})); }, {"moved from"}));

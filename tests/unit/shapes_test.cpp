@@ -262,10 +262,9 @@ TEST(Shapes, AreRefusedWhereTheirRadiusWouldBeLost) {
   EXPECT_THROW(closest_point(sphere, {}), std::invalid_argument);
   EXPECT_THROW(winding_number(sphere, {}), std::invalid_argument);
   EXPECT_EQ(closest_point(box, {3, 0, 0}).closest->distance, 2);
-  const MeshEdges of_sphere(sphere.model().mesh()), of_box(box.model().mesh());
-  EXPECT_THROW(element_pairs(sphere, of_sphere, box, of_box, 1, {}, {}), std::invalid_argument);
+  EXPECT_THROW(element_pairs(sphere, box, 1, {}, {}), std::invalid_argument);
   std::vector<double> limits(1, 1.0);
-  EXPECT_THROW(limit_displacements(sphere, of_sphere, box, of_box, 0, limits, {}), std::invalid_argument);
+  EXPECT_THROW(limit_displacements(sphere, box, 0, limits, {}), std::invalid_argument);
 }
 
 }  // namespace

@@ -46,9 +46,8 @@ class Recorder {
     write("Model", {}, {numbers_of(positions, is_float32), uint32s(ids_of(mesh.triangles()))});
     models_.push_back(Model(Mesh::create(positions, mesh.triangles()).value()));
     caches_.emplace_back();
-    edges_.emplace_back(models_.back().mesh());
-    moving_.emplace_back(models_.back(), edges_.back());
-    write("edges", {models_.size() - 1}, {}, {}, ids_of(edges_.back().vertices()));
+    moving_.emplace_back(models_.back());
+    write("edges", {models_.size() - 1}, {}, {}, ids_of(models_.back().edges().vertices()));
     return models_.size() - 1;
   }
 
@@ -425,7 +424,6 @@ class Recorder {
   std::ofstream out_;
   std::deque<Model> models_;  // stay where they are, as moving models refer to them
   std::deque<Shape> shapes_;
-  std::deque<MeshEdges> edges_;
   std::deque<MovingModel> moving_;
   std::vector<QueryCache> caches_;
   Scene scene_;
