@@ -234,7 +234,7 @@ class NeighborRings {
   ///
   /// Throws   std::invalid_argument unless the mesh had both triangles.
   /// Cost     O(log of the triangles near one).
-  LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
+  [[nodiscard]] LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
 
   /// Whether a pair counts: the filter.
   bool operator()(TriangleId a, TriangleId b) const { return !are_near(a, b); }
@@ -301,7 +301,7 @@ struct ReductionOptions {
 /// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.
-LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                                       std::span<std::uint32_t> patch_ids = {});
+[[nodiscard]] LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
+                                                     std::span<std::uint32_t> patch_ids = {});
 
 }  // namespace limber

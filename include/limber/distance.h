@@ -121,7 +121,7 @@ struct DistanceOptions {
   QueryBudget budget = {};      ///< as in QueryOptions
 };
 
-struct DistanceResult {
+struct [[nodiscard]] DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to rounding (docs/algorithms/numerics.md)
   double upper = 0;  ///< the distance of the witness points, up to that rounding
   Status status = Status::exact;
@@ -138,7 +138,7 @@ enum class Answer {
 };
 
 /// The answer of collide() and within(). If it is unknown, neither is_yes() nor is_no() is true.
-struct CollideResult {
+struct [[nodiscard]] CollideResult {
   Answer answer = Answer::unknown;
   /// Two points, if and only if the answer is yes: the same point twice if the models meet, else points at most as far
   /// apart as was asked, not necessarily the closest.

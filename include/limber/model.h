@@ -157,8 +157,8 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed.
   /// Cost     O(1).
-  LIMBER_API Box bounding_box() const;
-  LIMBER_API Sphere bounding_sphere() const;
+  [[nodiscard]] LIMBER_API Box bounding_box() const;
+  [[nodiscard]] LIMBER_API Sphere bounding_sphere() const;
 
   /// The bounding spheres of one level of the tree, to draw it: of the root on level 0, of all leaves on the last one,
   /// tree_stats().levels - 1. Each holds the triangles below it; the root's is bounding_sphere().
@@ -166,7 +166,7 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed and there is such a level.
   /// Cost     O(spheres).
-  LIMBER_API std::vector<Sphere> node_spheres(std::uint32_t level) const;
+  [[nodiscard]] LIMBER_API std::vector<Sphere> node_spheres(std::uint32_t level) const;
 
   /// Checks every invariant of the tree against the positions.
   ///

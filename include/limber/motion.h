@@ -49,7 +49,7 @@ enum class ImpactStatus : std::uint8_t {
 };
 
 /// When two elements touch first.
-struct ElementImpact {
+struct [[nodiscard]] ElementImpact {
   ImpactStatus status = ImpactStatus::clear;
   /// The first time at which they touch is in [lower, upper]. Both are 0 for `initial_contact`, and infinite for
   /// `clear`.
@@ -163,7 +163,7 @@ struct ImpactOptions {
 };
 
 /// When two models touch first.
-struct ImpactResult {
+struct [[nodiscard]] ImpactResult {
   ImpactStatus status = ImpactStatus::undecided;
   /// As in ElementImpact. With `undecided`, no contact is before `lower`. With any_contact, the contact that was found
   /// is at `upper` or before, and the first one may be anywhere between the two.
@@ -209,7 +209,7 @@ struct Impact {
 /// Two elements at a time of a motion, as the response of a solver takes them.
 ///
 /// Frame    World.
-struct ElementState {
+struct [[nodiscard]] ElementState {
   /// The vertices of the first element, then those of the second: 1 and 3, 3 and 1, or 2 and 2.
   std::array<VertexId, 4> vertices{no_id, no_id, no_id, no_id};
   std::size_t count_of_a = 0;       ///< how many of them are of the first
@@ -267,7 +267,7 @@ LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, Impa
 ///
 /// Pre      `found` is the answer for that max_time. `share` is below 1, and by more than the rounding of the positions
 ///          that the solver computes: then nothing touches after the step.
-inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
+[[nodiscard]] inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
   return found.status == ImpactStatus::clear ? max_time : share * found.lower;
 }
 

@@ -36,18 +36,18 @@ class RigidMotion {
   /// the model's origin at the start. Where nothing turns, as the constructor.
   ///
   /// Throws   As the constructor.
-  LIMBER_API static RigidMotion screw(const Transform& start, const Transform& end);
+  [[nodiscard]] LIMBER_API static RigidMotion screw(const Transform& start, const Transform& end);
 
   /// The pose at a time; exactly that of the start and of the end at 0 and 1.
   ///
   /// Throws   std::invalid_argument unless the time is from 0 to 1.
-  LIMBER_API Transform at(double time) const;
+  [[nodiscard]] LIMBER_API Transform at(double time) const;
 
   /// From where the center is at the start to where it is at the end, in the world.
   const Vec3& displacement() const { return displacement_; }
 
   /// An upper bound of the speed of a point that is at most `radius` away from the center.
-  LIMBER_API double speed(double radius) const;
+  [[nodiscard]] LIMBER_API double speed(double radius) const;
 
   const Transform& start() const { return start_; }
   const Transform& end() const { return end_; }
@@ -79,7 +79,7 @@ struct PathOptions {
 };
 
 /// When two models come too near to each other first.
-struct PathImpact {
+struct [[nodiscard]] PathImpact {
   ImpactStatus status = ImpactStatus::undecided;
   /// They are farther apart than the separation before `time`. For `contact` and `initial_contact` they are at most
   /// distance_error farther apart at `time`. Infinite for `clear`.
@@ -109,7 +109,7 @@ LIMBER_API PathImpact time_of_impact(const Body& a, const RigidPath& path_a, con
                                      const PathOptions& options = {});
 
 /// How near two models come to each other on their way.
-struct PathDistance {
+struct [[nodiscard]] PathDistance {
   double lower = 0;                                        ///< no nearer than this at any time up to max_time
   double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
   double time = 0;

@@ -82,25 +82,25 @@ using ObjectVisitor = FunctionRef<bool(ObjectId)>;
 using ObjectFilter = FunctionRef<bool(ObjectId)>;
 
 /// The two objects of a scene that are closest to each other.
-struct ClosestObjects {
+struct [[nodiscard]] ClosestObjects {
   ObjectPair objects;     ///< no_id exactly when the result has no witness
   DistanceResult result;  ///< of a and b, in this order
 };
 
 /// Two objects of a scene that are within a distance.
-struct CloseObjects {
+struct [[nodiscard]] CloseObjects {
   ObjectPair objects;    ///< no_id unless the answer is yes
   CollideResult result;  ///< whether there are two such objects; the witness is of a and b, in this order
 };
 
 /// The object of a scene that is closest to a placed model.
-struct ClosestObject {
+struct [[nodiscard]] ClosestObject {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
   DistanceResult result;    ///< of the placed model and the object, in this order
 };
 
 /// The object of a scene that a moving body touches first.
-struct ObjectImpact {
+struct [[nodiscard]] ObjectImpact {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
   PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` are those of all
 };
@@ -217,7 +217,7 @@ class Scene {
   ///
   /// Throws   std::invalid_argument unless the model is committed and the pose is rigid (is_rigid()).
   /// Cost     O(1), amortized.
-  LIMBER_API ObjectId add(const Placed& object);
+  [[nodiscard]] LIMBER_API ObjectId add(const Placed& object);
 
   /// Takes an object out.
   ///

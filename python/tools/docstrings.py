@@ -119,7 +119,7 @@ def docstrings(text: str, header: str) -> dict[str, str]:
     found: dict[str, str] = {}
     scope: str | None = None
     comment: list[str] = []
-    for line in text.replace("LIMBER_API ", "").splitlines():
+    for line in text.replace("LIMBER_API ", "").replace("[[nodiscard]] ", "").splitlines():
         code = line.strip()
         if code.startswith("///") and not code.startswith("///<"):
             comment.append(code[3:].removeprefix(" "))

@@ -79,7 +79,7 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
     EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == Status::exact, exact_gap <= 1) << gap;
     expect_pairs_of_brute_force(a, b, 1);
     limber::Scene scene;
-    scene.add(a), scene.add(b);
+    for (const Placed& object : {a, b}) static_cast<void>(scene.add(object));
     scene.commit();
     if (exact_gap <= 1) {
       EXPECT_EQ(scene.candidate_pairs(1, {}).count, 1U) << gap;

@@ -129,7 +129,7 @@ TEST(ScaleAndPlace, MirroredMeshesAnswerAsTheirMirrorImages) {
   }
   Transform reflection;
   reflection.rotation.row0 = {-1, 0, 0};
-  EXPECT_THROW(distance({stairs, reflection}, {ball}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(distance({stairs, reflection}, {ball})), std::invalid_argument);
 }
 
 // IPC Toolkit PR #225: an absolute threshold takes nearly collinear edges for parallel ones at a distance of 0.

@@ -52,7 +52,7 @@ TEST(WitnessPoints, OfManyCellsAndAnArmLieOnBothWhicheverComesFirst) {
     const Vec3 p = random_point(rng, 1);
     const Transform pose = at(std::round(9 * p.x), std::round(9 * p.y), 6 + std::round(3 * p.z));
     const Placed cell_there{cell, pose};
-    scene.add(cell_there);
+    static_cast<void>(scene.add(cell_there));
     for (TriangleId id = 0; id < 12; ++id) triangles.push_back(placed_triangle(cell_there, id));
   }
   const Model octree(triangles_of(triangles));
@@ -139,8 +139,8 @@ TEST(WitnessPoints, OfAGroupAreAsFarApartAsTheGroupIs) {
       transform_from_quaternion({-2, 0, 0}, std::cos(third / 2), 0, 0, std::sin(third / 2)).value();
   limber::Scene scene;
   const ObjectId robot = scene.add({one, turned});
-  scene.add({two, at(-5, 10, 0)});
-  scene.add({two, at(-15, 15, 0)});
+  static_cast<void>(scene.add({two, at(-5, 10, 0)}));
+  static_cast<void>(scene.add({two, at(-15, 15, 0)}));
   scene.commit();
   const auto with_robot = [&](ObjectId a, ObjectId b) { return a == robot || b == robot; };
   const ClosestObjects closest = scene.closest_objects({.filter = with_robot});
@@ -206,7 +206,7 @@ TEST(WitnessPoints, OfASceneAreThoseOfThePairThatIsNamed) {
     std::vector<reference::Placed> objects;
     for (int i = 0; i < 12; ++i) {
       const Placed object{i % 2 == 0 ? ball : brick, random_pose(rng, 6)};
-      scene.add(object);
+      static_cast<void>(scene.add(object));
       objects.push_back(in_reference(object));
     }
     scene.commit();

@@ -108,7 +108,7 @@ TEST_F(LatticeProperty, OfTwoModels) {
     ASSERT_NEAR(limber::distance(pa, pb).upper, distance, s.tolerance) << "scene " << i;
     ASSERT_TRUE(within(pa, pb, distance + s.tolerance).is_yes()) << "scene " << i;
     QueryCache cache;
-    limber::distance(pa, pb, {.cache = &cache});
+    static_cast<void>(limber::distance(pa, pb, {.cache = &cache}));
     ASSERT_EQ(collide(pa, pb, {.cache = &cache}).is_yes(), expected > 0) << "scene " << i;
     meeting += expected > 0 ? 1 : 0;
   }

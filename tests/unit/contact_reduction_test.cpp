@@ -331,19 +331,19 @@ TEST(ContactReduction, RefusesBadOptionsAndContacts) {
   stretched = contacts;
   stretched[4].normal = {0, 0, 1.01};
   try {
-    reduce_contacts(stretched, {.radius = 1});
+    static_cast<void>(reduce_contacts(stretched, {.radius = 1}));
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "limber::reduce_contacts: contact 4 has a normal longer than 1");
   }
   for (const double bad : {0.0, -1.0, infinity, nan}) {
-    EXPECT_THROW(reduce_contacts(contacts, {.radius = bad}), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(reduce_contacts(contacts, {.radius = bad})), std::invalid_argument);
   }
   for (const double bad : {-0.1, 3.2, infinity, nan}) {
-    EXPECT_THROW(reduce_contacts(contacts, {.radius = 1, .max_angle = bad}), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(reduce_contacts(contacts, {.radius = 1, .max_angle = bad})), std::invalid_argument);
   }
-  EXPECT_THROW(reduce_contacts(contacts, {.radius = 1, .max_points = 0}), std::invalid_argument);
-  EXPECT_THROW(reduce_contacts(contacts, {}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(reduce_contacts(contacts, {.radius = 1, .max_points = 0})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(reduce_contacts(contacts, {})), std::invalid_argument);
   for (const double bad : {infinity, -infinity, nan}) {
     for (int k = 0; k < 7; ++k) {
       std::vector<Contact> damaged = contacts;
@@ -352,7 +352,7 @@ TEST(ContactReduction, RefusesBadOptionsAndContacts) {
                                  &c.distance,  &c.weights_a.x, &c.weights_b.z};
       *numbers[k] = bad;
       try {
-        reduce_contacts(damaged, {.radius = 1});
+        static_cast<void>(reduce_contacts(damaged, {.radius = 1}));
         FAIL() << bad << ", " << k;
       } catch (const std::invalid_argument& error) {
         EXPECT_STREQ(error.what(), "limber::reduce_contacts: contact 7 has a number that is not finite");

@@ -290,7 +290,7 @@ TEST(PathMisuse, IsRefused) {
   const Transform bad{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(is_refused([&] { RigidMotion(bad, {}); }, {"limber::RigidMotion", "rigid"}));
-  EXPECT_TRUE(is_refused([&] { RigidMotion::screw({}, bad); }, {"limber::RigidMotion", "rigid"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion::screw({}, bad)); }, {"limber::RigidMotion", "rigid"}));
   EXPECT_TRUE(is_refused([&] { RigidMotion({}, {}, {nan, 0, 0}); }, {"center"}));
   for (const double time : {-0x1p-60, 1 + 0x1p-52, nan}) {
     EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion().at(time)); }, {"limber::RigidMotion::at", "time"}));
@@ -304,16 +304,21 @@ TEST(PathMisuse, IsRefused) {
   for (const auto& [what, o] : options) {
     const PathOptions& wrong = o;
     const RigidMotion still;
-    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, still, ball, still, wrong); }, {"limber::time_of_impact", what}));
-    EXPECT_TRUE(is_refused([&] { least_distance(ball, still, ball, still, wrong); }, {"limber::least_distance", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, still, ball, still, wrong)); },
+                           {"limber::time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, still, ball, still, wrong)); },
+                           {"limber::least_distance", what}));
   }
   const auto stay = [](double) { return Transform{}; };
   const RigidPath fast{stay, std::numeric_limits<double>::max()};
-  EXPECT_TRUE(is_refused([&] { time_of_impact(ball, fast, ball, fast); }, {"limber::time_of_impact", "sum", "speeds"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, fast, ball, fast)); },
+                         {"limber::time_of_impact", "sum", "speeds"}));
   for (const double speed : {-1.0, nan, endless}) {
     const RigidPath path{stay, speed};
-    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, path, ball, path); }, {"limber::time_of_impact", "speed"}));
-    EXPECT_TRUE(is_refused([&] { least_distance(ball, path, ball, path); }, {"limber::least_distance", "speed"}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, path, ball, path)); },
+                           {"limber::time_of_impact", "speed"}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, path, ball, path)); },
+                           {"limber::least_distance", "speed"}));
   }
 }
 

@@ -57,7 +57,7 @@ struct Plan {
     models.emplace_back(scenes::ball(8, 5));
     models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
     models.emplace_back(scenes::random_soup(rng, 9, 0.5));
-    for (std::size_t i = 0; i < objects; ++i) scene.add({models[i % 3], random_pose(rng, range)});
+    for (std::size_t i = 0; i < objects; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, range)}));
     if (objects > 4) scene.remove(3);
     scene.commit();
     for (ObjectId id = 0; id < scene.id_bound() && ids.size() < moving; ++id) {
@@ -138,7 +138,7 @@ TEST(ObjectPairMatrixTest, KeepsWhatItKnowsWhereItsSizeChanges) {
 TEST(ObjectPairMatrixTest, IsAFilter) {
   const Model ball(scenes::ball(8, 5));
   limber::Scene scene;
-  for (const double x : {0.0, 1.0, 3.5, 7.0}) scene.add({ball, {{}, {x, 0, 0}}});
+  for (const double x : {0.0, 1.0, 3.5, 7.0}) static_cast<void>(scene.add({ball, {{}, {x, 0, 0}}}));
   scene.commit();
   ObjectPairMatrix counts(scene.id_bound());
   counts.set(1, 0, false);
@@ -221,7 +221,7 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
       std::vector<CloseObjects> expected_any(plan.count), any(plan.count);
       Plan moved(rng, 0, 0, 0, 1);
       for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
-        moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0]));
+        static_cast<void>(moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0])));
       }
       for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
         if (!plan.scene.contains(id)) moved.scene.remove(id);

@@ -29,7 +29,7 @@ struct Heap {
     models.emplace_back(scenes::ball(8, 5));
     models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
     models.emplace_back(scenes::random_soup(rng, 9, 0.5));
-    for (std::size_t i = 0; i < objects; ++i) scene.add({models[i % 3], random_pose(rng, range)});
+    for (std::size_t i = 0; i < objects; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, range)}));
     if (objects > 4) scene.remove(3);
     scene.commit();
   }

@@ -47,7 +47,7 @@ Transform at(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }
 /// Balls of radius 1 at these places along x.
 limber::Scene row_of(const Model& ball, const std::vector<double>& places) {
   limber::Scene scene;
-  for (const double x : places) scene.add({ball, at(x)});
+  for (const double x : places) static_cast<void>(scene.add({ball, at(x)}));
   scene.commit();
   return scene;
 }
@@ -64,7 +64,7 @@ TEST(SceneTest, FindsNothingWhereThereIsNothing) {
     EXPECT_EQ(closest.objects, ObjectPair{});
     EXPECT_TRUE(std::isinf(closest.result.upper) && std::isinf(closest.result.lower));
     EXPECT_FALSE(closest.result.witness);
-    scene.add({ball});
+    static_cast<void>(scene.add({ball}));
     EXPECT_FALSE(scene.is_committed());
     scene.commit();
   }
@@ -82,8 +82,8 @@ TEST(SceneTest, FindsPairsWithinAMargin) {
 TEST(SceneTest, PrunesBySpheresWhatBoxesDoNot) {
   const Model ball(scenes::ball(16, 8));
   limber::Scene scene;
-  scene.add({ball});
-  scene.add({ball, at(1.7, 1.7, 1.7)});  // boxes overlap at a corner
+  static_cast<void>(scene.add({ball}));
+  static_cast<void>(scene.add({ball, at(1.7, 1.7, 1.7)}));  // boxes overlap at a corner
   scene.commit();
   EXPECT_TRUE(pairs_of(scene, 0.6).empty());
   EXPECT_EQ(pairs_of(scene, 1).size(), 1U);
@@ -181,8 +181,8 @@ TEST(SceneTest, FollowsModelsThatAreCommittedRebuiltAndReset) {
   const Model ball(scenes::ball(8, 5));
   Model other(scenes::ball(8, 5), {.motion_margin = 0.5});
   limber::Scene scene;
-  scene.add({ball});
-  scene.add({other, at(10)});
+  static_cast<void>(scene.add({ball}));
+  static_cast<void>(scene.add({other, at(10)}));
   scene.commit();
   EXPECT_TRUE(pairs_of(scene, 0).empty());
   const auto move = [&](const Vec3& to) {
@@ -235,7 +235,7 @@ struct Crowd {
     models.emplace_back(scenes::ball(12, 7));
     models.emplace_back(scenes::grid(6, 6, -1, -1, 0.3, 0.3));
     models.emplace_back(scenes::random_soup(rng, 60, 0.3));
-    for (std::size_t i = 0; i < count; ++i) scene.add({models[i % 3], random_pose(rng, 5)});
+    for (std::size_t i = 0; i < count; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, 5)}));
     scene.commit();
     pairs = pairs_of(scene, 0.2);
   }
@@ -301,7 +301,7 @@ TEST(SceneTest, FindsTheClosestObjects) {
     const double range = rng.below(3) == 0 ? 3 : 12;
     for (std::size_t k = 0, count = 2 + rng.below(16); k < count; ++k) {
       const Placed object{k % 2 == 0 ? ball : shards, random_pose(rng, range)};
-      scene.add(object);
+      static_cast<void>(scene.add(object));
       twins.push_back({object.model().mesh(), object.pose});
     }
     scene.commit();

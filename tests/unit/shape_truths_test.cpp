@@ -65,7 +65,7 @@ TEST(ShapeTruths, TheRadiusOfTheBodyThatAsksAScene) {
   const Shape large = Shape::sphere(100), small = Shape::sphere(1);
   Scene scene;
   const ObjectId met = scene.add({small, at({-98, 0, 0})});
-  scene.add({small, at({0, 140, 0})});
+  static_cast<void>(scene.add({small, at({0, 140, 0})}));
   scene.commit();
   for (const double limit : {std::numeric_limits<double>::infinity(), 10.0, 0.0}) {
     const ClosestObject closest = scene.closest_object(large, {.max_distance = limit});
@@ -275,7 +275,7 @@ TEST(ShapeTruths, ScenesFindTheClosestBodies) {
     Scene scene;
     for (const OwnedBody& body : bodies) {
       placed.emplace_back(body.body(), random_pose(rng, 4));
-      scene.add(placed.back());
+      static_cast<void>(scene.add(placed.back()));
     }
     scene.commit();
     double least = 1e9;

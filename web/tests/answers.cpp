@@ -133,7 +133,7 @@ class Recorder {
 
   void closest_points(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
     std::vector<PointResult> results(points.size());
-    limber::closest_points({models_[m], pose}, points, results, {max_distance});
+    static_cast<void>(limber::closest_points({models_[m], pose}, points, results, {max_distance}));
     json answer = json::array();
     for (const PointResult& result : results) answer.push_back(of(result.closest, false));
     const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
