@@ -70,10 +70,11 @@ struct RigidPath {
 struct PathOptions {
   double max_time = 1;        ///< from 0 to 1
   double min_separation = 0;  ///< models that are this far apart, or less, touch; finite and >= 0
-  /// How much more than the separation may count as touching, and how far off a least distance may be: finite and above
-  /// 0. With 0 it is a part of the radii of spheres around both bodies, taken together: 2^-20 for what touches, 2^-10
-  /// for a least distance, or of that distance if it is larger. Never less than what moves in 2^-40 of the time.
-  double distance_error = 0;
+  /// How much more than the separation may count as touching, and how far off a least distance may be: finite and >= 0.
+  /// Without one it is a part of the radii of spheres around both bodies, taken together: 2^-20 for what touches, 2^-10
+  /// for a least distance, or of that distance if it is larger. Never less than what moves in 2^-40 of the time: 0 asks
+  /// for that, and bodies that pass each other closely then take very many distances.
+  std::optional<double> distance_error = std::nullopt;
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances
 };

@@ -178,7 +178,8 @@ struct ClosestObjectOptions {
 
 /// Until when a body moves, what counts as touching, as PathOptions says, and which objects count.
 struct ObjectImpactOptions {
-  double max_time = 1, min_separation = 0, distance_error = 0;
+  double max_time = 1, min_separation = 0;
+  std::optional<double> distance_error = std::nullopt;
   std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
   QueryBudget budget = {};  ///< as in SceneQueryOptions; steps are distances, as in PathOptions
 };

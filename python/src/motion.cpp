@@ -195,8 +195,8 @@ std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObj
 // --- rigid bodies ---
 
 PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
-                          double max_time, double min_separation, double distance_error, const BudgetObject* budget,
-                          QueryCacheObject* cache) {
+                          double max_time, double min_separation, std::optional<double> distance_error,
+                          const BudgetObject* budget, QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, min_separation, distance_error, used.get(), budget_of(budget)};
@@ -204,7 +204,7 @@ PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject
 }
 
 PathDistance least_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
-                               double max_time, double distance_error, const BudgetObject* budget,
+                               double max_time, std::optional<double> distance_error, const BudgetObject* budget,
                                QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
@@ -348,9 +348,9 @@ void bind_rigid_motions(nb::module_& m) {
       .def("at", &matrix_at, "time"_a, "The pose at a time, as a 4 x 4 matrix.")
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none());
+        "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none());
   m.def("least_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
-        "max_time"_a = 1.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none(),
+        "max_time"_a = 1.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(),
         docs::least_distance);
 }
 

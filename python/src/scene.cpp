@@ -90,7 +90,7 @@ ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> mode
 }
 
 ObjectImpact time_of_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
-                               double max_time, double min_separation, double distance_error,
+                               double max_time, double min_separation, std::optional<double> distance_error,
                                const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(body);
   const Reading model_guard = reading(object);
@@ -282,7 +282,7 @@ void bind_scene(nb::module_& m) {
            "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_closest_object)
       .def("time_of_impact", &time_of_impact_of, "body"_a, "motion"_a, nb::kw_only(), "max_time"_a = 1.0,
-           "min_separation"_a = 0.0, "distance_error"_a = 0.0, "filter"_a = nb::none(), "budget"_a = nb::none(),
+           "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "filter"_a = nb::none(), "budget"_a = nb::none(),
            docs::Scene_time_of_impact);
 }
 

@@ -263,6 +263,23 @@ TEST(PathImpact, IsNotLaterThanSampledContacts) {
   EXPECT_LT(most, 300U);
 }
 
+TEST(PathImpact, IsAsExactAsItGetsWithAnErrorOfZero) {
+  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  const RigidMotion falls({{}, {0.3, 0.4, 5}}, {about_z(1), {0.3, 0.4, 0}}), stands;
+  const auto gap = [&](const PathOptions& options) {
+    const PathImpact found = time_of_impact(ball, falls, wall, stands, options);
+    return distance({ball, falls.at(found.time)}, {wall}).upper;
+  };
+  EXPECT_GT(gap({}), 1e-8);
+  EXPECT_LT(gap({.distance_error = 0}), 1e-11);
+  const auto width = [&](const PathOptions& options) {
+    const PathDistance found = least_distance(ball, falls, wall, stands, options);
+    return found.upper - found.lower;
+  };
+  EXPECT_GT(width({.max_time = 0.7}), 1e-4);
+  EXPECT_LT(width({.max_time = 0.7, .distance_error = 0}), 1e-11);
+}
+
 TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
   const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
   // Falls like a stone: z = 9 - 10 t^2, at most 20 fast.

@@ -6,7 +6,7 @@
 import { checkNames, idsOf, numberOf } from "./arrays.js";
 import { Contacts, facesOf } from "./contacts.js";
 import { invalid } from "./errors.js";
-import { motionAddress, pathImpactResult } from "./path.js";
+import { distanceErrorOf, motionAddress, pathImpactResult } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
 import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
@@ -380,10 +380,10 @@ export class Scene extends Owner {
     checkNames(options, ["maxTime", "minSeparation", "distanceError", "filter", "budget"]);
     const { budget } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
     const minSeparation = numberOf(options.minSeparation, "minSeparation", 0);
-    const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
+    const distanceError = distanceErrorOf(options.distanceError), limits = limitsOf(budget);
     const wanted = objectFilterOf(options.filter), way = motionAddress(motion, "motion");
-    const given = [this.#address(), bodyAddress(body, "body"), way, maxTime, minSeparation, distanceError, ...limits];
-    callWithFilter(wanted, "sceneTimeOfImpact", ...given, wanted ? 1 : 0);
+    const given = [this.#address(), bodyAddress(body, "body"), way, maxTime, minSeparation, ...distanceError];
+    callWithFilter(wanted, "sceneTimeOfImpact", ...given, ...limits, wanted ? 1 : 0);
     return { object: objectOfLast(), result: pathImpactResult() };
   }
 

@@ -315,8 +315,8 @@ class Recorder {
     options.cache = cache(a, asked), options.budget = {.max_steps = asked.max_steps};
     json given{{"motions", {{of(start), of(end)}, {of(Transform{})}}},
                {"maxTime", options.max_time},
-               {"distanceError", options.distance_error},
                {"cache", asked.uses_cache}};
+    if (options.distance_error) given["distanceError"] = *options.distance_error;
     if (asked.max_steps < unlimited) given["budget"] = {{"maxSteps", asked.max_steps}};
     const PathDistance nearest = least_distance(body(a), RigidMotion(start, end), body(b), {}, options);
     write("leastDistance", {a, b}, {}, given, of(nearest));

@@ -294,6 +294,11 @@ test("bodies turn", () => {
   const nearest = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError: 1e-9 });
   isNear(nearest.upper, 1 - 2 * Math.sin(Math.PI / 8), 1e-8);
   assert.equal(nearest.time, 0.25);
+  const widths = [undefined, 0].map((distanceError) => {
+    const { lower, upper } = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError });
+    return upper - lower;
+  });
+  assert.ok(widths[0] > 1e-4 && widths[1] < 1e-11, widths.join(" "));
 });
 
 test("motions give poses", () => {
