@@ -119,7 +119,7 @@ TEST(Allocation, DoesNotHappenInReductionsInMemoryThatHasGrown) {
   ReductionMemory memory;
   const auto reduce = [&](double gap) {
     const std::size_t count = limber::contacts({ball}, {ball, {{}, {2 + gap, 0, 0}}}, 0.3, contacts).count;
-    return reduce_contacts(std::span(contacts).first(count), {.radius = 0.1, .memory = &memory});
+    return reduce_contacts(std::span(contacts).first(count), 0.1, {.memory = &memory});
   };
   EXPECT_GT(reduce(0), 2U);
   const std::uint64_t before = allocation_count();

@@ -414,12 +414,12 @@ TEST(FailingHeap, LeavesContactsThatAreToBeReducedAsTheyWere) {
       ASSERT_EQ(contacts[i].triangle_b, before[i].triangle_b);
     }
   };
-  EXPECT_EQ(fail_each([&] { static_cast<void>(reduce_contacts(contacts, {.radius = 0.2})); }, expect_unchanged), 6);
+  EXPECT_EQ(fail_each([&] { static_cast<void>(reduce_contacts(contacts, 0.2)); }, expect_unchanged), 6);
   contacts = before;
   std::optional<ReductionMemory> memory;
   const auto reduce_in_memory = [&] {
     memory.emplace();
-    static_cast<void>(reduce_contacts(contacts, {.radius = 0.2, .memory = &*memory}));
+    static_cast<void>(reduce_contacts(contacts, 0.2, {.memory = &*memory}));
   };
   EXPECT_EQ(fail_each(reduce_in_memory, expect_unchanged), 7);
 }

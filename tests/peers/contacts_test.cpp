@@ -42,7 +42,7 @@ TEST(ContactLists, OfBoxesInFaceContactLieInTheCommonRectangleOnceEach) {
     EXPECT_LE(std::abs(c.point_a.x - 0.3), 0.25 + 1e-15);
     EXPECT_LE(std::abs(c.point_a.y + 0.2), 0.25 + 1e-15);
   }
-  const std::size_t kept = reduce_contacts(found, {.radius = 2, .max_angle = 3.14, .max_points = 4});
+  const std::size_t kept = reduce_contacts(found, 2, {.max_angle = 3.14, .max_points = 4});
   EXPECT_LE(kept, 4U);
   EXPECT_GE(kept, 1U);
 }

@@ -85,7 +85,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   put(classic_near.is_yes()), put(classic_near.witness.value_or(Witness{}).point_b.z);
   std::vector<Contact> found(100);
   put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
-  put(reduce_contacts(found, {.radius = 1}));
+  put(reduce_contacts(found, 1));
   put(reference::reduced_contacts(found, {.radius = 0.5}).size());
   put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
   put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).is_yes());
