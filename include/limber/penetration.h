@@ -27,6 +27,10 @@ struct DeepestVertex {
   Vec3 direction;
 };
 
+struct DeepestVerticesOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+};
+
 struct [[nodiscard]] DeepestVertices {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
   std::optional<DeepestVertex> of_b;  ///< the vertex of b that is deepest in a
@@ -48,7 +52,11 @@ struct [[nodiscard]] DeepestVertices {
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                            const Transform& pose_b, const QueryBudget& budget = {});
+                                            const Transform& pose_b, const DeepestVerticesOptions& options = {});
+
+struct SeparatingTranslationOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+};
 
 /// How far a body has to be moved along a direction to leave another one for good.
 struct [[nodiscard]] SeparatingTranslation {
@@ -75,7 +83,8 @@ struct [[nodiscard]] SeparatingTranslation {
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API SeparatingTranslation separating_translation(const ClosedSurface& a, const Transform& pose_a,
                                                         const ClosedSurface& b, const Transform& pose_b,
-                                                        const Vec3& direction, const QueryBudget& budget = {});
+                                                        const Vec3& direction,
+                                                        const SeparatingTranslationOptions& options = {});
 
 struct PenetrationOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.

@@ -81,6 +81,11 @@ using ObjectVisitor = FunctionRef<bool(ObjectId)>;
 /// Which objects count next to a placed model: called for those whose bounds are close to its own.
 using ObjectFilter = FunctionRef<bool(ObjectId)>;
 
+/// Which objects are candidates.
+struct CandidateOptions {
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
+};
+
 /// The two objects of a scene that are closest to each other.
 struct [[nodiscard]] ClosestObjects {
   ObjectPair objects;     ///< no_id exactly when the result has no witness
@@ -349,12 +354,13 @@ class Scene {
   //
   // The model need not be in the scene. For an object of the scene, pass object(id) and a filter that leaves it out.
 
-  /// The objects whose bounds are at most `margin` from those of a placed model. All else as candidate_pairs(): no
-  /// object is missing for which distance() would answer at most `margin`.
+  /// The objects whose bounds are at most `margin` from those of a placed model, of those that the filter lets through.
+  /// All else as candidate_pairs(): no object is missing for which distance() would answer at most `margin`.
   ///
   /// Throws   Also unless the model is committed and its pose is rigid.
   /// Cost     About O(log n + objects).
-  LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit) const;
+  LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
+                                        const CandidateOptions& options = {}) const;
 
   /// The object that is closest to a placed model, of those that the filter lets through. All else as
   /// closest_objects().

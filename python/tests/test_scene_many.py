@@ -137,6 +137,7 @@ def test_a_model_next_to_all_objects(scene: limber3d.Scene, tetra: limber3d.Mode
     none = scene.closest_object(tetra, pose, filter=lambda id: False)
     assert none.object is None and none.result.witness is None
     assert scene.candidates(tetra, 0.5, pose=([1, 0, 0, 0], [500, 0, 0])).shape == (0,)
+    assert near[0] not in scene.candidates(tetra, 0.5, pose, filter=lambda object: object != near[0])
 
 
 def test_the_first_impact_of_a_moving_body(scene: limber3d.Scene, tetra: limber3d.Model) -> None:

@@ -121,6 +121,9 @@ TEST(SceneNearTest, StopsWhenTheVisitorSaysSoAndWhenTimeIsUp) {
   const PairCount count = heap.scene.visit_candidates(placed, 1, [&](ObjectId) { return ++calls < 5; });
   EXPECT_TRUE(calls == 5 && count.count == 5 && !count.is_complete);
   const auto is_other = [](ObjectId other) { return other > 0; };
+  const std::vector<ObjectId> all = candidates_of(heap.scene, placed, 1);
+  const PairCount others = heap.scene.visit_candidates(placed, 1, is_other, {.filter = is_other});
+  EXPECT_TRUE(others.is_complete && others.count + 1 == all.size() && std::count(all.begin(), all.end(), 0U) == 1);
   const double truth = heap.scene.closest_object(placed, {.filter = is_other}).result.upper;
   const std::atomic<bool> cancel = true;
   const ClosestObject cut = heap.scene.closest_object(placed, {.filter = is_other, .budget = {.cancel = &cancel}});

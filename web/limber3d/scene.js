@@ -336,17 +336,18 @@ export class Scene extends Owner {
 
   /**
    * The objects whose bounds are at most `margin` from those of a body, which need not be in the scene. No object is
-   * missing for which distance() would answer at most the margin. Throws also notRigid.
+   * missing for which distance() would answer at most the margin, if the filter lets it through. Throws also notRigid.
    *
    * @param {Body} body
    * @param {number} margin
-   * @param {{ pose?: Pose | null }} [options]
+   * @param {{ pose?: Pose | null, filter?: ObjectFilter }} [options]
    */
   candidates(body, margin, options = {}) {
-    checkNames(options, ["pose"]);
-    const most = numberOf(margin, "margin"), read = poseOf(options.pose, "pose");
+    checkNames(options, ["pose", "filter"]);
+    const most = numberOf(margin, "margin"), wanted = objectFilterOf(options.filter);
+    const read = poseOf(options.pose, "pose");
     const scene = this.#address(), address = bodyAddress(body, "body"), form = writePose(read, 0);
-    check(engine().sceneCandidates(scene, address, form, most));
+    callWithFilter(wanted, "sceneCandidates", scene, address, form, most, wanted ? 1 : 0);
     return new Uint32Array(copyOf(word(0), word(1)));
   }
 

@@ -246,11 +246,12 @@ bool scene_any_within(const Scene* scene, double max_distance, double deadline_m
 // --- one body next to all objects ---
 
 LIMBER_EXPORT(sceneCandidates)
-bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, double margin) {
+bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, double margin, bool has_filter) {
   return guarded([&] {
     ids_found.clear();
     const auto keep = [](ObjectId id) { return ids_found.push_back(id), true; };
-    scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep);
+    scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep,
+                            {has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt});
     give_bytes(ids_found.data(), ids_found.size() * sizeof(ObjectId));
   });
 }
