@@ -99,9 +99,11 @@ class QueryCache {
 
   /// For the library's own use.
   struct Impl;
-  Impl& impl();
 
  private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
   std::unique_ptr<Impl> impl_;
 };
 

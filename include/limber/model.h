@@ -176,13 +176,11 @@ class Model {
 
   /// For the library's own use.
   struct Impl;
-  const Impl& impl() const {
-    require_valid("impl");
-    return *impl_;
-  }
 
  private:
-  LIMBER_API void require_valid(const char* function) const;
+  friend struct Access;  // for the library's own use
+  const Impl& impl() const;
+  void require_valid(const char* function) const;
 
   std::unique_ptr<Impl> impl_;
 };

@@ -118,9 +118,11 @@ class MovingModel {
 
   /// For the library's own use.
   struct Impl;
-  LIMBER_API const Impl& impl() const;
 
  private:
+  friend struct Access;  // for the library's own use
+  const Impl& impl() const;
+
   std::unique_ptr<Impl> impl_;
 };
 

@@ -138,9 +138,11 @@ class SceneCache {
 
   /// For the library's own use.
   struct Impl;
-  Impl& impl();
 
  private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
   std::size_t max_pairs_;
   std::unique_ptr<Impl> impl_;
 };

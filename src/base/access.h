@@ -14,6 +14,11 @@ struct Access {
     return Class(arguments...);
   }
 
+  template <typename Class>
+  static auto& impl(Class& object) {
+    return object.impl();
+  }
+
   /// What a triangle owns of MeshEdges, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from corner k to
   /// the next.
   ///

@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/float_environment.h"
 
@@ -314,7 +315,7 @@ std::size_t reduce_contacts(std::span<Contact> contacts, double radius, const Re
   check(contacts, radius, options);
   if (contacts.empty()) return 0;
   Memory own;
-  Memory& memory = options.memory == nullptr ? own : options.memory->impl();
+  Memory& memory = options.memory == nullptr ? own : Access::impl(*options.memory);
   sort_by_gap(contacts, memory);
   find_patches(radius, options.max_angle, memory);
   list_members(radius, memory);

@@ -73,6 +73,11 @@ Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
+const Model::Impl& Model::impl() const {
+  require_valid("impl");
+  return *impl_;
+}
+
 void Model::require_valid(const char* function) const {
   if (is_valid()) return;
   throw std::invalid_argument(std::string("limber::Model::") + function + ": the model has been moved from");

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
@@ -56,7 +57,7 @@ Result<void> MovingModel::set_motion(std::span<const Vec3> end_positions, const 
   LIMBER_REQUIRE(geometry::is_rigid(start_pose) && geometry::is_rigid(end_pose),
                  "limber::MovingModel::set_motion: a pose is not rigid (see is_rigid())");
   if (auto valid = check_update_of_all(model.mesh(), end_positions); !valid) return valid;
-  const bvh::Tree& tree = model.impl().tree;
+  const bvh::Tree& tree = Access::impl(model).tree;
   impl_->has_motion = false;
   impl_->edges = &model.edges();
   impl_->start_pose = start_pose;

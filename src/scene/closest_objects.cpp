@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -85,7 +86,7 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   for (const Waiting& next : round) pairs_.push_back(next.pair);
   results_.resize(round.size());
   std::span<QueryCache* const> caches;
-  if (cache_ != nullptr) caches = cache_->impl().caches_of(pairs_);
+  if (cache_ != nullptr) caches = Access::impl(*cache_).caches_of(pairs_);
   base::parallel_for(round.size(), grain_, [&](std::size_t i) {
     DistanceOptions with_cache = options;
     with_cache.cache = caches.empty() ? nullptr : caches[i];
@@ -126,7 +127,7 @@ void ClosestSearch::ask_waiting() {
 /// in Hilbert order.
 void ClosestSearch::ask_neighbors(std::optional<ObjectPairFilter> filter) {
   if (cache_ != nullptr) {
-    const ObjectPair last = cache_->impl().closest;
+    const ObjectPair last = Access::impl(*cache_).closest;
     if (scene_.contains(last.a) && scene_.contains(last.b) && (!filter || (*filter)(last.a, last.b))) {
       ask_round({{{0, last}}});
     }
@@ -155,7 +156,7 @@ ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filt
   // There may be pairs of which nothing is known.
   if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
   ask_waiting();
-  if (cache_ != nullptr) cache_->impl().closest = closest_.objects;
+  if (cache_ != nullptr) Access::impl(*cache_).closest = closest_.objects;
   return finish();
 }
 

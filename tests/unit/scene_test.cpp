@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "reference/place.h"
 #include "scene/scene_cache_impl.h"
 #include "support/random_geometry.h"
@@ -413,7 +414,7 @@ TEST(SceneCacheTest, GivesEachPairACacheOfItsOwnAsLongAsThereAreAny) {
   using Pairs = std::vector<ObjectPair>;
   SceneCache cache(3);
   const auto caches_of = [&](const Pairs& pairs) {
-    const auto caches = cache.impl().caches_of(pairs);
+    const auto caches = Access::impl(cache).caches_of(pairs);
     return std::vector<QueryCache*>(caches.begin(), caches.end());
   };
   EXPECT_TRUE(caches_of({}).empty());
