@@ -39,7 +39,7 @@
 namespace limber {
 
 /// Why a query stopped where it did.
-enum class Status {
+enum class DistanceStatus {
   exact,         ///< lower == upper > 0: there is no error but rounding
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
@@ -126,7 +126,7 @@ struct DistanceOptions {
 struct [[nodiscard]] DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to rounding (docs/algorithms/numerics.md)
   double upper = 0;  ///< the distance of the witness points, up to that rounding
-  Status status = Status::exact;
+  DistanceStatus status = DistanceStatus::exact;
   std::optional<Witness> witness;             ///< empty if and only if the status is `beyond_limit`
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `interrupted`
   QueryStats stats{};

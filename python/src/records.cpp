@@ -237,7 +237,7 @@ std::string distance_fields() {
                  {"upper", docs::DistanceResult_upper},
                  {"point_a, point_b", witness_points},
                  {"triangle_a, triangle_b", witness_triangles},
-                 {"status", "a Status"},
+                 {"status", "a DistanceStatus"},
                  {"stopped_by", "a StoppedBy"}});
 }
 

@@ -145,7 +145,7 @@ def test_a_model_can_meet_itself(ball: limber3d.Model) -> None:
     assert (
         limber3d.self_collide(model) and limber3d.self_collide(model, cache=cache) and not limber3d.self_collide(ball)
     )
-    assert limber3d.self_distance(model, cache=cache).status is limber3d.Status.collision
+    assert limber3d.self_distance(model, cache=cache).status is limber3d.DistanceStatus.collision
     assert limber3d.self_distance(ball).upper > 0
     pairs = limber3d.self_intersections(model)
     assert len(pairs) > 0 and (pairs[:, 0] < pairs[:, 1]).all()

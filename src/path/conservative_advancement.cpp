@@ -133,7 +133,7 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
     LIMBER_ASSERT(found->lower > separation + 0.5 * error);
     const Gap gap{time, found->lower - separation};
     const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
-    const Interval around{time - reach, found->status == Status::beyond_limit ? 2 : time + reach};
+    const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? 2 : time + reach};
     if (around.begin > free) {
       ahead = around, time = free;
       continue;

@@ -28,7 +28,7 @@ class ClosestSearch {
  public:
   ClosestSearch(const Scene::Impl& scene, const DistanceOptions& options, SceneCache* cache, std::size_t grain)
       : scene_(scene), options_(options), cache_(cache), grain_(grain) {
-    closest_.result.status = Status::beyond_limit;
+    closest_.result.status = DistanceStatus::beyond_limit;
     closest_.result.lower = options.max_distance;
     closest_.result.upper = std::numeric_limits<double>::infinity();
   }
@@ -179,11 +179,12 @@ ClosestObjects ClosestSearch::finish() {
   LIMBER_ASSERT(is_found() == result.witness.has_value());
   if (is_found()) {
     result.lower = std::min(result.lower, result.upper);
-    if (result.upper > 0) result.status = result.lower == result.upper ? Status::exact : Status::within_error;
+    if (result.upper > 0)
+      result.status = result.lower == result.upper ? DistanceStatus::exact : DistanceStatus::within_error;
     const double most = std::max(result.lower * (1 + options_.relative_error), result.lower + options_.absolute_error);
     const bool is_interrupted = stopped_by_ != StoppedBy::nothing && result.upper > most;
     result.stopped_by = is_interrupted ? stopped_by_ : StoppedBy::nothing;
-    if (is_interrupted) result.status = Status::interrupted;
+    if (is_interrupted) result.status = DistanceStatus::interrupted;
   }
   LIMBER_ASSERT(result.lower <= result.upper);
   return closest_;

@@ -76,7 +76,7 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
     const double exact_gap = b.pose.translation.z - 1;
     EXPECT_EQ(within(a, b, 1).is_yes(), exact_gap <= 1) << gap;
     EXPECT_EQ(contacts(a, b, 1, {}).count > 0, exact_gap <= 1) << gap;
-    EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == Status::exact, exact_gap <= 1) << gap;
+    EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == DistanceStatus::exact, exact_gap <= 1) << gap;
     expect_pairs_of_brute_force(a, b, 1);
     limber::Scene scene;
     for (const Placed& object : {a, b}) static_cast<void>(scene.add(object));

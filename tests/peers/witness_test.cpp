@@ -258,7 +258,7 @@ TEST(WitnessPoints, AreAbsentWhereNothingWasFound) {
   QueryCache cache;
   EXPECT_TRUE(distance({cube}, {cube, at(1)}, {.cache = &cache}).witness.has_value());
   const DistanceResult beyond = distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache});
-  EXPECT_EQ(beyond.status, Status::beyond_limit);
+  EXPECT_EQ(beyond.status, DistanceStatus::beyond_limit);
   EXPECT_FALSE(beyond.witness.has_value());
   EXPECT_EQ(beyond.upper, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(collide({cube}, {cube, at(9)}, {.cache = &cache}).witness.has_value());

@@ -314,7 +314,7 @@ void check_self(const Model& model, Rng& rng, Totals& totals) {
   const double least = brute_force_self_distance(mesh);
   const double relative_error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
   const DistanceResult distance = self_distance(model, {.relative_error = relative_error});
-  EXPECT_EQ(distance.status == Status::beyond_limit, std::isinf(least));
+  EXPECT_EQ(distance.status == DistanceStatus::beyond_limit, std::isinf(least));
   if (std::isinf(least)) return;
   EXPECT_EQ(distance.upper == 0, least == 0);
   EXPECT_LE(distance.lower, least + rounding);

@@ -121,7 +121,7 @@ TEST(SelfCache, FindsTheSameContactAtOnce) {
   const DistanceResult distance = self_distance(model, {.cache = &cache});
   EXPECT_EQ(distance.upper, 0);
   EXPECT_EQ(distance.lower, 0);
-  EXPECT_EQ(distance.status, Status::collision);
+  EXPECT_EQ(distance.status, DistanceStatus::collision);
   EXPECT_EQ(distance.stats.node_tests, 0U);
 }
 
@@ -138,7 +138,7 @@ TEST(SelfCache, OfOtherQueriesDoesNotMislead) {
       Access::impl(cache).triangle_a = a, Access::impl(cache).triangle_b = b;
       EXPECT_FALSE(self_collide(strip, {.cache = &cache}).is_yes()) << a << ' ' << b;
       EXPECT_TRUE(self_collide(through, {.cache = &cache}).is_yes()) << a << ' ' << b;
-      EXPECT_EQ(self_distance(one, {.cache = &cache}).status, Status::beyond_limit) << a << ' ' << b;
+      EXPECT_EQ(self_distance(one, {.cache = &cache}).status, DistanceStatus::beyond_limit) << a << ' ' << b;
     }
   }
 }

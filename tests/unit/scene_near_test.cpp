@@ -79,19 +79,19 @@ TEST(SceneNearTest, FindsWhatIsCloseToAPlacedModel) {
       const auto [object, result] = heap.scene.closest_object(placed, options);
       ASSERT_EQ(object == no_id, std::isinf(truth));
       if (object == no_id) {
-        ASSERT_EQ(result.status, Status::beyond_limit);
+        ASSERT_EQ(result.status, DistanceStatus::beyond_limit);
         continue;
       }
       ASSERT_NEAR(result.upper, truth, 1e-13);
       ASSERT_NEAR(distances[object], truth, 1e-13);
-      ASSERT_EQ(result.status, truth == 0 ? Status::collision : Status::exact);
+      ASSERT_EQ(result.status, truth == 0 ? DistanceStatus::collision : DistanceStatus::exact);
       // The first point is of the model.
       const Triangle t = model.mesh().triangle(result.witness->triangle_a);
       const Transform& pose = placed.pose;
       ASSERT_LE(closest_points(result.witness->point_a, Triangle{pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 1e-13);
       if (truth == 0) continue;
       options.max_distance = truth * 0.99;
-      ASSERT_EQ(heap.scene.closest_object(placed, options).result.status, Status::beyond_limit);
+      ASSERT_EQ(heap.scene.closest_object(placed, options).result.status, DistanceStatus::beyond_limit);
       options.max_distance = truth * 1.01;
       ASSERT_EQ(heap.scene.closest_object(placed, options).object, object);
     }

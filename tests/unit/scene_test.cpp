@@ -61,7 +61,7 @@ TEST(SceneTest, FindsNothingWhereThereIsNothing) {
     EXPECT_EQ(scene.size(), size);
     EXPECT_TRUE(pairs_of(scene, 1e9).empty());
     const ClosestObjects closest = scene.closest_objects();
-    EXPECT_EQ(closest.result.status, Status::beyond_limit);
+    EXPECT_EQ(closest.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(closest.objects, ObjectPair{});
     EXPECT_TRUE(std::isinf(closest.result.upper) && std::isinf(closest.result.lower));
     EXPECT_FALSE(closest.result.witness);
@@ -128,7 +128,7 @@ TEST(SceneTest, LeavesOutWhatTheFilterDoesNotLetThrough) {
             (std::vector<ObjectPair>{{0, 2}, {1, 3}, {2, 4}, {3, 5}}));
   const auto none = [](ObjectId, ObjectId) { return false; };
   EXPECT_TRUE(pairs_of(scene, 0.1, {.filter = none}).empty());
-  EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, Status::beyond_limit);
+  EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, DistanceStatus::beyond_limit);
   const auto ends = [](ObjectId a, ObjectId b) { return a == 0 && b == 5; };
   const ClosestObjects closest = scene.closest_objects({.filter = ends});
   EXPECT_EQ(closest.objects, (ObjectPair{0, 5}));
@@ -309,7 +309,7 @@ TEST(SceneTest, FindsTheClosestObjects) {
     const double truth = reference::closest_objects(twins).result.upper;
     const auto [objects, result] = scene.closest_objects();
     ASSERT_NEAR(result.upper, truth, 1e-13);
-    EXPECT_EQ(result.status, truth == 0 ? Status::collision : Status::exact);
+    EXPECT_EQ(result.status, truth == 0 ? DistanceStatus::collision : DistanceStatus::exact);
     EXPECT_EQ(result.lower, result.upper);
     // The points are those of the pair that is named.
     const Witness w = result.witness.value();
@@ -323,7 +323,7 @@ TEST(SceneTest, FindsTheClosestObjects) {
     if (truth == 0) continue;
     EXPECT_EQ(scene.closest_objects({.max_distance = truth * 1.01}).objects, objects);
     const ClosestObjects beyond = scene.closest_objects({.max_distance = truth * 0.99});
-    EXPECT_EQ(beyond.result.status, Status::beyond_limit);
+    EXPECT_EQ(beyond.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(beyond.objects, ObjectPair{});
     EXPECT_EQ(beyond.result.lower, truth * 0.99);
   }

@@ -38,11 +38,11 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<
   answer.elapsed_us = asking.microseconds();
   answer.path_time = found.time;
   answer.witness = with_faces(found.witness, pair.a().model, pair.b().model);
-  const Status status = found.upper == 0             ? Status::collision
-                        : found.lower == found.upper ? Status::exact
-                                                     : Status::within_error;
+  const DistanceStatus status = found.upper == 0             ? DistanceStatus::collision
+                                : found.lower == found.upper ? DistanceStatus::exact
+                                                             : DistanceStatus::within_error;
   answer.result = {found.lower, found.upper, status, found.witness, found.stopped_by, found.stats};
-  if (status != Status::collision) answer.relation.nesting = nesting_of(pair.a(), pair.b());
+  if (status != DistanceStatus::collision) answer.relation.nesting = nesting_of(pair.a(), pair.b());
   return answer;
 }
 
