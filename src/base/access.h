@@ -19,8 +19,8 @@ struct Access {
     return object.impl();
   }
 
-  /// What a triangle owns of MeshEdges, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from corner k to
-  /// the next.
+  /// What a triangle owns of MeshEdges, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from there to
+  /// the next one.
   ///
   /// Pre      The triangle exists.
   template <typename Edges>
