@@ -91,8 +91,8 @@ LIMBER_API ElementImpact time_of_impact(const MovingSegment& a, const MovingSegm
 /// A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
 /// placed by one pose, to another position, placed by another pose.
 ///
-/// Keeps a pointer: the model must outlive it. Changing the model, moving its vertices included, ends the motion: it has
-/// to be set again.
+/// Keeps a pointer: the model must outlive it. Changing the model, moving its vertices included, ends the motion: it
+/// has to be set again.
 ///
 /// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion; and the Model::edges().
 /// Threads  Const functions, queries included, may run concurrently on one object.
