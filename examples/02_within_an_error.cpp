@@ -29,7 +29,7 @@ int main() {
 
   const bool promises_hold = exact.lower == exact.upper && std::abs(exact.upper - 0.25) < 1e-12 &&
                              rough.lower <= exact.upper && exact.upper <= rough.upper &&
-                             rough.upper <= 1.1 * exact.upper && limited.status == limber::Status::beyond_limit &&
-                             limited.lower <= exact.upper;
+                             rough.upper <= 1.1 * exact.upper &&
+                             limited.status == limber::DistanceStatus::beyond_limit && limited.lower <= exact.upper;
   return promises_hold && within_a_half && !within_a_fifth ? 0 : 1;
 }

@@ -53,7 +53,7 @@ int main() {
   // A solver of rigid bodies wants a few points of each patch. All contacts are needed for that.
   contacts.resize(found.count);
   limber::contacts(a, b, 0.01, contacts);
-  const std::size_t kept = limber::reduce_contacts(contacts, {.radius = 0.6, .max_angle = 1});
+  const std::size_t kept = limber::reduce_contacts(contacts, 0.6, {.max_angle = 1});
   for (std::size_t i = 0; i < kept; ++i) {
     const limber::Contact& c = contacts[i];
     std::printf("  at (%.3f, %.3f, %.3f), gap %.4f\n", c.point_a.x, c.point_a.y, c.point_a.z, c.distance - c.depth);

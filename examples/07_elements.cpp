@@ -35,8 +35,6 @@ std::vector<limber::Vec3> folded(const limber::Mesh& flat, double gap) {
 int main() {
   limber::Model sheet(shapes::sheet(48, 4));
   const limber::Model ball(shapes::ball(48));
-  // Once: connectivity is fixed, whatever moves.
-  const limber::MeshEdges sheet_edges(sheet.mesh()), ball_edges(ball.mesh());
 
   double energy = 0;
   const auto add_vertex_face = [&](const limber::VertexFacePair& p) { return energy += barrier(p.distance), true; };
@@ -47,8 +45,8 @@ int main() {
   for (const double gap : {0.03, 0.015, 0.005}) {
     energy = 0;
     const limber::Placed above{sheet, {{}, {0, 0, 1 + gap}}};
-    const limber::ElementPairCount found = limber::visit_element_pairs(
-        above, sheet_edges, {ball}, ball_edges, barrier_distance, add_vertex_face, add_edge_edge);
+    const limber::ElementPairCount found =
+        limber::visit_element_pairs(above, {ball}, barrier_distance, add_vertex_face, add_edge_edge);
     std::printf("sheet %g above the ball: %zu vertex-face pairs, %zu edge-edge pairs, energy %g\n", gap,
                 found.vertex_face, found.edge_edge, energy);
     is_as_expected = is_as_expected && (energy > 0) == (gap < barrier_distance) && energy > last;
@@ -62,8 +60,7 @@ int main() {
     // Into arrays, as far as there is room. The counts are those of all pairs.
     std::vector<limber::VertexFacePair> vertex_face(20'000);
     std::vector<limber::EdgeEdgePair> edge_edge(20'000);
-    const limber::ElementPairCount found =
-        limber::self_element_pairs(sheet, sheet_edges, barrier_distance, vertex_face, edge_edge);
+    const limber::ElementPairCount found = limber::self_element_pairs(sheet, barrier_distance, vertex_face, edge_edge);
     energy = 0;
     for (std::size_t i = 0; i < std::min(found.vertex_face, vertex_face.size()); ++i) add_vertex_face(vertex_face[i]);
     for (std::size_t i = 0; i < std::min(found.edge_edge, edge_edge.size()); ++i) add_edge_edge(edge_edge[i]);

@@ -39,26 +39,18 @@ std::vector<Vec3> wanted_moves(const std::vector<Vec3>& flat, const std::vector<
   return moves;
 }
 
-/// A body and its edges.
-struct Body {
-  limber::Model model;
-  limber::MeshEdges edges;
-
-  explicit Body(const limber::Mesh& mesh) : model(mesh), edges(mesh) {}
-};
-
 /// Takes what goes into the ball out of the moves, and shortens them until nothing can meet.
-void limit(const Body& sheet, const Body& ball, std::vector<Vec3>& moves) {
-  limber::visit_contacts({sheet.model}, {ball.model}, gap, [&](const limber::Contact& contact) {
-    for (const limber::VertexId v : sheet.model.mesh().triangles()[contact.triangle_a]) {
+void limit(const limber::Model& sheet, const limber::Model& ball, std::vector<Vec3>& moves) {
+  limber::visit_contacts({sheet}, {ball}, gap, [&](const limber::Contact& contact) {
+    for (const limber::VertexId v : sheet.mesh().triangles()[contact.triangle_a]) {
       moves[v] -= std::max(0.0, dot(moves[v], contact.normal)) * contact.normal;
     }
     return true;
   });
   std::vector<double> reach(moves.size());
   std::transform(moves.begin(), moves.end(), reach.begin(), [](const Vec3& move) { return length(move); });
-  limber::limit_displacements({sheet.model}, sheet.edges, {ball.model}, ball.edges, separation, reach);
-  limber::limit_self_displacements(sheet.model, sheet.edges, separation, reach);
+  limber::limit_displacements({sheet}, {ball}, separation, reach);
+  limber::limit_self_displacements(sheet, separation, reach);
   for (std::size_t v = 0; v < moves.size(); ++v) {
     const double wanted = length(moves[v]);
     if (wanted > reach[v]) moves[v] *= reach[v] / wanted;
@@ -69,26 +61,24 @@ void limit(const Body& sheet, const Body& ball, std::vector<Vec3>& moves) {
 
 int main() {
   const limber::Mesh flat = shapes::sheet(squares, 3);
-  const Body ball(shapes::ball(32));
+  const limber::Model ball(shapes::ball(32));
   std::vector<Vec3> positions = flat.positions();
   for (Vec3& p : positions) p.z += 1.2;
-  Body sheet(limber::Mesh::create(positions, flat.triangles()).value());
+  limber::Model sheet(limber::Mesh::create(positions, flat.triangles()).value());
 
   std::size_t meeting = 0;
   for (int step = 1; step <= 400; ++step) {
     std::vector<Vec3> moves = wanted_moves(flat.positions(), positions);
     limit(sheet, ball, moves);
     for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += moves[v];
-    sheet.model.move_all(positions).value();
-    sheet.model.commit();
-    meeting += limber::intersections({sheet.model}, {ball.model}, {}).count +
-               limber::self_intersections(sheet.model, {}).count;
+    sheet.move_all(positions).value();
+    sheet.commit();
+    meeting += limber::intersections({sheet}, {ball}, {}).count + limber::self_intersections(sheet, {}).count;
     if (step % 100 == 0) {
       std::printf("step %d: a corner is %.3f high, %.4f above the ball, %zu intersections so far\n", step,
-                  positions.front().z, limber::distance({sheet.model}, {ball.model}).upper, meeting);
+                  positions.front().z, limber::distance({sheet}, {ball}).upper, meeting);
     }
   }
-  const bool lies_on_the_ball =
-      limber::within({sheet.model}, {ball.model}, 2 * gap).is_yes() && positions.front().z < 0.5;
+  const bool lies_on_the_ball = limber::within({sheet}, {ball}, 2 * gap).is_yes() && positions.front().z < 0.5;
   return meeting == 0 && lies_on_the_ball ? 0 : 1;
 }

@@ -18,13 +18,12 @@ using limber::Vec3;
 constexpr double separation = 1e-3;  // that is kept between sheet and ball, and in the sheet
 constexpr double share = 0.9;        // of the way to a contact that a step takes
 
-/// A body, its edges and its motion.
+/// A body and its motion.
 struct Body {
   limber::Model model;
-  limber::MeshEdges edges;
   limber::MovingModel moving;
 
-  explicit Body(const limber::Mesh& mesh) : model(mesh), edges(mesh), moving(model, edges) {}
+  explicit Body(const limber::Mesh& mesh) : model(mesh), moving(model) {}
 };
 
 /// The largest part of the moves that keeps the separation from the ball, and within the sheet.
@@ -63,15 +62,17 @@ int main() {
     for (std::size_t v = 0; v < end.size(); ++v) end[v] += 0.01 * left[v];
     sheet.moving.set_motion(end).value();
     const limber::ImpactOptions near{.min_separation = 2 * separation};
-    limber::visit_impact_candidates(sheet.moving, ball.moving, near, [&](const limber::ElementPair& pair) {
+    const auto stop_near_ball = [&](const limber::ElementPair& pair) {
       const limber::ElementState state = limber::state_of(sheet.moving, ball.moving, pair, 0);
       for (std::size_t i = 0; i < state.count_of_a; ++i) left[state.vertices[i]] = {};
       return true;
-    });
-    limber::visit_self_impact_candidates(sheet.moving, near, [&](const limber::ElementPair& pair) {
+    };
+    const auto stop_near_itself = [&](const limber::ElementPair& pair) {
       for (const limber::VertexId v : limber::self_state_of(sheet.moving, pair, 0).vertices) left[v] = {};
       return true;
-    });
+    };
+    limber::visit_impact_candidates(sheet.moving, ball.moving, stop_near_ball, near);
+    limber::visit_self_impact_candidates(sheet.moving, stop_near_itself, near);
     longest = 0;
     for (const Vec3& move : left) longest = std::max(longest, length(move));
   }

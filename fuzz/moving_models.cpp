@@ -89,8 +89,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const double factor = fuzz::scale(bytes);
   const fuzz::MovingMesh a = fuzz::moving_mesh(bytes, factor), b = fuzz::moving_mesh(bytes, factor);
   const Model model_a(a.mesh), model_b(b.mesh);
-  const MeshEdges edges_a(a.mesh), edges_b(b.mesh);
-  MovingModel moving_a(model_a, edges_a), moving_b(model_b, edges_b);
+  MovingModel moving_a(model_a), moving_b(model_b);
   moving_a.set_motion(a.end, a.start_pose, a.end_pose).value();
   moving_b.set_motion(b.end, b.start_pose, b.end_pose).value();
   const auto options = [](std::uint64_t steps) {
@@ -105,11 +104,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       twin_b{b.mesh, b.end, b.start_pose, b.end_pose};
   fuzz::check(
       environment, [&](std::uint64_t steps) { return time_of_impact(moving_a, moving_b, options(steps)); },
-      [&] { return list([&](ImpactVisitor visit) { visit_impacts(moving_a, moving_b, {}, visit); }); },
+      [&] { return list([&](ImpactVisitor visit) { visit_impacts(moving_a, moving_b, visit); }); },
       reference::impacts(twin_a, twin_b, {}));
   fuzz::check(
       environment, [&](std::uint64_t steps) { return self_time_of_impact(moving_a, options(steps)); },
-      [&] { return list([&](ImpactVisitor visit) { visit_self_impacts(moving_a, {}, visit); }); },
+      [&] { return list([&](ImpactVisitor visit) { visit_self_impacts(moving_a, visit); }); },
       reference::self_impacts(twin_a, {}));
   return 0;
 }

@@ -101,7 +101,7 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
   require(found.lower <= found.upper, "lower does not exceed upper", detail);
   require(found.lower >= 0, "lower is not negative", detail);
   require(found.lower <= truth.distance + tolerance, "lower does not exceed the distance", detail);
-  if (found.status == Status::beyond_limit) {
+  if (found.status == DistanceStatus::beyond_limit) {
     require(truth.distance > options.max_distance - tolerance, "models beyond the limit are that far apart", detail);
     require(found.lower >= options.max_distance && found.upper == std::numeric_limits<double>::infinity(),
             "bounds beyond the limit", detail);
@@ -114,9 +114,9 @@ void check_distance(const Placed& a, const Placed& b, const Truth& truth, std::u
       std::max(truth.distance * (1 + options.relative_error), truth.distance + options.absolute_error);
   require(found.upper <= allowed + tolerance, "upper is within the asked error", detail);
   require((found.upper == 0) == (truth.distance == 0), "distance() gives 0 exactly for models that meet", detail);
-  const Status expected = found.upper == 0             ? Status::collision
-                          : found.lower == found.upper ? Status::exact
-                                                       : Status::within_error;
+  const DistanceStatus expected = found.upper == 0             ? DistanceStatus::collision
+                                  : found.lower == found.upper ? DistanceStatus::exact
+                                                               : DistanceStatus::within_error;
   require(found.status == expected, "the status says what the bounds say", detail);
   require(found.witness.has_value(), "a witness within the limit");
   if (found.upper == 0) return check_contact(a, b, *found.witness, truth);

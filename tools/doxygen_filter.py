@@ -21,7 +21,7 @@ _PAGE = re.compile(r"\bdocs/([\w/]+)\.md\b")
 
 
 def for_doxygen(header: str) -> str:
-    header = header.replace("LIMBER_API ", "")
+    header = header.replace("LIMBER_API ", "").replace("[[nodiscard]] ", "")
     header = _FOR_THE_LIBRARY.sub("", _PRIVATE.sub("", header))
     header = _ABOUT_THE_HEADER.sub(r"/// @file\n\1", header, count=1)
     header = _LABEL.sub(r"\1 @par \2\n\1 ", header)

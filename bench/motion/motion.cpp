@@ -50,22 +50,24 @@ double median_ms(bool quick, const Call& call) {
 void compare_frames(const std::string& name, const Mesh& first, const std::vector<Vec3>& second,
                     const std::vector<PeerRow>& peers, bool quick, Checker& checker, Table& table) {
   Model model(first);
-  const MeshEdges edges(first);
-  MovingModel moving(model, edges);
+  MovingModel moving(model);
   const ImpactOptions options{.ignores_crossings = true};
   ImpactResult found;
   const double commit_ms = median_ms(quick, [&] { model.move_all(first.positions()).value(), model.commit(); });
   const double motion_ms = median_ms(quick, [&] { moving.set_motion(second).value(); });
   const double first_ms = median_ms(quick, [&] { found = self_time_of_impact(moving, options); });
   double earliest = std::numeric_limits<double>::infinity();
-  ImpactCount all;
+  PairCount all;
   const auto all_ms = [&](double time_error) {
     const ImpactOptions within{.time_error = time_error};
     return median_ms(quick, [&] {
-      all = visit_self_impacts(moving, within, [&](const Impact& i) {
-        earliest = std::min(earliest, i.time.upper);
-        return true;
-      });
+      all = visit_self_impacts(
+          moving,
+          [&](const Impact& i) {
+            earliest = std::min(earliest, i.time.upper);
+            return true;
+          },
+          within);
     });
   };
   const double rough_ms = all_ms(1e-6), exact_ms = all_ms(0);

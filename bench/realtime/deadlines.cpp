@@ -90,7 +90,7 @@ void time_overruns(const std::vector<Scene>& scenes, Checker& checker, Table& te
       const std::size_t k = i % scene.poses.size();
       const auto deadline = a_deadline();
       const DistanceResult found = distance({scene.a}, {scene.b, scene.poses[k]}, {.budget = {.deadline = deadline}});
-      if (found.status == Status::interrupted) late.push_back(us_since(deadline));
+      if (found.status == DistanceStatus::interrupted) late.push_back(us_since(deadline));
       check_interval(checker, scene.name, found, truths[k]);
     }
     if (!late.empty()) text.line("| {} | {} | {} |", scene.name, late.size(), summarize(late).tail());
@@ -110,7 +110,8 @@ void measure_widths(const std::vector<Scene>& scenes, Table& text) {
         // The least number of steps that is enough.
         std::uint64_t low = 0, high = 1;
         const auto is_enough = [&](std::uint64_t steps) {
-          return distance({scene.a}, {scene.b, pose}, {.budget = {.max_steps = steps}}).status != Status::interrupted;
+          return distance({scene.a}, {scene.b, pose}, {.budget = {.max_steps = steps}}).status !=
+                 DistanceStatus::interrupted;
         };
         while (!is_enough(high)) low = high, high *= 2;
         while (high - low > 1) (is_enough((low + high) / 2) ? high : low) = (low + high) / 2;
@@ -176,7 +177,7 @@ std::string ask_to_the_end(const RealTimeScene& scene, const DistanceOptions& op
                        scene.name, limit.name(), tests)) {
       return "no end | |";
     }
-  } while (last.status == Status::interrupted);
+  } while (last.status == DistanceStatus::interrupted);
   return fmt::format("{} | {:.2f} |", calls, static_cast<double>(tests) / static_cast<double>(whole.stats.node_tests));
 }
 

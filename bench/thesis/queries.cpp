@@ -65,7 +65,7 @@ Answer ask(const Scene& scene, const Query& query, const Transform& pose) {
     answer.distance.stats = result.stats;
   } else {
     answer.distance = classic::distance(square, ball, {.relative_error = query.relative_error});
-    answer.collision = answer.distance.status == Status::collision;
+    answer.collision = answer.distance.status == DistanceStatus::collision;
   }
   return answer;
 }

@@ -234,7 +234,7 @@ class NeighborRings {
   ///
   /// Throws   std::invalid_argument unless the mesh had both triangles.
   /// Cost     O(log of the triangles near one).
-  LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
+  [[nodiscard]] LIMBER_API bool are_near(TriangleId a, TriangleId b) const;
 
   /// Whether a pair counts: the filter.
   bool operator()(TriangleId a, TriangleId b) const { return !are_near(a, b); }
@@ -264,20 +264,23 @@ class ReductionMemory {
 
   /// For the library's own use.
   struct Impl;
-  Impl& impl();
 
  private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
   std::unique_ptr<Impl> impl_;
 };
 
 struct ReductionOptions {
-  double radius = 0;           ///< of a patch, in the length unit of the meshes; finite, above 0: there is no default
-  double max_angle = 0.5;      ///< between normals of one patch, in radians; from 0 to pi
-  std::size_t max_points = 4;  ///< contacts that are kept of a patch; at least 1
-  ReductionMemory* memory = nullptr;  ///< to work in; null to allocate it for the call alone
+  double max_angle = 0.5;                   ///< between normals of one patch, in radians; from 0 to pi
+  std::size_t max_points = 4;               ///< contacts that are kept of a patch; at least 1
+  std::span<std::uint32_t> patch_ids = {};  ///< where the numbers of patches are written
+  ReductionMemory* memory = nullptr;        ///< to work in; null to allocate it for the call alone
 };
 
-/// Keeps a few contacts of each patch, and moves them to the front.
+/// Keeps a few contacts of each patch, and moves them to the front. The radius of a patch is a length in the unit of the
+/// meshes.
 ///
 /// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the
 /// middle of its two points. A contact joins the deepest patch whose first contact is at most `radius` away and has a
@@ -292,16 +295,16 @@ struct ReductionOptions {
 /// Promise  Each removed contact is at most `radius` away from a kept one that is at least as deep and whose normal is
 ///          within `max_angle`, up to rounding. First contacts of patches are farther apart than that.
 ///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
-/// Throws   std::invalid_argument unless the options are what their comments say, all numbers of the contacts are
-///          finite, and no normal is longer than 1, up to rounding to float32; std::bad_alloc. The contacts are then as
-///          they were.
+/// Throws   std::invalid_argument unless the radius is finite and above 0, the options are what their comments say, all
+///          numbers of the contacts are finite, and no normal is longer than 1, up to rounding to float32;
+///          std::bad_alloc. The contacts are then as they were.
 /// Cost     O(n log n) for n contacts, wherever they are and however their normals lie: each is compared with the
 ///          patches next to it, some hundred at most. Allocates nothing if `memory` has grown to it; else 250 bytes a
 ///          contact in six pieces.
 /// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.
-LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                                       std::span<std::uint32_t> patch_ids = {});
+[[nodiscard]] LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, double radius,
+                                                     const ReductionOptions& options = {});
 
 }  // namespace limber

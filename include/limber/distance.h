@@ -39,7 +39,7 @@
 namespace limber {
 
 /// Why a query stopped where it did.
-enum class Status {
+enum class DistanceStatus {
   exact,         ///< lower == upper > 0: there is no error but rounding
   within_error,  ///< lower < upper, and upper is within the asked error of the true distance
   collision,     ///< the models meet: lower == upper == 0
@@ -99,9 +99,11 @@ class QueryCache {
 
   /// For the library's own use.
   struct Impl;
-  Impl& impl();
 
  private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
   std::unique_ptr<Impl> impl_;
 };
 
@@ -121,10 +123,10 @@ struct DistanceOptions {
   QueryBudget budget = {};      ///< as in QueryOptions
 };
 
-struct DistanceResult {
+struct [[nodiscard]] DistanceResult {
   double lower = 0;  ///< no two points of the models are closer, up to rounding (docs/algorithms/numerics.md)
   double upper = 0;  ///< the distance of the witness points, up to that rounding
-  Status status = Status::exact;
+  DistanceStatus status = DistanceStatus::exact;
   std::optional<Witness> witness;             ///< empty if and only if the status is `beyond_limit`
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `interrupted`
   QueryStats stats{};
@@ -138,7 +140,7 @@ enum class Answer {
 };
 
 /// The answer of collide() and within(). If it is unknown, neither is_yes() nor is_no() is true.
-struct CollideResult {
+struct [[nodiscard]] CollideResult {
   Answer answer = Answer::unknown;
   /// Two points, if and only if the answer is yes: the same point twice if the models meet, else points at most as far
   /// apart as was asked, not necessarily the closest.

@@ -26,19 +26,13 @@ namespace limber {
 
 using EdgeId = std::uint32_t;
 
-/// The edges of a mesh, each once, and which triangle owns them.
+/// The edges of a mesh, each once, and which triangle owns them: Model::edges(). Positions do not matter.
 ///
 /// Shape    Edges are pairs of different vertex ids, the smaller first, in ascending order. Where a triangle names a
 ///          vertex twice, there is no edge between the two.
 /// Representative    The representative of an edge or a vertex is the triangle of the lowest id that has it.
 class MeshEdges {
  public:
-  /// Positions do not matter, so the edges hold for as long as the triangles do: until Model::reset().
-  ///
-  /// Throws   std::invalid_argument if the mesh has more than 2^32 / 3 triangles; std::bad_alloc.
-  /// Cost     O(n log n) at worst, O(n) where few edges meet at a vertex; 34 bytes a triangle of a closed mesh.
-  LIMBER_API explicit MeshEdges(const Mesh& mesh);
-
   std::size_t size() const { return vertices_.size(); }
   std::size_t vertex_count() const { return vertex_representatives_.size(); }
   std::size_t triangle_count() const { return of_triangles_.size(); }
@@ -52,16 +46,14 @@ class MeshEdges {
   /// The representative of each vertex; no_id if no triangle has it.
   std::span<const TriangleId> vertex_representatives() const { return vertex_representatives_; }
 
-  /// What a triangle owns, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next.
-  ///
-  /// Pre      The triangle exists.
-  std::uint8_t represented_by(TriangleId triangle) const { return represented_[triangle]; }
-
  private:
+  friend struct Access;  // for the library's own use
+  explicit MeshEdges(const Mesh& mesh);
+
   std::vector<std::array<VertexId, 2>> vertices_;
   std::vector<std::array<EdgeId, 3>> of_triangles_;
   std::vector<TriangleId> representatives_, vertex_representatives_;
-  std::vector<std::uint8_t> represented_;
+  std::vector<std::uint8_t> represented_;  // what each triangle owns: bit k is corner k, bit 3 + k the edge after it
 };
 
 /// A vertex and a face that are close.
@@ -104,19 +96,17 @@ struct ElementPairOptions {
 ///
 /// Promise  Each pair exactly once. The distance is that of geometry.h for these elements as placed. The second form
 ///          writes the first pairs that there is room for; the counts say how many there are.
-/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, none has a radius, the margin
-///          is finite and >= 0, and the edges are those of meshes of the same size; whatever a visitor throws.
-/// Pre      The edges are those of the models' meshes.
+/// Throws   std::invalid_argument unless both models are committed, both poses are rigid, none has a radius, and the
+///          margin is finite and >= 0; as Model::edges(); whatever a visitor throws.
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
-/// Threads  Reentrant; any number of calls may share models and edges.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing once the models have their
+///          edges, unless it is parallel.
+/// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
-LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                                const MeshEdges& edges_b, double margin,
+LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const Placed& b, double margin,
                                                 VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
                                                 const ElementPairOptions& options = {});
-LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                          const MeshEdges& edges_b, double margin,
+LIMBER_API ElementPairCount element_pairs(const Placed& a, const Placed& b, double margin,
                                           std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
                                           const ElementPairOptions& options = {});
 
@@ -126,14 +116,14 @@ LIMBER_API ElementPairCount element_pairs(const Placed& a, const MeshEdges& edge
 ///
 /// Promise  As visit_element_pairs().
 /// Throws   As visit_element_pairs().
-/// Cost     O(n) plus the pairs, O(n^2) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
+/// Cost     O(n) plus the pairs, O(n^2) at worst. Memory as visit_element_pairs().
 /// Threads  Reentrant.
-LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
+LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, double margin,
                                                      VertexFaceVisitor visit_vertex_face,
                                                      EdgeEdgeVisitor visit_edge_edge,
                                                      const ElementPairOptions& options = {});
-LIMBER_API ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                               std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
+LIMBER_API ElementPairCount self_element_pairs(const Model& model, double margin, std::span<VertexFacePair> vertex_face,
+                                               std::span<EdgeEdgePair> edge_edge,
                                                const ElementPairOptions& options = {});
 
 }  // namespace limber

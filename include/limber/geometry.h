@@ -34,7 +34,7 @@ struct Box {
 };
 
 /// Two points and the distance between the sets they lie on.
-struct ClosestPoints {
+struct [[nodiscard]] ClosestPoints {
   double distance = 0;
   Vec3 point_a, point_b;
 };
@@ -50,7 +50,7 @@ struct Feature {
 };
 
 /// The closest points of two triangles, the features that they lie on, and their weights.
-struct ClosestFeatures {
+struct [[nodiscard]] ClosestFeatures {
   double distance = 0;
   Vec3 point_a, point_b;
   Feature feature_a, feature_b;
@@ -76,7 +76,7 @@ enum class NormalSide : std::uint8_t {
 };
 
 /// Two triangles that intersect or are close, as a solver of contact constraints wants to know them.
-struct TriangleContact {
+struct [[nodiscard]] TriangleContact {
   double distance = 0;    ///< 0 exactly when the triangles intersect; of bodies with a radius, when these meet
   double depth = 0;       ///< 0 unless they do: the least overlap of the two triangles, a motion of b that parts them
   Vec3 point_a, point_b;  ///< closest points; one and the same where the triangles intersect

@@ -32,7 +32,7 @@
 namespace limber {
 
 /// The derivative of a distance by a rigid motion of one model: the power of a unit force along the contact's normal.
-struct PoseGradient {
+struct [[nodiscard]] PoseGradient {
   Vec3 force;   ///< by a translation; of length 1
   Vec3 moment;  ///< by a rotation about the center that was given, in radians about each axis
 };
@@ -47,11 +47,11 @@ inline PoseGradient pose_gradient_b(const TriangleContact& contact, const Vec3& 
 }
 
 /// The derivatives by the corners of the triangle of a, or of b. Those by all other vertices are 0.
-inline std::array<Vec3, 3> vertex_gradients_a(const TriangleContact& contact) {
+[[nodiscard]] inline std::array<Vec3, 3> vertex_gradients_a(const TriangleContact& contact) {
   const Vec3 &n = contact.normal, &w = contact.weights_a;
   return {-w.x * n, -w.y * n, -w.z * n};
 }
-inline std::array<Vec3, 3> vertex_gradients_b(const TriangleContact& contact) {
+[[nodiscard]] inline std::array<Vec3, 3> vertex_gradients_b(const TriangleContact& contact) {
   const Vec3 &n = contact.normal, &w = contact.weights_b;
   return {w.x * n, w.y * n, w.z * n};
 }

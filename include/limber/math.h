@@ -33,25 +33,27 @@ constexpr Vec3 operator-(const Vec3& v) { return {-v.x, -v.y, -v.z}; }
 constexpr Vec3 operator*(Vec3 v, double s) { return v *= s; }
 constexpr Vec3 operator*(double s, Vec3 v) { return v *= s; }
 
-constexpr double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
+[[nodiscard]] constexpr double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-constexpr double length_sq(const Vec3& v) { return dot(v, v); }
-inline double length(const Vec3& v) { return std::sqrt(length_sq(v)); }
+[[nodiscard]] constexpr double length_sq(const Vec3& v) { return dot(v, v); }
+[[nodiscard]] inline double length(const Vec3& v) { return std::sqrt(length_sq(v)); }
 
-constexpr Vec3 min(const Vec3& a, const Vec3& b) {
+[[nodiscard]] constexpr Vec3 min(const Vec3& a, const Vec3& b) {
   return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
 }
-constexpr Vec3 max(const Vec3& a, const Vec3& b) {
+[[nodiscard]] constexpr Vec3 max(const Vec3& a, const Vec3& b) {
   return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
 }
-inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
-inline double max_abs(const Vec3& v) {
+[[nodiscard]] inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+[[nodiscard]] inline double max_abs(const Vec3& v) {
   const Vec3 a = abs(v);
   return a.x > a.y ? (a.x > a.z ? a.x : a.z) : (a.y > a.z ? a.y : a.z);
 }
-inline bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+[[nodiscard]] inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// A 3 x 3 matrix by rows.
 struct Mat3 {
@@ -60,7 +62,7 @@ struct Mat3 {
 };
 
 constexpr Vec3 operator*(const Mat3& m, const Vec3& v) { return {dot(m.row0, v), dot(m.row1, v), dot(m.row2, v)}; }
-constexpr Mat3 transpose(const Mat3& m) {
+[[nodiscard]] constexpr Mat3 transpose(const Mat3& m) {
   return {{m.row0.x, m.row1.x, m.row2.x}, {m.row0.y, m.row1.y, m.row2.y}, {m.row0.z, m.row1.z, m.row2.z}};
 }
 constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
@@ -85,14 +87,14 @@ struct Transform {
 constexpr Transform operator*(const Transform& a_from_b, const Transform& b_from_c) {
   return {a_from_b.rotation * b_from_c.rotation, a_from_b(b_from_c.translation)};
 }
-constexpr Transform inverse(const Transform& a_from_b) {
+[[nodiscard]] constexpr Transform inverse(const Transform& a_from_b) {
   const Mat3 turned_back = transpose(a_from_b.rotation);
   return {turned_back, -(turned_back * a_from_b.translation)};
 }
 
 /// True when the translation is finite and not above `max_coordinate`, two rows of the rotation are orthonormal to 1e-9
 /// and the third is their cross product to 1e-9: no reflection, nothing that is not a number.
-LIMBER_API bool is_rigid(const Transform& transform);
+[[nodiscard]] LIMBER_API bool is_rigid(const Transform& transform);
 
 /// The rotation nearest to a matrix that is nearly one, such as a rotation computed in float32: its rows are
 /// orthonormal to rounding.
@@ -114,7 +116,7 @@ enum class MatrixOrder {
 LIMBER_API Result<Transform> transform_from_matrix(std::span<const double, 16> matrix, MatrixOrder order);
 
 /// The homogeneous 4 x 4 matrix of a transform.
-LIMBER_API std::array<double, 16> matrix_of(const Transform& transform, MatrixOrder order);
+[[nodiscard]] LIMBER_API std::array<double, 16> matrix_of(const Transform& transform, MatrixOrder order);
 
 /// The transform that turns by the quaternion (qw, qx, qy, qz) and then shifts by `translation`.
 ///

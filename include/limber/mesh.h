@@ -117,7 +117,7 @@ class Mesh {
 };
 
 /// Which vertices are at equal positions; -0 equals 0. Welding makes one vertex of them.
-struct Weld {
+struct [[nodiscard]] Weld {
   std::vector<VertexId> welded_of;  ///< for each vertex, the welded one that it becomes
   std::vector<VertexId> first_of;   ///< for each welded vertex, the first vertex that is there
 };
@@ -129,7 +129,7 @@ struct Weld {
 /// Cost     O(n) expected; O(n log n) for positions chosen so that their hash values collide.
 LIMBER_API Weld weld(std::span<const Vec3> positions);
 
-struct WeldedMesh {
+struct [[nodiscard]] WeldedMesh {
   Mesh mesh;
   Weld vertices;  ///< of the mesh that was welded
 };

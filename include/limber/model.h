@@ -14,6 +14,8 @@
 /// The engine: models and the queries between them.
 namespace limber {
 
+class MeshEdges;
+
 /// When a tree is rebuilt in part, because motion has degraded it.
 enum class RebuildPolicy {
   off,        ///< never: leaves keep their triangles
@@ -139,6 +141,14 @@ class Model {
   LIMBER_API const ModelOptions& options() const;
   LIMBER_API MaintenanceStats maintenance_stats() const;
   LIMBER_API const Mesh& mesh() const;
+  /// The edges of the mesh (elements.h), as pairs of elements and moving models need them. The first call builds them;
+  /// they are kept, at their address, until reset().
+  ///
+  /// Throws   std::invalid_argument if the mesh has more than 2^32 / 3 triangles; std::bad_alloc.
+  /// Cost     Of the first call O(n log n) at worst, O(n) where few edges meet at a vertex; 34 bytes a triangle of a
+  ///          closed mesh. Later ones O(1).
+  /// Threads  Of concurrent first calls one builds, and the others wait.
+  LIMBER_API const MeshEdges& edges() const;
   LIMBER_API TreeStats tree_stats() const;
 
   /// A box along the axes of the model's frame, and a sphere, that contain the model: to feed a broad phase. Both are
@@ -147,8 +157,8 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed.
   /// Cost     O(1).
-  LIMBER_API Box bounding_box() const;
-  LIMBER_API Sphere bounding_sphere() const;
+  [[nodiscard]] LIMBER_API Box bounding_box() const;
+  [[nodiscard]] LIMBER_API Sphere bounding_sphere() const;
 
   /// The bounding spheres of one level of the tree, to draw it: of the root on level 0, of all leaves on the last one,
   /// tree_stats().levels - 1. Each holds the triangles below it; the root's is bounding_sphere().
@@ -156,7 +166,7 @@ class Model {
   /// Frame    The model's own frame.
   /// Throws   std::invalid_argument unless the model is committed and there is such a level.
   /// Cost     O(spheres).
-  LIMBER_API std::vector<Sphere> node_spheres(std::uint32_t level) const;
+  [[nodiscard]] LIMBER_API std::vector<Sphere> node_spheres(std::uint32_t level) const;
 
   /// Checks every invariant of the tree against the positions.
   ///
@@ -166,13 +176,11 @@ class Model {
 
   /// For the library's own use.
   struct Impl;
-  const Impl& impl() const {
-    require_valid("impl");
-    return *impl_;
-  }
 
  private:
-  LIMBER_API void require_valid(const char* function) const;
+  friend struct Access;  // for the library's own use
+  const Impl& impl() const;
+  void require_valid(const char* function) const;
 
   std::unique_ptr<Impl> impl_;
 };

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/geometry.h"
@@ -48,7 +49,7 @@ enum class ImpactStatus : std::uint8_t {
 };
 
 /// When two elements touch first.
-struct ElementImpact {
+struct [[nodiscard]] ElementImpact {
   ImpactStatus status = ImpactStatus::clear;
   /// The first time at which they touch is in [lower, upper]. Both are 0 for `initial_contact`, and infinite for
   /// `clear`.
@@ -90,16 +91,16 @@ LIMBER_API ElementImpact time_of_impact(const MovingSegment& a, const MovingSegm
 /// A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
 /// placed by one pose, to another position, placed by another pose.
 ///
-/// Keeps pointers: the model and its edges must outlive it. Changing them, moving the model's vertices included, ends
-/// the motion: it has to be set again.
+/// Keeps a pointer: the model must outlive it. Changing the model, moving its vertices included, ends the motion: it
+/// has to be set again.
 ///
-/// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion.
+/// Cost     48 bytes a vertex and some 100 bytes a triangle, allocated by the first motion; and the Model::edges().
 /// Threads  Const functions, queries included, may run concurrently on one object.
 class MovingModel {
  public:
-  /// Pre      `edges` are those of the model's mesh.
-  /// Throws   std::invalid_argument if they are those of a mesh of another size, or the model has been moved from.
-  LIMBER_API MovingModel(const Model& model, const MeshEdges& edges);
+  /// Throws   std::invalid_argument if the model has been moved from; std::bad_alloc.
+  LIMBER_API explicit MovingModel(const Model& model);
+  explicit MovingModel(const Model&&) = delete;  // would point to a temporary
   LIMBER_API MovingModel(MovingModel&&) noexcept;
   LIMBER_API MovingModel& operator=(MovingModel&&) noexcept;
   LIMBER_API ~MovingModel();
@@ -108,8 +109,8 @@ class MovingModel {
   ///
   /// Frame    `end_positions` are in the model's own frame, one for each vertex.
   /// Errors   `size_mismatch`, `non_finite`, `too_large` with the entry's index; the motion is then as before.
-  /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; std::bad_alloc, and then
-  ///          there is no motion.
+  /// Throws   std::invalid_argument unless the model is committed and both poses are rigid; as Model::edges();
+  ///          std::bad_alloc, and then there is no motion.
   /// Cost     O(n), on the threads of the calling oneTBB arena; some four times as much as a commit that moves all
   ///          vertices.
   LIMBER_API Result<void> set_motion(std::span<const Vec3> end_positions, const Transform& start_pose = {},
@@ -117,9 +118,11 @@ class MovingModel {
 
   /// For the library's own use.
   struct Impl;
-  LIMBER_API const Impl& impl() const;
 
  private:
+  friend struct Access;  // for the library's own use
+  const Impl& impl() const;
+
   std::unique_ptr<Impl> impl_;
 };
 
@@ -132,7 +135,7 @@ struct ElementPair {
   };
 
   Kind kind = Kind::vertex_face;
-  std::uint32_t a = no_id, b = no_id;  ///< a VertexId, a TriangleId or an EdgeId (MeshEdges), as the kind says
+  std::uint32_t a = no_id, b = no_id;  ///< a VertexId, a TriangleId or an EdgeId (Model::edges()), as the kind says
 
   friend bool operator==(const ElementPair&, const ElementPair&) = default;
 };
@@ -162,7 +165,7 @@ struct ImpactOptions {
 };
 
 /// When two models touch first.
-struct ImpactResult {
+struct [[nodiscard]] ImpactResult {
   ImpactStatus status = ImpactStatus::undecided;
   /// As in ElementImpact. With `undecided`, no contact is before `lower`. With any_contact, the contact that was found
   /// is at `upper` or before, and the first one may be anywhere between the two.
@@ -208,7 +211,7 @@ struct Impact {
 /// Two elements at a time of a motion, as the response of a solver takes them.
 ///
 /// Frame    World.
-struct ElementState {
+struct [[nodiscard]] ElementState {
   /// The vertices of the first element, then those of the second: 1 and 3, 3 and 1, or 2 and 2.
   std::array<VertexId, 4> vertices{no_id, no_id, no_id, no_id};
   std::size_t count_of_a = 0;       ///< how many of them are of the first
@@ -231,13 +234,6 @@ LIMBER_API ElementState self_state_of(const MovingModel& model, const ElementPai
 /// Called for each pair; returns whether to go on.
 using ImpactVisitor = FunctionRef<bool(const Impact&)>;
 
-struct ImpactCount {
-  std::size_t count = 0;
-  bool is_complete = true;  ///< false if the visitor or the budget has stopped the query: there may be more
-  StoppedBy stopped_by = StoppedBy::nothing;
-  QueryStats stats{};
-};
-
 /// All pairs of elements that touch up to max_time, each once, with the first time at which they do. Crossings do not
 /// count. They come in no particular order, which depends on the models and their history alone.
 ///
@@ -245,9 +241,10 @@ struct ImpactCount {
 /// Throws   As time_of_impact(); whatever the visitor throws.
 /// Cost     As time_of_impact(), plus 1 to 50 us for each contact, most where elements stay in one plane.
 /// Threads  Reentrant.
-LIMBER_API ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                                     ImpactVisitor visit);
-LIMBER_API ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit);
+LIMBER_API PairCount visit_impacts(const MovingModel& a, const MovingModel& b, ImpactVisitor visit,
+                                   const ImpactOptions& options = {});
+LIMBER_API PairCount visit_self_impacts(const MovingModel& model, ImpactVisitor visit,
+                                        const ImpactOptions& options = {});
 
 /// Called for each pair that may touch; returns whether to go on.
 using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
@@ -260,10 +257,10 @@ using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 /// Throws   As visit_impacts().
 /// Cost     As time_of_impact() without comparing elements. Allocates nothing.
 /// Threads  Reentrant.
-LIMBER_API ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                                               ImpactCandidateVisitor visit);
-LIMBER_API ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
-                                                    ImpactCandidateVisitor visit);
+LIMBER_API PairCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, ImpactCandidateVisitor visit,
+                                             const ImpactOptions& options = {});
+LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, ImpactCandidateVisitor visit,
+                                                  const ImpactOptions& options = {});
 
 // --- steps for solvers ---
 
@@ -272,7 +269,7 @@ LIMBER_API ImpactCount visit_self_impact_candidates(const MovingModel& model, co
 ///
 /// Pre      `found` is the answer for that max_time. `share` is below 1, and by more than the rounding of the positions
 ///          that the solver computes: then nothing touches after the step.
-inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
+[[nodiscard]] inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
   return found.status == ImpactStatus::clear ? max_time : share * found.lower;
 }
 
@@ -287,17 +284,15 @@ inline double conservative_step(const ImpactResult& found, double max_time, doub
 ///          the way. Vertices of elements that are nearer get 0. Rounded down.
 /// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
 ///          not what it should be, or the separation is not from 0 to 2^200.
-/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin. No allocation.
+/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin.
 /// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
 ///          left to the other.
-LIMBER_API void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
-                                         std::span<double> displacements);
+LIMBER_API void limit_self_displacements(const Model& model, double separation, std::span<double> displacements);
 
 /// Limits displacements of two models, as limit_self_displacements() does of one, for pairs of elements of both. A
 /// model b without numbers stands still. `of_a` and `of_b` must not overlap.
-LIMBER_API void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                    const MeshEdges& edges_b, double separation, std::span<double> of_a,
+LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                                     std::span<double> of_b = {});
 
 }  // namespace limber

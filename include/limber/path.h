@@ -36,18 +36,18 @@ class RigidMotion {
   /// the model's origin at the start. Where nothing turns, as the constructor.
   ///
   /// Throws   As the constructor.
-  LIMBER_API static RigidMotion screw(const Transform& start, const Transform& end);
+  [[nodiscard]] LIMBER_API static RigidMotion screw(const Transform& start, const Transform& end);
 
   /// The pose at a time; exactly that of the start and of the end at 0 and 1.
   ///
   /// Throws   std::invalid_argument unless the time is from 0 to 1.
-  LIMBER_API Transform at(double time) const;
+  [[nodiscard]] LIMBER_API Transform at(double time) const;
 
   /// From where the center is at the start to where it is at the end, in the world.
   const Vec3& displacement() const { return displacement_; }
 
   /// An upper bound of the speed of a point that is at most `radius` away from the center.
-  LIMBER_API double speed(double radius) const;
+  [[nodiscard]] LIMBER_API double speed(double radius) const;
 
   const Transform& start() const { return start_; }
   const Transform& end() const { return end_; }
@@ -70,16 +70,17 @@ struct RigidPath {
 struct PathOptions {
   double max_time = 1;        ///< from 0 to 1
   double min_separation = 0;  ///< models that are this far apart, or less, touch; finite and >= 0
-  /// How much more than the separation may count as touching, and how far off a least distance may be: finite and above
-  /// 0. With 0 it is a part of the radii of spheres around both bodies, taken together: 2^-20 for what touches, 2^-10
-  /// for a least distance, or of that distance if it is larger. Never less than what moves in 2^-40 of the time.
-  double distance_error = 0;
+  /// How much more than the separation may count as touching, and how far off a least distance may be: finite and >= 0.
+  /// Without one it is a part of the radii of spheres around both bodies, taken together: 2^-20 for what touches, 2^-10
+  /// for a least distance, or of that distance if it is larger. Never less than what moves in 2^-40 of the time: 0 asks
+  /// for that, and bodies that pass each other closely then take very many distances.
+  std::optional<double> distance_error = std::nullopt;
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances
 };
 
 /// When two models come too near to each other first.
-struct PathImpact {
+struct [[nodiscard]] PathImpact {
   ImpactStatus status = ImpactStatus::undecided;
   /// They are farther apart than the separation before `time`. For `contact` and `initial_contact` they are at most
   /// distance_error farther apart at `time`. Infinite for `clear`.
@@ -109,7 +110,7 @@ LIMBER_API PathImpact time_of_impact(const Body& a, const RigidPath& path_a, con
                                      const PathOptions& options = {});
 
 /// How near two models come to each other on their way.
-struct PathDistance {
+struct [[nodiscard]] PathDistance {
   double lower = 0;                                        ///< no nearer than this at any time up to max_time
   double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
   double time = 0;

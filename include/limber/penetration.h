@@ -27,7 +27,11 @@ struct DeepestVertex {
   Vec3 direction;
 };
 
-struct DeepestVertices {
+struct DeepestVerticesOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+};
+
+struct [[nodiscard]] DeepestVertices {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
   std::optional<DeepestVertex> of_b;  ///< the vertex of b that is deepest in a
   double upper = 0;  ///< no vertex of either is deeper in the other: the larger depth, unless the budget was spent
@@ -48,10 +52,14 @@ struct DeepestVertices {
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                            const Transform& pose_b, const QueryBudget& budget = {});
+                                            const Transform& pose_b, const DeepestVerticesOptions& options = {});
+
+struct SeparatingTranslationOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+};
 
 /// How far a body has to be moved along a direction to leave another one for good.
-struct SeparatingTranslation {
+struct [[nodiscard]] SeparatingTranslation {
   Vec3 direction;    ///< that was asked for, of length 1
   double lower = 0;  ///< moved by this, the surfaces meet or nearly do; 0 if they do at no move from there on
   double upper = 0;  ///< moved by this or more, the bodies are apart; 0 if they are apart at every move >= 0
@@ -75,7 +83,8 @@ struct SeparatingTranslation {
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API SeparatingTranslation separating_translation(const ClosedSurface& a, const Transform& pose_a,
                                                         const ClosedSurface& b, const Transform& pose_b,
-                                                        const Vec3& direction, const QueryBudget& budget = {});
+                                                        const Vec3& direction,
+                                                        const SeparatingTranslationOptions& options = {});
 
 struct PenetrationOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.
@@ -87,7 +96,7 @@ struct PenetrationOptions {
 
 /// The signed distance of two bodies: their distance if they are apart, otherwise minus the length of the shortest
 /// translation of b that makes them so.
-struct SolidDistance {
+struct [[nodiscard]] SolidDistance {
   double lower = 0, upper = 0;  ///< an interval that holds the signed distance
   Vec3 translation;             ///< moved by it, b is apart from a: as long as -lower; 0 if they are known to be apart
   std::optional<Witness> witness;  ///< the closest points, if the bodies are apart

@@ -32,7 +32,7 @@ struct SurfacePoint {
   Feature feature;                      ///< what the position lies on: corners with a weight of 0 have no part in it
 };
 
-struct PointResult {
+struct [[nodiscard]] PointResult {
   std::optional<SurfacePoint> closest;  ///< none exactly when nothing is as close as max_distance
   QueryStats stats{};
 };
@@ -63,7 +63,7 @@ LIMBER_API void closest_points(const Placed& model, std::span<const Vec3> points
 
 // --- inside and outside ---
 
-struct SignedDistance {
+struct [[nodiscard]] SignedDistance {
   bool is_inside = false;               ///< whether the surface encloses the point, or the point lies on it
   std::optional<SurfacePoint> closest;  ///< none exactly when nothing is as close as max_distance
   QueryStats stats{};
@@ -93,24 +93,25 @@ class ClosedSurface {
   /// The model, placed by world_from_model.
   ///
   /// Throws   std::invalid_argument if the model has been reset().
-  LIMBER_API Placed placed(const Transform& world_from_model) const;
+  [[nodiscard]] LIMBER_API Placed placed(const Transform& world_from_model) const;
   /// The model as a solid, for queries of two bodies: what its surface encloses collides with it.
   ///
   /// Throws   As placed().
-  Placed solid(const Transform& world_from_model = {}) const { return {Body(*this), world_from_model}; }
+  [[nodiscard]] Placed solid(const Transform& world_from_model = {}) const { return {Body(*this), world_from_model}; }
 
   /// Whether the surface, placed by world_from_model, encloses a point of the world, or the point lies on it.
   ///
   /// Throws   std::invalid_argument as closest_point(), or if the model has been reset().
   /// Cost     That of following one ray from the point out of the model; O(n) at worst. Allocates nothing.
-  LIMBER_API bool contains(const Vec3& point, const Transform& world_from_model = {}) const;
+  [[nodiscard]] LIMBER_API bool contains(const Vec3& point, const Transform& world_from_model = {}) const;
 
   /// How often the surface winds around a point that is not on it, counter-clockwise seen from outside: 1 inside of a
   /// surface whose normals point outward. Nothing on it.
   ///
   /// Throws   As contains().
   /// Cost     As contains().
-  LIMBER_API std::optional<int> winding_number(const Vec3& point, const Transform& world_from_model = {}) const;
+  [[nodiscard]] LIMBER_API std::optional<int> winding_number(const Vec3& point,
+                                                             const Transform& world_from_model = {}) const;
 
   /// closest_point() and contains().
   ///
@@ -144,6 +145,6 @@ class ClosedSurface {
 /// Cost     O(n), some 30 ns a triangle, on the threads of the calling oneTBB arena: every triangle counts.
 /// Threads  As closest_point().
 /// Source   [Jacobson2013] for the number, [VanOosteromStrackee1983] for the solid angle of a triangle.
-LIMBER_API double winding_number(const Placed& model, const Vec3& point);
+[[nodiscard]] LIMBER_API double winding_number(const Placed& model, const Vec3& point);
 
 }  // namespace limber

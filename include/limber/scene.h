@@ -81,26 +81,31 @@ using ObjectVisitor = FunctionRef<bool(ObjectId)>;
 /// Which objects count next to a placed model: called for those whose bounds are close to its own.
 using ObjectFilter = FunctionRef<bool(ObjectId)>;
 
+/// Which objects are candidates.
+struct CandidateOptions {
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
+};
+
 /// The two objects of a scene that are closest to each other.
-struct ClosestObjects {
+struct [[nodiscard]] ClosestObjects {
   ObjectPair objects;     ///< no_id exactly when the result has no witness
   DistanceResult result;  ///< of a and b, in this order
 };
 
 /// Two objects of a scene that are within a distance.
-struct CloseObjects {
+struct [[nodiscard]] CloseObjects {
   ObjectPair objects;    ///< no_id unless the answer is yes
   CollideResult result;  ///< whether there are two such objects; the witness is of a and b, in this order
 };
 
 /// The object of a scene that is closest to a placed model.
-struct ClosestObject {
+struct [[nodiscard]] ClosestObject {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
   DistanceResult result;    ///< of the placed model and the object, in this order
 };
 
 /// The object of a scene that a moving body touches first.
-struct ObjectImpact {
+struct [[nodiscard]] ObjectImpact {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
   PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` are those of all
 };
@@ -133,9 +138,11 @@ class SceneCache {
 
   /// For the library's own use.
   struct Impl;
-  Impl& impl();
 
  private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
   std::size_t max_pairs_;
   std::unique_ptr<Impl> impl_;
 };
@@ -178,7 +185,8 @@ struct ClosestObjectOptions {
 
 /// Until when a body moves, what counts as touching, as PathOptions says, and which objects count.
 struct ObjectImpactOptions {
-  double max_time = 1, min_separation = 0, distance_error = 0;
+  double max_time = 1, min_separation = 0;
+  std::optional<double> distance_error = std::nullopt;
   std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
   QueryBudget budget = {};  ///< as in SceneQueryOptions; steps are distances, as in PathOptions
 };
@@ -217,7 +225,7 @@ class Scene {
   ///
   /// Throws   std::invalid_argument unless the model is committed and the pose is rigid (is_rigid()).
   /// Cost     O(1), amortized.
-  LIMBER_API ObjectId add(const Placed& object);
+  [[nodiscard]] LIMBER_API ObjectId add(const Placed& object);
 
   /// Takes an object out.
   ///
@@ -348,12 +356,13 @@ class Scene {
   //
   // The model need not be in the scene. For an object of the scene, pass object(id) and a filter that leaves it out.
 
-  /// The objects whose bounds are at most `margin` from those of a placed model. All else as candidate_pairs(): no
-  /// object is missing for which distance() would answer at most `margin`.
+  /// The objects whose bounds are at most `margin` from those of a placed model, of those that the filter lets through.
+  /// All else as candidate_pairs(): no object is missing for which distance() would answer at most `margin`.
   ///
   /// Throws   Also unless the model is committed and its pose is rigid.
   /// Cost     About O(log n + objects).
-  LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit) const;
+  LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
+                                        const CandidateOptions& options = {}) const;
 
   /// The object that is closest to a placed model, of those that the filter lets through. All else as
   /// closest_objects().

@@ -29,7 +29,7 @@ namespace limber {
 ///          `max_coordinate` in size and, where they are sizes, >= 0; also std::bad_alloc.
 /// Moved    A shape that has been moved from may be destroyed and assigned to.
 /// Threads  Const functions, queries included, may run concurrently on one shape.
-class Shape {
+class [[nodiscard]] Shape {
  public:
   /// A ball around the origin.
   LIMBER_API static Shape sphere(double radius);

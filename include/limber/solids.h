@@ -25,7 +25,7 @@ enum class SolidRelation {
   equal,        ///< overlap, and neither reaches out of the other
 };
 
-struct SolidRelationResult {
+struct [[nodiscard]] SolidRelationResult {
   SolidRelation relation = SolidRelation::apart;
   /// A point that both surfaces have in common, if and only if there is one: it tells a body that touches the wall
   /// around it from one that does not.

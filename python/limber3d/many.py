@@ -199,7 +199,7 @@ def time_of_impact_many(
     center_b: ArrayLike | None = None,
     max_time: float = 1.0,
     min_separation: float = 0.0,
-    distance_error: float = 0.0,
+    distance_error: float | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
@@ -234,7 +234,7 @@ def least_distance_many(
     center_a: ArrayLike | None = None,
     center_b: ArrayLike | None = None,
     max_time: float = 1.0,
-    distance_error: float = 0.0,
+    distance_error: float | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:

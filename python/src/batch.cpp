@@ -195,13 +195,13 @@ void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std
 }
 
 void run_time_of_impact(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
-                        double max_time, double min_separation, double distance_error) {
+                        double max_time, double min_separation, std::optional<double> distance_error) {
   const PathOptions options{max_time, min_separation, distance_error};
   batch.run(records, begin, end, [&](const auto&... moving) { return time_of_impact(moving..., options); });
 }
 
 void run_least_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
-                        double max_time, double distance_error) {
+                        double max_time, std::optional<double> distance_error) {
   const PathOptions options{max_time, 0, distance_error};
   batch.run(records, begin, end, [&](const auto&... moving) { return least_distance(moving..., options); });
 }
@@ -236,9 +236,9 @@ void bind_batch(nb::module_& m) {
            "a"_a, "b"_a, "starts_a"_a.none(), "ends_a"_a.none(), "starts_b"_a.none(), "ends_b"_a.none(),
            "center_a"_a.none(), "center_b"_a.none(), "threads"_a.none())
       .def("time_of_impact", &run_time_of_impact, "records"_a, "begin"_a, "end"_a, "max_time"_a, "min_separation"_a,
-           "distance_error"_a, "Writes the first contacts of motions begin to end.")
-      .def("least_distance", &run_least_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a, "distance_error"_a,
-           "Writes the least distances of motions begin to end.");
+           "distance_error"_a.none(), "Writes the first contacts of motions begin to end.")
+      .def("least_distance", &run_least_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a,
+           "distance_error"_a.none(), "Writes the least distances of motions begin to end.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
         "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
         "limit.\n\n"

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -188,14 +187,11 @@ class BodyObject {
   Users users_;
 };
 
-/// A model, and its edges once they have been asked for.
 struct ModelObject : BodyObject {
   explicit ModelObject(Model built) : model(std::move(built)) {}
   Body body() const override { return model; }
 
   Model model;
-  std::mutex edges_mutex;
-  std::shared_ptr<const MeshEdges> edges;  // until reset()
 };
 
 /// A shape, which nobody changes.
@@ -225,9 +221,6 @@ class ModelWithRadius : public BodyObject {
 [[nodiscard]] inline Changing changing(ModelObject& object) {
   return object.users().change("the model is in use by another thread, or by a query that has not returned");
 }
-
-/// The edges of a model, which are built when they are first asked for. Pre: the model is being read.
-std::shared_ptr<const MeshEdges> edges_of(ModelObject& object);
 
 /// A cache, and who uses it.
 template <typename Cache>

@@ -154,8 +154,8 @@ std::pair<RecordArray, IdArray> reduce(const RecordArray& contacts, double radiu
   const GivenContacts given = contacts_from(contacts, 1);
   const std::span<Contact> all = given.contacts;
   std::vector<std::uint32_t> patches(all.size());
-  const ReductionOptions options{.radius = radius, .max_angle = max_angle, .max_points = max_points};
-  const std::size_t kept = without_gil([&] { return reduce_contacts(all, options, patches); });
+  const ReductionOptions options{.max_angle = max_angle, .max_points = max_points, .patch_ids = patches};
+  const std::size_t kept = without_gil([&] { return reduce_contacts(all, radius, options); });
   return {array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
           array_of(std::span<const std::uint32_t>(patches).first(kept))};
 }
@@ -290,11 +290,10 @@ void bind_contacts(nb::module_& m) {
              closest_documentation(docs::closest_pairs), "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(),
              "pose_b"_a = nb::none(), nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(),
              "oriented_faces"_a = nb::none());
-  m.def("reduce_contacts", &reduce, "contacts"_a, nb::kw_only(), "radius"_a, "max_angle"_a = 0.5, "max_points"_a = 4,
+  m.def("reduce_contacts", &reduce, "contacts"_a, "radius"_a, nb::kw_only(), "max_angle"_a = 0.5, "max_points"_a = 4,
         (std::string(docs::reduce_contacts) +
-         "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nradius: " +
-         docs::ReductionOptions_radius + "\n\nmax_angle: " + docs::ReductionOptions_max_angle +
-         "\n\nmax_points: " + docs::ReductionOptions_max_points)
+         "\n\nReturns  The kept contacts, and the patch of each; the argument is left alone.\n\nmax_angle: " +
+         docs::ReductionOptions_max_angle + "\n\nmax_points: " + docs::ReductionOptions_max_points)
             .c_str());
   bind_self_queries(m);
 }

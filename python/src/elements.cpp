@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -37,25 +36,15 @@ RecordArrays element_pairs_of(ModelObject& a, ModelObject& b, double margin, con
                               const PoseLike& pose_b) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_elements([&](auto vertex_face, auto edge_edge) {
-    visit_element_pairs(pair.a(), *edges_of(a), pair.b(), *edges_of(b), margin, vertex_face, edge_edge);
+    visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge);
   });
 }
 
 RecordArrays self_element_pairs_of(ModelObject& model, double margin) {
   const Reading guard = reading(model);
-  return found_elements([&](auto vertex_face, auto edge_edge) {
-    visit_self_element_pairs(model.model, *edges_of(model), margin, vertex_face, edge_edge);
-  });
+  return found_elements(
+      [&](auto vertex_face, auto edge_edge) { visit_self_element_pairs(model.model, margin, vertex_face, edge_edge); });
 }
-
-/// The edges of a model, which outlive it.
-struct EdgesObject {
-  explicit EdgesObject(ModelObject& model) {
-    const Reading guard = reading(model);
-    edges = without_gil([&] { return edges_of(model); });
-  }
-  std::shared_ptr<const MeshEdges> edges;
-};
 
 NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
   const Reading guard = reading(model);
@@ -66,7 +55,7 @@ std::string element_pairs_documentation(const char* documentation) {
   return std::string(documentation) + R"(
 
 Returns  Two arrays: pairs of a vertex and a face, limber3d.vertex_face_dtype, and pairs of edges,
-         limber3d.edge_edge_dtype. The edges of a model are built when they are first needed, and kept until reset().
+         limber3d.edge_edge_dtype.
 
 Fields of pairs of a vertex and a face)" +
          vertex_face_fields() + "\n\nFields of pairs of edges" + edge_edge_fields();
@@ -75,22 +64,6 @@ Fields of pairs of a vertex and a face)" +
 }  // namespace
 
 void bind_elements(nb::module_& m) {
-  nb::class_<EdgesObject>(m, "MeshEdges", docs::MeshEdges)
-      .def(nb::init<ModelObject&>(), "model"_a, docs::MeshEdges_init)
-      .def("__len__", [](const EdgesObject& self) { return self.edges->size(); })
-      .def_prop_ro(
-          "vertices", [](const EdgesObject& self) { return array_of(self.edges->vertices()); },
-          docs::MeshEdges_vertices)
-      .def_prop_ro(
-          "of_triangles", [](const EdgesObject& self) { return array_of(self.edges->of_triangles()); },
-          docs::MeshEdges_of_triangles)
-      .def_prop_ro(
-          "representatives", [](const EdgesObject& self) { return array_of(self.edges->representatives()); },
-          docs::MeshEdges_representatives)
-      .def_prop_ro(
-          "vertex_representatives",
-          [](const EdgesObject& self) { return array_of(self.edges->vertex_representatives()); },
-          docs::MeshEdges_vertex_representatives);
   nb::class_<NeighborRings>(m, "NeighborRings", docs::NeighborRings)
       .def(
           "__init__",

@@ -72,9 +72,8 @@ void construct(ModelObject* self, const MeshArgument& vertices, const ArrayLike&
 
 void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& faces) {
   const auto [positions, triangles] = mesh_arrays(vertices, faces);
-  const Changing guard = changing(self);  // nobody reads the model or its edges meanwhile
+  const Changing guard = changing(self);
   with_mesh(positions, triangles, [&](Mesh mesh) { self.model.reset(std::move(mesh)); });
-  self.edges.reset();
 }
 
 /// Calls change(model) without the GIL. Raises BusyError if another thread uses the model.
@@ -114,6 +113,12 @@ Named<"ModelOptions"> options_of(ModelObject& self) {
   options["rebuild_budget_us"] = o.rebuild_budget_us;
   options["preallocate"] = o.preallocate;
   return options;
+}
+
+/// A copy, which outlives the model.
+MeshEdges edges_of(ModelObject& self) {
+  const Reading guard = reading(self);
+  return without_gil([&] { return self.model.edges(); });
 }
 
 IdArray faces_of(ModelObject& self) {
@@ -220,6 +225,22 @@ Raises   ValueError for arrays of other shapes or types, no triangle, coordinate
          for options that are not what their texts say; IndexError for faces that name vertices that do not exist.
 Cost     O(n log n), on all threads.)";
 
+void bind_edges(nb::module_& m) {
+  nb::class_<MeshEdges>(m, "MeshEdges", docs::MeshEdges)
+      .def("__len__", &MeshEdges::size)
+      .def_prop_ro(
+          "vertices", [](const MeshEdges& self) { return array_of(self.vertices()); }, docs::MeshEdges_vertices)
+      .def_prop_ro(
+          "of_triangles", [](const MeshEdges& self) { return array_of(self.of_triangles()); },
+          docs::MeshEdges_of_triangles)
+      .def_prop_ro(
+          "representatives", [](const MeshEdges& self) { return array_of(self.representatives()); },
+          docs::MeshEdges_representatives)
+      .def_prop_ro(
+          "vertex_representatives", [](const MeshEdges& self) { return array_of(self.vertex_representatives()); },
+          docs::MeshEdges_vertex_representatives);
+}
+
 std::string constructor_documentation() {
   return std::string(constructor_doc) + "\n\nmotion_margin: " + docs::ModelOptions_motion_margin +
          "\n\nrebuild_policy: " + docs::RebuildPolicy +
@@ -229,14 +250,9 @@ std::string constructor_documentation() {
 
 }  // namespace
 
-std::shared_ptr<const MeshEdges> edges_of(ModelObject& object) {
-  const std::lock_guard lock(object.edges_mutex);
-  if (object.edges == nullptr) object.edges = std::make_shared<const MeshEdges>(object.model.mesh());
-  return object.edges;
-}
-
 void bind_model(nb::module_& m) {
   bind_stats(m);
+  bind_edges(m);
   bind_mesh_files(m);
   m.def("weld", &weld_of, "vertices"_a, "faces"_a = nb::none(), weld_doc);
   nb::enum_<RebuildPolicy>(m, "RebuildPolicy", docs::RebuildPolicy)
@@ -298,6 +314,7 @@ Busy     A call that would change a model while another thread uses it raises Bu
           docs::Model_is_committed)
       .def_prop_ro("vertices", &vertices_of, "A copy of the positions, moves included: shape (v, 3), float64.")
       .def_prop_ro("faces", &faces_of, "A copy of the triangles: shape (n, 3), uint32.")
+      .def_prop_ro("edges", &edges_of, (std::string(docs::Model_edges) + "\n\nReturns  A copy.").c_str())
       .def_prop_ro("options", &options_of, "The options that the model has, by name.")
       .def_prop_ro(
           "tree_stats",

@@ -4,7 +4,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,23 +22,18 @@
 namespace limber::python {
 namespace {
 
-/// A moving model, which keeps its edges and shares its model with Python.
+/// A moving model, which shares its model with Python.
 class MovingModelObject {
  public:
-  explicit MovingModelObject(ModelObject& model) : model_(model) {}
+  explicit MovingModelObject(ModelObject& model) : model_(model), moving_(model.model) {}
 
   void set_motion(const ArrayLike& end_positions, const PoseLike& start_pose, const PoseLike& end_pose) {
     const std::vector<Vec3> end = points_from(end_positions, "end_positions");
     const Transform start = pose_from(start_pose, "start_pose"), finish = pose_from(end_pose, "end_pose");
     const Changing own = users_.change("the moving model is in use by another thread");
     const Reading guard = reading(model_);
-    value_or_raise(without_gil([&]() -> Result<void> {
-      if (const auto edges = edges_of(model_); edges != edges_) {
-        moving_.emplace(model_.model, *edges);
-        edges_ = edges;
-      }
-      return moving_->set_motion(end, start, finish);
-    }));
+    value_or_raise(without_gil([&] { return moving_.set_motion(end, start, finish); }));
+    has_motion_ = true;
   }
 
   /// A moving model, and the right to read it and its model while a query runs.
@@ -50,15 +44,15 @@ class MovingModelObject {
   InUse use() {
     Reading own = users_.read("the motion is being set by another thread");
     Reading model = reading(model_);
-    if (!moving_) throw nb::value_error("the moving model has no motion: call set_motion()");
-    return {std::move(own), std::move(model), *moving_};
+    if (!has_motion_) throw nb::value_error("the moving model has no motion: call set_motion()");
+    return {std::move(own), std::move(model), moving_};
   }
 
  private:
   ModelObject& model_;
   Users users_;
-  std::shared_ptr<const MeshEdges> edges_;
-  std::optional<MovingModel> moving_;
+  MovingModel moving_;
+  bool has_motion_ = false;
 };
 
 /// A filter as Python passes it: called with the kind of a pair and two ids.
@@ -114,7 +108,8 @@ RecordArray impacts_of(MovingModelObject& a, MovingModelObject& b, double max_ti
   const auto use_a = a.use(), use_b = b.use();
   std::vector<Impact> found;
   without_gil([&] {
-    visit_impacts(use_a.moving, use_b.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+    visit_impacts(
+        use_a.moving, use_b.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
   });
   return array_of(std::span<const Impact>(found), dtypes().impact);
 }
@@ -125,7 +120,8 @@ RecordArray self_impacts_of(MovingModelObject& model, double max_time, double ti
   const auto use = model.use();
   std::vector<Impact> found;
   without_gil([&] {
-    visit_self_impacts(use.moving, given.options, [&](const Impact& i) { return found.push_back(i), true; });
+    visit_self_impacts(
+        use.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
   });
   return array_of(std::span<const Impact>(found), dtypes().impact);
 }
@@ -135,8 +131,9 @@ RecordArray impact_candidates_of(MovingModelObject& a, MovingModelObject& b, dou
   const auto use_a = a.use(), use_b = b.use();
   std::vector<ElementPair> found;
   without_gil([&] {
-    visit_impact_candidates(use_a.moving, use_b.moving, given.options,
-                            [&](const ElementPair& pair) { return found.push_back(pair), true; });
+    visit_impact_candidates(
+        use_a.moving, use_b.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; },
+        given.options);
   });
   return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }
@@ -146,8 +143,8 @@ RecordArray self_impact_candidates_of(MovingModelObject& model, double max_time,
   const auto use = model.use();
   std::vector<ElementPair> found;
   without_gil([&] {
-    visit_self_impact_candidates(use.moving, given.options,
-                                 [&](const ElementPair& pair) { return found.push_back(pair), true; });
+    visit_self_impact_candidates(
+        use.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; }, given.options);
   });
   return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }
@@ -179,7 +176,7 @@ FloatArray array_of_numbers(const std::vector<double>& numbers) {
 FloatArray limit_self_displacements_of(ModelObject& model, double separation, const ArrayLike& displacements) {
   std::vector<double> limits = displacements_from(displacements, "displacements");
   const Reading guard = reading(model);
-  without_gil([&] { limit_self_displacements(model.model, *edges_of(model), separation, limits); });
+  without_gil([&] { limit_self_displacements(model.model, separation, limits); });
   return array_of_numbers(limits);
 }
 
@@ -190,8 +187,7 @@ std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObj
   std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
   const PlacedPair pair(a, b, pose_a, pose_b);
-  without_gil(
-      [&] { limit_displacements(pair.a(), *edges_of(a), pair.b(), *edges_of(b), separation, limits_a, limits_b); });
+  without_gil([&] { limit_displacements(pair.a(), pair.b(), separation, limits_a, limits_b); });
   return {array_of_numbers(limits_a),
           of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b))};
 }
@@ -199,8 +195,8 @@ std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObj
 // --- rigid bodies ---
 
 PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
-                          double max_time, double min_separation, double distance_error, const BudgetObject* budget,
-                          QueryCacheObject* cache) {
+                          double max_time, double min_separation, std::optional<double> distance_error,
+                          const BudgetObject* budget, QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, min_separation, distance_error, used.get(), budget_of(budget)};
@@ -208,7 +204,7 @@ PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject
 }
 
 PathDistance least_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
-                               double max_time, double distance_error, const BudgetObject* budget,
+                               double max_time, std::optional<double> distance_error, const BudgetObject* budget,
                                QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
@@ -352,9 +348,9 @@ void bind_rigid_motions(nb::module_& m) {
       .def("at", &matrix_at, "time"_a, "The pose at a time, as a 4 x 4 matrix.")
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none());
+        "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none());
   m.def("least_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
-        "max_time"_a = 1.0, "distance_error"_a = 0.0, "budget"_a = nb::none(), "cache"_a = nb::none(),
+        "max_time"_a = 1.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(),
         docs::least_distance);
 }
 

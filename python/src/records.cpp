@@ -237,7 +237,7 @@ std::string distance_fields() {
                  {"upper", docs::DistanceResult_upper},
                  {"point_a, point_b", witness_points},
                  {"triangle_a, triangle_b", witness_triangles},
-                 {"status", "a Status"},
+                 {"status", "a DistanceStatus"},
                  {"stopped_by", "a StoppedBy"}});
 }
 
@@ -263,7 +263,7 @@ std::string vertex_face_fields() {
 }
 
 std::string edge_edge_fields() {
-  return fields({{"a, b", "ids of MeshEdges of each model"},
+  return fields({{"a, b", "ids of the edges of each model"},
                  {"distance", "of the two elements"},
                  {"parameter_a, parameter_b", docs::EdgeEdgePair_parameter_a}});
 }

@@ -24,12 +24,12 @@ bool truth_of(const CollideResult& answer) {
 }
 
 void bind_enums(nb::module_& m) {
-  nb::enum_<Status>(m, "Status", nb::is_arithmetic(), docs::Status)
-      .value("exact", Status::exact, docs::Status_exact)
-      .value("within_error", Status::within_error, docs::Status_within_error)
-      .value("collision", Status::collision, docs::Status_collision)
-      .value("beyond_limit", Status::beyond_limit, docs::Status_beyond_limit)
-      .value("interrupted", Status::interrupted, docs::Status_interrupted);
+  nb::enum_<DistanceStatus>(m, "DistanceStatus", nb::is_arithmetic(), docs::DistanceStatus)
+      .value("exact", DistanceStatus::exact, docs::DistanceStatus_exact)
+      .value("within_error", DistanceStatus::within_error, docs::DistanceStatus_within_error)
+      .value("collision", DistanceStatus::collision, docs::DistanceStatus_collision)
+      .value("beyond_limit", DistanceStatus::beyond_limit, docs::DistanceStatus_beyond_limit)
+      .value("interrupted", DistanceStatus::interrupted, docs::DistanceStatus_interrupted);
   nb::enum_<StoppedBy>(m, "StoppedBy", nb::is_arithmetic(), "Which limit of its budget has ended a query.")
       .value("nothing", StoppedBy::nothing)
       .value("deadline", StoppedBy::deadline)
@@ -72,7 +72,7 @@ void bind_answers(nb::module_& m) {
   ValueClass<DistanceResult>(m, "DistanceResult", "What distance() has found.")
       .field("lower", &DistanceResult::lower, docs::DistanceResult_lower)
       .field("upper", &DistanceResult::upper, docs::DistanceResult_upper)
-      .field("status", &DistanceResult::status, docs::Status)
+      .field("status", &DistanceResult::status, docs::DistanceStatus)
       .field("witness", &DistanceResult::witness, docs::DistanceResult_witness)
       .field("stopped_by", &DistanceResult::stopped_by, docs::DistanceResult_stopped_by)
       .field("stats", &DistanceResult::stats, docs::QueryStats);

@@ -63,13 +63,17 @@ class SingleFilter {
 };
 using SingleObjectFilter = Named<"SingleObjectFilter">;
 
-IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double margin, const PoseLike& pose) {
+IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double margin, const PoseLike& pose,
+                      const SingleObjectFilter& filter) {
   auto& object = nb::cast<BodyObject&>(model);
   const Reading model_guard = reading(object);
+  const SingleFilter which(filter);
   const Placed placed(object.body(), pose_from(pose, "pose"));
   std::vector<ObjectId> ids;
   self.read([&](const Scene& scene) {
-    without_gil([&] { scene.visit_candidates(placed, margin, [&](ObjectId id) { return ids.push_back(id), true; }); });
+    without_gil_unless(which.needs_gil(), [&] {
+      scene.visit_candidates(placed, margin, [&](ObjectId id) { return ids.push_back(id), true; }, {which.get()});
+    });
   });
   return array_of(std::span<const ObjectId>(ids));
 }
@@ -90,7 +94,7 @@ ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> mode
 }
 
 ObjectImpact object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
-                              double max_time, double min_separation, double distance_error,
+                              double max_time, double min_separation, std::optional<double> distance_error,
                               const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(body);
   const Reading model_guard = reading(object);
@@ -277,12 +281,13 @@ void bind_scene(nb::module_& m) {
                .c_str())
       .def("any_within", &any_within_of, "max_distance"_a, nb::kw_only(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_any_within)
-      .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), docs::Scene_visit_candidates)
+      .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), nb::kw_only(),
+           "filter"_a = nb::none(), docs::Scene_visit_candidates)
       .def("closest_object", &closest_object_of, "model"_a, "pose"_a = nb::none(), nb::kw_only(),
            "relative_error"_a = 0.0, "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_closest_object)
       .def("time_of_impact", &object_impact_of, "body"_a, "motion"_a, nb::kw_only(), "max_time"_a = 1.0,
-           "min_separation"_a = 0.0, "distance_error"_a = 0.0, "filter"_a = nb::none(), "budget"_a = nb::none(),
+           "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "filter"_a = nb::none(), "budget"_a = nb::none(),
            docs::Scene_time_of_impact);
 }
 

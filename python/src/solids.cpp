@@ -74,13 +74,14 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
 
 DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                            const PoseLike& pose_b, const BudgetObject* budget) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(deepest_vertices, budget_of(budget));
+  return SurfacePair(a, b, pose_a, pose_b).ask(deepest_vertices, DeepestVerticesOptions{budget_of(budget)});
 }
 
 SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const ArrayLike& direction,
                                     const PoseLike& pose_a, const PoseLike& pose_b, const BudgetObject* budget) {
   const Vec3 along = point_from(direction, "direction");
-  return SurfacePair(a, b, pose_a, pose_b).ask(separating_translation, along, budget_of(budget));
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(separating_translation, along, SeparatingTranslationOptions{budget_of(budget)});
 }
 
 SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,

@@ -211,4 +211,4 @@ def test_large_meshes_and_partitions_travel_without_warnings(tmp_path: Path, clu
     assert sum(frame.nbytes for frame in frames) > 20e6
     with cluster.client() as client:
         batch.track(a, frames, a, out=tmp_path, executor=client, partition_size=800, max_distance=1.0)
-    assert (batch.read(tmp_path)["status"] == limber3d.Status.collision).all()
+    assert (batch.read(tmp_path)["status"] == limber3d.DistanceStatus.collision).all()

@@ -145,7 +145,7 @@ def test_a_model_can_meet_itself(ball: limber3d.Model) -> None:
     assert (
         limber3d.self_collide(model) and limber3d.self_collide(model, cache=cache) and not limber3d.self_collide(ball)
     )
-    assert limber3d.self_distance(model, cache=cache).status is limber3d.Status.collision
+    assert limber3d.self_distance(model, cache=cache).status is limber3d.DistanceStatus.collision
     assert limber3d.self_distance(ball).upper > 0
     pairs = limber3d.self_intersections(model)
     assert len(pairs) > 0 and (pairs[:, 0] < pairs[:, 1]).all()
@@ -194,7 +194,7 @@ def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     vertex_face, edge_edge = limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
     assert vertex_face.dtype == limber3d.vertex_face_dtype and edge_edge.dtype == limber3d.edge_edge_dtype
     assert numpy.allclose(vertex_face["weights"].sum(axis=1), 1) and vertex_face["is_vertex_of_b"].any()
-    edges = limber3d.MeshEdges(tetra)
+    edges = tetra.edges
     assert len(edges) == 6 and edges.vertices.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
     assert edges.of_triangles.shape == (4, 3) and edges.representatives.shape == (6,) and edges.vertex_representatives.shape == (4,)
     pair = edge_edge[0]

@@ -46,9 +46,9 @@ def test_moves_count_after_a_commit(tetra: limber3d.Model) -> None:
 
 def test_reset_takes_another_mesh(tetra: limber3d.Model) -> None:
     vertices, faces = shapes.ball()
-    assert len(limber3d.MeshEdges(tetra)) == 6
+    assert len(tetra.edges) == 6
     tetra.reset(vertices, faces)
-    assert tetra.tree_stats.leaves >= len(faces) / 8 and len(limber3d.MeshEdges(tetra)) == 3 * len(faces) / 2
+    assert tetra.tree_stats.leaves >= len(faces) / 8 and len(tetra.edges) == 3 * len(faces) / 2
     with pytest.raises(IndexError):
         tetra.reset(vertices, faces + 1000)
     assert (tetra.faces == faces).all()

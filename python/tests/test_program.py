@@ -117,7 +117,7 @@ def test_frames(meshes: tuple[Path, Path], tmp_path: Path) -> None:
     ours = limber3d.track(model, frames, other, poses_other=(TURNS[: len(frames)], SHIFTS[: len(frames)]))
     for answer, record in zip(theirs, ours):
         assert (answer["lower"], answer["upper"]) == (record["lower"], record["upper"])
-        assert limber3d.Status(int(record["status"])).name == answer["status"]
+        assert limber3d.DistanceStatus(int(record["status"])).name == answer["status"]
 
 
 def poses_file(folder: Path, count: int) -> Path:

@@ -19,7 +19,7 @@ FAR = numpy.array([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
 
 def test_a_distance_has_its_points_and_triangles(tetra: limber3d.Model) -> None:
     result = limber3d.distance(tetra, tetra, pose_b=FAR)
-    assert result.lower == result.upper == 2 and result.status is limber3d.Status.exact
+    assert result.lower == result.upper == 2 and result.status is limber3d.DistanceStatus.exact
     assert result.stopped_by is limber3d.StoppedBy.nothing and result.stats.triangle_tests > 0
     witness = result.witness
     assert witness is not None
@@ -29,9 +29,9 @@ def test_a_distance_has_its_points_and_triangles(tetra: limber3d.Model) -> None:
 
 def test_options_of_a_distance_are_keywords(ball: limber3d.Model) -> None:
     far = limber3d.distance(ball, ball, pose_b=FAR, max_distance=0.5)
-    assert far.status is limber3d.Status.beyond_limit and far.witness is None and math.isinf(far.upper)
+    assert far.status is limber3d.DistanceStatus.beyond_limit and far.witness is None and math.isinf(far.upper)
     rough = limber3d.distance(ball, ball, pose_b=FAR, relative_error=10.0)
-    assert rough.status is limber3d.Status.within_error and rough.lower < rough.upper
+    assert rough.status is limber3d.DistanceStatus.within_error and rough.lower < rough.upper
     assert limber3d.distance(ball, ball, pose_b=FAR, absolute_error=10.0).lower < 1
     with pytest.raises(TypeError):
         limber3d.distance(ball, ball, None, FAR, 0.5)  # type: ignore[call-arg]
@@ -110,15 +110,15 @@ def test_float32_rotations_can_be_made_orthonormal(tetra: limber3d.Model) -> Non
 def test_budgets_end_queries(ball: limber3d.Model) -> None:
     near = ([1, 0.2, 0.1, 0], [2.02, 0, 0])
     short = limber3d.distance(ball, ball, pose_b=near, budget=limber3d.QueryBudget(max_steps=2))
-    assert short.status is limber3d.Status.interrupted and short.stopped_by is limber3d.StoppedBy.max_steps
+    assert short.status is limber3d.DistanceStatus.interrupted and short.stopped_by is limber3d.StoppedBy.max_steps
     whole = limber3d.distance(ball, ball, pose_b=near)
     assert short.lower <= whole.upper <= short.upper
     cache = limber3d.QueryCache()
     for _ in range(1000):
         resumed = limber3d.distance(ball, ball, pose_b=near, budget=limber3d.QueryBudget(max_steps=2), cache=cache)
-        if resumed.status is limber3d.Status.exact:
+        if resumed.status is limber3d.DistanceStatus.exact:
             break
-    assert resumed.status is limber3d.Status.exact and resumed.upper == pytest.approx(whole.upper, rel=1e-12)
+    assert resumed.status is limber3d.DistanceStatus.exact and resumed.upper == pytest.approx(whole.upper, rel=1e-12)
     cache.clear()
     past = limber3d.QueryBudget(deadline=time.monotonic() - 1)
     assert limber3d.distance(ball, ball, pose_b=near, budget=past).stopped_by is limber3d.StoppedBy.deadline

@@ -50,7 +50,7 @@ def test_budgets_end_queries_of_pairs(ball: limber3d.Model) -> None:
             assert not found["is_yes"].any()  # bounds alone may say no
             assert found["answer"][1] == limber3d.Answer.unknown and found["stopped_by"][1] == stopped_by
         distances = scene.distance(pairs, budget=budget)
-        assert (distances["status"] == limber3d.Status.interrupted).all()
+        assert (distances["status"] == limber3d.DistanceStatus.interrupted).all()
     enough = limber3d.QueryBudget(max_steps=100000)
     found = scene.collide(pairs, budget=enough)
     assert found["answer"].tolist() == [limber3d.Answer.no, limber3d.Answer.yes, limber3d.Answer.no]
@@ -75,7 +75,7 @@ def test_objects_come_move_and_go(ball: limber3d.Model, tetra: limber3d.Model) -
 
 def test_the_closest_objects_and_filters(ball: limber3d.Model) -> None:
     scene = row_of(ball, 4)
-    assert scene.closest_objects().result.status is limber3d.Status.collision
+    assert scene.closest_objects().result.status is limber3d.DistanceStatus.collision
     apart = scene.closest_objects(filter=lambda a, b: b - a == 2)
     assert apart.objects in ((0, 2), (1, 3)) and apart.result.upper == pytest.approx(1.0)
     assert scene.candidate_pairs(5.0, filter=lambda a, b: a == 0 and b == 3).tolist() == [[0, 3]]

@@ -82,7 +82,7 @@ def test_all_forms_of_configurations_are_taken(scene: limber3d.Scene) -> None:
     assert numpy.allclose(of_quaternions["upper"], expected["upper"])
     assert limber3d.closest_objects_many(scene, IDS, poses[:0]).shape == (0,)
     beyond = limber3d.closest_objects_many(scene, IDS, poses, max_distance=0.0, filter=lambda a, b: False)
-    assert (beyond["object_a"] == 2**32 - 1).all() and (beyond["status"] == limber3d.Status.beyond_limit).all()
+    assert (beyond["object_a"] == 2**32 - 1).all() and (beyond["status"] == limber3d.DistanceStatus.beyond_limit).all()
 
 
 def test_bad_configurations_are_refused_by_place(scene: limber3d.Scene) -> None:
@@ -138,6 +138,7 @@ def test_a_model_next_to_all_objects(scene: limber3d.Scene, tetra: limber3d.Mode
     none = scene.closest_object(tetra, pose, filter=lambda id: False)
     assert none.object is None and none.result.witness is None
     assert scene.candidates(tetra, 0.5, pose=([1, 0, 0, 0], [500, 0, 0])).shape == (0,)
+    assert near[0] not in scene.candidates(tetra, 0.5, pose, filter=lambda object: object != near[0])
 
 
 def test_the_first_impact_of_a_moving_body(scene: limber3d.Scene, tetra: limber3d.Model) -> None:
@@ -176,7 +177,7 @@ def test_budgets_leave_answers_open(scene: limber3d.Scene, ball: limber3d.Model)
     late = limber3d.QueryBudget(deadline=time.monotonic() - 1)
     poses = configurations(40)
     closest = limber3d.closest_objects_many(scene, IDS, poses, budget=late)
-    assert (closest["status"] == limber3d.Status.interrupted).all() and numpy.isinf(closest["upper"]).all()
+    assert (closest["status"] == limber3d.DistanceStatus.interrupted).all() and numpy.isinf(closest["upper"]).all()
     assert (closest["stopped_by"] == limber3d.StoppedBy.deadline).all() and (closest["lower"] == 0).all()
     close = limber3d.any_within_many(scene, IDS, poses, 1.0, budget=late)
     assert not close["is_yes"].any() and (close["answer"] == limber3d.Answer.unknown).all()

@@ -99,7 +99,7 @@ def test_values_cannot_be_changed(value: Any) -> None:
 
 def test_values_are_written_with_all_fields() -> None:
     assert repr(VALUES[12]) == (
-        "DistanceResult(lower=2.0, upper=2.0, status=Status.exact, witness=Witness(point_a=(1.0, 0.0, 0.0), "
+        "DistanceResult(lower=2.0, upper=2.0, status=DistanceStatus.exact, witness=Witness(point_a=(1.0, 0.0, 0.0), "
         "point_b=(3.0, 0.0, 0.0), triangle_a=0, triangle_b=1), stopped_by=StoppedBy.nothing, "
         "stats=QueryStats(node_tests=1, triangle_tests=1))"
     )

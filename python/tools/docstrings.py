@@ -27,7 +27,7 @@ WORDS = (
     (r"\bwhatever (a visitor or )?(a|the) (filter|visitor) raises\b", "whatever the filter raises"),
     (r"\b(query|geometry)\.h states\b", "the guide to numerics states"),
     (r"\b(query|geometry)\.h\b", "the library"),
-    (r" \((contacts|distance)\.h\)", ""),
+    (r" \((contacts|distance|elements)\.h\)", ""),
     (r"\b(\w+)::(\w+)", r"\1.\2"),
 )
 # Sentences about what Python does not have, or has otherwise. Each of them has to be found.
@@ -35,7 +35,7 @@ SENTENCES = (
     (" The second form writes the first `?[a-z]+\\.size\\(\\)`? of them; count says how many there are.", ""),
     (" The second form writes the first pairs that there is room for; the counts say how many there are.", ""),
     (" Keeps a pointer: the model must outlive it, and must not be reset\\(\\)\\.", " The model must not be reset()."),
-    ("Keeps pointers: the model and its edges must outlive it\\. Changing them", "Keeps its model alive. Changing it"),
+    ("Keeps a pointer: the model must outlive it\\. Changing the model", "Keeps its model alive. Changing it"),
     ("^Moved    .*", ""),
     (" A (model|scene) that has been moved from may be .*", ""),
     ("; with the default ones if the model has been moved from", ""),
@@ -43,7 +43,7 @@ SENTENCES = (
     ("Keeps a pointer to each model: a model must outlive its objects, at its address\\.", "Keeps its models alive."),
     (" Keeps a pointer: the model that it is of, or that a shape has, must outlive it\\.", " Keeps its model alive."),
     ("; allocates nothing but a cache's memory", ""),
-    (" 40 kB of stack; allocates nothing, unless it is parallel\\.", ""),
+    (" 40 kB of stack; allocates nothing( once the models have their edges)?, unless it is parallel\\.", ""),
     ("^Budget   (If it is spent first, the pairs are .*|As intersections\\(\\)\\.)$", ""),
     ("^Room     .* closest_pairs\\(\\) with .*", "Nearest  closest_pairs() with `max_distance` finds them."),
     (" Allocates nothing if `memory` has grown to it; else 250 bytes a contact in six pieces\\.", ""),
@@ -119,7 +119,7 @@ def docstrings(text: str, header: str) -> dict[str, str]:
     found: dict[str, str] = {}
     scope: str | None = None
     comment: list[str] = []
-    for line in text.replace("LIMBER_API ", "").splitlines():
+    for line in text.replace("LIMBER_API ", "").replace("[[nodiscard]] ", "").splitlines():
         code = line.strip()
         if code.startswith("///") and not code.startswith("///<"):
             comment.append(code[3:].removeprefix(" "))

@@ -212,7 +212,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   if (query.upper > options.max_distance) {
     result.lower = options.max_distance;
     result.upper = infinity;
-    result.status = Status::beyond_limit;
+    result.status = DistanceStatus::beyond_limit;
     return result;
   }
   LIMBER_ASSERT(query.upper < infinity);
@@ -220,9 +220,9 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   result.lower = std::min(query.upper, query.smallest_dropped);
   LIMBER_ASSERT(result.lower <= result.upper);
   result.witness = query.witness;
-  result.status = result.upper == 0              ? Status::collision
-                  : result.lower == result.upper ? Status::exact
-                                                 : Status::within_error;
+  result.status = result.upper == 0              ? DistanceStatus::collision
+                  : result.lower == result.upper ? DistanceStatus::exact
+                                                 : DistanceStatus::within_error;
   return result;
 }
 

@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/float_environment.h"
 
@@ -84,9 +85,8 @@ bool is_all_finite(const Contact& c) {
          std::isfinite(c.depth) && is_finite(c.weights_a) && is_finite(c.weights_b);
 }
 
-void check(std::span<const Contact> contacts, const ReductionOptions& options) {
-  LIMBER_REQUIRE(options.radius > 0 && std::isfinite(options.radius),
-                 "limber::reduce_contacts: radius must be finite and above 0");
+void check(std::span<const Contact> contacts, double radius, const ReductionOptions& options) {
+  LIMBER_REQUIRE(radius > 0 && std::isfinite(radius), "limber::reduce_contacts: radius must be finite and above 0");
   LIMBER_REQUIRE(options.max_angle >= 0 && options.max_angle <= std::numbers::pi,
                  "limber::reduce_contacts: max_angle must be at least 0 and at most pi");
   LIMBER_REQUIRE(options.max_points >= 1, "limber::reduce_contacts: max_points must be at least 1");
@@ -186,9 +186,9 @@ double chord_of(double angle) { return 2 * std::sin(angle / 2); }
 /// Patches in a hash table of grid cells, by the places of their first contacts.
 class PatchGrid {
  public:
-  PatchGrid(const ReductionOptions& options, std::size_t capacity, Memory& memory)
-      : normals_(reach_of_normals(chord_of(options.max_angle)), 8),
-        positions_(options.radius, 2),
+  PatchGrid(double radius, double chord, std::size_t capacity, Memory& memory)
+      : normals_(reach_of_normals(chord), 8),
+        positions_(radius, 2),
         patches_(memory.patches),
         last_in_(memory.last_in) {
     patches_.clear();
@@ -251,19 +251,19 @@ class PatchGrid {
 };
 
 /// Groups the sorted contacts: each joins the earliest, so deepest, patch that it is near to, or begins a new one.
-void find_patches(const ReductionOptions& options, Memory& memory) {
+void find_patches(double radius, double max_angle, Memory& memory) {
   const std::vector<Contact>& contacts = memory.sorted;
   const std::vector<Memory::Patch>& patches = memory.patches;
   memory.memberships.assign(contacts.size(), {no_patch});
-  PatchGrid grid(options, contacts.size(), memory);
-  const double chord = chord_of(options.max_angle);
+  const double chord = chord_of(max_angle);
+  PatchGrid grid(radius, chord, contacts.size(), memory);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
     const Place place = place_of(c);
     std::uint32_t joined = no_patch;
     grid.visit_near(place, [&](std::uint32_t patch) {
       const Contact& first = contacts[patches[patch].first];
-      const bool is_near = length_sq(offset(first, c, options.radius)) <= 1;
+      const bool is_near = length_sq(offset(first, c, radius)) <= 1;
       if (is_near && length_sq(c.normal - first.normal) <= chord * chord) joined = std::min(joined, patch);
     });
     if (joined == no_patch) {
@@ -310,23 +310,22 @@ void list_members(double radius, Memory& memory) {
 
 }  // namespace
 
-std::size_t reduce_contacts(std::span<Contact> contacts, const ReductionOptions& options,
-                            std::span<std::uint32_t> patch_ids) {
+std::size_t reduce_contacts(std::span<Contact> contacts, double radius, const ReductionOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  check(contacts, options);
+  check(contacts, radius, options);
   if (contacts.empty()) return 0;
   Memory own;
-  Memory& memory = options.memory == nullptr ? own : options.memory->impl();
+  Memory& memory = options.memory == nullptr ? own : Access::impl(*options.memory);
   sort_by_gap(contacts, memory);
-  find_patches(options, memory);
-  list_members(options.radius, memory);
+  find_patches(radius, options.max_angle, memory);
+  list_members(radius, memory);
   // The kept contacts come first in the caller's span, patch by patch, then all others.
   std::size_t next = 0, begin = 0;
   for (std::size_t p = 0; p < memory.patches.size(); ++p) {
     const std::size_t end = memory.patches[p].end;
     keep_spanning(std::span(memory.members).subspan(begin, end - begin), options.max_points, [&](std::size_t i) {
       memory.memberships[i].is_kept = true;
-      if (next < patch_ids.size()) patch_ids[next] = static_cast<std::uint32_t>(p);
+      if (next < options.patch_ids.size()) options.patch_ids[next] = static_cast<std::uint32_t>(p);
       contacts[next++] = memory.sorted[i];
     });
     begin = end;

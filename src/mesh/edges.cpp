@@ -18,7 +18,7 @@ MeshEdges::MeshEdges(const Mesh& mesh)
       represented_(mesh.triangles().size()) {
   const std::vector<Corners>& triangles = mesh.triangles();
   LIMBER_REQUIRE(triangles.size() <= std::numeric_limits<EdgeId>::max() / 3,
-                 "limber::MeshEdges: the mesh has more edges than ids can count");
+                 "limber::Model::edges: the mesh has more edges than ids can count");
   vertices_.reserve(triangles.size() * 3 / 2), representatives_.reserve(triangles.size() * 3 / 2);
   for (std::array<EdgeId, 3>& edges : of_triangles_) edges.fill(no_id);
   mesh::for_each_edge(triangles, vertex_count(), [&](VertexId low, std::span<const mesh::TriangleSide> sides) {

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/float_environment.h"
@@ -71,6 +73,11 @@ Model::Model(Model&&) noexcept = default;
 Model& Model::operator=(Model&&) noexcept = default;
 Model::~Model() = default;
 
+const Model::Impl& Model::impl() const {
+  require_valid("impl");
+  return *impl_;
+}
+
 void Model::require_valid(const char* function) const {
   if (is_valid()) return;
   throw std::invalid_argument(std::string("limber::Model::") + function + ": the model has been moved from");
@@ -79,6 +86,13 @@ void Model::require_valid(const char* function) const {
 const Mesh& Model::mesh() const {
   require_valid("mesh");
   return impl_->mesh;
+}
+
+const MeshEdges& Model::edges() const {
+  require_valid("edges");
+  const std::lock_guard lock(impl_->edges_mutex);
+  if (!impl_->edges) impl_->edges.emplace(Access::make<MeshEdges>(impl_->mesh));
+  return *impl_->edges;
 }
 
 const ModelOptions& Model::options() const {

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "bvh/tree.h"
+#include "limber/elements.h"
 #include "limber/model.h"
 #include "model/tree_updater.h"
 
@@ -33,6 +36,9 @@ struct Model::Impl {
     positions.copy_to(scratch);
     return scratch;
   }
+
+  mutable std::mutex edges_mutex;
+  mutable std::optional<const MeshEdges> edges;  // once they have been asked for
 };
 
 }  // namespace limber

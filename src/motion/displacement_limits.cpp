@@ -110,28 +110,28 @@ class Room {
 }  // namespace
 }  // namespace motion
 
-void limit_self_displacements(const Model& model, const MeshEdges& edges, double separation,
-                              std::span<double> displacements) {
+void limit_self_displacements(const Model& model, double separation, std::span<double> displacements) {
   const base::DefaultFloatEnvironment environment;
   motion::check_separation(separation, "limber::limit_self_displacements");
   motion::check_displacements(displacements, model.mesh(), "limber::limit_self_displacements");
   const Placed here{model};
   const motion::Room room(pair::PlacedPair(here, here), here, here, separation);
   motion::Displacements own(displacements);
+  const auto edges = model.edges().vertices();
   visit_self_element_pairs(
-      model, edges, room.margin(2 * motion::largest(displacements)),
+      model, room.margin(2 * motion::largest(displacements)),
       [&](const VertexFacePair& pair) {
         room.limit_vertex_face(pair, own, own);
         return true;
       },
       [&](const EdgeEdgePair& pair) {
-        motion::share(room.at(pair.distance), own, edges.vertices()[pair.a], own, edges.vertices()[pair.b]);
+        motion::share(room.at(pair.distance), own, edges[pair.a], own, edges[pair.b]);
         return true;
       });
 }
 
-void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
-                         double separation, std::span<double> of_a, std::span<double> of_b) {
+void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
+                         std::span<double> of_b) {
   const base::DefaultFloatEnvironment environment;
   motion::check_separation(separation, "limber::limit_displacements");
   motion::check_displacements(of_a, a.model().mesh(), "limber::limit_displacements");
@@ -139,15 +139,15 @@ void limit_displacements(const Placed& a, const MeshEdges& edges_a, const Placed
   for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::limit_displacements");
   const motion::Room room(pair::PlacedPair(a, b), a, b, separation);
   motion::Displacements displacements_a(of_a), displacements_b(of_b);
+  const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
   visit_element_pairs(
-      a, edges_a, b, edges_b, room.margin(motion::largest(of_a) + motion::largest(of_b)),
+      a, b, room.margin(motion::largest(of_a) + motion::largest(of_b)),
       [&](const VertexFacePair& pair) {
         room.limit_vertex_face(pair, displacements_a, displacements_b);
         return true;
       },
       [&](const EdgeEdgePair& pair) {
-        motion::share(room.at(pair.distance), displacements_a, edges_a.vertices()[pair.a], displacements_b,
-                      edges_b.vertices()[pair.b]);
+        motion::share(room.at(pair.distance), displacements_a, edges_a[pair.a], displacements_b, edges_b[pair.b]);
         return true;
       });
 }

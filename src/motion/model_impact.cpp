@@ -185,7 +185,7 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
 
 /// Visits pairs with a collector of all of them.
 template <typename Collector, typename Visitor>
-ImpactCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
+PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
   Collector collector(options, visit);
   ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
@@ -209,28 +209,27 @@ ImpactResult self_time_of_impact(const MovingModel& model, const ImpactOptions& 
   return motion::first_impact({model, "limber::self_time_of_impact"}, options);
 }
 
-ImpactCount visit_impacts(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                          ImpactVisitor visit) {
+PairCount visit_impacts(const MovingModel& a, const MovingModel& b, ImpactVisitor visit, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
   motion::check_options(options, "limber::visit_impacts");
   return motion::visit_all<motion::AllImpacts>({a, b, "limber::visit_impacts"}, options, visit);
 }
 
-ImpactCount visit_self_impacts(const MovingModel& model, const ImpactOptions& options, ImpactVisitor visit) {
+PairCount visit_self_impacts(const MovingModel& model, ImpactVisitor visit, const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
   motion::check_options(options, "limber::visit_self_impacts");
   return motion::visit_all<motion::AllImpacts>({model, "limber::visit_self_impacts"}, options, visit);
 }
 
-ImpactCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, const ImpactOptions& options,
-                                    ImpactCandidateVisitor visit) {
+PairCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, ImpactCandidateVisitor visit,
+                                  const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
   motion::check_options(options, "limber::visit_impact_candidates");
   return motion::visit_all<motion::ImpactCandidates>({a, b, "limber::visit_impact_candidates"}, options, visit);
 }
 
-ImpactCount visit_self_impact_candidates(const MovingModel& model, const ImpactOptions& options,
-                                         ImpactCandidateVisitor visit) {
+PairCount visit_self_impact_candidates(const MovingModel& model, ImpactCandidateVisitor visit,
+                                       const ImpactOptions& options) {
   const base::DefaultFloatEnvironment environment;
   motion::check_options(options, "limber::visit_self_impact_candidates");
   return motion::visit_all<motion::ImpactCandidates>({model, "limber::visit_self_impact_candidates"}, options, visit);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
@@ -30,16 +31,11 @@ void place(std::span<const Vec3> positions, const Transform& pose, std::vector<V
   });
 }
 
-void check_edges(const MeshEdges& edges, const Mesh& mesh, const char* text) {
-  LIMBER_REQUIRE(edges.triangle_count() == mesh.triangles().size() && edges.vertex_count() == mesh.positions().size(),
-                 text);
-}
-
 }  // namespace
 
-MovingModel::MovingModel(const Model& model, const MeshEdges& edges) : impl_(std::make_unique<Impl>()) {
-  check_edges(edges, model.mesh(), "limber::MovingModel: the edges must be made of the model's mesh");
-  impl_->model = &model, impl_->edges = &edges;
+MovingModel::MovingModel(const Model& model) : impl_(std::make_unique<Impl>()) {
+  LIMBER_REQUIRE(model.is_valid(), "limber::MovingModel: the model has been moved from");
+  impl_->model = &model;
 }
 MovingModel::MovingModel(MovingModel&&) noexcept = default;
 MovingModel& MovingModel::operator=(MovingModel&&) noexcept = default;
@@ -60,11 +56,10 @@ Result<void> MovingModel::set_motion(std::span<const Vec3> end_positions, const 
                  "or has been moved from");
   LIMBER_REQUIRE(geometry::is_rigid(start_pose) && geometry::is_rigid(end_pose),
                  "limber::MovingModel::set_motion: a pose is not rigid (see is_rigid())");
-  check_edges(*impl_->edges, model.mesh(),
-              "limber::MovingModel::set_motion: the model has another mesh than the edges");
   if (auto valid = check_update_of_all(model.mesh(), end_positions); !valid) return valid;
-  const bvh::Tree& tree = model.impl().tree;
+  const bvh::Tree& tree = Access::impl(model).tree;
   impl_->has_motion = false;
+  impl_->edges = &model.edges();
   impl_->start_pose = start_pose;
   place(model.mesh().positions(), start_pose, impl_->start);
   place(end_positions, end_pose, impl_->end);

@@ -13,7 +13,7 @@ namespace limber {
 
 struct MovingModel::Impl {
   const Model* model;
-  const MeshEdges* edges;
+  const MeshEdges* edges = nullptr;  // of the model when the motion was set
   Transform start_pose;
   std::vector<Vec3> start, end;  // positions of all vertices, in the world
   bvh::MovingTree tree;

@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "model/model_impl.h"
 
@@ -14,13 +15,13 @@ namespace {
 
 /// The tree of a moving model. Throws std::invalid_argument unless its motion is valid; function and model are named.
 const bvh::Tree& checked_tree(const MovingModel& moving, const char* function, const char* name) {
-  const MovingModel::Impl& impl = moving.impl();
+  const MovingModel::Impl& impl = Access::impl(moving);
   const bool is_valid = impl.has_motion && impl.model->is_committed() &&
-                        impl.model->impl().tree.build_id == impl.build_id &&
-                        impl.model->impl().tree.displacement == impl.displacement;
+                        Access::impl(*impl.model).tree.build_id == impl.build_id &&
+                        Access::impl(*impl.model).tree.displacement == impl.displacement;
   LIMBER_REQUIRE(is_valid,
                  (std::string(function) + ": " + name + " has no motion, or has changed since it was set").c_str());
-  return impl.model->impl().tree;
+  return Access::impl(*impl.model).tree;
 }
 
 /// Where codes of simd::ElementCandidate point to.
@@ -30,9 +31,9 @@ std::uint32_t corner_of_code(std::uint32_t code) { return code / bvh::width; }
 }  // namespace
 
 MovingPair::MovingPair(const MovingModel& a, const MovingModel& b, const char* function)
-    : models_{&a.impl(), &b.impl()},
+    : models_{&Access::impl(a), &Access::impl(b)},
       trees_{&checked_tree(a, function, &a == &b ? "the model" : "model a"), &checked_tree(b, function, "model b")},
-      triangles_{a.impl().model->mesh().triangles(), b.impl().model->mesh().triangles()} {}
+      triangles_{Access::impl(a).model->mesh().triangles(), Access::impl(b).model->mesh().triangles()} {}
 
 double MovingPair::size_of(Side s, bvh::SlotId slot) const {
   const bvh::MovingNode& boxes = node(s, bvh::node_of(slot));
@@ -51,7 +52,7 @@ MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
   std::uint64_t of_slots = 0;
   for (std::uint32_t k = 0; k < bvh::width; ++k) {
     if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) break;  // the others repeat it
-    of_slots |= (simd::OwnedElements::is_in_use | model(s).edges->represented_by(leaf.triangle[k])) << (8 * k);
+    of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*model(s).edges, leaf.triangle[k])) << (8 * k);
   }
   return {leaf, model(s).tree.leaves[i], {of_slots}};
 }

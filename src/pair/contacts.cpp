@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
@@ -128,7 +129,7 @@ CollideResult self_collide(const Model& model, const SelfQueryOptions& options) 
   const pair::PlacedPair placed = with_itself(model);
   pair::AnySelfContact collector(PairsOfOne(model.mesh(), {.filter = options.filter}));
   CollideResult result;
-  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
+  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &Access::impl(*options.cache);
   if (pair::has_self_pair(last, placed)) {
     ++result.stats.triangle_tests;
     collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
@@ -149,7 +150,7 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
   const pair::PlacedPair placed = with_itself(model);
   pair::ClosestSelfPair collector(PairsOfOne(model.mesh(), {.filter = options.filter}), errors);
   DistanceResult result;
-  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &options.cache->impl();
+  const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &Access::impl(*options.cache);
   pair::BudgetMeter meter;  // without limits
   const pair::Unsearched unsearched = pair::search_self(placed, last, collector, meter, result.stats);
   pair::set_answer(result, collector.closest, unsearched, errors);

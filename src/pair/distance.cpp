@@ -56,17 +56,17 @@ void look_inside(CollideResult& result, const Placed& a, const Placed& b, const 
 
 void look_inside(DistanceResult& result, const Placed& a, const Placed& b, const pair::PlacedPair& placed,
                  const pair::Unsearched& unsearched, BudgetMeter& meter) {
-  if (result.status == Status::collision || !may_contain(a, b, placed)) return;
-  if (result.status != Status::interrupted) {
+  if (result.status == DistanceStatus::collision || !may_contain(a, b, placed)) return;
+  if (result.status != DistanceStatus::interrupted) {
     const pair::Containment found = find_containment(a, b, unsearched, meter, result.stats);
     if (found.answer == Answer::no) return;
     if (found.answer == Answer::yes) {
-      result.lower = result.upper = 0, result.status = Status::collision, result.witness = found.witness;
+      result.lower = result.upper = 0, result.status = DistanceStatus::collision, result.witness = found.witness;
       result.stopped_by = StoppedBy::nothing;
       return;
     }
   }
-  result.lower = 0, result.status = Status::interrupted, result.stopped_by = meter.stopped_by();
+  result.lower = 0, result.status = DistanceStatus::interrupted, result.stopped_by = meter.stopped_by();
   if (result.witness) return;
   // Some pair, as of every distance that was interrupted.
   pair::ClosestPair some({}, 0);

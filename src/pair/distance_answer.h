@@ -12,10 +12,10 @@
 
 namespace limber::pair {
 
-inline Status status_of(const DistanceResult& result) {
-  if (result.upper == 0) return Status::collision;
-  if (result.stopped_by != StoppedBy::nothing) return Status::interrupted;
-  return result.lower == result.upper ? Status::exact : Status::within_error;
+inline DistanceStatus status_of(const DistanceResult& result) {
+  if (result.upper == 0) return DistanceStatus::collision;
+  if (result.stopped_by != StoppedBy::nothing) return DistanceStatus::interrupted;
+  return result.lower == result.upper ? DistanceStatus::exact : DistanceStatus::within_error;
 }
 
 /// Whether an interval is as narrow as the errors allow. One that begins at 0 is not, whatever the errors: it leaves
@@ -35,7 +35,7 @@ inline void set_answer(DistanceResult& result, const ClosestPair& collector, con
   if (is_beyond && unsearched.stopped_by == StoppedBy::nothing) {
     result.upper = std::numeric_limits<double>::infinity();
     result.lower = options.max_distance;
-    result.status = Status::beyond_limit;
+    result.status = DistanceStatus::beyond_limit;
     return;
   }
   result.upper = radii.distance(collector.upper);

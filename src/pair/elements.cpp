@@ -3,7 +3,6 @@
 
 // The public queries for pairs of elements: each checks its arguments, and searches with one collector.
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "base/arguments.h"
@@ -16,11 +15,6 @@
 
 namespace limber {
 namespace {
-
-void check_edges(const MeshEdges& edges, const Mesh& mesh, const char* function, const char* which) {
-  LIMBER_REQUIRE(edges.triangle_count() == mesh.triangles().size() && edges.vertex_count() == mesh.positions().size(),
-                 (std::string(function) + ": " + which + " must be made of the model's mesh").c_str());
-}
 
 /// The pairs of elements that a part of a search has found.
 struct ElementLists {
@@ -86,44 +80,39 @@ ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFace
 
 }  // namespace
 
-ElementPairCount visit_element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b,
-                                     const MeshEdges& edges_b, double margin, VertexFaceVisitor visit_vertex_face,
-                                     EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
+ElementPairCount visit_element_pairs(const Placed& a, const Placed& b, double margin,
+                                     VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
+                                     const ElementPairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_element_pairs");
   for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::visit_element_pairs");
   const pair::PlacedPair placed(a, b);
-  check_edges(edges_a, a.model().mesh(), "limber::visit_element_pairs", "edges_a");
-  check_edges(edges_b, b.model().mesh(), "limber::visit_element_pairs", "edges_b");
-  const ElementSearch<false> search{placed, edges_a, edges_b, margin};
+  const ElementSearch<false> search{placed, a.model().edges(), b.model().edges(), margin};
   return count_elements(search, visit_vertex_face, visit_edge_edge, options);
 }
 
-ElementPairCount element_pairs(const Placed& a, const MeshEdges& edges_a, const Placed& b, const MeshEdges& edges_b,
-                               double margin, std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
-                               const ElementPairOptions& options) {
+ElementPairCount element_pairs(const Placed& a, const Placed& b, double margin, std::span<VertexFacePair> vertex_face,
+                               std::span<EdgeEdgePair> edge_edge, const ElementPairOptions& options) {
   base::SpanFiller<VertexFacePair> fill_vertex_face(vertex_face);
   base::SpanFiller<EdgeEdgePair> fill_edge_edge(edge_edge);
-  return visit_element_pairs(a, edges_a, b, edges_b, margin, fill_vertex_face, fill_edge_edge, options);
+  return visit_element_pairs(a, b, margin, fill_vertex_face, fill_edge_edge, options);
 }
 
-ElementPairCount visit_self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                          VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
-                                          const ElementPairOptions& options) {
+ElementPairCount visit_self_element_pairs(const Model& model, double margin, VertexFaceVisitor visit_vertex_face,
+                                          EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::visit_self_element_pairs");
   const pair::PlacedPair placed(Placed{model}, Placed{model});
-  check_edges(edges, model.mesh(), "limber::visit_self_element_pairs", "edges");
+  const MeshEdges& edges = model.edges();
   const ElementSearch<true> search{placed, edges, edges, margin};
   return count_elements(search, visit_vertex_face, visit_edge_edge, options);
 }
 
-ElementPairCount self_element_pairs(const Model& model, const MeshEdges& edges, double margin,
-                                    std::span<VertexFacePair> vertex_face, std::span<EdgeEdgePair> edge_edge,
-                                    const ElementPairOptions& options) {
+ElementPairCount self_element_pairs(const Model& model, double margin, std::span<VertexFacePair> vertex_face,
+                                    std::span<EdgeEdgePair> edge_edge, const ElementPairOptions& options) {
   base::SpanFiller<VertexFacePair> fill_vertex_face(vertex_face);
   base::SpanFiller<EdgeEdgePair> fill_edge_edge(edge_edge);
-  return visit_self_element_pairs(model, edges, margin, fill_vertex_face, fill_edge_edge, options);
+  return visit_self_element_pairs(model, margin, fill_vertex_face, fill_edge_edge, options);
 }
 
 }  // namespace limber

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/rounding.h"
@@ -33,7 +34,7 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b)
                  "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
   LIMBER_REQUIRE(geometry::is_rigid(b.pose),
                  "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
-  const Model::Impl &model_a = a.model().impl(), &model_b = b.model().impl();
+  const Model::Impl &model_a = Access::impl(a.model()), &model_b = Access::impl(b.model());
   sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
   const double size = bvh::magnitude(model_a.tree, a.pose) + bvh::magnitude(model_b.tree, b.pose);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/parallel.h"
 #include "limber/distance.h"
@@ -153,7 +154,7 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
     compare(0, 0, placed, collector, pruning, stats);
     return {std::max(root_bound, pruning.cutoff())};
   }
-  QueryCache::Impl* const last = cache == nullptr ? nullptr : &cache->impl();
+  QueryCache::Impl* const last = cache == nullptr ? nullptr : &Access::impl(*cache);
   const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&
                         placed.has_triangle(Side::b, last->triangle_b);
   const bool tries_pair = has_pair && (meter.is_limited() || last->pair.is_due());
@@ -274,8 +275,8 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
 /// Notes an answer for the next query.
 inline void remember(QueryCache* cache, const Witness& witness) {
   if (cache == nullptr) return;
-  cache->impl().triangle_a = witness.triangle_a;
-  cache->impl().triangle_b = witness.triangle_b;
+  Access::impl(*cache).triangle_a = witness.triangle_a;
+  Access::impl(*cache).triangle_b = witness.triangle_b;
 }
 
 }  // namespace limber::pair

@@ -56,8 +56,8 @@ class MovingDistance {
   double speed() const { return speed_; }
   /// The error that the options allow; if they leave it open, a part of a length. As PathOptions says.
   double error_or(double part, double length) const {
-    const double wanted = options_.distance_error > 0 ? options_.distance_error : part * length;
-    return std::max({wanted, 0x1p-40 * speed_, std::numeric_limits<double>::min()});
+    return std::max(
+        {options_.distance_error.value_or(part * length), 0x1p-40 * speed_, std::numeric_limits<double>::min()});
   }
   double radii() const { return radius_of(a_) + radius_of(b_); }
 
@@ -133,7 +133,7 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
     LIMBER_ASSERT(found->lower > separation + 0.5 * error);
     const Gap gap{time, found->lower - separation};
     const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
-    const Interval around{time - reach, found->status == Status::beyond_limit ? 2 : time + reach};
+    const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? 2 : time + reach};
     if (around.begin > free) {
       ahead = around, time = free;
       continue;
@@ -241,7 +241,7 @@ void check_options(const PathOptions& options, const char* function) {
   require(options.max_time >= 0 && options.max_time <= 1, function, "max_time is not in [0, 1]");
   require(base::is_finite_and_not_negative(options.min_separation), function,
           "min_separation must be finite and at least 0");
-  require(base::is_finite_and_not_negative(options.distance_error), function,
+  require(base::is_finite_and_not_negative(options.distance_error.value_or(0)), function,
           "distance_error must be finite and at least 0");
 }
 

@@ -17,10 +17,10 @@
 namespace limber {
 
 DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                 const Transform& pose_b, const QueryBudget& budget) {
+                                 const Transform& pose_b, const DeepestVerticesOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const point::PlacedModel placed_a(a.placed(pose_a)), placed_b(b.placed(pose_b));
-  penetration::Meter meter(budget);
+  penetration::Meter meter(options.budget);
   DeepestVertices result = penetration::find_deepest(placed_a, placed_b, meter);
   result.stats = meter.stats;
   return result;
@@ -28,12 +28,12 @@ DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a
 
 SeparatingTranslation separating_translation(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
                                              const Transform& pose_b, const Vec3& direction,
-                                             const QueryBudget& budget) {
+                                             const SeparatingTranslationOptions& options) {
   const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(is_finite(direction) && max_abs(direction) > 0,
                  "limber::separating_translation: the direction must be finite, and not 0");
   const point::PlacedModel placed_a(a.placed(pose_a)), placed_b(b.placed(pose_b));
-  penetration::Meter meter(budget);
+  penetration::Meter meter(options.budget);
   penetration::Sweep sweep(placed_a, placed_b);
   SeparatingTranslation result;
   result.direction = penetration::unit(direction * (max_abs(direction) > 1 ? 0x1p-100 : 1));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/access.h"
 #include "base/error_bounds.h"
 #include "base/rounding.h"
 #include "bvh/root_bounds.h"
@@ -31,13 +32,13 @@ const Model::Impl& checked(const Placed& placed) {
                  "or has been moved from");
   LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
                  "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
-  return placed.model().impl();
+  return Access::impl(placed.model());
 }
 
 }  // namespace
 
 PlacedModel::PlacedModel(const Placed& placed)
-    : PlacedModel(checked(placed).tree, placed.model().impl().mesh, placed.pose) {}
+    : PlacedModel(checked(placed).tree, Access::impl(placed.model()).mesh, placed.pose) {}
 
 PlacedModel::PlacedModel(const bvh::Tree& tree, const MeshView& mesh, const Transform& pose)
     : tree_(&tree),

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -27,7 +28,7 @@ class ClosestSearch {
  public:
   ClosestSearch(const Scene::Impl& scene, const DistanceOptions& options, SceneCache* cache, std::size_t grain)
       : scene_(scene), options_(options), cache_(cache), grain_(grain) {
-    closest_.result.status = Status::beyond_limit;
+    closest_.result.status = DistanceStatus::beyond_limit;
     closest_.result.lower = options.max_distance;
     closest_.result.upper = std::numeric_limits<double>::infinity();
   }
@@ -85,7 +86,7 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   for (const Waiting& next : round) pairs_.push_back(next.pair);
   results_.resize(round.size());
   std::span<QueryCache* const> caches;
-  if (cache_ != nullptr) caches = cache_->impl().caches_of(pairs_);
+  if (cache_ != nullptr) caches = Access::impl(*cache_).caches_of(pairs_);
   base::parallel_for(round.size(), grain_, [&](std::size_t i) {
     DistanceOptions with_cache = options;
     with_cache.cache = caches.empty() ? nullptr : caches[i];
@@ -126,7 +127,7 @@ void ClosestSearch::ask_waiting() {
 /// in Hilbert order.
 void ClosestSearch::ask_neighbors(std::optional<ObjectPairFilter> filter) {
   if (cache_ != nullptr) {
-    const ObjectPair last = cache_->impl().closest;
+    const ObjectPair last = Access::impl(*cache_).closest;
     if (scene_.contains(last.a) && scene_.contains(last.b) && (!filter || (*filter)(last.a, last.b))) {
       ask_round({{{0, last}}});
     }
@@ -155,7 +156,7 @@ ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filt
   // There may be pairs of which nothing is known.
   if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
   ask_waiting();
-  if (cache_ != nullptr) cache_->impl().closest = closest_.objects;
+  if (cache_ != nullptr) Access::impl(*cache_).closest = closest_.objects;
   return finish();
 }
 
@@ -178,11 +179,12 @@ ClosestObjects ClosestSearch::finish() {
   LIMBER_ASSERT(is_found() == result.witness.has_value());
   if (is_found()) {
     result.lower = std::min(result.lower, result.upper);
-    if (result.upper > 0) result.status = result.lower == result.upper ? Status::exact : Status::within_error;
+    if (result.upper > 0)
+      result.status = result.lower == result.upper ? DistanceStatus::exact : DistanceStatus::within_error;
     const double most = std::max(result.lower * (1 + options_.relative_error), result.lower + options_.absolute_error);
     const bool is_interrupted = stopped_by_ != StoppedBy::nothing && result.upper > most;
     result.stopped_by = is_interrupted ? stopped_by_ : StoppedBy::nothing;
-    if (is_interrupted) result.status = Status::interrupted;
+    if (is_interrupted) result.status = DistanceStatus::interrupted;
   }
   LIMBER_ASSERT(result.lower <= result.upper);
   return closest_;

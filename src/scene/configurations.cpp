@@ -107,7 +107,7 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
       [](StoppedBy stopped_by) {
         ClosestObjects unknown;
         unknown.result.upper = std::numeric_limits<double>::infinity();
-        unknown.result.status = Status::interrupted, unknown.result.stopped_by = stopped_by;
+        unknown.result.status = DistanceStatus::interrupted, unknown.result.stopped_by = stopped_by;
         return unknown;
       });
 }

@@ -182,7 +182,8 @@ void scene::check_placed(const Placed& model, const char* function) {
   LIMBER_REQUIRE(geometry::is_rigid(model.pose), text("the pose is not rigid (see is_rigid())").c_str());
 }
 
-PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit) const {
+PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
+                                  const CandidateOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("visit_candidates");
   LIMBER_REQUIRE(scene.is_committed(),
@@ -192,8 +193,10 @@ PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisi
   const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   PairCount found;
   found.is_complete = scene.tree.visit_near(bounds, scene::margin_with_error(margin), [&](std::uint32_t rank) {
+    const ObjectId id = scene.tree.id_of(rank);
+    if (options.filter && !(*options.filter)(id)) return true;
     ++found.count;
-    return visit(scene.tree.id_of(rank));
+    return visit(id);
   });
   return found;
 }

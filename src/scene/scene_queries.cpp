@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/parallel.h"
@@ -33,7 +34,7 @@ void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, st
 template <typename Ask>
 void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, SceneCache* cache, const Ask& ask) {
   std::span<QueryCache* const> caches;
-  if (cache != nullptr) caches = cache->impl().caches_of(pairs);
+  if (cache != nullptr) caches = Access::impl(*cache).caches_of(pairs);
   base::parallel_for(pairs.size(), scene::pairs_per_task, [&](std::size_t i) {
     ask(i, scene.placed(pairs[i].a), scene.placed(pairs[i].b), caches.empty() ? nullptr : caches[i]);
   });

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene/world_bounds.h"
 
+#include "base/access.h"
 #include "bvh/reach.h"
 
 namespace limber::scene {
@@ -50,7 +51,7 @@ double farthest_node(const bvh::Tree& tree, const Vec3& point) {
 
 LocalBounds local_bounds(const Body& body) {
   const Model& model = body.model();
-  const bvh::Tree& tree = model.impl().tree;
+  const bvh::Tree& tree = Access::impl(model).tree;
   const Box box = model.bounding_box();
   const Sphere sphere = model.bounding_sphere();
   const Vec3 c = sphere.center, c_abs = abs(c);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/access.h"
 #include "base/error_bounds.h"
 #include "base/rounding.h"
 #include "limber/geometry.h"
@@ -24,7 +25,7 @@ struct ModelState {
 
 /// Pre: the model has not been moved from.
 inline ModelState state_of(const Model& model) {
-  const bvh::Tree& tree = model.impl().tree;
+  const bvh::Tree& tree = Access::impl(model).tree;
   return {tree.build_id, tree.displacement, tree.slack};
 }
 

@@ -18,7 +18,7 @@ struct SelfPair {
   const bvh::Leaf &a, &b;
 };
 
-/// The elements that the triangles of a leaf own: those that they represent (MeshEdges::represented_by()). A byte for
+/// The elements that the triangles of a leaf own: those that they represent (Access::represented_by()). A byte for
 /// each slot: bit k is the vertex of corner k, bit 3 + k the edge from corner k to the next. A slot that is not in use
 /// owns nothing.
 struct OwnedElements {

@@ -19,18 +19,18 @@ const Vec3 up{0, 0, 1};
 /// What an exact query says of a point at `place` above the plane z == 0.
 DistanceResult above_plane(const Vec3& place) {
   const Witness witness{{place.x, place.y, 0}, place};
-  if (place.z <= 0) return {0, 0, Status::collision, Witness{place, place}};
-  return {place.z, place.z, Status::exact, witness};
+  if (place.z <= 0) return {0, 0, DistanceStatus::collision, Witness{place, place}};
+  return {place.z, place.z, DistanceStatus::exact, witness};
 }
 
 DistanceResult interrupted(double lower, const Vec3& tissue, const Vec3& tool) {
-  return {lower, length(tool - tissue), Status::interrupted, Witness{tissue, tool}};
+  return {lower, length(tool - tissue), DistanceStatus::interrupted, Witness{tissue, tool}};
 }
 
 constexpr double retreat_mm = 0.075;
 
 DistanceResult far_away(double lower) {
-  return {lower, std::numeric_limits<double>::infinity(), Status::beyond_limit, std::nullopt};
+  return {lower, std::numeric_limits<double>::infinity(), DistanceStatus::beyond_limit, std::nullopt};
 }
 
 /// Where the proxy comes to rest.
@@ -70,7 +70,7 @@ TEST(Proxy, TakesNoStepThatIsNotCertifiedExceptBack) {
     if (length(apart) < lower) continue;
     const bool is_interrupted = i % 2 == 0;
     DistanceResult found = interrupted(lower, before - apart, before);
-    if (!is_interrupted) found.status = Status::within_error;
+    if (!is_interrupted) found.status = DistanceStatus::within_error;
     proxy.follow(device, found);
     const Vec3 step = proxy.place() - before, away = apart * (1 / length(apart));
     if (length(step) > lower / 2 + 1e-12) {
@@ -95,7 +95,7 @@ TEST(Proxy, GoesBackTheKnownWayWhereNothingIsCertified) {
   proxy.follow(device, interrupted(0, before + Vec3{0, 0.5, 0}, before));
   EXPECT_NEAR(length(proxy.place() - before - retreat_mm * up), 0, 1e-12);
   before = proxy.place();
-  const Vec3 force = proxy.follow(device, {0, 0, Status::collision, Witness{before, before}});
+  const Vec3 force = proxy.follow(device, {0, 0, DistanceStatus::collision, Witness{before, before}});
   EXPECT_NEAR(length(proxy.place() - before - retreat_mm * up), 0, 1e-12);
   EXPECT_NEAR(length(force - stiffness_n_per_mm * (proxy.place() - device)), 0, 1e-12);
 }
@@ -108,7 +108,7 @@ TEST(Proxy, IsNotCaughtByTissueThatComesUp) {
     height += 0.02;
     const Vec3 over{0, 0, height};
     DistanceResult found = above_plane(proxy.place() - over);
-    ASSERT_NE(found.status, Status::collision) << tick;
+    ASSERT_NE(found.status, DistanceStatus::collision) << tick;
     found.witness->point_a += over;
     found.witness->point_b += over;
     proxy.follow({50, 0, -1}, found);  // a device that has run far ahead

@@ -47,7 +47,7 @@ TEST(HapticScene, GivesForcesOnlyInContactAndNeverMeets) {
     const double truth = distance({scene.tissue()}, {scene.tool(), tool_pose}).upper;
     EXPECT_LE(sample.lower, truth * (1 + 1e-6));
     EXPECT_GE(sample.upper, truth * (1 - 1e-6));
-    ASSERT_NE(sample.status, Status::collision) << n;
+    ASSERT_NE(sample.status, DistanceStatus::collision) << n;
     const Vec3 tip = tip_at(device);
     const double height = tip.z - resting_height(tip.x, tip.y);
     if (height > 1.5) {
@@ -72,9 +72,9 @@ TEST(HapticScene, DeformsTissueByTheNumberOfTheTickAlone) {
   for (std::uint64_t n = 500; n < 800; ++n) {
     TickSample sample;
     scene.tick(n, sample);
-    EXPECT_NE(sample.status, Status::interrupted);
+    EXPECT_NE(sample.status, DistanceStatus::interrupted);
     hurried.tick(n, sample);
-    if (sample.status == Status::interrupted) ++interrupted;
+    if (sample.status == DistanceStatus::interrupted) ++interrupted;
   }
   EXPECT_GT(interrupted, 50U);
   EXPECT_EQ(scene.tissue().mesh().positions(), hurried.tissue().mesh().positions());

@@ -138,7 +138,7 @@ void check(const Model& model_a, const Transform& pose_a, const Model& model_b, 
   const DistanceResult found = distance(a, b, {.cache = cache});
   const Truth truth = truth_of(model_a.mesh(), pose_a, model_b.mesh(), pose_b, &found.witness.value());
   const bool meets = truth.squared == 0;
-  ASSERT_EQ(found.status, meets ? Status::collision : Status::exact);
+  ASSERT_EQ(found.status, meets ? DistanceStatus::collision : DistanceStatus::exact);
   ASSERT_EQ(found.upper == 0, meets);
   ASSERT_EQ(found.lower, found.upper);
   ASSERT_TRUE(exact::is_at_most(found.upper, truth.squared, truth.tolerance)) << found.upper;
@@ -147,8 +147,8 @@ void check(const Model& model_a, const Transform& pose_a, const Model& model_b, 
   ASSERT_EQ(within(a, b, 0).is_yes(), meets);
   // The models are within the distance that the query has returned.
   ASSERT_TRUE(within(a, b, found.upper).is_yes());
-  ASSERT_NE(distance(a, b, {.max_distance = found.upper}).status, Status::beyond_limit);
-  ASSERT_NE(distance(b, a, {.max_distance = found.upper + truth.tolerance}).status, Status::beyond_limit);
+  ASSERT_NE(distance(a, b, {.max_distance = found.upper}).status, DistanceStatus::beyond_limit);
+  ASSERT_NE(distance(b, a, {.max_distance = found.upper + truth.tolerance}).status, DistanceStatus::beyond_limit);
 
   const double error = rng.uniform(0, 1);
   const DistanceResult rough = distance(a, b, {.relative_error = error});

@@ -42,7 +42,7 @@ TEST(ContactLists, OfBoxesInFaceContactLieInTheCommonRectangleOnceEach) {
     EXPECT_LE(std::abs(c.point_a.x - 0.3), 0.25 + 1e-15);
     EXPECT_LE(std::abs(c.point_a.y + 0.2), 0.25 + 1e-15);
   }
-  const std::size_t kept = reduce_contacts(found, {.radius = 2, .max_angle = 3.14, .max_points = 4});
+  const std::size_t kept = reduce_contacts(found, 2, {.max_angle = 3.14, .max_points = 4});
   EXPECT_LE(kept, 4U);
   EXPECT_GE(kept, 1U);
 }
@@ -76,10 +76,10 @@ TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
     const double exact_gap = b.pose.translation.z - 1;
     EXPECT_EQ(within(a, b, 1).is_yes(), exact_gap <= 1) << gap;
     EXPECT_EQ(contacts(a, b, 1, {}).count > 0, exact_gap <= 1) << gap;
-    EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == Status::exact, exact_gap <= 1) << gap;
+    EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == DistanceStatus::exact, exact_gap <= 1) << gap;
     expect_pairs_of_brute_force(a, b, 1);
     limber::Scene scene;
-    scene.add(a), scene.add(b);
+    for (const Placed& object : {a, b}) static_cast<void>(scene.add(object));
     scene.commit();
     if (exact_gap <= 1) {
       EXPECT_EQ(scene.candidate_pairs(1, {}).count, 1U) << gap;
@@ -194,10 +194,9 @@ TEST(ContactLists, HaveOneVertexWithAsManyFacesAsAreNear) {
     walls.push_back({m + r.row1, m - 0.5 * r.row1 + r.row2, m - 0.5 * r.row1 - r.row2});
   }
   const Model around(triangles_of(walls)), body(triangles_of({{{0, 0, 0}, {0, 0, 50}, {0, 1, 50}}}));
-  const MeshEdges edges_around(around.mesh()), edges_of_body(body.mesh());
   std::set<TriangleId> faces;
   visit_element_pairs(
-      {around}, edges_around, {body}, edges_of_body, 0.011,
+      {around}, {body}, 0.011,
       [&](const VertexFacePair& p) {
         if (!p.is_vertex_of_b || p.vertex != 0) return true;
         EXPECT_NEAR(p.distance, 0.01, 1e-15);

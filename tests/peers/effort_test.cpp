@@ -34,7 +34,7 @@ TEST(Effort, NeitherQueriesNorDeformationTouchTheHeap) {
     EXPECT_EQ(allocation_count(), before_commit);
 #endif
     const Placed a{floor}, b{body, at(0.1, 0.2, 0.9)};
-    EXPECT_EQ(distance(a, b).status, Status::collision);
+    EXPECT_EQ(distance(a, b).status, DistanceStatus::collision);
     EXPECT_GT(contacts(a, b, 0.01, found).count, 0U);
     distance(a, {body, at(0, 0, 2)}), closest_point(b, {1, 2, 3}), self_contacts(body, 1e-3, found);
   };

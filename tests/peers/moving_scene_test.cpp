@@ -28,7 +28,7 @@ TEST(MovingScene, FindsABodyThatHasStretchedIntoAnother) {
   const Model fixed(box({0.5, 0.5, 0.5}));
   limber::Scene scene;
   const ObjectId id = scene.add({stretching});
-  scene.add({fixed, at(4)});
+  static_cast<void>(scene.add({fixed, at(4)}));
   scene.commit();
   EXPECT_EQ(distance_in(scene, 1), HUGE_VAL);
   for (const double length : {1.0, 2.0, 3.0, 3.5, 4.0, 0.5}) {
@@ -48,7 +48,7 @@ TEST(MovingScene, FindsABodyThatHasStretchedIntoAnother) {
 TEST(MovingScene, KnowsAPoseAsSoonAsItIsCommittedAndIsSilentBefore) {
   const Model cube(box({0.5, 0.5, 0.5}));
   limber::Scene scene;
-  scene.add({cube});
+  static_cast<void>(scene.add({cube}));
   const ObjectId moving = scene.add({cube, at(50)});
   scene.commit();
   for (int i = 0; i < 100; ++i) {
@@ -72,7 +72,7 @@ TEST(MovingScene, TakesOverABodyThatHasBecomeAnother) {
   const Model fixed(scenes::ball(16, 8));
   limber::Scene scene;
   SceneCache cache;
-  scene.add({changing}), scene.add({fixed, at(5)});
+  static_cast<void>(scene.add({changing})), static_cast<void>(scene.add({fixed, at(5)}));
   scene.commit();
   EXPECT_NEAR(scene.closest_objects({.cache = &cache}).result.upper, 3.5, 1e-14);
   changing.reset(scenes::grid(30, 3, 0, -0.5, 0.1, 0.5));

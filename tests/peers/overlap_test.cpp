@@ -61,8 +61,9 @@ TEST(Overlap, IsDistanceZeroWithAStatusOfItsOwnAndOneSharedPoint) {
   for (const double depth : {0x1p-52, 1e-12, 1e-6, 0.01, 0.5, 1.0, 1.5, 2.0}) {
     const Placed here{a}, there{b, at(2 - depth, 0.3, 0.1)};
     EXPECT_EQ(agreed_distance(here, there, 1e-14), 0) << depth;
-    EXPECT_EQ(distance(here, there, {.relative_error = 1, .absolute_error = 5}).status, Status::collision) << depth;
-    EXPECT_EQ(distance(here, there, {.max_distance = 0}).status, Status::collision) << depth;
+    EXPECT_EQ(distance(here, there, {.relative_error = 1, .absolute_error = 5}).status, DistanceStatus::collision)
+        << depth;
+    EXPECT_EQ(distance(here, there, {.max_distance = 0}).status, DistanceStatus::collision) << depth;
   }
   // No error that is asked for hides a contact, however few triangles meet.
   const Model ring(scenes::ring(24, 12, 0.3));

@@ -111,7 +111,7 @@ inline double agreed_distance(const Placed& a, const Placed& b, double tolerance
     EXPECT_EQ(result.lower, result.upper);
     EXPECT_NEAR(result.upper, truth, tolerance);
     EXPECT_EQ(result.upper == 0, meet);
-    EXPECT_EQ(result.status, meet ? Status::collision : Status::exact);
+    EXPECT_EQ(result.status, meet ? DistanceStatus::collision : DistanceStatus::exact);
   }
   expect_witness(a, b, found.witness.value(), found.upper, tolerance);
   expect_witness(b, a, swapped.witness.value(), swapped.upper, tolerance);

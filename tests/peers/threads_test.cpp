@@ -70,7 +70,7 @@ TEST(Threads, MayDeformAndAskAboutModelsOfTheirOwn) {
     Model body(rest);
     const Model other(box({0.5, 0.5, 0.5}));
     limber::Scene scene;
-    scene.add({body}), scene.add({other, at(1.2)});
+    static_cast<void>(scene.add({body})), static_cast<void>(scene.add({other, at(1.2)}));
     double sum = 0;
     for (int frame = 0; frame < 15; ++frame) {
       std::vector<Vec3> positions = rest.positions();

@@ -171,7 +171,7 @@ std::uint32_t id_of(const MovingSoup& soup, std::uint32_t triangle, const std::s
   if (feature == "face") return triangle;
   const auto index = static_cast<std::size_t>(feature.back() - '0');
   return feature.starts_with("vertex") ? soup.mesh.triangles()[triangle][index]
-                                       : MeshEdges(soup.mesh).of_triangles()[triangle][index];
+                                       : Model(soup.mesh).edges().of_triangles()[triangle][index];
 }
 
 ElementPair elements_of(const nlohmann::json& touch, const MovingSoup& a, const MovingSoup& b) {

@@ -53,6 +53,9 @@ TEST(ProgramPaths, TellHowNearModelsCome) {
   EXPECT_LE(distance["lower"].get<double>(), 1.5);
   EXPECT_NEAR(distance["lower"].get<double>(), 1.5, 1e-6);
   EXPECT_NE(answer_to("distance" + path).find("\npath time 1\n"), std::string::npos);
+  const nlohmann::json exact = json_of("distance --absolute-error 0" + path);
+  EXPECT_EQ(exact["upper"], 1.5);
+  EXPECT_NEAR(exact["lower"].get<double>(), 1.5, 1e-11);
   const nlohmann::json rough = json_of("distance --absolute-error 0.5" + path);
   EXPECT_LE(rough["lower"].get<double>(), 1.5);
   EXPECT_GE(rough["upper"].get<double>(), 1.5);

@@ -72,9 +72,8 @@ TEST(Displacements, KeepElementsApart) {
     std::vector<double> of_a = wanted(s.mesh_a), of_b = b_moves ? wanted(s.mesh_b) : std::vector<double>();
     const std::vector<double> wished = of_a;
     const Model a(s.mesh_a), b(s.mesh_b);
-    const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
-    limit_self_displacements(a, edges_a, separation, of_a);
-    limit_displacements({a, s.pose_a}, edges_a, {b, s.pose_b}, edges_b, separation, of_a, of_b);
+    limit_self_displacements(a, separation, of_a);
+    limit_displacements({a, s.pose_a}, {b, s.pose_b}, separation, of_a, of_b);
     for (std::size_t v = 0; v < of_a.size(); ++v) {
       EXPECT_TRUE(0 <= of_a[v] && of_a[v] <= wished[v]);
       ++(of_a[v] < wished[v] ? limited : free);
@@ -94,10 +93,9 @@ TEST(Displacements, KeepElementsApart) {
 TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
   const Model low(scenes::grid(1, 1, 0, 0, 1, 1));
   const Model high(mapped(low.mesh(), [](const Vec3& p) { return p + Vec3{0, 0, 1}; }));
-  const MeshEdges edges(low.mesh());
   const auto limited = [&](double of_low, double of_high) {
     std::vector<double> a(4, of_low), b(4, of_high);
-    limit_displacements({low}, edges, {high}, edges, 0.25, a, b);
+    limit_displacements({low}, {high}, 0.25, a, b);
     return std::pair(a[0], b[0]);
   };
   const auto expect_near = [](const std::pair<double, double>& found, double a, double b) {
@@ -111,26 +109,24 @@ TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
   expect_near(limited(0.125, 2), 0.125, 0.625);
   expect_near(limited(0.25, 0.5), 0.25, 0.5);
   std::vector<double> alone(4, 2.0);
-  limit_displacements({low}, edges, {high}, edges, 0.25, alone);
+  limit_displacements({low}, {high}, 0.25, alone);
   EXPECT_NEAR(alone[3], 0.75, 1e-10);
-  limit_displacements({low}, edges, {high}, edges, 1.5, alone);
+  limit_displacements({low}, {high}, 1.5, alone);
   EXPECT_EQ(alone, std::vector<double>(4));
 }
 
 TEST(Displacements, MistakesAreRefused) {
   const Model model(scenes::grid(1, 1, 0, 0, 1, 1));
-  const MeshEdges edges(model.mesh());
   std::vector<double> good(4, 1.0), few(3), bad(4, -1.0), infinite(4, std::numeric_limits<double>::infinity());
   for (auto* wrong : {&few, &bad, &infinite}) {
-    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, edges, 0, *wrong); },
+    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, 0, *wrong); },
                            {"limber::limit_self_displacements", "displacement"}));
-    EXPECT_TRUE(is_refused([&] { limit_displacements({model}, edges, {model}, edges, 0, good, *wrong); },
+    EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, 0, good, *wrong); },
                            {"limber::limit_displacements", "displacement"}));
   }
   for (const double separation : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
-    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, edges, separation, good); }, {"separation"}));
-    EXPECT_TRUE(
-        is_refused([&] { limit_displacements({model}, edges, {model}, edges, separation, good); }, {"separation"}));
+    EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, separation, good); }, {"separation"}));
+    EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, separation, good); }, {"separation"}));
   }
 }
 

@@ -119,18 +119,11 @@ MovingScene arbitrary_moving_scene(Rng& rng) {
 /// The queries of two models, or of one with itself.
 struct ImpactQueries {
   Model model_a, model_b;
-  MeshEdges edges_a, edges_b;
   MovingModel a, b;
   bool is_self;
 
   ImpactQueries(const MovingScene& s, bool self)
-      : model_a(s.mesh_a),
-        model_b(s.mesh_b),
-        edges_a(s.mesh_a),
-        edges_b(s.mesh_b),
-        a(model_a, edges_a),
-        b(model_b, edges_b),
-        is_self(self) {
+      : model_a(s.mesh_a), model_b(s.mesh_b), a(model_a), b(model_b), is_self(self) {
     a.set_motion(s.end_a, s.start_pose_a, s.end_pose_a).value();
     b.set_motion(s.end_b, s.start_pose_b, s.end_pose_b).value();
   }
@@ -140,7 +133,7 @@ struct ImpactQueries {
   std::vector<Impact> all(const ImpactOptions& options) const {
     std::vector<Impact> found;
     const auto visit = [&](const Impact& i) { return found.push_back(i), true; };
-    const ImpactCount count = is_self ? visit_self_impacts(a, options, visit) : visit_impacts(a, b, options, visit);
+    const PairCount count = is_self ? visit_self_impacts(a, visit, options) : visit_impacts(a, b, visit, options);
     EXPECT_EQ(count.count, found.size());
     EXPECT_TRUE(count.is_complete);
     return found;
@@ -278,8 +271,8 @@ void check_separation(const MovingScene& s, const ImpactQueries& queries, double
 void check_candidates(const MovingScene& s, const ImpactQueries& queries, const std::vector<Impact>& truth) {
   std::vector<Impact> found;
   const auto visit = [&](const ElementPair& pair) { return found.push_back({pair, {}}), true; };
-  const ImpactCount count = queries.is_self ? visit_self_impact_candidates(queries.a, s.options, visit)
-                                            : visit_impact_candidates(queries.a, queries.b, s.options, visit);
+  const PairCount count = queries.is_self ? visit_self_impact_candidates(queries.a, visit, s.options)
+                                          : visit_impact_candidates(queries.a, queries.b, visit, s.options);
   EXPECT_EQ(count.count, found.size());
   const std::vector<Impact> sorted = in_order(found), expected = in_order(truth);
   const auto by_ids = [](const Impact& p, const Impact& q) { return ids_of(p) < ids_of(q); };

@@ -189,10 +189,8 @@ struct Totals {
 
 void check_elements(const Scene& s, double margin, Totals& totals) {
   const Model model_a(s.mesh_a), model_b(s.mesh_b);
-  const MeshEdges edges_a(s.mesh_a), edges_b(s.mesh_b);
   const ElementPairs found = visited_elements([&](VertexFaceVisitor vertex_face, EdgeEdgeVisitor edge_edge) {
-    return visit_element_pairs({model_a, s.pose_a}, edges_a, {model_b, s.pose_b}, edges_b, margin, vertex_face,
-                               edge_edge);
+    return visit_element_pairs({model_a, s.pose_a}, {model_b, s.pose_b}, margin, vertex_face, edge_edge);
   });
   expect_same(found, reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, margin), margin, s.tolerance);
   totals.add(found);
@@ -260,9 +258,9 @@ TEST(ElementsProperty, AreThoseOfBruteForceNextToSliversOfAnyHeight) {
 
 // --- one model with itself ---
 
-void check_self_elements(const Model& model, const MeshEdges& edges, double margin, Totals& totals) {
+void check_self_elements(const Model& model, double margin, Totals& totals) {
   const ElementPairs found = visited_elements([&](VertexFaceVisitor vertex_face, EdgeEdgeVisitor edge_edge) {
-    return visit_self_element_pairs(model, edges, margin, vertex_face, edge_edge);
+    return visit_self_element_pairs(model, margin, vertex_face, edge_edge);
   });
   expect_same(found, reference::self_element_pairs(model.mesh(), margin), margin, 1e-14 * extent_of(model.mesh()));
   totals.add(found);
@@ -297,11 +295,11 @@ void check_self_collision(const Model& model, Totals& totals) {
 }
 
 /// All self-queries of a model against brute force.
-void check_self(const Model& model, const MeshEdges& edges, Rng& rng, Totals& totals) {
+void check_self(const Model& model, Rng& rng, Totals& totals) {
   const MeshView mesh = model.mesh();
   const double size = extent_of(model.mesh()), rounding = 1e-14 * size, margin = some_margin(rng, size);
   check_self_collision(model, totals);
-  check_self_elements(model, edges, margin, totals);
+  check_self_elements(model, margin, totals);
   const auto contacts =
       visited<Contact>([&](ContactVisitor visit) { return visit_self_contacts(model, margin, visit); });
   expect_same(contacts, reference::self_contacts(mesh, margin + rounding), margin, rounding);
@@ -316,7 +314,7 @@ void check_self(const Model& model, const MeshEdges& edges, Rng& rng, Totals& to
   const double least = brute_force_self_distance(mesh);
   const double relative_error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
   const DistanceResult distance = self_distance(model, {.relative_error = relative_error});
-  EXPECT_EQ(distance.status == Status::beyond_limit, std::isinf(least));
+  EXPECT_EQ(distance.status == DistanceStatus::beyond_limit, std::isinf(least));
   if (std::isinf(least)) return;
   EXPECT_EQ(distance.upper == 0, least == 0);
   EXPECT_LE(distance.lower, least + rounding);
@@ -330,7 +328,7 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceInRandomMeshes) {
   for (int i = 0; i < 80 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
     const Mesh mesh = crumpled(rng);
-    check_self(Model(mesh), MeshEdges(mesh), rng, totals);
+    check_self(Model(mesh), rng, totals);
   }
   totals.expect_many();
   EXPECT_GT(totals.touching, 100U);
@@ -344,13 +342,12 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceWhileModelsDeform) {
     const RebuildPolicy policy = rng.below(2) == 0 ? RebuildPolicy::off : RebuildPolicy::in_commit;
     const double margin = rng.below(2) == 0 ? 0.05 : 0.002;
     Model model(crumpled(rng), {.motion_margin = margin, .rebuild_policy = policy});
-    const MeshEdges edges(model.mesh());
     const double size = extent_of(model.mesh());
     for (int step = 0; step < 6 && !HasFailure(); ++step) {
       const double length = size * std::pow(10.0, rng.uniform(-4, -0.5));
       deform(model, [&](const Vec3& p) { return rng.below(1 + step % 3) == 0 ? p + length * uniform_point(rng) : p; });
       if (step == 4) model.rebuild();
-      check_self(model, edges, rng, totals);
+      check_self(model, rng, totals);
     }
   }
   totals.expect_many();
@@ -359,7 +356,7 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceWhileModelsDeform) {
 TEST(SelfContactsProperty, AreThoseOfBruteForceOnARealMesh) {
   const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
   Totals totals;
-  check_self_elements(Model(mesh), MeshEdges(mesh), 0.01 * extent_of(mesh), totals);
+  check_self_elements(Model(mesh), 0.01 * extent_of(mesh), totals);
   EXPECT_GT(totals.vertex_face, 100U);
   EXPECT_GT(totals.edge_edge, 500U);
 }
@@ -375,7 +372,7 @@ TEST(Fans, MeetThemselvesWhereBruteForceSaysSo) {
     check_self_collision(model, totals);
     const double size = model.bounding_sphere().radius;
     const double margin = rng.below(4) == 0 ? 0 : size * std::ldexp(1.0, -4 - static_cast<int>(rng.below(20)));
-    if (i < 100) check_self_elements(model, MeshEdges(mesh), margin, totals);
+    if (i < 100) check_self_elements(model, margin, totals);
   }
   EXPECT_GT(totals.intersecting, 1000U);
   EXPECT_GT(totals.vertex_face + totals.edge_edge, 10000U);

@@ -79,9 +79,8 @@ RC_GTEST_PROP(Primitives, PointsAndEdgesHaveWeights, (std::uint64_t seed)) {
     require_distance(found.distance, exact::squared_distance({p, p, p}, b), tolerance);
     require_weights(found.barycentric[0], found.barycentric[1], found.barycentric[2]);
   }
-  const MeshEdges edges_a(model_a.mesh()), edges_b(model_b.mesh());
   const ElementPairCount count = visit_element_pairs(
-      {model_a}, edges_a, {model_b}, edges_b, 0x1p210,
+      {model_a}, {model_b}, 0x1p210,
       [](const VertexFacePair& pair) { return require_weights(pair.weights.x, pair.weights.y, pair.weights.z), true; },
       [](const EdgeEdgePair& pair) {
         RC_ASSERT(pair.parameter_a >= 0 && pair.parameter_a <= 1);

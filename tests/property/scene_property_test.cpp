@@ -136,7 +136,7 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
     }
     const ClosestObjects found = c.scene.closest_objects({.cache = c.rng.below(2) == 0 ? &cache : nullptr});
     if (std::isinf(closest)) {
-      RC_ASSERT(found.result.status == Status::beyond_limit);
+      RC_ASSERT(found.result.status == DistanceStatus::beyond_limit);
       continue;
     }
     RC_ASSERT((found.result.upper == 0) == (closest == 0));
@@ -183,7 +183,7 @@ RC_GTEST_PROP(Scenes, AnswerManyConfigurationsAsBruteForce, (std::uint64_t seed)
     const ObjectPair named = closest[k].objects;
     const bool is_left_out = named.a != no_id && !counts(named.a, named.b);
     RC_ASSERT(!is_left_out);
-    RC_ASSERT(std::isinf(truth) == (closest[k].result.status == Status::beyond_limit));
+    RC_ASSERT(std::isinf(truth) == (closest[k].result.status == DistanceStatus::beyond_limit));
     RC_ASSERT(std::isinf(truth) || std::abs(closest[k].result.upper - truth) <= 1e-13 * (c.size() + truth));
   }
 }

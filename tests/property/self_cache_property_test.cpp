@@ -63,7 +63,9 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
   const DistanceResult exact = self_distance(model, {.filter = filter, .cache = &cache});
   ASSERT_EQ(exact.upper, least);
   ASSERT_EQ(self_distance(model, {.filter = filter}).upper, least);
-  ASSERT_EQ(exact.status, std::isinf(least) ? Status::beyond_limit : least == 0 ? Status::collision : Status::exact);
+  ASSERT_EQ(exact.status, std::isinf(least) ? DistanceStatus::beyond_limit
+                          : least == 0      ? DistanceStatus::collision
+                                            : DistanceStatus::exact);
   if (!std::isinf(least)) {
     ASSERT_EQ(exact.lower, least);
     expect_attains(model, exact);
@@ -85,7 +87,7 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
   for (const double max_distance : {limit, std::isinf(least) ? 1 : least}) {
     const DistanceResult limited =
         self_distance(model, {.max_distance = max_distance, .filter = filter, .cache = &cache});
-    ASSERT_EQ(limited.status == Status::beyond_limit, least > max_distance);
+    ASSERT_EQ(limited.status == DistanceStatus::beyond_limit, least > max_distance);
     if (least <= max_distance) {
       ASSERT_EQ(limited.upper, least);
     }

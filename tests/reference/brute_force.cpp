@@ -51,12 +51,12 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
     }
   }
   result.lower = result.upper;
-  result.status = result.upper == 0 ? Status::collision : Status::exact;
+  result.status = result.upper == 0 ? DistanceStatus::collision : DistanceStatus::exact;
   if (result.upper > options.max_distance) {
     result.lower = options.max_distance;
     result.upper = infinity;
     result.witness.reset();
-    result.status = Status::beyond_limit;
+    result.status = DistanceStatus::beyond_limit;
   }
   return result;
 }
@@ -67,7 +67,7 @@ CollideResult within(const Placed& a, const Placed& b, double max_distance) {
   CollideResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;
-  result.answer = closest.status != Status::beyond_limit ? Answer::yes : Answer::no;
+  result.answer = closest.status != DistanceStatus::beyond_limit ? Answer::yes : Answer::no;
   result.witness = closest.witness;
   return result;
 }

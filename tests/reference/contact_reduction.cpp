@@ -37,9 +37,9 @@ Vec3 radii_between(const Placing& p, const Placing& q, double radius) {
   return {v.x / radius, v.y / radius, v.z / radius};
 }
 
-bool belongs_to(const Placing& p, const Placing& first, const ReductionOptions& options) {
-  const double chord = 2 * std::sin(options.max_angle / 2);
-  return length_sq(radii_between(first, p, options.radius)) <= 1 &&
+bool belongs_to(const Placing& p, const Placing& first, double radius, double max_angle) {
+  const double chord = 2 * std::sin(max_angle / 2);
+  return length_sq(radii_between(first, p, radius)) <= 1 &&
          length_sq(p.contact.normal - first.contact.normal) <= chord * chord;
 }
 
@@ -52,15 +52,16 @@ double seen_apart_sq(const Placing& p, const Placing& q, const Placing& first, d
   return length_sq(flat(p) - flat(q));
 }
 
-void append_manifold(const std::vector<Placing>& patch, const ReductionOptions& options, std::vector<Contact>& kept) {
+void append_manifold(const std::vector<Placing>& patch, double radius, std::size_t max_points,
+                     std::vector<Contact>& kept) {
   std::vector<Placing> manifold{patch.front()};
-  while (manifold.size() < options.max_points) {
+  while (manifold.size() < max_points) {
     const Placing* farthest = nullptr;
     double most = 0.25 * 0.25;
     for (const Placing& p : patch) {
-      double least = seen_apart_sq(p, manifold.front(), patch.front(), options.radius);
+      double least = seen_apart_sq(p, manifold.front(), patch.front(), radius);
       for (const Placing& q : manifold) {
-        least = std::min(least, seen_apart_sq(p, q, patch.front(), options.radius));
+        least = std::min(least, seen_apart_sq(p, q, patch.front(), radius));
       }
       if (least > most) most = least, farthest = &p;
     }
@@ -72,15 +73,17 @@ void append_manifold(const std::vector<Placing>& patch, const ReductionOptions& 
 
 }  // namespace
 
-std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options) {
+std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, double radius,
+                                      const ReductionOptions& options) {
   const base::DefaultFloatEnvironment environment;
   std::vector<Placing> sorted;
   for (const Contact& c : contacts) sorted.push_back(placing_of(c));
   std::sort(sorted.begin(), sorted.end(), comes_before);
   std::vector<std::vector<Placing>> patches;
   for (const Placing& p : sorted) {
-    const auto joined = std::find_if(patches.begin(), patches.end(),
-                                     [&](const std::vector<Placing>& r) { return belongs_to(p, r.front(), options); });
+    const auto joined = std::find_if(patches.begin(), patches.end(), [&](const std::vector<Placing>& r) {
+      return belongs_to(p, r.front(), radius, options.max_angle);
+    });
     if (joined == patches.end()) {
       patches.push_back({p});
     } else {
@@ -88,7 +91,7 @@ std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const R
     }
   }
   std::vector<Contact> kept;
-  for (const std::vector<Placing>& patch : patches) append_manifold(patch, options, kept);
+  for (const std::vector<Placing>& patch : patches) append_manifold(patch, radius, options.max_points, kept);
   return kept;
 }
 

@@ -24,7 +24,7 @@ ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOp
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::reference::closest_objects");
   ClosestObjects closest;
-  closest.result.status = Status::beyond_limit;
+  closest.result.status = DistanceStatus::beyond_limit;
   closest.result.lower = options.max_distance;
   closest.result.upper = std::numeric_limits<double>::infinity();
   for (ObjectId a = 0; a < objects.size(); ++a) {

@@ -69,7 +69,8 @@ std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges);
 ///
 /// Pre      The options and the contacts are what reduce_contacts() takes.
 /// Cost     O(n^2).
-std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, const ReductionOptions& options);
+std::vector<Contact> reduced_contacts(std::span<const Contact> contacts, double radius,
+                                      const ReductionOptions& options);
 
 /// Pairs of elements, as elements.h says.
 struct ElementPairs {

@@ -45,8 +45,9 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
   const double distance = truth.distance, tolerance = truth.tolerance;
   if (r.lower > distance + tolerance || r.upper < distance - tolerance)
     return "the interval does not hold the distance";
-  if ((r.status == Status::interrupted) != (r.stopped_by != StoppedBy::nothing)) return "interrupted by nothing";
-  if (r.witness.has_value() != (r.status != Status::beyond_limit))
+  if ((r.status == DistanceStatus::interrupted) != (r.stopped_by != StoppedBy::nothing))
+    return "interrupted by nothing";
+  if (r.witness.has_value() != (r.status != DistanceStatus::beyond_limit))
     return "a witness is missing, or there without reason";
   if (!r.witness) {
     const bool is_beyond = distance > asked.max_distance - (asked.max_distance == 0 ? 0 : tolerance);
@@ -54,9 +55,10 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
     return is_beyond && is_said ? "" : "it is not beyond the limit";
   }
   if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, tolerance); !wrong.empty()) return wrong;
-  if (r.status == Status::interrupted) return "";
+  if (r.status == DistanceStatus::interrupted) return "";
   const bool meets = distance == 0;
-  if ((r.upper == 0) != meets || (r.status == Status::collision) != meets) return "whether the models meet is wrong";
+  if ((r.upper == 0) != meets || (r.status == DistanceStatus::collision) != meets)
+    return "whether the models meet is wrong";
   if (distance > asked.max_distance + tolerance) return "it is beyond the limit";
   const double most = std::max(distance * (1 + asked.relative_error), distance + asked.absolute_error);
   if (r.upper > most + tolerance) return "the error is too large";

@@ -38,7 +38,7 @@ TEST(Budget, WithoutLimitsChangesNothing) {
   const DistanceResult plain = distance(s.a, s.b), budgeted = distance(s.a, s.b, {.budget = {}});
   EXPECT_EQ(budgeted.upper, plain.upper);
   EXPECT_EQ(budgeted.lower, plain.lower);
-  EXPECT_EQ(budgeted.status, Status::exact);
+  EXPECT_EQ(budgeted.status, DistanceStatus::exact);
   EXPECT_EQ(budgeted.stopped_by, StoppedBy::nothing);
   EXPECT_EQ(budgeted.stats.node_tests, plain.stats.node_tests);
 }
@@ -50,7 +50,7 @@ TEST(Budget, OfStepsGivesIntervalsThatHoldTheDistance) {
     const DistanceOptions options{.budget = {.max_steps = steps}};
     const DistanceResult found = distance(s.a, s.b, options);
     ASSERT_EQ(wrong_answer(found, options, s.a, s.b, {s.truth, 1e-15}), "") << steps;
-    const bool is_interrupted = found.status == Status::interrupted;
+    const bool is_interrupted = found.status == DistanceStatus::interrupted;
     EXPECT_EQ(found.stopped_by, is_interrupted ? StoppedBy::max_steps : StoppedBy::nothing) << steps;
     EXPECT_EQ(found.lower < found.upper, is_interrupted) << steps;
     interrupted += is_interrupted ? 1 : 0;
@@ -64,12 +64,12 @@ TEST(Budget, EndsWithCancellation) {
   std::atomic<bool> cancel{true};
   const QueryBudget budget{.cancel = &cancel};
   const DistanceResult found = distance(s.a, s.b, {.budget = budget});
-  EXPECT_EQ(found.status, Status::interrupted);
+  EXPECT_EQ(found.status, DistanceStatus::interrupted);
   EXPECT_EQ(found.stopped_by, StoppedBy::cancel);
   EXPECT_LE(found.stats.node_tests, 1U);
   EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::unknown);
   cancel = false;
-  EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, Status::exact);
+  EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, DistanceStatus::exact);
 }
 
 TEST(Budget, WhoseDeadlineHasPassedLeavesTimeForOneStep) {
@@ -96,9 +96,9 @@ TEST(Budget, ThatIsSpentWhenTheErrorsAreMetInterruptsNothing) {
     const bool may_meet = found.lower == 0 && found.upper > 0;  // then no error is met
     const bool is_met = !may_meet && (found.upper / (1 + errors.relative_error) <= found.lower ||
                                       found.upper - found.lower <= errors.absolute_error);
-    ASSERT_FALSE(is_met && found.status == Status::interrupted) << i;
-    ASSERT_FALSE(may_meet && found.status != Status::interrupted) << i;
-    ASSERT_EQ(found.stopped_by == StoppedBy::nothing, found.status != Status::interrupted) << i;
+    ASSERT_FALSE(is_met && found.status == DistanceStatus::interrupted) << i;
+    ASSERT_FALSE(may_meet && found.status != DistanceStatus::interrupted) << i;
+    ASSERT_EQ(found.stopped_by == StoppedBy::nothing, found.status != DistanceStatus::interrupted) << i;
     met += is_met && found.stats.node_tests > 1 ? 1 : 0;
   }
   EXPECT_GT(met, 50);
@@ -197,9 +197,9 @@ TEST(Endings, ComeAfterHardlyMoreWorkThanWithoutABudget) {
           const DistanceResult found = distance(a, b, with(options, &cache, {.max_steps = steps}));
           EXPECT_EQ(wrong_answer(found, options, a, b, truth), "");
           EXPECT_GE(found.lower, std::min(last.lower, found.upper));
-          EXPECT_TRUE(found.upper <= last.upper || found.status == Status::beyond_limit);
+          EXPECT_TRUE(found.upper <= last.upper || found.status == DistanceStatus::beyond_limit);
           last = found;
-          return std::pair(found.stats, found.status != Status::interrupted);
+          return std::pair(found.stats, found.status != DistanceStatus::interrupted);
         });
         EXPECT_LE(effort.node_tests, 2 * whole + tests_a_call * effort.calls + tests_a_step);
       }
@@ -236,11 +236,11 @@ TEST(Endings, ComeWhenEveryDeadlineHasPassed) {
     SCOPED_TRACE(s.name);
     const Placed a{s.a}, b{s.b, s.pose_b};
     const DistanceResult whole = distance(a, b, {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}});
-    EXPECT_NE(whole.status, Status::interrupted);
+    EXPECT_NE(whole.status, DistanceStatus::interrupted);
     QueryCache cache;
     const Effort effort = ask_to_the_end(2 * whole.stats.node_tests + 10, [&] {
       const DistanceResult found = distance(a, b, {.cache = &cache, .budget = passed});
-      const bool is_done = found.status != Status::interrupted;
+      const bool is_done = found.status != DistanceStatus::interrupted;
       EXPECT_EQ(found.stopped_by, is_done ? StoppedBy::nothing : StoppedBy::deadline);
       return std::pair(found.stats, is_done);
     });

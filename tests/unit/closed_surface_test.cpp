@@ -240,24 +240,24 @@ TEST(ClosedSurface, MisuseIsRefused) {
   constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
   const Transform scaled{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
   std::vector<SignedDistance> results(2);
-  EXPECT_THROW(surface.contains({not_a_number, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(surface.contains({}, scaled), std::invalid_argument);
-  EXPECT_THROW(surface.winding_number({0, 0x1p201, 0}), std::invalid_argument);
-  EXPECT_THROW(surface.signed_distance({}, {}, {.max_distance = -1}), std::invalid_argument);
-  EXPECT_THROW(surface.signed_distance({}, scaled), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.contains({not_a_number, 0, 0})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.contains({}, scaled)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.winding_number({0, 0x1p201, 0})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.signed_distance({}, {}, {.max_distance = -1})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.signed_distance({}, scaled)), std::invalid_argument);
   EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(1), results), std::invalid_argument);
   EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(2, {0, not_a_number, 0}), results), std::invalid_argument);
-  EXPECT_THROW(winding_number({model}, {not_a_number, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(winding_number({model, scaled}, {}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(winding_number({model}, {not_a_number, 0, 0})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(winding_number({model, scaled}, {})), std::invalid_argument);
   const std::vector<VertexId> ids{0};
   const std::vector<Vec3> to{{0, 0, 3}};
   model.move_vertices(ids, to).value();
-  EXPECT_THROW(surface.contains({}), std::invalid_argument);
-  EXPECT_THROW(winding_number({model}, {}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.contains({})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(winding_number({model}, {})), std::invalid_argument);
   model.commit();
   EXPECT_TRUE(surface.contains({}));
   model.reset(scenes::ball(8, 5));
-  EXPECT_THROW(surface.contains({}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(surface.contains({})), std::invalid_argument);
   EXPECT_TRUE(ClosedSurface::create(model).value().contains({}));
 }
 

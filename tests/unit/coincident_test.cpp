@@ -30,7 +30,7 @@ TEST(Coincident, TrianglesCostNoMoreThanAFew) {
     ASSERT_TRUE(static_cast<bool>(a.validate()));
     const DistanceResult found = distance({a}, {b});
     EXPECT_EQ(found.upper, closest_points(low, high).distance);
-    EXPECT_EQ(found.status, Status::exact);
+    EXPECT_EQ(found.status, DistanceStatus::exact);
     EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
     EXPECT_FALSE(collide({a}, {b}).is_yes());
     EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).is_yes());

@@ -111,7 +111,7 @@ TEST(Front, CoversTheRoundingOfThePlaceBefore) {
     const Model a(points(0)), b(points(1));
     const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
     QueryCache cache;
-    distance({a, far}, {b, far}, {.cache = &cache});
+    static_cast<void>(distance({a, far}, {b, far}, {.cache = &cache}));
     ASSERT_EQ(distance({a}, {b}, {.cache = &cache}).upper, distance({a}, {b}).upper) << i;
   }
 }
@@ -289,7 +289,7 @@ TEST(Front, IsRightWhenItsCapacityIsExceeded) {
   EXPECT_LE(warm, cold * 11 / 10);
   // At rest there is nothing to do once a front is there.
   const Transform pose{{}, {0, 0, 1e-3 - 1e-5 * 9}};
-  distance({lower}, {upper, pose}, {.cache = &cache});
+  static_cast<void>(distance({lower}, {upper, pose}, {.cache = &cache}));
   EXPECT_LT(distance({lower}, {upper, pose}, {.cache = &cache}).stats.node_tests, 10U);
 }
 

@@ -166,9 +166,9 @@ TEST(Gradients, OfOneModelWithItselfAreThoseOfItsTriangles) {
 
 TEST(Gradients, RefuseTrianglesThatAreNotThere) {
   const Model ball(scenes::ball(6, 4));
-  EXPECT_THROW(contact_of({ball}, {ball}, {}), std::invalid_argument);
-  EXPECT_THROW(contact_of({ball}, {ball}, {{}, {}, 0, 1000}), std::invalid_argument);
-  EXPECT_THROW(contact_of({ball}, {ball, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}}, {{}, {}, 0, 0}),
+  EXPECT_THROW(static_cast<void>(contact_of({ball}, {ball}, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(contact_of({ball}, {ball}, {{}, {}, 0, 1000})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(contact_of({ball}, {ball, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}}, {{}, {}, 0, 0})),
                std::invalid_argument);
 }
 

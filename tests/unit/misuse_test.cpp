@@ -52,10 +52,10 @@ std::vector<std::pair<std::string, Transform>> bad_poses() {
 
 TYPED_TEST(Misuse, OfPosesIsRefused) {
   for (const auto& [what, pose] : bad_poses()) {
-    EXPECT_THROW(this->distance(this->a_, this->b_, pose), std::invalid_argument) << what;
-    EXPECT_THROW(this->distance(this->a_, this->b_, {}, {}, pose), std::invalid_argument) << what;
-    EXPECT_THROW(this->collide(this->a_, this->b_, pose), std::invalid_argument) << what;
-    EXPECT_THROW(this->within(this->a_, this->b_, 1, {}, pose), std::invalid_argument) << what;
+    EXPECT_THROW(static_cast<void>(this->distance(this->a_, this->b_, pose)), std::invalid_argument) << what;
+    EXPECT_THROW(static_cast<void>(this->distance(this->a_, this->b_, {}, {}, pose)), std::invalid_argument) << what;
+    EXPECT_THROW(static_cast<void>(this->collide(this->a_, this->b_, pose)), std::invalid_argument) << what;
+    EXPECT_THROW(static_cast<void>(this->within(this->a_, this->b_, 1, {}, pose)), std::invalid_argument) << what;
   }
 }
 
@@ -64,7 +64,7 @@ TYPED_TEST(Misuse, OfOptionsIsRefused) {
   for (const double bad : {not_a_number, -1.0, -0x1p-1074, infinite, -infinite}) {
     EXPECT_THROW(ask({.relative_error = bad}), std::invalid_argument) << bad;
     EXPECT_THROW(ask({.absolute_error = bad}), std::invalid_argument) << bad;
-    EXPECT_THROW(this->within(this->a_, this->b_, bad), std::invalid_argument) << bad;
+    EXPECT_THROW(static_cast<void>(this->within(this->a_, this->b_, bad)), std::invalid_argument) << bad;
     if (bad != infinite) {
       EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
     }
@@ -75,7 +75,7 @@ TYPED_TEST(Misuse, OfOptionsIsRefused) {
 
 TYPED_TEST(Misuse, IsExplainedInOneLine) {
   try {
-    this->distance(this->a_, this->b_, {{}, {not_a_number, 0, 0}});
+    static_cast<void>(this->distance(this->a_, this->b_, {{}, {not_a_number, 0, 0}}));
     FAIL();
   } catch (const std::invalid_argument& thrown) {
     const std::string text = thrown.what();
@@ -93,12 +93,12 @@ TYPED_TEST(MovingMisuse, QueriesOfUncommittedModelsAreRefused) {
   const std::vector<VertexId> ids{0};
   const std::vector<Vec3> positions{{0, 0, 3}};
   ASSERT_TRUE(static_cast<bool>(this->a_.move_vertices(ids, positions)));
-  EXPECT_THROW(this->distance(this->a_, this->b_), std::invalid_argument);
-  EXPECT_THROW(this->distance(this->b_, this->a_), std::invalid_argument);
-  EXPECT_THROW(this->collide(this->a_, this->b_), std::invalid_argument);
-  EXPECT_THROW(this->within(this->b_, this->a_, 1), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(this->distance(this->a_, this->b_)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(this->distance(this->b_, this->a_)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(this->collide(this->a_, this->b_)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(this->within(this->b_, this->a_, 1)), std::invalid_argument);
   this->a_.commit();
-  EXPECT_NO_THROW(this->distance(this->a_, this->b_));
+  EXPECT_NO_THROW(static_cast<void>(this->distance(this->a_, this->b_)));
 }
 
 TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
@@ -107,14 +107,14 @@ TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
   for (const double bad : {not_a_number, infinite, -infinite, 0x1p201}) {
     const Vec3 point{0, bad, 0};
     const Triangle triangle{{0, 0, 0}, point, {1, 0, 0}};
-    EXPECT_THROW(closest_points(good, triangle), std::invalid_argument);
-    EXPECT_THROW(closest_points(triangle, good), std::invalid_argument);
-    EXPECT_THROW(closest_features(good, triangle), std::invalid_argument);
-    EXPECT_THROW(contact(triangle, good), std::invalid_argument);
-    EXPECT_THROW(closest_points(point, good), std::invalid_argument);
-    EXPECT_THROW(closest_points(Vec3{}, triangle), std::invalid_argument);
-    EXPECT_THROW(closest_points(edge, Segment{point, {}}), std::invalid_argument);
-    EXPECT_THROW(closest_points(Segment{{}, point}, edge), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(good, triangle)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(triangle, good)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_features(good, triangle)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(contact(triangle, good)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(point, good)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(Vec3{}, triangle)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(edge, Segment{point, {}})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_points(Segment{{}, point}, edge)), std::invalid_argument);
     if (bad == 0x1p201) continue;  // exact for all finite numbers
     EXPECT_THROW(intersects(good, triangle), std::invalid_argument);
     EXPECT_THROW(intersects(edge, triangle), std::invalid_argument);

@@ -30,7 +30,6 @@ using Clock = std::chrono::steady_clock;
 struct Waves {
   Model low{scenes::wave_sheet(24, 24, 0)}, high{scenes::wave_sheet(24, 24, 1)};
   Placed a{low}, b{high, {{}, {0.3, 0.2, 0.05}}};
-  MeshEdges edges_low{low.mesh()}, edges_high{high.mesh()};
 };
 constexpr double margin = 0.2;
 
@@ -92,8 +91,8 @@ TEST(PairBudget, OfElementsGivesTheFirstPairs) {
     std::vector<VertexFacePair> faces(100'000), all_faces = faces;
     std::vector<EdgeEdgePair> edges(100'000), all_edges = edges;
     const auto find = [&](const ElementPairOptions& options) {
-      return is_self ? self_element_pairs(w.low, w.edges_low, 0.3, faces, edges, options)
-                     : element_pairs(w.a, w.edges_low, w.b, w.edges_high, margin, faces, edges, options);
+      return is_self ? self_element_pairs(w.low, 0.3, faces, edges, options)
+                     : element_pairs(w.a, w.b, margin, faces, edges, options);
     };
     const ElementPairCount all = find({});
     ASSERT_GT(all.vertex_face, 50U);
@@ -186,7 +185,7 @@ TEST(PairBudget, IsNotSpentWhereBoundsPruneAll) {
   std::vector<Contact> room(4);
   EXPECT_TRUE(contacts(w.a, far, margin, room, {.budget = none}).is_complete);
   EXPECT_TRUE(closest_pairs(w.a, far, room, {.max_distance = margin, .budget = none}).is_complete);
-  EXPECT_TRUE(element_pairs(w.a, w.edges_low, far, w.edges_high, margin, {}, {}, {.budget = none}).is_complete);
+  EXPECT_TRUE(element_pairs(w.a, far, margin, {}, {}, {.budget = none}).is_complete);
   EXPECT_FALSE(closest_pairs(w.a, far, room, {.budget = none}).is_complete);
 }
 

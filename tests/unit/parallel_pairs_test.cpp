@@ -93,26 +93,24 @@ void check_elements(const Find& find, std::size_t& total) {
 }
 
 void check_all(const Placed& a, const Placed& b, double margin, std::size_t& total) {
-  const MeshEdges edges_a(a.model().mesh()), edges_b(b.model().mesh());
   check<TrianglePair>([&](auto visit, const auto& options) { return visit_intersections(a, b, visit, options); },
                       total);
   check<Contact>([&](auto visit, const auto& options) { return visit_contacts(a, b, margin, visit, options); }, total);
   check_elements(
       [&](auto visit_vertex_face, auto visit_edge_edge, const auto& options) {
-        return visit_element_pairs(a, edges_a, b, edges_b, margin, visit_vertex_face, visit_edge_edge, options);
+        return visit_element_pairs(a, b, margin, visit_vertex_face, visit_edge_edge, options);
       },
       total);
 }
 
 void check_self(const Model& model, double margin, std::size_t& total) {
-  const MeshEdges edges(model.mesh());
   check<TrianglePair>([&](auto visit, const auto& options) { return visit_self_intersections(model, visit, options); },
                       total);
   check<Contact>([&](auto visit, const auto& options) { return visit_self_contacts(model, margin, visit, options); },
                  total);
   check_elements(
       [&](auto visit_vertex_face, auto visit_edge_edge, const auto& options) {
-        return visit_self_element_pairs(model, edges, margin, visit_vertex_face, visit_edge_edge, options);
+        return visit_self_element_pairs(model, margin, visit_vertex_face, visit_edge_edge, options);
       },
       total);
 }
@@ -153,7 +151,6 @@ TEST(ParallelPairs, OfFewTrianglesAreThoseOfOneThread) {
 
 TEST(ParallelPairs, AreVisitedByTheThreadThatAsksUntilItStops) {
   const Model sheet(scenes::wave_sheet(40, 40, 0));
-  const MeshEdges edges(sheet.mesh());
   on_threads([&] {
     const std::thread::id asking = std::this_thread::get_id();
     std::size_t seen = 0;
@@ -164,7 +161,7 @@ TEST(ParallelPairs, AreVisitedByTheThreadThatAsksUntilItStops) {
     const PairCount count = visit_self_contacts(sheet, 0.2, visit, {.is_parallel = true});
     EXPECT_EQ(count.count, 7U);
     EXPECT_FALSE(count.is_complete);
-    const ElementPairCount elements = visit_self_element_pairs(sheet, edges, 0.2, visit, visit, {.is_parallel = true});
+    const ElementPairCount elements = visit_self_element_pairs(sheet, 0.2, visit, visit, {.is_parallel = true});
     EXPECT_EQ(elements.vertex_face, 1U);
     EXPECT_EQ(elements.edge_edge, 0U);
     EXPECT_FALSE(elements.is_complete);

@@ -263,6 +263,23 @@ TEST(PathImpact, IsNotLaterThanSampledContacts) {
   EXPECT_LT(most, 300U);
 }
 
+TEST(PathImpact, IsAsExactAsItGetsWithAnErrorOfZero) {
+  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  const RigidMotion falls({{}, {0.3, 0.4, 5}}, {about_z(1), {0.3, 0.4, 0}}), stands;
+  const auto gap = [&](const PathOptions& options) {
+    const PathImpact found = time_of_impact(ball, falls, wall, stands, options);
+    return distance({ball, falls.at(found.time)}, {wall}).upper;
+  };
+  EXPECT_GT(gap({}), 1e-8);
+  EXPECT_LT(gap({.distance_error = 0}), 1e-11);
+  const auto width = [&](const PathOptions& options) {
+    const PathDistance found = least_distance(ball, falls, wall, stands, options);
+    return found.upper - found.lower;
+  };
+  EXPECT_GT(width({.max_time = 0.7}), 1e-4);
+  EXPECT_LT(width({.max_time = 0.7, .distance_error = 0}), 1e-11);
+}
+
 TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
   const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
   // Falls like a stone: z = 9 - 10 t^2, at most 20 fast.
@@ -290,7 +307,7 @@ TEST(PathMisuse, IsRefused) {
   const Transform bad{{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(is_refused([&] { RigidMotion(bad, {}); }, {"limber::RigidMotion", "rigid"}));
-  EXPECT_TRUE(is_refused([&] { RigidMotion::screw({}, bad); }, {"limber::RigidMotion", "rigid"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion::screw({}, bad)); }, {"limber::RigidMotion", "rigid"}));
   EXPECT_TRUE(is_refused([&] { RigidMotion({}, {}, {nan, 0, 0}); }, {"center"}));
   for (const double time : {-0x1p-60, 1 + 0x1p-52, nan}) {
     EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion().at(time)); }, {"limber::RigidMotion::at", "time"}));
@@ -304,16 +321,21 @@ TEST(PathMisuse, IsRefused) {
   for (const auto& [what, o] : options) {
     const PathOptions& wrong = o;
     const RigidMotion still;
-    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, still, ball, still, wrong); }, {"limber::time_of_impact", what}));
-    EXPECT_TRUE(is_refused([&] { least_distance(ball, still, ball, still, wrong); }, {"limber::least_distance", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, still, ball, still, wrong)); },
+                           {"limber::time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, still, ball, still, wrong)); },
+                           {"limber::least_distance", what}));
   }
   const auto stay = [](double) { return Transform{}; };
   const RigidPath fast{stay, std::numeric_limits<double>::max()};
-  EXPECT_TRUE(is_refused([&] { time_of_impact(ball, fast, ball, fast); }, {"limber::time_of_impact", "sum", "speeds"}));
+  EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, fast, ball, fast)); },
+                         {"limber::time_of_impact", "sum", "speeds"}));
   for (const double speed : {-1.0, nan, endless}) {
     const RigidPath path{stay, speed};
-    EXPECT_TRUE(is_refused([&] { time_of_impact(ball, path, ball, path); }, {"limber::time_of_impact", "speed"}));
-    EXPECT_TRUE(is_refused([&] { least_distance(ball, path, ball, path); }, {"limber::least_distance", "speed"}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, path, ball, path)); },
+                           {"limber::time_of_impact", "speed"}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, path, ball, path)); },
+                           {"limber::least_distance", "speed"}));
   }
 }
 

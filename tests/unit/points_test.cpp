@@ -112,7 +112,7 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
   std::vector<Vec3> points(100);
   std::vector<PointResult> results(100);
   for (const double bad : {no_number, -1.0, -no_limit}) {
-    EXPECT_THROW(closest_point({model}, {}, {.max_distance = bad}), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(closest_point({model}, {}, {.max_distance = bad})), std::invalid_argument);
     EXPECT_THROW(closest_points({model}, points, results, {.max_distance = bad}), std::invalid_argument);
     EXPECT_THROW(reference::closest_point(mesh, {}, {.max_distance = bad}), std::invalid_argument);
   }
@@ -120,7 +120,7 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       Vec3 point;
       point[axis] = bad;
-      EXPECT_THROW(closest_point({model}, point), std::invalid_argument);
+      EXPECT_THROW(static_cast<void>(closest_point({model}, point)), std::invalid_argument);
       EXPECT_THROW(reference::closest_point(mesh, point), std::invalid_argument);
       points[99] = point;
       EXPECT_THROW(closest_points({model}, points, results), std::invalid_argument);
@@ -129,15 +129,16 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
   EXPECT_FALSE(results[0].closest.has_value());
   points.pop_back();
   EXPECT_THROW(closest_points({model}, points, results), std::invalid_argument);
-  EXPECT_THROW(closest_point({model, {{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}}}, {}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(closest_point({model, {{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}}}, {})),
+               std::invalid_argument);
   const std::vector<VertexId> ids{0};
   const std::vector<Vec3> to{{0, 0, -1}};
   model.move_vertices(ids, to).value();
-  EXPECT_THROW(closest_point({model}, {}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(closest_point({model}, {})), std::invalid_argument);
   model.commit();
-  EXPECT_NO_THROW(closest_point({model}, {}));
+  EXPECT_NO_THROW(static_cast<void>(closest_point({model}, {})));
   try {
-    closest_point({model}, {no_number, 0, 0});
+    static_cast<void>(closest_point({model}, {no_number, 0, 0}));
   } catch (const std::invalid_argument& thrown) {
     EXPECT_NE(std::string(thrown.what()).find("limber::closest_point: "), std::string::npos);
   }

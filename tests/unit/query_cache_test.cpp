@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "bvh/subtree.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
@@ -31,11 +32,11 @@ TEST(QueryCache, OfLargerModelsDoesNotMisleadQueriesOfSmallerOnes) {
            {&one, &ball}, {&sheet, &other}, {&one, &other}, {&other, &one}}) {
     const DistanceResult fresh = distance({*a}, {*b});
     QueryCache cache;
-    cache.impl().triangle_a = last, cache.impl().triangle_b = last;
+    Access::impl(cache).triangle_a = last, Access::impl(cache).triangle_b = last;
     const DistanceResult cached = distance({*a}, {*b}, {.cache = &cache});
     EXPECT_EQ(cached.upper, fresh.upper);
     EXPECT_EQ(cached.stats.triangle_tests, fresh.stats.triangle_tests);
-    cache.impl().triangle_a = last, cache.impl().triangle_b = last;
+    Access::impl(cache).triangle_a = last, Access::impl(cache).triangle_b = last;
     EXPECT_EQ(collide({*a}, {*b}, {.cache = &cache}).is_yes(), fresh.upper == 0);
   }
 }
@@ -74,7 +75,7 @@ TEST(QueryCache, RecordsOnlyDistancesThatWhatIsNotExpandedIsApart) {
     QueryBudget budget;
     if (i % 2 == 1) budget.max_steps = rng.below(100);  // then some records have open pairs
     const double found = distance({a}, {b, pose}, {.cache = &cache, .budget = budget}).upper;
-    const pair::Front& front = cache.impl().front;
+    const pair::Front& front = Access::impl(cache).front;
     for (const pair::Front::Record& record : front.records()) {
       const bvh::SlotId expanded = record.slot[record.expands_a ? 0 : 1];
       const bvh::Tree& tree = tree_of(record.expands_a ? a : b);
@@ -120,7 +121,7 @@ TEST(SelfCache, FindsTheSameContactAtOnce) {
   const DistanceResult distance = self_distance(model, {.cache = &cache});
   EXPECT_EQ(distance.upper, 0);
   EXPECT_EQ(distance.lower, 0);
-  EXPECT_EQ(distance.status, Status::collision);
+  EXPECT_EQ(distance.status, DistanceStatus::collision);
   EXPECT_EQ(distance.stats.node_tests, 0U);
 }
 
@@ -132,12 +133,12 @@ TEST(SelfCache, OfOtherQueriesDoesNotMislead) {
   for (const TriangleId a : some_ids) {
     for (const TriangleId b : some_ids) {
       QueryCache cache;
-      cache.impl().triangle_a = a, cache.impl().triangle_b = b;
+      Access::impl(cache).triangle_a = a, Access::impl(cache).triangle_b = b;
       EXPECT_EQ(self_distance(strip, {.cache = &cache}).upper, fresh.upper) << a << ' ' << b;
-      cache.impl().triangle_a = a, cache.impl().triangle_b = b;
+      Access::impl(cache).triangle_a = a, Access::impl(cache).triangle_b = b;
       EXPECT_FALSE(self_collide(strip, {.cache = &cache}).is_yes()) << a << ' ' << b;
       EXPECT_TRUE(self_collide(through, {.cache = &cache}).is_yes()) << a << ' ' << b;
-      EXPECT_EQ(self_distance(one, {.cache = &cache}).status, Status::beyond_limit) << a << ' ' << b;
+      EXPECT_EQ(self_distance(one, {.cache = &cache}).status, DistanceStatus::beyond_limit) << a << ' ' << b;
     }
   }
 }

@@ -34,7 +34,7 @@ TYPED_TEST(Query, OfSingleTrianglesIsThatOfThePrimitive) {
   const DistanceResult r = this->distance(a, b);
   EXPECT_EQ(r.upper, 2);
   EXPECT_EQ(r.lower, 2);
-  EXPECT_EQ(r.status, Status::exact);
+  EXPECT_EQ(r.status, DistanceStatus::exact);
   EXPECT_EQ(r.witness->triangle_a, 0U);
   EXPECT_EQ(r.witness->triangle_b, 0U);
   EXPECT_EQ(r.stats.triangle_tests, 1U);
@@ -61,7 +61,7 @@ TYPED_TEST(Query, TouchingIsCollidingAtEverySetting) {
                                                                      {.max_distance = 0},
                                                                      {.max_distance = 1}}) {
     const DistanceResult r = this->distance(a, b, {}, options);
-    EXPECT_EQ(r.status, Status::collision);
+    EXPECT_EQ(r.status, DistanceStatus::collision);
     EXPECT_EQ(r.lower, 0);
     EXPECT_EQ(r.upper, 0);
     EXPECT_EQ(r.witness->point_a, (Vec3{1, 0, 0}));
@@ -74,8 +74,8 @@ TYPED_TEST(Query, FindsAContactBehindANearMiss) {
   // no cutoff. The contact must not be pruned all the same.
   const Triangle near{{1, 1, 1e-20}, {1, 1, 3}, {1, 1.5, 3}}, touching{{4, 1, 0}, {4, 1, 3}, {4, 1.5, 3}};
   const typename TestFixture::Model a(soup({near, touching})), b(soup({{{0, 0, 0}, {20, 0, 0}, {0, 20, 0}}}));
-  EXPECT_EQ(this->distance(a, b, {}, {.relative_error = 1e308}).status, Status::collision);
-  EXPECT_EQ(this->distance(a, b, {}, {.absolute_error = 1}).status, Status::collision);
+  EXPECT_EQ(this->distance(a, b, {}, {.relative_error = 1e308}).status, DistanceStatus::collision);
+  EXPECT_EQ(this->distance(a, b, {}, {.absolute_error = 1}).status, DistanceStatus::collision);
 }
 
 TYPED_TEST(Query, TellsTheSmallestGapFromAContact) {
@@ -92,9 +92,9 @@ TYPED_TEST(Query, LimitIsClosed) {
   EXPECT_TRUE(this->within(a, b, 2).is_yes());
   EXPECT_FALSE(this->within(a, b, below).is_yes());
   EXPECT_FALSE(this->within(a, b, below).witness.has_value());
-  EXPECT_EQ(this->distance(a, b, {}, {.max_distance = 2}).status, Status::exact);
+  EXPECT_EQ(this->distance(a, b, {}, {.max_distance = 2}).status, DistanceStatus::exact);
   const DistanceResult beyond = this->distance(a, b, {}, {.max_distance = below});
-  EXPECT_EQ(beyond.status, Status::beyond_limit);
+  EXPECT_EQ(beyond.status, DistanceStatus::beyond_limit);
   EXPECT_EQ(beyond.lower, below);
   EXPECT_EQ(beyond.upper, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(beyond.witness.has_value());

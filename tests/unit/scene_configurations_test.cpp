@@ -57,7 +57,7 @@ struct Plan {
     models.emplace_back(scenes::ball(8, 5));
     models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
     models.emplace_back(scenes::random_soup(rng, 9, 0.5));
-    for (std::size_t i = 0; i < objects; ++i) scene.add({models[i % 3], random_pose(rng, range)});
+    for (std::size_t i = 0; i < objects; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, range)}));
     if (objects > 4) scene.remove(3);
     scene.commit();
     for (ObjectId id = 0; id < scene.id_bound() && ids.size() < moving; ++id) {
@@ -138,7 +138,7 @@ TEST(ObjectPairMatrixTest, KeepsWhatItKnowsWhereItsSizeChanges) {
 TEST(ObjectPairMatrixTest, IsAFilter) {
   const Model ball(scenes::ball(8, 5));
   limber::Scene scene;
-  for (const double x : {0.0, 1.0, 3.5, 7.0}) scene.add({ball, {{}, {x, 0, 0}}});
+  for (const double x : {0.0, 1.0, 3.5, 7.0}) static_cast<void>(scene.add({ball, {{}, {x, 0, 0}}}));
   scene.commit();
   ObjectPairMatrix counts(scene.id_bound());
   counts.set(1, 0, false);
@@ -221,7 +221,7 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
       std::vector<CloseObjects> expected_any(plan.count), any(plan.count);
       Plan moved(rng, 0, 0, 0, 1);
       for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
-        moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0]));
+        static_cast<void>(moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0])));
       }
       for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
         if (!plan.scene.contains(id)) moved.scene.remove(id);
@@ -262,7 +262,7 @@ TEST(SceneConfigurationsTest, MayBeNoneOrOfNoObject) {
   empty.any_within_many({}, {}, 1, any);
   for (const CloseObjects& c : any) EXPECT_TRUE(c.result.is_no());
   empty.closest_objects_many({}, {}, closest);
-  for (const ClosestObjects& c : closest) EXPECT_EQ(c.result.status, Status::beyond_limit);
+  for (const ClosestObjects& c : closest) EXPECT_EQ(c.result.status, DistanceStatus::beyond_limit);
 }
 
 TEST(SceneConfigurationsTest, LetTheLastPoseOfAnIdCount) {
@@ -307,7 +307,7 @@ TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
     plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
     plan.scene.any_within_many(plan.ids, plan.poses, 100, any, {.budget = budget});
     for (std::size_t k = 0; k < plan.count; ++k) {
-      ASSERT_EQ(closest[k].result.status, Status::interrupted);
+      ASSERT_EQ(closest[k].result.status, DistanceStatus::interrupted);
       ASSERT_EQ(closest[k].result.stopped_by, reason);
       ASSERT_EQ(closest[k].result.lower, 0);
       ASSERT_EQ(closest[k].result.upper, INFINITY);
@@ -337,10 +337,10 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
       const auto [objects, result] = plan.scene.closest_objects({.budget = budget});
       ASSERT_LE(result.lower, truth + 1e-13);
       ASSERT_GE(result.upper, truth - 1e-13);
-      ASSERT_EQ(result.status == Status::interrupted, result.stopped_by != StoppedBy::nothing);
-      ASSERT_TRUE(result.status == Status::interrupted || result.lower == result.upper);
+      ASSERT_EQ(result.status == DistanceStatus::interrupted, result.stopped_by != StoppedBy::nothing);
+      ASSERT_TRUE(result.status == DistanceStatus::interrupted || result.lower == result.upper);
       ASSERT_TRUE(result.witness.has_value() && objects.a != no_id);
-      interrupted += result.status == Status::interrupted ? 1 : 0;
+      interrupted += result.status == DistanceStatus::interrupted ? 1 : 0;
       const CloseObjects any = plan.scene.any_within(truth * 1.01, {.budget = budget});
       ASSERT_FALSE(any.result.is_no());
       const CloseObjects none = plan.scene.any_within(truth * 0.99, {.budget = budget});
@@ -377,7 +377,7 @@ TEST(SceneBudgets, EndQueriesOfPairs) {
     ASSERT_TRUE(withins[i].answer == Answer::unknown || withins[i].is_yes() == within(a, b, 0.1).is_yes());
     const double truth = distance(a, b).upper;
     ASSERT_TRUE(distances[i].lower <= truth + 1e-13 && truth <= distances[i].upper + 1e-13);
-    open += distances[i].status == Status::interrupted && withins[i].answer == Answer::unknown &&
+    open += distances[i].status == DistanceStatus::interrupted && withins[i].answer == Answer::unknown &&
             collisions[i].stopped_by == StoppedBy::cancel;
   }
   EXPECT_GT(open, pairs.size() / 2);

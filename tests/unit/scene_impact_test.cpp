@@ -77,7 +77,7 @@ TEST(SceneImpact, NothingIsTouchedBefore) {
   for (int i = 0; i < 150; ++i) {
     limber::Scene scene;
     const std::size_t objects = rng.below(i % 5 == 0 ? 120 : 15);
-    for (std::size_t k = 0; k < objects; ++k) scene.add({models[k % 3], random_pose(rng, 4)});
+    for (std::size_t k = 0; k < objects; ++k) static_cast<void>(scene.add({models[k % 3], random_pose(rng, 4)}));
     if (objects > 4) scene.remove(3);
     scene.commit();
     const double size = rng.below(3) == 0 ? 0.01 : 1;
@@ -208,7 +208,7 @@ TEST(SceneImpact, RefusesWhatItCannotAnswer) {
   const RigidMotion into(shifted(5), shifted(0));
   const char* const name = "limber::Scene::time_of_impact: ";
   const auto is_refused_with = [&](const ObjectImpactOptions& options, const std::string& why) {
-    return is_refused([&] { row.scene.time_of_impact(point, into, options); }, {name, why});
+    return is_refused([&] { static_cast<void>(row.scene.time_of_impact(point, into, options)); }, {name, why});
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(is_refused_with({.max_time = 1.5}, "max_time is not in [0, 1]"));
@@ -218,13 +218,13 @@ TEST(SceneImpact, RefusesWhatItCannotAnswer) {
   const auto skewed = [](double time) { return Transform{{{1 + time, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}; };
   EXPECT_TRUE(is_refused(
       [&] {
-        row.scene.time_of_impact(point, RigidPath{skewed, 1});
+        static_cast<void>(row.scene.time_of_impact(point, RigidPath{skewed, 1}));
       },
       {name, "the pose is not rigid (see is_rigid())"}));
   const auto still = [](double) { return Transform{}; };
   EXPECT_TRUE(is_refused(
       [&] {
-        row.scene.time_of_impact(point, RigidPath{still, -1});
+        static_cast<void>(row.scene.time_of_impact(point, RigidPath{still, -1}));
       },
       {name, "the speed of a path must be finite and at least 0"}));
   row.scene.set_pose(row.ids[0], shifted(9));

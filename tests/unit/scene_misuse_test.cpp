@@ -28,9 +28,9 @@ void refused(const std::string& function, const std::string& what, const Call& c
 class SceneMisuse : public ::testing::Test {
  protected:
   SceneMisuse() {
-    scene_.add({ball_});
-    scene_.add({ball_, {{}, {1, 0, 0}}});
-    scene_.add({ball_, {{}, {9, 0, 0}}});
+    static_cast<void>(scene_.add({ball_}));
+    static_cast<void>(scene_.add({ball_, {{}, {1, 0, 0}}}));
+    static_cast<void>(scene_.add({ball_, {{}, {9, 0, 0}}}));
     scene_.remove(2);
     scene_.commit();
   }
@@ -76,7 +76,7 @@ TEST_F(SceneMisuse, OfIdsIsRefused) {
 TEST_F(SceneMisuse, OfPosesIsRefused) {
   const double bad = std::numeric_limits<double>::quiet_NaN();
   for (const Transform& pose : {bad_pose_, Transform{{}, {bad, 0, 0}}, Transform{{}, {0, 0x1p201, 0}}}) {
-    refused("Scene::add", "pose", [&] { scene_.add({ball_, pose}); });
+    refused("Scene::add", "pose", [&] { static_cast<void>(scene_.add({ball_, pose})); });
     refused("Scene::set_pose", "pose", [&] { scene_.set_pose(0, pose); });
     const std::vector<ObjectId> ids{0, 1};
     const std::vector<Transform> poses{{{}, {5, 5, 5}}, pose};
@@ -88,10 +88,10 @@ TEST_F(SceneMisuse, OfPosesIsRefused) {
 TEST_F(SceneMisuse, OfModelsIsRefused) {
   Model moved(scenes::ball(6, 4));
   ASSERT_TRUE(static_cast<bool>(moved.move_all(moved.mesh().positions())));
-  refused("Scene::add", "model", [&] { scene_.add({moved}); });
+  refused("Scene::add", "model", [&] { static_cast<void>(scene_.add({moved})); });
   Model gone(scenes::ball(6, 4));
   const Model other(std::move(gone));
-  refused("Scene::add", "model", [&] { scene_.add({gone}); });
+  refused("Scene::add", "model", [&] { static_cast<void>(scene_.add({gone})); });
   // Models that are in the scene.
   ASSERT_TRUE(static_cast<bool>(ball_.move_all(ball_.mesh().positions())));
   EXPECT_FALSE(scene_.is_committed());
@@ -220,7 +220,7 @@ TEST_F(SceneMisuse, OfChangesThatAreNotCommittedIsRefused) {
 TEST_F(SceneMisuse, OfASceneThatWasMovedFromIsRefused) {
   limber::Scene gone;
   const limber::Scene other = std::move(gone);
-  refused("Scene::add", "moved from", [&] { gone.add({ball_}); });
+  refused("Scene::add", "moved from", [&] { static_cast<void>(gone.add({ball_})); });
   refused("Scene::commit", "moved from", [&] { gone.commit(); });
   refused("Scene::size", "moved from", [&] { (void)gone.size(); });
   refused("Scene::is_committed", "moved from", [&] { (void)gone.is_committed(); });

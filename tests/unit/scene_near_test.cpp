@@ -29,7 +29,7 @@ struct Heap {
     models.emplace_back(scenes::ball(8, 5));
     models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
     models.emplace_back(scenes::random_soup(rng, 9, 0.5));
-    for (std::size_t i = 0; i < objects; ++i) scene.add({models[i % 3], random_pose(rng, range)});
+    for (std::size_t i = 0; i < objects; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, range)}));
     if (objects > 4) scene.remove(3);
     scene.commit();
   }
@@ -79,19 +79,19 @@ TEST(SceneNearTest, FindsWhatIsCloseToAPlacedModel) {
       const auto [object, result] = heap.scene.closest_object(placed, options);
       ASSERT_EQ(object == no_id, std::isinf(truth));
       if (object == no_id) {
-        ASSERT_EQ(result.status, Status::beyond_limit);
+        ASSERT_EQ(result.status, DistanceStatus::beyond_limit);
         continue;
       }
       ASSERT_NEAR(result.upper, truth, 1e-13);
       ASSERT_NEAR(distances[object], truth, 1e-13);
-      ASSERT_EQ(result.status, truth == 0 ? Status::collision : Status::exact);
+      ASSERT_EQ(result.status, truth == 0 ? DistanceStatus::collision : DistanceStatus::exact);
       // The first point is of the model.
       const Triangle t = model.mesh().triangle(result.witness->triangle_a);
       const Transform& pose = placed.pose;
       ASSERT_LE(closest_points(result.witness->point_a, Triangle{pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 1e-13);
       if (truth == 0) continue;
       options.max_distance = truth * 0.99;
-      ASSERT_EQ(heap.scene.closest_object(placed, options).result.status, Status::beyond_limit);
+      ASSERT_EQ(heap.scene.closest_object(placed, options).result.status, DistanceStatus::beyond_limit);
       options.max_distance = truth * 1.01;
       ASSERT_EQ(heap.scene.closest_object(placed, options).object, object);
     }
@@ -121,6 +121,9 @@ TEST(SceneNearTest, StopsWhenTheVisitorSaysSoAndWhenTimeIsUp) {
   const PairCount count = heap.scene.visit_candidates(placed, 1, [&](ObjectId) { return ++calls < 5; });
   EXPECT_TRUE(calls == 5 && count.count == 5 && !count.is_complete);
   const auto is_other = [](ObjectId other) { return other > 0; };
+  const std::vector<ObjectId> all = candidates_of(heap.scene, placed, 1);
+  const PairCount others = heap.scene.visit_candidates(placed, 1, is_other, {.filter = is_other});
+  EXPECT_TRUE(others.is_complete && others.count + 1 == all.size() && std::count(all.begin(), all.end(), 0U) == 1);
   const double truth = heap.scene.closest_object(placed, {.filter = is_other}).result.upper;
   const std::atomic<bool> cancel = true;
   const ClosestObject cut = heap.scene.closest_object(placed, {.filter = is_other, .budget = {.cancel = &cancel}});

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/access.h"
 #include "reference/place.h"
 #include "scene/scene_cache_impl.h"
 #include "support/random_geometry.h"
@@ -47,7 +48,7 @@ Transform at(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }
 /// Balls of radius 1 at these places along x.
 limber::Scene row_of(const Model& ball, const std::vector<double>& places) {
   limber::Scene scene;
-  for (const double x : places) scene.add({ball, at(x)});
+  for (const double x : places) static_cast<void>(scene.add({ball, at(x)}));
   scene.commit();
   return scene;
 }
@@ -60,11 +61,11 @@ TEST(SceneTest, FindsNothingWhereThereIsNothing) {
     EXPECT_EQ(scene.size(), size);
     EXPECT_TRUE(pairs_of(scene, 1e9).empty());
     const ClosestObjects closest = scene.closest_objects();
-    EXPECT_EQ(closest.result.status, Status::beyond_limit);
+    EXPECT_EQ(closest.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(closest.objects, ObjectPair{});
     EXPECT_TRUE(std::isinf(closest.result.upper) && std::isinf(closest.result.lower));
     EXPECT_FALSE(closest.result.witness);
-    scene.add({ball});
+    static_cast<void>(scene.add({ball}));
     EXPECT_FALSE(scene.is_committed());
     scene.commit();
   }
@@ -82,8 +83,8 @@ TEST(SceneTest, FindsPairsWithinAMargin) {
 TEST(SceneTest, PrunesBySpheresWhatBoxesDoNot) {
   const Model ball(scenes::ball(16, 8));
   limber::Scene scene;
-  scene.add({ball});
-  scene.add({ball, at(1.7, 1.7, 1.7)});  // boxes overlap at a corner
+  static_cast<void>(scene.add({ball}));
+  static_cast<void>(scene.add({ball, at(1.7, 1.7, 1.7)}));  // boxes overlap at a corner
   scene.commit();
   EXPECT_TRUE(pairs_of(scene, 0.6).empty());
   EXPECT_EQ(pairs_of(scene, 1).size(), 1U);
@@ -127,7 +128,7 @@ TEST(SceneTest, LeavesOutWhatTheFilterDoesNotLetThrough) {
             (std::vector<ObjectPair>{{0, 2}, {1, 3}, {2, 4}, {3, 5}}));
   const auto none = [](ObjectId, ObjectId) { return false; };
   EXPECT_TRUE(pairs_of(scene, 0.1, {.filter = none}).empty());
-  EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, Status::beyond_limit);
+  EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, DistanceStatus::beyond_limit);
   const auto ends = [](ObjectId a, ObjectId b) { return a == 0 && b == 5; };
   const ClosestObjects closest = scene.closest_objects({.filter = ends});
   EXPECT_EQ(closest.objects, (ObjectPair{0, 5}));
@@ -181,8 +182,8 @@ TEST(SceneTest, FollowsModelsThatAreCommittedRebuiltAndReset) {
   const Model ball(scenes::ball(8, 5));
   Model other(scenes::ball(8, 5), {.motion_margin = 0.5});
   limber::Scene scene;
-  scene.add({ball});
-  scene.add({other, at(10)});
+  static_cast<void>(scene.add({ball}));
+  static_cast<void>(scene.add({other, at(10)}));
   scene.commit();
   EXPECT_TRUE(pairs_of(scene, 0).empty());
   const auto move = [&](const Vec3& to) {
@@ -235,7 +236,7 @@ struct Crowd {
     models.emplace_back(scenes::ball(12, 7));
     models.emplace_back(scenes::grid(6, 6, -1, -1, 0.3, 0.3));
     models.emplace_back(scenes::random_soup(rng, 60, 0.3));
-    for (std::size_t i = 0; i < count; ++i) scene.add({models[i % 3], random_pose(rng, 5)});
+    for (std::size_t i = 0; i < count; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, 5)}));
     scene.commit();
     pairs = pairs_of(scene, 0.2);
   }
@@ -301,14 +302,14 @@ TEST(SceneTest, FindsTheClosestObjects) {
     const double range = rng.below(3) == 0 ? 3 : 12;
     for (std::size_t k = 0, count = 2 + rng.below(16); k < count; ++k) {
       const Placed object{k % 2 == 0 ? ball : shards, random_pose(rng, range)};
-      scene.add(object);
+      static_cast<void>(scene.add(object));
       twins.push_back({object.model().mesh(), object.pose});
     }
     scene.commit();
     const double truth = reference::closest_objects(twins).result.upper;
     const auto [objects, result] = scene.closest_objects();
     ASSERT_NEAR(result.upper, truth, 1e-13);
-    EXPECT_EQ(result.status, truth == 0 ? Status::collision : Status::exact);
+    EXPECT_EQ(result.status, truth == 0 ? DistanceStatus::collision : DistanceStatus::exact);
     EXPECT_EQ(result.lower, result.upper);
     // The points are those of the pair that is named.
     const Witness w = result.witness.value();
@@ -322,7 +323,7 @@ TEST(SceneTest, FindsTheClosestObjects) {
     if (truth == 0) continue;
     EXPECT_EQ(scene.closest_objects({.max_distance = truth * 1.01}).objects, objects);
     const ClosestObjects beyond = scene.closest_objects({.max_distance = truth * 0.99});
-    EXPECT_EQ(beyond.result.status, Status::beyond_limit);
+    EXPECT_EQ(beyond.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(beyond.objects, ObjectPair{});
     EXPECT_EQ(beyond.result.lower, truth * 0.99);
   }
@@ -413,7 +414,7 @@ TEST(SceneCacheTest, GivesEachPairACacheOfItsOwnAsLongAsThereAreAny) {
   using Pairs = std::vector<ObjectPair>;
   SceneCache cache(3);
   const auto caches_of = [&](const Pairs& pairs) {
-    const auto caches = cache.impl().caches_of(pairs);
+    const auto caches = Access::impl(cache).caches_of(pairs);
     return std::vector<QueryCache*>(caches.begin(), caches.end());
   };
   EXPECT_TRUE(caches_of({}).empty());

@@ -52,18 +52,18 @@ void check_distance(const DistanceResult& r, const DistanceOptions& asked, const
   EXPECT_LE(r.lower, distance + truth.tolerance);
   EXPECT_GE(r.upper, distance - truth.tolerance);
   EXPECT_LE(r.lower, r.upper);
-  ASSERT_EQ(r.witness.has_value(), r.status != Status::beyond_limit);
-  EXPECT_EQ(r.status == Status::interrupted, r.stopped_by != StoppedBy::nothing);
-  if (r.status == Status::beyond_limit) {
+  ASSERT_EQ(r.witness.has_value(), r.status != DistanceStatus::beyond_limit);
+  EXPECT_EQ(r.status == DistanceStatus::interrupted, r.stopped_by != StoppedBy::nothing);
+  if (r.status == DistanceStatus::beyond_limit) {
     EXPECT_GE(distance, asked.max_distance - truth.tolerance);
     EXPECT_FALSE(distance == 0);
     EXPECT_EQ(r.lower, asked.max_distance);
     return;
   }
   check_witness(*r.witness, a, b, r.upper, truth);
-  if (r.status == Status::interrupted) return;
+  if (r.status == DistanceStatus::interrupted) return;
   EXPECT_EQ(r.upper == 0, truth.is_contained || truth.cores <= truth.radius);
-  EXPECT_EQ(r.status == Status::collision, r.upper == 0);
+  EXPECT_EQ(r.status == DistanceStatus::collision, r.upper == 0);
   const double allowed = std::max(distance * asked.relative_error, asked.absolute_error);
   EXPECT_LE(r.upper, distance + allowed + truth.tolerance);
   if (allowed == 0) {
@@ -128,7 +128,7 @@ void check_budgets(const Placed& a, const Placed& b) {
     const DistanceOptions options{.cache = &cache, .budget = {.max_steps = 200}};
     const DistanceResult found = distance(a, b, options);
     check_distance(found, options, a, b, truth);
-    if (found.status != Status::interrupted) break;
+    if (found.status != DistanceStatus::interrupted) break;
   }
 }
 
@@ -225,7 +225,7 @@ void check_sphere(const Placed& mesh, const Placed& sphere, double least, bool i
   EXPECT_EQ(collide(a, b).is_yes(), truth == 0);
   if (truth < 1e-100) return;
   EXPECT_TRUE(within(a, b, std::nextafter(truth, 0)).is_no());
-  EXPECT_EQ(distance(a, b, {.max_distance = std::nextafter(truth, 0)}).status, Status::beyond_limit);
+  EXPECT_EQ(distance(a, b, {.max_distance = std::nextafter(truth, 0)}).status, DistanceStatus::beyond_limit);
 }
 
 // Points have a search of their own, which must not miss what a comparison of all pairs finds.

@@ -42,7 +42,7 @@ TEST(ShapeTruths, ThatTouchCollide) {
     const Shape a = Shape::sphere(scale), b = Shape::sphere(2 * scale);
     const double touching = 3 * scale, apart = std::nextafter(touching, 1e300);
     EXPECT_TRUE(collide(a, {b, at({touching, 0, 0})}).is_yes());
-    EXPECT_EQ(distance(a, {b, at({touching, 0, 0})}).status, Status::collision);
+    EXPECT_EQ(distance(a, {b, at({touching, 0, 0})}).status, DistanceStatus::collision);
     const DistanceResult near = distance(a, {b, at({0, apart, 0})});
     EXPECT_EQ(near.upper, apart - touching);
     EXPECT_TRUE(collide(a, {b, at({0, apart, 0})}).is_no());
@@ -65,7 +65,7 @@ TEST(ShapeTruths, TheRadiusOfTheBodyThatAsksAScene) {
   const Shape large = Shape::sphere(100), small = Shape::sphere(1);
   Scene scene;
   const ObjectId met = scene.add({small, at({-98, 0, 0})});
-  scene.add({small, at({0, 140, 0})});
+  static_cast<void>(scene.add({small, at({0, 140, 0})}));
   scene.commit();
   for (const double limit : {std::numeric_limits<double>::infinity(), 10.0, 0.0}) {
     const ClosestObject closest = scene.closest_object(large, {.max_distance = limit});
@@ -189,9 +189,9 @@ TEST(ShapeTruths, NestedSolidsCollideAndSurfacesDoNot) {
   EXPECT_TRUE(collide(mesh, above).is_yes());
   EXPECT_TRUE(collide(mesh, below).is_no());
   EXPECT_EQ(distance(mesh, below).upper, 4);
-  EXPECT_EQ(distance(mesh, above).status, Status::collision);
+  EXPECT_EQ(distance(mesh, above).status, DistanceStatus::collision);
   const DistanceResult found = distance(large, mesh, {.max_distance = 0.5});
-  EXPECT_EQ(found.status, Status::collision);
+  EXPECT_EQ(found.status, DistanceStatus::collision);
   EXPECT_EQ(found.witness->point_a, found.witness->point_b);
   EXPECT_TRUE(within(large, mesh, 0.5).is_yes());
 }
@@ -275,7 +275,7 @@ TEST(ShapeTruths, ScenesFindTheClosestBodies) {
     Scene scene;
     for (const OwnedBody& body : bodies) {
       placed.emplace_back(body.body(), random_pose(rng, 4));
-      scene.add(placed.back());
+      static_cast<void>(scene.add(placed.back()));
     }
     scene.commit();
     double least = 1e9;

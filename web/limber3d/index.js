@@ -79,7 +79,7 @@ export { init } from "./wasm.js";
  * @typedef {import("./queries.js").QueryBudget} QueryBudget
  * @typedef {import("./queries.js").QueryOptions} QueryOptions
  * @typedef {import("./queries.js").QueryStats} QueryStats
- * @typedef {import("./queries.js").Status} Status
+ * @typedef {import("./queries.js").DistanceStatus} DistanceStatus
  * @typedef {import("./queries.js").StoppedBy} StoppedBy
  * @typedef {import("./queries.js").Witness} Witness
  * @typedef {import("./scene.js").ClosestObject} ClosestObject

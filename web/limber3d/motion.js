@@ -77,12 +77,6 @@ export class MovingModel extends Owner {
     writeInput(coordinates);
     check(engine().setMotion(address, count, coordinates instanceof Float32Array ? 1 : 0, ...forms));
   }
-
-  /** The two vertices of each edge, the smaller id first: what the ids of edges in answers stand for. */
-  edges() {
-    engine().edgesOf(MovingModel.addressOf(this, "moving model"));
-    return new Uint32Array(copyOf(word(0), word(1)));
-  }
 }
 
 /**
@@ -94,7 +88,7 @@ export class MovingModel extends Owner {
  *
  * @typedef {object} ElementPair
  * @property {"vertexFace" | "faceVertex" | "edgeEdge"} kind
- * @property {number} a a vertex, a triangle or an edge, see MovingModel.edges()
+ * @property {number} a a vertex, a triangle or an edge, see Model.edges()
  * @property {number} b
  */
 

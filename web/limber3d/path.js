@@ -67,9 +67,9 @@ export class RigidMotion extends Owner {
  * @property {RigidMotion} [motionB]
  * @property {number} [maxTime] from 0 to 1, which is the default
  * @property {number} [distanceError] How much more than the separation may count as touching, and how far off a least
- *   distance may be: finite and above 0. With 0, the default, it is a part of the sum of the radii of both models:
- *   2 ** -20 for what touches, 2 ** -10 for a least distance, or of that distance if it is larger. Never less than
- *   what moves in 2 ** -40 of the time.
+ *   distance may be: finite and >= 0. If it is not given, a part of the sum of the radii of both models: 2 ** -20 for
+ *   what touches, 2 ** -10 for a least distance, or of that distance if it is larger. Never less than what moves in
+ *   2 ** -40 of the time: 0 asks for that, and models that pass each other closely then take very many distances.
  * @property {QueryBudget} [budget] its maxSteps counts distances
  * @property {QueryCache} [cache]
  */
@@ -132,6 +132,13 @@ function movingBodies(a, b, { motionA, motionB }) {
   return [bodyAddress(a, "a"), ofA, bodyAddress(b, "b"), ofB];
 }
 
+/**
+ * Private to the package: whether an error is given, and the error.
+ *
+ * @param {number | undefined} value
+ */
+export const distanceErrorOf = (value) => [value === undefined ? 0 : 1, numberOf(value, "distanceError", 0)];
+
 /** What both results have. */
 const asked = () => ({
   time: number(10),
@@ -158,9 +165,9 @@ export function pathImpact(a, b, options) {
   checkNames(options, ["motionA", "motionB", "maxTime", "minSeparation", "distanceError", "budget", "cache"]);
   const { budget, cache } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
   const minSeparation = numberOf(options.minSeparation, "minSeparation", 0);
-  const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
+  const distanceError = distanceErrorOf(options.distanceError), limits = limitsOf(budget);
   const bodies = movingBodies(a, b, options), kept = cacheAddress(cache);
-  check(engine().pathImpact(...bodies, maxTime, minSeparation, distanceError, ...limits, kept));
+  check(engine().pathImpact(...bodies, maxTime, minSeparation, ...distanceError, ...limits, kept));
   return pathImpactResult();
 }
 
@@ -180,8 +187,8 @@ export function pathImpact(a, b, options) {
 export function leastDistance(a, b, options = {}) {
   checkNames(options, ["motionA", "motionB", "maxTime", "distanceError", "budget", "cache"]);
   const { budget, cache } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
-  const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
+  const distanceError = distanceErrorOf(options.distanceError), limits = limitsOf(budget);
   const bodies = movingBodies(a, b, options), kept = cacheAddress(cache);
-  check(engine().leastDistance(...bodies, maxTime, distanceError, ...limits, kept));
+  check(engine().leastDistance(...bodies, maxTime, ...distanceError, ...limits, kept));
   return { lower: number(0), upper: number(1), ...asked() };
 }

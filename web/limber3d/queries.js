@@ -70,10 +70,10 @@ import { Owner, check, engine, number, point, word } from "./wasm.js";
  * - "beyondLimit": nothing is as close as maxDistance; lower >= maxDistance, upper is infinite, no witness
  * - "interrupted": the budget was spent; lower <= distance <= upper
  *
- * @typedef {"exact" | "withinError" | "collision" | "beyondLimit" | "interrupted"} Status
+ * @typedef {"exact" | "withinError" | "collision" | "beyondLimit" | "interrupted"} DistanceStatus
  */
 
-/** @type {readonly Status[]} */
+/** @type {readonly DistanceStatus[]} */
 export const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupted"];
 
 /**
@@ -98,7 +98,7 @@ export const answers = ["no", "yes", "unknown"];
  * @typedef {object} DistanceResult
  * @property {number} lower no two points of the models are closer
  * @property {number} upper the distance of the witness points
- * @property {Status} status
+ * @property {DistanceStatus} status
  * @property {Witness | null} witness none exactly when the status is "beyondLimit"
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "interrupted"
  * @property {QueryStats} stats

@@ -6,7 +6,7 @@
 import { checkNames, idsOf, numberOf } from "./arrays.js";
 import { Contacts, facesOf } from "./contacts.js";
 import { invalid } from "./errors.js";
-import { motionAddress, pathImpactResult } from "./path.js";
+import { distanceErrorOf, motionAddress, pathImpactResult } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
 import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
@@ -336,17 +336,18 @@ export class Scene extends Owner {
 
   /**
    * The objects whose bounds are at most `margin` from those of a body, which need not be in the scene. No object is
-   * missing for which distance() would answer at most the margin. Throws also notRigid.
+   * missing for which distance() would answer at most the margin, if the filter lets it through. Throws also notRigid.
    *
    * @param {Body} body
    * @param {number} margin
-   * @param {{ pose?: Pose | null }} [options]
+   * @param {{ pose?: Pose | null, filter?: ObjectFilter }} [options]
    */
   candidates(body, margin, options = {}) {
-    checkNames(options, ["pose"]);
-    const most = numberOf(margin, "margin"), read = poseOf(options.pose, "pose");
+    checkNames(options, ["pose", "filter"]);
+    const most = numberOf(margin, "margin"), wanted = objectFilterOf(options.filter);
+    const read = poseOf(options.pose, "pose");
     const scene = this.#address(), address = bodyAddress(body, "body"), form = writePose(read, 0);
-    check(engine().sceneCandidates(scene, address, form, most));
+    callWithFilter(wanted, "sceneCandidates", scene, address, form, most, wanted ? 1 : 0);
     return new Uint32Array(copyOf(word(0), word(1)));
   }
 
@@ -380,10 +381,10 @@ export class Scene extends Owner {
     checkNames(options, ["maxTime", "minSeparation", "distanceError", "filter", "budget"]);
     const { budget } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
     const minSeparation = numberOf(options.minSeparation, "minSeparation", 0);
-    const distanceError = numberOf(options.distanceError, "distanceError", 0), limits = limitsOf(budget);
+    const distanceError = distanceErrorOf(options.distanceError), limits = limitsOf(budget);
     const wanted = objectFilterOf(options.filter), way = motionAddress(motion, "motion");
-    const given = [this.#address(), bodyAddress(body, "body"), way, maxTime, minSeparation, distanceError, ...limits];
-    callWithFilter(wanted, "sceneTimeOfImpact", ...given, wanted ? 1 : 0);
+    const given = [this.#address(), bodyAddress(body, "body"), way, maxTime, minSeparation, ...distanceError];
+    callWithFilter(wanted, "sceneTimeOfImpact", ...given, ...limits, wanted ? 1 : 0);
     return { object: objectOfLast(), result: pathImpactResult() };
   }
 

@@ -67,6 +67,11 @@ std::byte* input();
 PositionsView positions_from(std::size_t count, bool is_float32);
 std::vector<Vec3> points_from(std::size_t count, bool is_float32);
 
+/// PathOptions::distance_error, which need not be given.
+inline std::optional<double> error_from(bool is_given, double error) {
+  return is_given ? std::optional(error) : std::nullopt;
+}
+
 inline std::uint32_t address_of(const void* p) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(p));
 }

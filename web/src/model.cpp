@@ -78,6 +78,14 @@ LIMBER_EXPORT(validate) bool validate(const OwnedModel* model) {
 
 LIMBER_EXPORT(meshOf) void mesh_of(const OwnedModel* model) { give_mesh(model->mesh()); }
 
+/// The two vertices of each edge.
+LIMBER_EXPORT(edgesOf) bool edges_of(const OwnedModel* model) {
+  return guarded([&] {
+    const auto vertices = model->edges().vertices();
+    give_bytes(vertices.data(), vertices.size_bytes());
+  });
+}
+
 LIMBER_EXPORT(boundingBox) bool bounding_box(const OwnedModel* model) {
   return guarded([&] {
     const Box box = model->bounding_box();

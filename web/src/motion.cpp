@@ -11,14 +11,6 @@
 namespace limber::web {
 namespace {
 
-/// A moving model, and the edges that it refers to.
-struct MovingWithEdges {
-  explicit MovingWithEdges(const Model& model) : edges(model.mesh()), moving(model, edges) {}
-
-  const MeshEdges edges;
-  MovingModel moving;
-};
-
 std::vector<Impact> impacts_found;
 std::vector<double> columns;
 
@@ -36,7 +28,7 @@ void give_impact(const ImpactResult& result) {
 
 /// One column after the other: lower, upper; then, in 32 bits, elements of a and of b; then, in 8 bits, kinds of the
 /// pairs and statuses.
-void give_impacts(const ImpactCount& count) {
+void give_impacts(const PairCount& count) {
   const std::size_t n = impacts_found.size();
   const std::size_t bytes = n * (2 * sizeof(double) + 2 * sizeof(std::uint32_t) + 2);
   columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
@@ -70,30 +62,25 @@ bool exported_element_impact(bool are_edges, double max_time, double time_error,
   });
 }
 
-LIMBER_EXPORT(newMovingModel) MovingWithEdges* new_moving_model(const OwnedModel* model) {
-  MovingWithEdges* moving = nullptr;
-  guarded([&] { moving = new MovingWithEdges(*model); });
+LIMBER_EXPORT(newMovingModel) MovingModel* new_moving_model(const OwnedModel* model) {
+  MovingModel* moving = nullptr;
+  guarded([&] { moving = new MovingModel(*model); });
   return moving;
 }
-LIMBER_EXPORT(deleteMovingModel) void delete_moving_model(MovingWithEdges* moving) { delete moving; }
+LIMBER_EXPORT(deleteMovingModel) void delete_moving_model(MovingModel* moving) { delete moving; }
 
 /// To the positions in input().
 LIMBER_EXPORT(setMotion)
-bool set_motion(MovingWithEdges* model, std::size_t count, bool is_float32, PoseForm start_pose, PoseForm end_pose) {
+bool set_motion(MovingModel* model, std::size_t count, bool is_float32, PoseForm start_pose, PoseForm end_pose) {
   return guarded([&] {
     const Transform start = pose_from(start_pose, 0, "startPose"), end = pose_from(end_pose, 1, "endPose");
-    model->moving.set_motion(points_from(count, is_float32), start, end).value();
+    model->set_motion(points_from(count, is_float32), start, end).value();
   });
-}
-
-LIMBER_EXPORT(edgesOf) void edges_of(const MovingWithEdges* model) {
-  const auto vertices = model->edges.vertices();
-  give_bytes(vertices.data(), vertices.size_bytes());
 }
 
 /// Finds when two models touch first. A null b asks about a with itself, here and in impacts.
 LIMBER_EXPORT(timeOfImpact)
-bool exported_time_of_impact(const MovingWithEdges* a, const MovingWithEdges* b, double max_time, double time_error,
+bool exported_time_of_impact(const MovingModel* a, const MovingModel* b, double max_time, double time_error,
                              double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,
                              double deadline_ms, double max_steps) {
   return guarded([&] {
@@ -104,18 +91,17 @@ bool exported_time_of_impact(const MovingWithEdges* a, const MovingWithEdges* b,
                                 .ignores_crossings = ignores_crossings,
                                 .any_contact = any_contact,
                                 .budget = budget_from(deadline_ms, max_steps)};
-    give_impact(b != nullptr ? time_of_impact(a->moving, b->moving, options) : self_time_of_impact(a->moving, options));
+    give_impact(b != nullptr ? time_of_impact(*a, *b, options) : self_time_of_impact(*a, options));
   });
 }
 
 LIMBER_EXPORT(impacts)
-bool exported_impacts(const MovingWithEdges* a, const MovingWithEdges* b, double max_time, double time_error,
+bool exported_impacts(const MovingModel* a, const MovingModel* b, double max_time, double time_error,
                       double min_separation, double nearer_part, double most) {
   return guarded([&] {
     const ImpactOptions options{max_time, time_error, min_separation, nearer_part};
     const auto collect = collector(impacts_found, most);
-    give_impacts(b != nullptr ? visit_impacts(a->moving, b->moving, options, collect)
-                              : visit_self_impacts(a->moving, options, collect));
+    give_impacts(b != nullptr ? visit_impacts(*a, *b, collect, options) : visit_self_impacts(*a, collect, options));
   });
 }
 

@@ -50,10 +50,11 @@ LIMBER_EXPORT(poseAt) bool pose_at(const RigidMotion* motion, double time) {
 
 LIMBER_EXPORT(pathImpact)
 bool exported_path_impact(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
-                          const RigidMotion* motion_b, double max_time, double min_separation, double distance_error,
-                          double deadline_ms, double max_steps, QueryCache* cache) {
+                          const RigidMotion* motion_b, double max_time, double min_separation, bool has_error,
+                          double distance_error, double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
-    const PathOptions options{max_time, min_separation, distance_error, cache, budget_from(deadline_ms, max_steps)};
+    const PathOptions options{max_time, min_separation, error_from(has_error, distance_error), cache,
+                              budget_from(deadline_ms, max_steps)};
     const PathImpact found =
         time_of_impact(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found);
@@ -62,10 +63,11 @@ bool exported_path_impact(const BodyOwner* a, const RigidMotion* motion_a, const
 
 LIMBER_EXPORT(leastDistance)
 bool exported_least_distance(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
-                             const RigidMotion* motion_b, double max_time, double distance_error, double deadline_ms,
-                             double max_steps, QueryCache* cache) {
+                             const RigidMotion* motion_b, double max_time, bool has_error, double distance_error,
+                             double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
-    const PathOptions options{max_time, 0, distance_error, cache, budget_from(deadline_ms, max_steps)};
+    const PathOptions options{max_time, 0, error_from(has_error, distance_error), cache,
+                              budget_from(deadline_ms, max_steps)};
     const PathDistance found =
         least_distance(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found.witness, found.stats, 0, found.stopped_by);

@@ -246,11 +246,12 @@ bool scene_any_within(const Scene* scene, double max_distance, double deadline_m
 // --- one body next to all objects ---
 
 LIMBER_EXPORT(sceneCandidates)
-bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, double margin) {
+bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, double margin, bool has_filter) {
   return guarded([&] {
     ids_found.clear();
     const auto keep = [](ObjectId id) { return ids_found.push_back(id), true; };
-    scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep);
+    scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep,
+                            {has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt});
     give_bytes(ids_found.data(), ids_found.size() * sizeof(ObjectId));
   });
 }
@@ -272,12 +273,12 @@ bool scene_closest_object(const Scene* scene, const BodyOwner* body, PoseForm po
 
 LIMBER_EXPORT(sceneTimeOfImpact)
 bool scene_time_of_impact(const Scene* scene, const BodyOwner* body, const RigidMotion* motion, double max_time,
-                          double min_separation, double distance_error, double deadline_ms, double max_steps,
-                          bool has_filter) {
+                          double min_separation, bool has_error, double distance_error, double deadline_ms,
+                          double max_steps, bool has_filter) {
   return guarded([&] {
     const ObjectImpact found = scene->time_of_impact(
         body->body(), motion != nullptr ? *motion : RigidMotion(),
-        {max_time, min_separation, distance_error,
+        {max_time, min_separation, error_from(has_error, distance_error),
          has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt, budget_from(deadline_ms, max_steps)});
     give(found.result);
     exchange.words[4] = found.object;

@@ -69,7 +69,7 @@ bool exported_deepest_vertices(const ClosedSurface* a, PoseForm pose_a, const Cl
                                double deadline_ms, double max_steps) {
   return guarded([&] {
     const DeepestVertices found = ask(a, pose_a, b, pose_b, [&](const auto&... bodies) {
-      return deepest_vertices(bodies..., budget_from(deadline_ms, max_steps));
+      return deepest_vertices(bodies..., {budget_from(deadline_ms, max_steps)});
     });
     give(std::nullopt, found.stats, 0, found.stopped_by);
     give_deepest(found);
@@ -81,7 +81,7 @@ bool exported_separating_translation(const ClosedSurface* a, PoseForm pose_a, co
                                      double x, double y, double z, double deadline_ms, double max_steps) {
   return guarded([&] {
     const SeparatingTranslation found = ask(a, pose_a, b, pose_b, [&](const auto&... bodies) {
-      return separating_translation(bodies..., {x, y, z}, budget_from(deadline_ms, max_steps));
+      return separating_translation(bodies..., {x, y, z}, {budget_from(deadline_ms, max_steps)});
     });
     give_bounds(found, found.direction);
   });

@@ -46,9 +46,8 @@ class Recorder {
     write("Model", {}, {numbers_of(positions, is_float32), uint32s(ids_of(mesh.triangles()))});
     models_.push_back(Model(Mesh::create(positions, mesh.triangles()).value()));
     caches_.emplace_back();
-    edges_.emplace_back(models_.back().mesh());
-    moving_.emplace_back(models_.back(), edges_.back());
-    write("edges", {models_.size() - 1}, {}, {}, ids_of(edges_.back().vertices()));
+    moving_.emplace_back(models_.back());
+    write("edges", {models_.size() - 1}, {}, {}, ids_of(models_.back().edges().vertices()));
     return models_.size() - 1;
   }
 
@@ -134,7 +133,7 @@ class Recorder {
 
   void closest_points(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
     std::vector<PointResult> results(points.size());
-    limber::closest_points({models_[m], pose}, points, results, {max_distance});
+    static_cast<void>(limber::closest_points({models_[m], pose}, points, results, {max_distance}));
     json answer = json::array();
     for (const PointResult& result : results) answer.push_back(of(result.closest, false));
     const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
@@ -157,9 +156,9 @@ class Recorder {
     write("solidRelation", {a, b}, {}, given, of(solid_relation(first, none, second, pose)));
     const QueryBudget budget{.max_steps = max_steps};
     if (max_steps < unlimited) given["budget"] = {{"maxSteps", max_steps}};
-    write("deepestVertices", {a, b}, {}, given, of(deepest_vertices(first, none, second, pose, budget)));
+    write("deepestVertices", {a, b}, {}, given, of(deepest_vertices(first, none, second, pose, {budget})));
     write("separatingTranslation", {a, b}, {of(direction)}, given,
-          of(separating_translation(first, none, second, pose, direction, budget)));
+          of(separating_translation(first, none, second, pose, direction, {budget})));
     given["relativeError"] = 0.1;
     write("signedDistance", {a, b}, {}, given,
           of(limber::signed_distance(first, none, second, pose, {.relative_error = 0.1, .budget = budget})));
@@ -302,10 +301,10 @@ class Recorder {
   void impacts(std::size_t a, std::size_t b, const ImpactOptions& options) {
     std::vector<Impact> found;
     const auto keep = [&](const Impact& impact) { return found.push_back(impact), true; };
-    const ImpactCount of_both = visit_impacts(moving_[a], moving_[b], options, keep);
+    const PairCount of_both = visit_impacts(moving_[a], moving_[b], keep, options);
     write("impacts", {a, b}, {}, options_of_all(options), impacts_of(found, of_both));
     found.clear();
-    const ImpactCount of_one = visit_self_impacts(moving_[a], options, keep);
+    const PairCount of_one = visit_self_impacts(moving_[a], keep, options);
     write("selfImpacts", {a}, {}, options_of_all(options), impacts_of(found, of_one));
   }
 
@@ -316,8 +315,8 @@ class Recorder {
     options.cache = cache(a, asked), options.budget = {.max_steps = asked.max_steps};
     json given{{"motions", {{of(start), of(end)}, {of(Transform{})}}},
                {"maxTime", options.max_time},
-               {"distanceError", options.distance_error},
                {"cache", asked.uses_cache}};
+    if (options.distance_error) given["distanceError"] = *options.distance_error;
     if (asked.max_steps < unlimited) given["budget"] = {{"maxSteps", asked.max_steps}};
     const PathDistance nearest = least_distance(body(a), RigidMotion(start, end), body(b), {}, options);
     write("leastDistance", {a, b}, {}, given, of(nearest));
@@ -413,7 +412,7 @@ class Recorder {
   static json contacts_of(const std::vector<Contact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"contacts", each(found)}, {"stats", of(count.stats)}};
   }
-  static json impacts_of(const std::vector<Impact>& found, const ImpactCount& count) {
+  static json impacts_of(const std::vector<Impact>& found, const PairCount& count) {
     return {{"count", found.size()}, {"isComplete", true}, {"impacts", each(found)}, {"stats", of(count.stats)}};
   }
   static json pairs_of(const std::vector<TrianglePair>& found, const PairCount& count) {
@@ -425,7 +424,6 @@ class Recorder {
   std::ofstream out_;
   std::deque<Model> models_;  // stay where they are, as moving models refer to them
   std::deque<Shape> shapes_;
-  std::deque<MeshEdges> edges_;
   std::deque<MovingModel> moving_;
   std::vector<QueryCache> caches_;
   Scene scene_;

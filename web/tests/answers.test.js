@@ -106,7 +106,7 @@ const withOptions = ["signedDistances", "setMotion", "sceneCall", "sceneNextTo"]
 const ofSurfaces = ["solidRelation", "deepestVertices", "separatingTranslation", "signedDistance"];
 const ofContacts = ["poseGradientA", "poseGradientB", "vertexGradientsA", "vertexGradientsB"];
 const withoutOptions = [...ofContacts, "weld", "readMeshBytes"];
-const ofMotion = ["edges", "setMotion", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts"];
+const ofMotion = ["setMotion", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts"];
 const functions = { ...limber, pathImpact: limber.timeOfImpact };
 
 function ask({ call, of, args, options }) {

@@ -49,6 +49,7 @@ test("options that do not exist are refused with those that do", () => {
       (o) => surface.signedDistance([0, 0, 0], o),
       (o) => surface.signedDistances([0, 0, 0], o),
     ],
+    "pose, filter": [(o) => scene.candidates(a, 1, o)],
     "pose": [(o) => surface.contains([0, 0, 0], o)],
     "motionMargin, rebuildPolicy, rebuildBudgetUs, preallocate": [(o) => new limber.Model(corners, faces, o)],
     "maxTime, timeError, minSeparation": [

@@ -148,7 +148,7 @@ test("impacts are those of all pairs of elements", () => {
   for (let round = 0; round < 6; ++round) {
     const startA = places(8), endA = places(8), startB = places(8), endB = places(8);
     const a = moving(startA, triangles, endA), b = moving(startB, triangles, endB);
-    const edgesA = a.edges(), edgesB = b.edges();
+    const edgesA = a.model.edges(), edgesB = b.model.edges();
     const touching = (firstStart, firstEnd, ends, secondStart, secondEnd, others, isSelf) => {
       const at = (from, v) => from.slice(3 * v, 3 * v + 3);
       const all = new Map();
@@ -215,7 +215,7 @@ test("a model folds onto itself", () => {
   isNear(found.upper, 2 / 3, 2 ** -52);
   assert.deepEqual(found.elements, { kind: "vertexFace", a: 3, b: 0 });
   assert.ok(limber.selfImpacts(a).count >= 1);
-  assert.deepEqual([...a.edges()], [0, 1, 0, 2, 0, 3, 1, 2, 1, 3]);
+  assert.deepEqual([...a.model.edges()], [0, 1, 0, 2, 0, 3, 1, 2, 1, 3]);
 });
 
 test("a motion ends when the model changes", () => {
@@ -294,6 +294,11 @@ test("bodies turn", () => {
   const nearest = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError: 1e-9 });
   isNear(nearest.upper, 1 - 2 * Math.sin(Math.PI / 8), 1e-8);
   assert.equal(nearest.time, 0.25);
+  const widths = [undefined, 0].map((distanceError) => {
+    const { lower, upper } = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError });
+    return upper - lower;
+  });
+  assert.ok(widths[0] > 1e-4 && widths[1] < 1e-11, widths.join(" "));
 });
 
 test("motions give poses", () => {
@@ -356,7 +361,7 @@ test("what is no moving model is refused, and what has been disposed of", () => 
   refuses(() => limber.timeOfImpact(model, model, { motionB: motion }), "disposed", "motionB");
   model.dispose();
   for (const use of [() => limber.timeOfImpact(b, a), () => limber.impacts(a, b), () => limber.selfTimeOfImpact(a),
-    () => a.setMotion(corners), () => a.edges(), () => new limber.MovingModel(model)]) {
+    () => a.setMotion(corners), () => model.edges(), () => new limber.MovingModel(model)]) {
     refuses(use, "disposed", "model");
   }
   a.dispose();

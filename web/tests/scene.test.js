@@ -142,6 +142,7 @@ test("one body is asked about next to all objects", () => {
   assert.deepEqual([none.object, none.result.status], [null, "beyondLimit"]);
   assert.deepEqual([...scene.candidates(ball, 0.75, { pose: { translation: [20, 1, 0] } })], [one]);
   assert.deepEqual([...scene.candidates(ball, 99)].sort(), [0, 1, 2, 3, one]);
+  assert.deepEqual([...scene.candidates(ball, 99, { filter: (id) => id > 2 })].sort(), [3, one]);
   const thrown = new Error("filter");
   assert.throws(() => scene.closestObject(ball, { filter: () => { throw thrown; } }), thrown);
   refuses(() => scene.closestObject(ball, { filter: 3 }), "invalidArgument", "filter");

@@ -37,7 +37,7 @@ const spheres: Float64Array = a.nodeSpheres(0);
 rings.dispose();
 const moving = new limber.MovingModel(a);
 moving.setMotion(vertices, { startPose: poses[0], endPose: null });
-const edges: Uint32Array = moving.edges();
+const edges: Uint32Array = a.edges();
 const touching: ImpactResult = limber.timeOfImpact(moving, moving, { maxTime: 0.5, nearerPart: 0.1, anyContact: true });
 const element: number | undefined = limber.selfTimeOfImpact(moving, { budget: { maxSteps: 9 } }).elements?.a;
 const impacts: Impact[] = [...limber.impacts(moving, moving, { timeError: 1e-6, maxCount: 5 })];

@@ -188,7 +188,7 @@ std::string spaced(const std::string& columns) { return fmt::format("{}", fmt::j
 
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
-const char* to_text(Status status) {
+const char* to_text(DistanceStatus status) {
   const auto* const found = std::find_if(status_words.begin(), status_words.end(),
                                          [status](const auto& entry) { return entry.first == status; });
   if (found == status_words.end()) throw std::logic_error("an answer has no known status");

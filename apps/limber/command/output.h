@@ -131,12 +131,13 @@ template <typename T>
 Json to_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
-inline constexpr std::array<std::pair<Status, const char*>, 5> status_words = {{{Status::exact, "exact"},
-                                                                                {Status::within_error, "within_error"},
-                                                                                {Status::collision, "collision"},
-                                                                                {Status::beyond_limit, "beyond_limit"},
-                                                                                {Status::interrupted, "interrupted"}}};
-const char* to_text(Status status);
+inline constexpr std::array<std::pair<DistanceStatus, const char*>, 5> status_words = {
+    {{DistanceStatus::exact, "exact"},
+     {DistanceStatus::within_error, "within_error"},
+     {DistanceStatus::collision, "collision"},
+     {DistanceStatus::beyond_limit, "beyond_limit"},
+     {DistanceStatus::interrupted, "interrupted"}}};
+const char* to_text(DistanceStatus status);
 
 /// The text without line ends or other control characters, so that it stays on one line.
 std::string on_one_line(std::string_view text);

@@ -122,7 +122,7 @@ DemoSummary summary_of(const std::vector<DemoFrame>& frames) {
   for (const DemoFrame& frame : frames) {
     summary.updates += frame.update;
     summary.min_distance = std::min(summary.min_distance, frame.answer.upper);
-    if (frame.answer.status == Status::collision) ++summary.contact_frames;
+    if (frame.answer.status == DistanceStatus::collision) ++summary.contact_frames;
     update_us += frame.update_us;
   }
   summary.update_us = spread_over(frames, &DemoFrame::update_us);

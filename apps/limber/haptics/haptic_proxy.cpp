@@ -25,7 +25,7 @@ Vec3 Proxy::step_towards(const Vec3& device, const DistanceResult& found) {
   if (!found.witness) return shortened(wanted, reach);
   const Vec3 apart = found.witness->point_b - found.witness->point_a;
   const Vec3 away = apart * (1 / length(apart));
-  if (found.status != Status::interrupted) away_ = away;
+  if (found.status != DistanceStatus::interrupted) away_ = away;
   // The step nearest to the one wanted that leaves the witness points a standoff apart, as if each were on a plane.
   // Where it is too long, going across the planes counts for more: tissue that comes up must not catch the tool.
   const double along_wanted = dot(away, wanted);

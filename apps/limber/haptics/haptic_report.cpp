@@ -35,10 +35,11 @@ std::string part_text(std::uint64_t part, std::size_t all) {
 }
 
 std::string answers_text(const HapticRun& run, const HapticSummary& summary) {
-  const auto count = [&](Status status) { return grouped(summary.answers.at(status)); };
-  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted", count(Status::exact),
-                     count(Status::within_error), 100 * run.options.scene.relative_error, count(Status::collision),
-                     count(Status::beyond_limit), count(Status::interrupted));
+  const auto count = [&](DistanceStatus status) { return grouped(summary.answers.at(status)); };
+  return fmt::format("{} exact, {} within {:g} %, {} collisions, {} beyond reach, {} interrupted",
+                     count(DistanceStatus::exact), count(DistanceStatus::within_error),
+                     100 * run.options.scene.relative_error, count(DistanceStatus::collision),
+                     count(DistanceStatus::beyond_limit), count(DistanceStatus::interrupted));
 }
 
 std::string width_text(const Percentiles& width) {
@@ -99,7 +100,7 @@ HapticSummary summary_of(const HapticRun& run) {
   }
   for (const TickSample& tick : run.ticks) {
     ++summary.answers[tick.status];
-    if (tick.status == Status::interrupted) widths.push_back(static_cast<double>(1 - tick.lower / tick.upper));
+    if (tick.status == DistanceStatus::interrupted) widths.push_back(static_cast<double>(1 - tick.lower / tick.upper));
     summary.largest_force_n = std::max(summary.largest_force_n, static_cast<double>(tick.force_n));
     summary.moved_vertices += tick.moved_vertices;
   }

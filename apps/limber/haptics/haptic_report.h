@@ -38,10 +38,10 @@ std::vector<double> wake_up_times(const std::vector<TickSample>& ticks);
 struct HapticSummary {
   std::array<std::optional<Percentiles>, tick_parts.size()> parts;  ///< as tick_parts
   std::optional<Percentiles> wake_up, empty_wake_up;
-  std::uint64_t missed = 0;                      ///< ticks that ended after their period
-  std::uint64_t late_starts = 0;                 ///< ticks whose time had come before the tick before them ended
-  std::map<Status, std::uint64_t> answers;       ///< how many of each
-  std::optional<Percentiles> interrupted_width;  ///< (upper - lower) / upper of interrupted queries
+  std::uint64_t missed = 0;                         ///< ticks that ended after their period
+  std::uint64_t late_starts = 0;                    ///< ticks whose time had come before the tick before them ended
+  std::map<DistanceStatus, std::uint64_t> answers;  ///< how many of each
+  std::optional<Percentiles> interrupted_width;     ///< (upper - lower) / upper of interrupted queries
   double largest_force_n = 0;
   std::uint64_t moved_vertices = 0;
 };

@@ -23,7 +23,7 @@ struct TickSample {
   std::uint32_t moved_vertices = 0;
   float lower = 0, upper = 0;  ///< of the distance, in mm
   float force_n = 0;
-  Status status = Status::exact;
+  DistanceStatus status = DistanceStatus::exact;
   bool has_waited = false;  ///< whether the tick before had ended when this one's time came
   bool is_missed = false;   ///< whether the work ended after the tick's period
 };

@@ -286,7 +286,7 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
   // Only the fast engine has point queries and contacts.
   const Placed a{pair.a().model.in_fast_engine(), pair.a().pose}, b{pair.b().model.in_fast_engine(), pair.b().pose};
   Intersections found;
-  if (answer.result.status == Status::collision) found = intersections_of(a, b);
+  if (answer.result.status == DistanceStatus::collision) found = intersections_of(a, b);
   const double shortest_edge =
       shortest_edge_part * std::min(diagonal_of(pair.a().model.box()), diagonal_of(pair.b().model.box()));
   Json json;

@@ -33,14 +33,14 @@ void write_lines(const std::optional<FoundWitness>& witness) {
 void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness) {
   json["status"] = to_text(result.status);
   json["lower"] = std::isfinite(result.lower) ? Json(result.lower) : Json(nullptr);  // where there is no pair at all
-  json["upper"] = result.status == Status::beyond_limit ? Json(nullptr) : Json(result.upper);
+  json["upper"] = result.status == DistanceStatus::beyond_limit ? Json(nullptr) : Json(result.upper);
   json["witness"] = to_json(witness);
 }
 
 void write_distance_lines(const DistanceResult& result, const std::optional<FoundWitness>& witness) {
   write_line("status    {}", to_text(result.status));
   write_line("lower     {}", to_text(result.lower));
-  if (result.status != Status::beyond_limit) write_line("upper     {}", to_text(result.upper));
+  if (result.status != DistanceStatus::beyond_limit) write_line("upper     {}", to_text(result.upper));
   write_lines(witness);
 }
 
@@ -81,7 +81,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
   DistanceAnswer answer;
   answer.result = timed.answer;
   answer.witness = with_faces(timed.answer.witness, a.model, b.model);
-  answer.relation = relation_of(a, b, timed.answer.status == Status::collision);
+  answer.relation = relation_of(a, b, timed.answer.status == DistanceStatus::collision);
   if (clearance) answer.too_close = timed.answer.upper < *clearance || answer.relation.is_hard_clash();
   answer.clash = clash_of(answer.relation, answer.too_close.value_or(false));
   answer.elapsed_us = timed.elapsed_us;
@@ -90,7 +90,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
 
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer) {
   if (!question.exit_code) return ExitCode::answered;
-  const bool is_near = answer.result.status != Status::beyond_limit || answer.relation.is_hard_clash();
+  const bool is_near = answer.result.status != DistanceStatus::beyond_limit || answer.relation.is_hard_clash();
   const bool is_found = answer.too_close.value_or(is_near);
   return is_found ? ExitCode::found : ExitCode::answered;
 }

@@ -21,7 +21,7 @@ struct DistanceArguments {
   PairArguments pair;
   std::string pairs, parts, out = "-";
   DistanceOptions options;
-  std::optional<double> min_clearance;
+  std::optional<double> path_error, min_clearance;
   ReportArguments report;
   VertexFiles vertices;
 };
@@ -30,19 +30,19 @@ DistanceQuestion question_of(const DistanceArguments& arguments) {
   return {arguments.options, arguments.min_clearance, arguments.pair.exit_code || arguments.min_clearance};
 }
 
-/// The least distance on a path, which is certified within the absolute error.
-DistanceAnswer answer_on_path(const Path& path, const Pair& pair, double absolute_error) {
+/// The least distance on a path, which is certified within the absolute error, or the usual one.
+DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<double> absolute_error) {
   const Stopwatch asking;
   const PathDistance found = path.least_distance(pair.a().model.fast(), pair.b().model.fast(), absolute_error);
   DistanceAnswer answer;
   answer.elapsed_us = asking.microseconds();
   answer.path_time = found.time;
   answer.witness = with_faces(found.witness, pair.a().model, pair.b().model);
-  const Status status = found.upper == 0             ? Status::collision
-                        : found.lower == found.upper ? Status::exact
-                                                     : Status::within_error;
+  const DistanceStatus status = found.upper == 0             ? DistanceStatus::collision
+                                : found.lower == found.upper ? DistanceStatus::exact
+                                                             : DistanceStatus::within_error;
   answer.result = {found.lower, found.upper, status, found.witness, found.stopped_by, found.stats};
-  if (status != Status::collision) answer.relation.nesting = nesting_of(pair.a(), pair.b());
+  if (status != DistanceStatus::collision) answer.relation.nesting = nesting_of(pair.a(), pair.b());
   return answer;
 }
 
@@ -53,8 +53,8 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   std::optional<ReportFile> report;
   if (!arguments.report.path.empty()) report.emplace(arguments.report, inputs);
   const DistanceQuestion question = question_of(arguments);
-  const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.options.absolute_error)
-                                            : answer_to(question, pair.a(), pair.b());
+  const DistanceAnswer answer =
+      pair.path() ? answer_on_path(*pair.path(), pair, arguments.path_error) : answer_to(question, pair.a(), pair.b());
   if (report) report->write(distance_report(arguments.pair, pair, question, answer));
   vertices.write(pair.a(), pair.b());
   if (arguments.pair.json) {
@@ -98,7 +98,7 @@ model has the other inside, a warning says so, and inside in JSON and CSV is a_i
 constexpr const char* path_answer_help = R"(
 With --path-a or --path-b the answer is the least distance on the whole path, and path_time when the models are so near.
 lower and upper are at most --absolute-error apart; without it 2^-10 of the sum of the radii of both models, or of the
-distance if that is larger. There is no clash then.
+distance if that is larger; with 0 they are as close as it gets, which may take long. There is no clash then.
 )";
 
 constexpr const char* pairs_help = R"(
@@ -195,7 +195,10 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");
   add_vertex_files(command, arguments->vertices);
-  command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
+  command.parse_complete_callback([&command, arguments] {
+    check_options(command, *arguments);
+    if (command.get_option("--absolute-error")->count() > 0) arguments->path_error = arguments->options.absolute_error;
+  });
   command.footer(std::string(help_text) + clash_help + vertex_files_help + path_answer_help + path_help + pairs_help +
                  spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};

@@ -28,7 +28,7 @@ std::uint8_t index_of(std::uint32_t id, const std::array<std::uint32_t, 3>& ids)
 }
 
 Feature feature_of(const FrameMotion& motion, TriangleId triangle, std::uint32_t id, FeatureKind kind) {
-  if (kind == FeatureKind::edge) return {kind, index_of(id, motion.edges.of_triangles()[triangle])};
+  if (kind == FeatureKind::edge) return {kind, index_of(id, motion.model.edges().of_triangles()[triangle])};
   if (kind == FeatureKind::vertex) return {kind, index_of(id, motion.model.mesh().triangles()[triangle])};
   return {};
 }

@@ -16,10 +16,9 @@ namespace limber::program {
 /// The way of a model from one frame to the next.
 struct FrameMotion {
   const Model& model;
-  MeshEdges edges;
   MovingModel moving;
 
-  explicit FrameMotion(const Model& of) : model(of), edges(of.mesh()), moving(of, edges) {}
+  explicit FrameMotion(const Model& of) : model(of), moving(of) {}
   FrameMotion(const FrameMotion&) = delete;
   FrameMotion& operator=(const FrameMotion&) = delete;
 };

@@ -55,7 +55,7 @@ PathImpact Path::first_impact(const Model& a, const Model& b, double separation)
   return first;
 }
 
-PathDistance Path::least_distance(const Model& a, const Model& b, double distance_error) const {
+PathDistance Path::least_distance(const Model& a, const Model& b, std::optional<double> distance_error) const {
   QueryCache cache;
   const PathOptions options{.distance_error = distance_error, .cache = &cache};
   PathDistance least;

@@ -36,7 +36,7 @@ class Path {
 
   /// As time_of_impact() and least_distance() of limber/path.h, but times are those of the path.
   PathImpact first_impact(const Model& a, const Model& b, double separation) const;
-  PathDistance least_distance(const Model& a, const Model& b, double distance_error) const;
+  PathDistance least_distance(const Model& a, const Model& b, std::optional<double> distance_error) const;
 
  private:
   struct Step {

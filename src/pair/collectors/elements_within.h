@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "geometry/primitives.h"
 #include "limber/elements.h"
@@ -19,7 +20,7 @@ namespace limber::pair {
 /// The collector of visit_element_pairs() and visit_self_element_pairs(): all pairs of a vertex and a face, and of two
 /// edges, that are at most a margin apart.
 ///
-/// A vertex or edge belongs to several triangles; only one of them, its representative (MeshEdges::represented_by()),
+/// A vertex or edge belongs to several triangles; only one of them, its representative (Access::represented_by()),
 /// brings it into a comparison. Two elements within the margin have representatives within the margin, and AllPairs
 /// offers every pair of triangles once, so each pair of elements is found once. In one model, elements with the same
 /// representative share a vertex, and such pairs do not count.
@@ -114,7 +115,7 @@ class ElementsWithin {
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
       if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
-      of_slots |= (simd::OwnedElements::is_in_use | edges_[index(s)]->represented_by(leaf.triangle[slot]))
+      of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*edges_[index(s)], leaf.triangle[slot]))
                   << (8 * slot);
     }
     return {of_slots};
