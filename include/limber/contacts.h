@@ -279,8 +279,8 @@ struct ReductionOptions {
   ReductionMemory* memory = nullptr;        ///< to work in; null to allocate it for the call alone
 };
 
-/// Keeps a few contacts of each patch, and moves them to the front. The radius of a patch is a length in the unit of the
-/// meshes.
+/// Keeps a few contacts of each patch, and moves them to the front. The radius is that of a patch, in the length unit
+/// of the meshes.
 ///
 /// The contacts are taken from the deepest to the farthest, by distance - depth. The position of a contact is the
 /// middle of its two points. A contact joins the deepest patch whose first contact is at most `radius` away and has a
