@@ -36,7 +36,9 @@ TEST(Effort, NeitherQueriesNorDeformationTouchTheHeap) {
     const Placed a{floor}, b{body, at(0.1, 0.2, 0.9)};
     EXPECT_EQ(distance(a, b).status, DistanceStatus::collision);
     EXPECT_GT(contacts(a, b, 0.01, found).count, 0U);
-    distance(a, {body, at(0, 0, 2)}), closest_point(b, {1, 2, 3}), self_contacts(body, 1e-3, found);
+    static_cast<void>(distance(a, {body, at(0, 0, 2)}));
+    static_cast<void>(closest_point(b, {1, 2, 3}));
+    self_contacts(body, 1e-3, found);
   };
   frame(0);
   const std::uint64_t before = allocation_count() - allowed;

@@ -86,7 +86,7 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   std::vector<Contact> found(100);
   put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
   put(reduce_contacts(found, 1));
-  put(reference::reduced_contacts(found, {.radius = 0.5}).size());
+  put(reference::reduced_contacts(found, 0.5, {}).size());
   put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
   put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).is_yes());
   put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);

@@ -263,7 +263,7 @@ TEST(Front, IsOfUseOnlyInTheUnitsOfItsModels) {
       return distance(first, second, {.cache = cache, .budget = budget});
     };
     QueryCache cache;
-    ask(&cache, {.max_steps = 1 + rng.below(20)});
+    static_cast<void>(ask(&cache, {.max_steps = 1 + rng.below(20)}));
     deform(a, [&](const Vec3& p) { return rng.below(3) == 0 ? (1.5 / small) * p : p; });
     const double truth = ask(nullptr, {}).upper;
     ASSERT_NEAR(ask(&cache, {}).upper, truth, 1e-12);

@@ -62,15 +62,15 @@ TYPED_TEST(Misuse, OfPosesIsRefused) {
 TYPED_TEST(Misuse, OfOptionsIsRefused) {
   const auto ask = [&](const DistanceOptions& options) { return this->distance(this->a_, this->b_, {}, options); };
   for (const double bad : {not_a_number, -1.0, -0x1p-1074, infinite, -infinite}) {
-    EXPECT_THROW(ask({.relative_error = bad}), std::invalid_argument) << bad;
-    EXPECT_THROW(ask({.absolute_error = bad}), std::invalid_argument) << bad;
+    EXPECT_THROW(static_cast<void>(ask({.relative_error = bad})), std::invalid_argument) << bad;
+    EXPECT_THROW(static_cast<void>(ask({.absolute_error = bad})), std::invalid_argument) << bad;
     EXPECT_THROW(static_cast<void>(this->within(this->a_, this->b_, bad)), std::invalid_argument) << bad;
     if (bad != infinite) {
-      EXPECT_THROW(ask({.max_distance = bad}), std::invalid_argument) << bad;
+      EXPECT_THROW(static_cast<void>(ask({.max_distance = bad})), std::invalid_argument) << bad;
     }
   }
-  EXPECT_NO_THROW(ask({.max_distance = infinite}));
-  EXPECT_NO_THROW(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0}));
+  EXPECT_NO_THROW(static_cast<void>(ask({.max_distance = infinite})));
+  EXPECT_NO_THROW(static_cast<void>(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0})));
 }
 
 TYPED_TEST(Misuse, IsExplainedInOneLine) {

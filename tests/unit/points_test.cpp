@@ -114,14 +114,14 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
   for (const double bad : {no_number, -1.0, -no_limit}) {
     EXPECT_THROW(static_cast<void>(closest_point({model}, {}, {.max_distance = bad})), std::invalid_argument);
     EXPECT_THROW(closest_points({model}, points, results, {.max_distance = bad}), std::invalid_argument);
-    EXPECT_THROW(reference::closest_point(mesh, {}, {.max_distance = bad}), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(reference::closest_point(mesh, {}, {.max_distance = bad})), std::invalid_argument);
   }
   for (const double bad : {no_number, no_limit, 0x1p201}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       Vec3 point;
       point[axis] = bad;
       EXPECT_THROW(static_cast<void>(closest_point({model}, point)), std::invalid_argument);
-      EXPECT_THROW(reference::closest_point(mesh, point), std::invalid_argument);
+      EXPECT_THROW(static_cast<void>(reference::closest_point(mesh, point)), std::invalid_argument);
       points[99] = point;
       EXPECT_THROW(closest_points({model}, points, results), std::invalid_argument);
     }

@@ -57,7 +57,7 @@ std::function<double()> timed(Call call, int queries = 1) {
   return [call, queries, repetitions = 0]() mutable {
     const auto us_of = [&](int count) {
       const Stopwatch watch;
-      for (int i = 0; i < count; ++i) call();
+      for (int i = 0; i < count; ++i) static_cast<void>(call());
       return watch.microseconds() / count;
     };
     if (repetitions == 0) {
@@ -180,12 +180,13 @@ class Bench {
     bent_[0].move(bent_[0].rest);
     expect_none(disagreement(answers, limit, tolerance_), pose);
     const Vec3 point = pose(b_.mesh().positions()[b_.mesh().triangles()[0][0]]);
-    turns_.push_back({"collide", situation, timed([=] { collide(a, b); })});
-    turns_.push_back({"distance", situation, timed([=] { distance(a, b); })});
-    turns_.push_back({"distance within 1 %", situation, timed([=] { distance(a, b, {.relative_error = 0.01}); })});
-    turns_.push_back({"within 0.002", situation, timed([=] { within(a, b, limit); })});
+    turns_.push_back({"collide", situation, timed([=] { return collide(a, b); })});
+    turns_.push_back({"distance", situation, timed([=] { return distance(a, b); })});
+    turns_.push_back(
+        {"distance within 1 %", situation, timed([=] { return distance(a, b, {.relative_error = 0.01}); })});
+    turns_.push_back({"within 0.002", situation, timed([=] { return within(a, b, limit); })});
     turns_.push_back({"contacts within 0.002", situation, timed([=] { visit_contacts(a, b, limit, every_contact); })});
-    turns_.push_back({"closest point of A", situation, timed([=] { closest_point(a, point); })});
+    turns_.push_back({"closest point of A", situation, timed([=] { return closest_point(a, point); })});
   }
 
   /// From frame to frame b slides by 1/500 of the size, and turns by 1/200.
@@ -203,7 +204,7 @@ class Bench {
       expect_none(agree ? "" : fmt::format("distance {}, with a cache {}", cold, cached), path.back());
     }
     const auto ask = [this](const std::vector<Transform>& poses, QueryCache* used) {
-      for (const Transform& pose : poses) distance({a_}, {b_, pose}, {.cache = used});
+      for (const Transform& pose : poses) static_cast<void>(distance({a_}, {b_, pose}, {.cache = used}));
     };
     turns_.push_back({"distance", "path", timed([=] { ask(path, nullptr); }, path_frames)});
     turns_.push_back(
