@@ -81,7 +81,6 @@ function showLegend(data: ReportData, models: readonly ReportModel[], { viewer, 
   const near = limit > 0 ? Math.max(4 * limit, 2 * low) : low + Math.min(...models.map((model) => model.diagonal)) / 8;
   const slider = byId<HTMLInputElement>('map-end');
   const range = most - low;
-  byId('legend-bar').style.background = `linear-gradient(to right, ${mapColors.join(', ')})`;
   look.limit.value = limit;
   const apply = (): void => {
     const high = low + range * (Number(slider.value) / 1000) ** 2;
@@ -95,7 +94,7 @@ function showLegend(data: ReportData, models: readonly ReportModel[], { viewer, 
     look.lineStep.value = step;
     byId('map-end-text').textContent = shownLength(high, 4);
     slider.setAttribute('aria-valuetext', shownLength(high, 4));
-    showTicks(low, high, values);
+    showScale(low, high, values);
     byId('legend-beyond').hidden = high >= most;
     viewer.request();
   };
@@ -112,8 +111,12 @@ function showLimit(part: number | undefined): void {
   if (part !== undefined) line.style.left = `${100 * part}%`;
 }
 
-function showTicks(low: number, high: number, values: readonly number[]): void {
+/** The colours with the lines that surfaces have, and numbers where there is room. */
+function showScale(low: number, high: number, values: readonly number[]): void {
   const at = (value: number): number => (high > low ? (value - low) / (high - low) : 0);
+  const lines = values.map((value) => `linear-gradient(#0008 0 0) ${100 * at(value)}% 0 / 2px 100% no-repeat`);
+  const colors = `linear-gradient(to right, ${mapColors.join(', ')})`;
+  byId('legend-bar').style.background = [...lines, colors].join(', ');
   const inside = values.filter((value) => at(value) > 0.14 && at(value) < 0.86);
   const span = (text: string, place: number, className = ''): HTMLElement => {
     const made = element('span', className, text);

@@ -14,6 +14,11 @@ export const shownDistance = ({ lower, upper }: ReportData): string => withUnit(
 
 export function showTiles(data: ReportData, models: readonly ReportModel[]): void {
   const tiles = [];
+  if (data.min_clearance !== null) {
+    const required = shownLength(data.min_clearance);
+    if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
+    else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
+  }
   const [isHard, meets] = [data.clash === 'hard_clash', data.status === 'collision'];
   if (isHard || meets) {
     const kind = data.clash === 'touching' ? '' : 'bad';
@@ -21,11 +26,6 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
   }
   if (meets) tiles.push(tile(grouped(data.intersections), 'pairs of triangles intersect'));
   else tiles.push(tile(capital(shownDistance(data)), `${isHard ? 'between surfaces' : 'clearance'}${unitNote()}`));
-  if (data.min_clearance !== null) {
-    const required = shownLength(data.min_clearance);
-    if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
-    else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
-  }
   for (const [i, { data: model }] of models.entries()) {
     tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${shownSize(model, 4)}`));
   }

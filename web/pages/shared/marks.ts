@@ -36,6 +36,7 @@ export interface Shown {
 }
 
 const digitWidth = 10; // of labels, in pixels
+const badgeRadius = 11; // of names
 
 export class Marks {
   private readonly svg = svgElement('svg', { class: 'marks', 'aria-hidden': 'true' });
@@ -60,7 +61,7 @@ export class Marks {
 
   private placed(): SVGElement[] {
     const { outlines = [], path, names = [], triangles = [], segment } = this.shown;
-    const taken: Pixel[] = [];
+    const taken: Pixel[] = []; // by names
     return [
       ...outlines.map(({ kind, lines }) =>
         svgElement('path', { class: kind, d: lines.map((line) => `M${this.projected(line)}`).join('') }),
@@ -68,7 +69,7 @@ export class Marks {
       ...(path === undefined ? [] : this.pathMarks(path)),
       ...names.flatMap((name) => (name.isShown() ? this.nameMarks(name, taken) : [])),
       ...triangles.flatMap((corners) => twice('polygon', 'mark', { points: this.projected(corners) })),
-      ...(segment === undefined ? [] : this.segmentMarks(segment)),
+      ...(segment === undefined ? [] : this.segmentMarks(segment, taken)),
     ];
   }
 
@@ -92,15 +93,15 @@ export class Marks {
     }
     taken.push([x, y]);
     return [
-      svgElement('circle', { class: `badge ${name.toLowerCase()}`, cx: x, cy: y, r: 11 }),
+      svgElement('circle', { class: `badge ${name.toLowerCase()}`, cx: x, cy: y, r: badgeRadius }),
       svgElement('text', { class: 'name', x, y: y + 5 }, name),
     ];
   }
 
-  private segmentMarks({ a, b, label, isDashed = false }: Segment): SVGElement[] {
+  private segmentMarks({ a, b, label, isDashed = false }: Segment, taken: readonly Pixel[]): SVGElement[] {
     const ends = [this.viewer.project(a), this.viewer.project(b)] as const;
     const [[x1, y1], [x2, y2]] = ends;
-    const [x, y] = labelPlace(...ends, digitWidth * label.length, this.viewer.size);
+    const [x, y] = labelPlace(...ends, digitWidth * label.length, this.viewer.size, taken);
     const [halo, line] = twice('line', isDashed ? 'mark dashed' : 'mark', { x1, y1, x2, y2 });
     return [
       halo,
@@ -121,15 +122,22 @@ const halfLine = 8; // of text, as high as a digit is above the middle
 
 /**
  * Where the label of a segment stands, so that the segment does not run through it: the left end of the text's base
- * line, for a text that wide, beside a steep segment, above a flat one.
+ * line, for a text that wide, beside a steep segment, above a flat one; on the other side where it would leave the view
+ * or cover one of the badges `taken`.
  */
-export function labelPlace(a: Pixel, b: Pixel, textWidth: number, size: Pixel): Pixel {
+export function labelPlace(a: Pixel, b: Pixel, textWidth: number, size: Pixel, taken: readonly Pixel[] = []): Pixel {
   const [dx, dy] = [Math.abs(b[0] - a[0]), Math.abs(b[1] - a[1])];
   const [x, y] = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
   const isFlat = dx > dy;
   const off = isFlat ? gap + Math.min(dy / 2, (textWidth / 2) * (dy / dx)) : gap + (dy > 0 ? halfLine * (dx / dy) : 0);
   let [left, base] = isFlat ? [x - textWidth / 2, y - off] : [x + off, y + halfLine - 2];
-  if (!isFlat && left + textWidth > size[0] - 4) left = x - off - textWidth;
-  if (isFlat && base < 18) base = y + off + 2 * halfLine - 2;
+  const isCovering = taken.some(
+    ([cx, cy]) =>
+      cx > left - badgeRadius &&
+      cx < left + textWidth + badgeRadius &&
+      Math.abs(cy - (base - halfLine + 2)) < badgeRadius + halfLine,
+  );
+  if (!isFlat && (isCovering || left + textWidth > size[0] - 4)) left = x - off - textWidth;
+  if (isFlat && (isCovering || base < 18)) base = y + off + 2 * halfLine - 2;
   return [Math.min(Math.max(left, 4), size[0] - textWidth - 4), base];
 }

@@ -28,7 +28,7 @@ const moves: Record<string, readonly [number, number]> = {
 
 const widestCell = 34; // pixels
 const narrowestCell = 15;
-const usualWidth = 1020; // of all cells
+const usualWidth = 1020; // of all cells, with the pixel between them
 
 export class Matrix {
   private readonly cells = new Map<string, HTMLButtonElement>(); // by line and column
@@ -39,7 +39,7 @@ export class Matrix {
     const { rows, parts } = study;
     const count = parts.name.length;
     const table = byId('matrix');
-    const size = Math.max(narrowestCell, Math.min(widestCell, Math.floor(usualWidth / count)));
+    const size = Math.max(narrowestCell, Math.min(widestCell, Math.floor(usualWidth / count) - 1));
     table.style.setProperty('--cell', `${size}px`);
     table.style.setProperty('--count', String(count));
     const lines = parts.name.map((_, part) => {
@@ -73,16 +73,27 @@ export class Matrix {
     table.addEventListener('keydown', (event) => this.press(event, select));
   }
 
-  /** Marks the cell of a row. */
+  /** Marks the cell of a row; once a reader has chosen one, brings it into sight. */
   show(row: number): void {
-    if (this.current !== undefined) {
-      this.current.tabIndex = -1;
-      this.current.removeAttribute('aria-current');
+    const before = this.current;
+    if (before !== undefined) {
+      before.tabIndex = -1;
+      before.removeAttribute('aria-current');
     }
     const [line, column] = this.places[row];
     this.current = this.cells.get(`${line} ${column}`)!;
     this.current.tabIndex = 0;
     this.current.setAttribute('aria-current', 'true');
+    if (before !== undefined) this.scrollTo(this.current);
+  }
+
+  /** Where the matrix is wider than the page, its names stay at the left. */
+  private scrollTo(cell: HTMLElement): void {
+    const scroll = byId('matrix').parentElement!;
+    const [left, width] = [cell.parentElement!.offsetLeft, cell.offsetWidth];
+    const names = byId('matrix').querySelector('th')!.offsetWidth;
+    if (left - names < scroll.scrollLeft) scroll.scrollLeft = left - names;
+    else scroll.scrollLeft = Math.max(scroll.scrollLeft, left + width + 4 - scroll.clientWidth);
   }
 
   private press(event: KeyboardEvent, select: (row: number) => void): void {

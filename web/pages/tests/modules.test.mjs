@@ -201,6 +201,11 @@ test('labels stay off their segment, and inside', () => {
   assert.ok(beside > 104);
   const [inside] = labelPlace([390, 100], [392, 200], 60, [400, 300]);
   assert.ok(inside + 60 <= 391);
+  const badge = [140, 145];
+  const [otherSide] = labelPlace([100, 100], [104, 200], 60, [400, 300], [badge]);
+  assert.ok(otherSide + 60 < 100);
+  const [, below] = labelPlace([100, 150], [200, 160], 60, [400, 300], [badge]);
+  assert.ok(below > 160);
 });
 
 // Contrast of all texts and marks by the formula of WCAG 2.

@@ -215,6 +215,9 @@ test('verdicts are those of the program', async () => {
     assert.ok((await page.textContent('#tiles')).includes(word), name);
     await page.close();
   }
+  const first = await look('close');
+  assert.match((await tileTexts(first))[0], /^\u2717 Too close/);
+  await first.close();
   assert.equal(answers.close.too_close, true);
   assert.equal(answers.inside.too_close, true);
   assert.equal(answers.kept.too_close, false);
@@ -345,9 +348,10 @@ test('a study says first whether the clearance is kept, and starts with the wors
   );
   assert.equal(await page.textContent('#answer-title'), 'Row 150: hard clash');
   assert.match(await page.getAttribute('.plot', 'aria-label'), /required clearance 0\.5\u00a0mm$/);
+  assert.equal(await page.textContent('#rows-count'), 'The first 200 of 210.');
   await page.click('#rows-more');
   assert.equal((await listed(page)).length, 210);
-  assert.ok(!(await page.isVisible('#rows-more')));
+  assert.ok(!(await page.isVisible('#rows-rest')));
   await page.close();
 });
 
@@ -378,6 +382,11 @@ test('a click in the list, in the chart and steps show a pair with the numbers o
     await page.focus(`#rows tr[data-row="${order[3]}"] button`);
     await page.keyboard.press('Enter');
     await expectRow(order[3]);
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('ArrowUp');
+    await expectRow(order[4]);
+    assert.equal(await page.locator('#rows button[tabindex="0"]').count(), 1);
     const chart = page.locator('.u-over');
     await chart.scrollIntoViewIfNeeded();
     const { width: across, height } = await chart.boundingBox();
@@ -425,6 +434,20 @@ test('a matrix of parts has the word of each pair, and shows it', async () => {
     assert.equal(await page.textContent('#subtitle'), '5 parts');
     await page.close();
   }
+});
+
+test('the cell of a pair that a reader chooses is brought into sight', async () => {
+  const page = await look('parts', { width: 250 });
+  const { left, right, cellLeft, cellRight } = await page.evaluate(() => {
+    document.querySelector('#rows tr[data-row="9"]').click();
+    const { left: cellLeft, right: cellRight } = document
+      .querySelector('#matrix [aria-current]')
+      .getBoundingClientRect();
+    const { right } = document.querySelector('.scroll:has(#matrix)').getBoundingClientRect();
+    return { left: document.querySelector('#matrix th').getBoundingClientRect().right, right, cellLeft, cellRight };
+  });
+  assert.ok(left <= cellLeft && cellRight <= right, `${cellLeft} to ${cellRight} in ${left} to ${right}`);
+  await page.close();
 });
 
 test('other parts can be hidden, and what encloses is seen through', async () => {
@@ -479,6 +502,14 @@ test('a page names its files, their digests and its time', async () => {
   await page.close();
 });
 
+test('the scale has the lines of its numbers', async () => {
+  const page = await look('apart');
+  const numbers = await page.locator('#legend-ticks span').count();
+  const lines = (await page.$eval('#legend-bar', (bar) => bar.style.background)).split('no-repeat').length - 1;
+  assert.ok(numbers > 2 && lines >= numbers - 2, `${numbers} numbers, ${lines} lines`);
+  await page.close();
+});
+
 test('the scale has a line at the clearance where surfaces have one, and says so then alone', async () => {
   const close = await look('close');
   assert.ok(await close.isVisible('#legend-limit'));
@@ -505,15 +536,18 @@ test('the triangles of the closest points do not have the colour of their distan
   await page.close();
 });
 
-test('on paper, pages are light and lists whole', async () => {
+test('on paper, pages are light, true to scale, and without what nobody can press', async () => {
   const page = await look('poses', { scheme: 'dark' });
   await page.emulateMedia({ media: 'print' });
   await settled(page);
   const looks = await page.evaluate(() => ({
     ink: getComputedStyle(document.body).color,
     list: document.getElementById('rows-scroll').clientHeight >= document.getElementById('rows').clientHeight,
+    // A page that is printed is laid out again, but not drawn again.
+    fits: [...document.querySelectorAll('canvas')].map((canvas) => getComputedStyle(canvas).objectFit),
+    help: document.getElementById('view-help').checkVisibility(),
   }));
-  assert.deepEqual(looks, { ink: 'rgb(35, 40, 45)', list: true });
+  assert.deepEqual(looks, { ink: 'rgb(35, 40, 45)', list: true, fits: ['contain', 'contain'], help: false });
   await page.close();
 });
 

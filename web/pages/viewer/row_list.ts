@@ -39,6 +39,13 @@ export class RowList {
       const chosen = (event.target as HTMLElement).closest('tr')?.dataset.row;
       if (chosen !== undefined) this.select(Number(chosen));
     });
+    byId('rows').addEventListener('keydown', (event) => {
+      const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      if (by === undefined) return;
+      event.preventDefault();
+      this.step(by);
+      this.currentLine()?.querySelector('button')!.focus();
+    });
     byId('rows-more').addEventListener('click', () => {
       this.room = Infinity;
       this.fill();
@@ -56,7 +63,7 @@ export class RowList {
       this.fill();
     }
     this.markCurrent();
-    const shown = byId('rows').querySelector<HTMLElement>('[aria-current]');
+    const shown = this.currentLine();
     const scroll = byId('rows-scroll');
     if (shown === null) return;
     const [above, below] = [shown.offsetTop, shown.offsetTop + shown.offsetHeight];
@@ -103,16 +110,23 @@ export class RowList {
         return line;
       }),
     );
-    const more = byId('rows-more');
-    more.hidden = shown.length === this.listed.length;
-    more.textContent = `Show all ${grouped(this.listed.length)}`;
+    byId('rows-rest').hidden = shown.length === this.listed.length;
+    byId('rows-count').textContent = `The first ${grouped(shown.length)} of ${grouped(this.listed.length)}.`;
     this.markCurrent();
   }
 
+  private currentLine(): HTMLElement | null {
+    return byId('rows').querySelector<HTMLElement>('[aria-current]');
+  }
+
+  /** Tab stops in the list once: at the current row, or at the first. */
   private markCurrent(): void {
-    for (const line of byId('rows').querySelectorAll('tr')) {
+    const lines = [...byId('rows').querySelectorAll('tr')];
+    for (const line of lines) {
       if (line.dataset.row === String(this.current)) line.setAttribute('aria-current', 'true');
       else line.removeAttribute('aria-current');
     }
+    const stop = this.currentLine() ?? lines[0];
+    for (const line of lines) line.querySelector('button')!.tabIndex = line === stop ? 0 : -1;
   }
 }

@@ -26,7 +26,8 @@ export function showTitle(given: string, usual: string | readonly [string, strin
 /** When the page was made, by which version, of which files. */
 export function showMaking({ version, made_at, command, inputs = [] }: Making): void {
   byId('version').textContent = `limber ${version} on ${made_at}`;
-  byId('command').textContent = command;
+  const words = command.split(' ').map((word) => element('span', 'word', word));
+  byId('command').replaceChildren(...words.flatMap((word) => [' ', word]).slice(1));
   const part = byId<HTMLDetailsElement>('inputs-part');
   part.hidden = inputs.length === 0;
   part.open = inputs.length <= mostInputsAtOnce;
