@@ -68,7 +68,7 @@ TEST(ProgramContacts, ACubeInACubeIsCloseWithItsTop) {
         "limber: contacts: warning: B lies inside A without touching it; models are surfaces, not solids, so they "
         "do not collide\n");
     nlohmann::json json = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(json["inside"], "b_in_a");
+    EXPECT_EQ(json["inside"], "b_inside_a");
     EXPECT_EQ(json["intersecting"], 0);
     return json;
   };

@@ -47,8 +47,8 @@ TEST(ProgramInside, IsToldByEveryVerbAndEveryEngine) {
   for (const std::string engine : {"fast", "classic", "reference"}) {
     for (const std::string verb : {"distance", "collide", "within --max-distance 0.01", "within --max-distance 7"}) {
       const std::string line = verb + " --engine " + engine;
-      EXPECT_EQ(inside_of(line + around_ball + " --pose-b 3,0,0,1,2,3,4"), "b_in_a");
-      EXPECT_EQ(inside_of(line + in_shell + " --pose-a 3,0,0,1,2,3,4"), "a_in_b");
+      EXPECT_EQ(inside_of(line + around_ball + " --pose-b 3,0,0,1,2,3,4"), "b_inside_a");
+      EXPECT_EQ(inside_of(line + in_shell + " --pose-a 3,0,0,1,2,3,4"), "a_inside_b");
       EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 10,0,0,1,0,0,0").is_null());  // apart
       EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 3,3,0,1,0,0,0").is_null());   // touching
     }
@@ -65,11 +65,11 @@ TEST(ProgramInside, BoxesAreNotEnough) {
   const Folder folder;
   const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
   const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
-  EXPECT_EQ(inside(shell, seed, "3,3,0,1,0,0,0"), "b_in_a");
+  EXPECT_EQ(inside(shell, seed, "3,3,0,1,0,0,0"), "b_inside_a");
   EXPECT_TRUE(inside(shell, seed, "4.5,4.5,0,1,0,0,0").is_null());  // in a corner of the box
   // Nor is the box enough when both are turned and far away.
   const std::string far = "distance " + shell + ' ' + seed + " --pose-a 1000,0,0,1,1,0.5,0 --pose-b ";
-  EXPECT_EQ(inside_of(far + "1003,3,0,1,0,0,0"), "b_in_a");
+  EXPECT_EQ(inside_of(far + "1003,3,0,1,0,0,0"), "b_inside_a");
   EXPECT_TRUE(inside_of(far + "1005,5,5,1,0,0,0").is_null());
 }
 
@@ -77,7 +77,7 @@ TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
   const Folder folder;
   Soup shell = Soup().add_ball(5, {});
   for (std::size_t t = 0; t < shell.triangles.size(); t += 3) std::swap(shell.triangles[t][0], shell.triangles[t][1]);
-  EXPECT_EQ(inside(shell.stored(folder, "turned_over.obj"), "scene:ball"), "b_in_a");
+  EXPECT_EQ(inside(shell.stored(folder, "turned_over.obj"), "scene:ball"), "b_inside_a");
   Soup open = shell;
   open.triangles.pop_back();
   EXPECT_TRUE(inside(open.stored(folder, "open.obj"), "scene:ball").is_null());
@@ -95,7 +95,7 @@ TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
   EXPECT_TRUE(inside(tent.stored(folder, "tent.obj"), "scene:ball").is_null());
   // What lies inside may be open.
   const std::string speck = folder.store("speck.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  EXPECT_EQ(inside(shell.stored(folder, "shell.obj"), speck), "b_in_a");
+  EXPECT_EQ(inside(shell.stored(folder, "shell.obj"), speck), "b_inside_a");
 }
 
 TEST(ProgramInside, CavitiesAndPartsCount) {
@@ -103,12 +103,13 @@ TEST(ProgramInside, CavitiesAndPartsCount) {
   const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
   Soup hollow = Soup().add_ball(5, {}).add_ball(3, {});
   const std::string twice = hollow.stored(folder, "twice.obj");  // both balls have their inside
-  for (const std::string verb : {"distance ", "collide "}) EXPECT_EQ(inside_of(verb + twice + ' ' + seed), "b_in_a");
+  for (const std::string verb : {"distance ", "collide "})
+    EXPECT_EQ(inside_of(verb + twice + ' ' + seed), "b_inside_a");
   for (std::size_t t = hollow.triangles.size() / 2; t < hollow.triangles.size(); ++t) {
     std::swap(hollow.triangles[t][0], hollow.triangles[t][1]);
   }
   const auto expect_cavity = [&](const std::string& file) {
-    EXPECT_EQ(inside(file, seed, "4,0,0,1,0,0,0"), "b_in_a");
+    EXPECT_EQ(inside(file, seed, "4,0,0,1,0,0,0"), "b_inside_a");
     EXPECT_TRUE(inside(file, seed).is_null());
   };
   expect_cavity(hollow.stored(folder, "hollow.obj"));
@@ -117,7 +118,7 @@ TEST(ProgramInside, CavitiesAndPartsCount) {
   const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
   const std::string both = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {0, 3, 0}).stored(folder, "both.obj");
   const std::string one = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {4.5, 4.5, 0}).stored(folder, "one.obj");
-  EXPECT_EQ(inside(shell, both), "b_in_a");
+  EXPECT_EQ(inside(shell, both), "b_inside_a");
   EXPECT_TRUE(inside(shell, one).is_null());
 }
 
@@ -131,8 +132,8 @@ TEST(ProgramInside, RowsOfPairsTellItInAColumnAndOneWarning) {
             "surfaces, not solids (column inside)\n");
   const std::vector<Row> table = table_of(outcome.out);
   ASSERT_EQ(table.size(), 3U);
-  EXPECT_EQ(table[0].at("inside"), "b_in_a");
-  EXPECT_EQ(table[1].at("inside"), "a_in_b");
+  EXPECT_EQ(table[0].at("inside"), "b_inside_a");
+  EXPECT_EQ(table[1].at("inside"), "a_inside_b");
   EXPECT_EQ(table[2].at("inside"), "");
 }
 

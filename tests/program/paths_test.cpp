@@ -30,7 +30,7 @@ TEST(ProgramPaths, TellWhenModelsMeetFirst) {
                                                           "tx,ty,tz,qw,qx,qy,qz\n0,0,5,1,0,0,0\n0,0,3,1,0,0,0\n"
                                                           "0,0,-1,1,0,0,0\n0,0,9,1,0,0,0\n");
   const nlohmann::json meet = json_of("collide" + path);
-  EXPECT_EQ(meet["collision"], true);
+  EXPECT_EQ(meet["is_yes"], true);
   EXPECT_LE(meet["path_time"].get<double>(), 1.5);
   EXPECT_NEAR(meet["path_time"].get<double>(), 1.5, 1e-6);
   EXPECT_NEAR(length(point_of(meet["witness"]["point_b"])), 0, 1e-5);
@@ -61,7 +61,7 @@ TEST(ProgramPaths, TellHowNearModelsCome) {
   EXPECT_GE(rough["upper"].get<double>(), 1.5);
   EXPECT_LT(rough["node_tests"], distance["node_tests"]);
   const nlohmann::json apart = json_of("collide" + path);
-  EXPECT_EQ(apart["collision"], false);
+  EXPECT_EQ(apart["is_yes"], false);
   EXPECT_TRUE(apart["path_time"].is_null());
   EXPECT_EQ(answer_to("collide" + path).find("path time"), std::string::npos);
   EXPECT_EQ(run("within --max-distance 1.4 --exit-code" + path).exit_code, 0);
@@ -76,7 +76,7 @@ TEST(ProgramPaths, ModelsTurnBetweenPoses) {
   const std::string quarter = folder.store("path.csv", "0,0,0,1,0,0,0\n0,0,0,1,0,0,1\n");
   const std::string models = "collide " + blade + ' ' + pin, turned = " --pose-b 0,0,0,0.8660254037844387,0,0,0.5";
   for (const std::string end : {"0,0,0,1,0,0,0", "0,0,0,1,0,0,1"}) {
-    EXPECT_EQ(json_of(models + turned + " --pose-a " + end)["collision"], false);
+    EXPECT_EQ(json_of(models + turned + " --pose-a " + end)["is_yes"], false);
   }
   EXPECT_NEAR(json_of(models + turned + " --path-a " + quarter)["path_time"].get<double>(), 2.0 / 3, 1e-5);
   // The pin turns back instead, which the blade sees as the same motion. Then both models turn: towards each other,
@@ -85,7 +85,7 @@ TEST(ProgramPaths, ModelsTurnBetweenPoses) {
   EXPECT_EQ(json_of(models + " --path-b " + back)["path_time"].get<double>() > 0.999, true);
   EXPECT_NEAR(json_of(models + " --path-a " + quarter + " --path-b " + back)["path_time"].get<double>(), 0.4, 1e-5);
   EXPECT_EQ(json_of(models + " --path-a " + quarter + " --path-b " +
-                    folder.store("along.csv", "0,0,0,1,0,0,0.5\n0,0,0,0.5,0,0,1\n"))["collision"],
+                    folder.store("along.csv", "0,0,0,1,0,0,0.5\n0,0,0,0.5,0,0,1\n"))["is_yes"],
             false);
 }
 
@@ -96,7 +96,7 @@ TEST(ProgramPaths, NestingIsThatOfTheStart) {
                                                                                       "1,0,0,1,0,0,0\n");
   for (const std::string verb : {"collide", "within --max-distance 1", "distance"}) {
     const Outcome outcome = run(verb + " scene:ball " + room + " --json --path-a " + path);
-    EXPECT_EQ(json_lines_of(outcome).at(0)["inside"], "a_in_b") << verb;
+    EXPECT_EQ(json_lines_of(outcome).at(0)["inside"], "a_inside_b") << verb;
     EXPECT_NE(outcome.err.find("A lies inside B"), std::string::npos) << verb;
   }
 }
@@ -167,7 +167,7 @@ TEST(ProgramPaths, AnswersAreThoseOfManyTimes) {
     EXPECT_LE(nearest["lower"].get<double>(), least + 1e-12);
     EXPECT_LE(nearest["upper"].get<double>() - nearest["lower"].get<double>(), error_of_least);
     EXPECT_NEAR(distance_at(nearest["path_time"]), nearest["upper"].get<double>(), error_of_least);
-    if (near["within"] == false) {
+    if (near["is_yes"] == false) {
       ++clear;
       EXPECT_GT(nearest["upper"], separation);
       EXPECT_GT(first, 3);

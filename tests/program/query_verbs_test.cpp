@@ -149,9 +149,9 @@ TEST(ProgramDistance, FacesAreThoseOfTheFile) {
 TEST(ProgramCollide, SaysYesWithAPointOnBoth) {
   const nlohmann::json json = json_of("collide" + raised_ball + "0,0,5,1,0,0,0 --pose-b 0,0,4.5,1,0,0,0");
   EXPECT_EQ(keys_of(json),
-            (Words{"build_us", "collision", "inside", "node_tests", "query", "query_us", "triangle_tests", "witness"}));
+            (Words{"build_us", "inside", "is_yes", "node_tests", "query", "query_us", "triangle_tests", "witness"}));
   EXPECT_EQ(json["query"], "collide");
-  EXPECT_EQ(json["collision"], true);
+  EXPECT_EQ(json["is_yes"], true);
   EXPECT_EQ(keys_of(json["witness"]), witness_keys);
   EXPECT_NEAR(point_of(json["witness"]["point_a"]).z, 4.5, 1e-12);
   EXPECT_EQ(json["witness"]["point_a"], json["witness"]["point_b"]);
@@ -160,10 +160,10 @@ TEST(ProgramCollide, SaysYesWithAPointOnBoth) {
 TEST(ProgramCollide, SaysNoWithoutAWitnessAndYesWhereModelsTouch) {
   const std::string line = "collide" + raised_ball;
   const nlohmann::json json = json_of(line + "0,0,1.001,1,0,0,0");
-  EXPECT_EQ(json["collision"], false);
+  EXPECT_EQ(json["is_yes"], false);
   EXPECT_TRUE(json["witness"].is_null());
   EXPECT_EQ(answer_to(line + "0,0,1.001,1,0,0,0").find("collision no"), 0U);
-  EXPECT_EQ(json_of(line + "0,0,1,1,0,0,0")["collision"], true);
+  EXPECT_EQ(json_of(line + "0,0,1,1,0,0,0")["is_yes"], true);
 }
 
 TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
@@ -173,7 +173,7 @@ TEST(ProgramCollide, AllEnginesAgreeWithTheDistance) {
     for (const std::string pose : {"0,0,0,1,0,0,0", "3,0,0,1,0,0,0", "4,4,0,1,0,0,0"}) {
       const bool is_collision = json_of("distance" + both + pose)["status"] == "collision";
       for (const std::string& engine : engines) {
-        EXPECT_EQ(json_of("collide" + both + pose + " --engine " + engine)["collision"], is_collision) << engine;
+        EXPECT_EQ(json_of("collide" + both + pose + " --engine " + engine)["is_yes"], is_collision) << engine;
       }
     }
   }
@@ -187,12 +187,12 @@ TEST(ProgramWithin, IsClosedAndTheSameForAllEngines) {
     const auto ask = [&](const std::string& limit) {
       return json_of(both + " --pose-a 0,0,3,1,0,0,0 --engine " + engine + " --max-distance " + limit);
     };
-    EXPECT_EQ(ask("1.9999")["within"], false) << engine;
+    EXPECT_EQ(ask("1.9999")["is_yes"], false) << engine;
     EXPECT_TRUE(ask("1.9999")["witness"].is_null()) << engine;
-    EXPECT_EQ(ask("2")["within"], true) << engine;
+    EXPECT_EQ(ask("2")["is_yes"], true) << engine;
     const nlohmann::json json = ask("2.5");
-    EXPECT_EQ(keys_of(json), (Words{"build_us", "inside", "max_distance", "node_tests", "query", "query_us",
-                                    "triangle_tests", "within", "witness"}));
+    EXPECT_EQ(keys_of(json), (Words{"build_us", "inside", "is_yes", "max_distance", "node_tests", "query", "query_us",
+                                    "triangle_tests", "witness"}));
     EXPECT_EQ(json["query"], "within");
     EXPECT_EQ(json["max_distance"], 2.5);
     EXPECT_EQ(keys_of(json["witness"]), witness_keys);

@@ -265,7 +265,8 @@ TEST(Impact, OfWhatIsOutOfRangeIsRefused) {
     EXPECT_THROW(static_cast<void>(impact_on_floor({0, 0, 1}, {0, 0, 2}, {.max_time = time})), std::invalid_argument);
   }
   for (const double error : {-1.0, std::nan("")}) {
-    EXPECT_THROW(static_cast<void>(impact_on_floor({0, 0, 1}, {0, 0, 2}, {.time_error = error})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(impact_on_floor({0, 0, 1}, {0, 0, 2}, {.time_error = error})),
+                 std::invalid_argument);
   }
   expect_contact_at(impact_on_floor({0.25, 0.25, max_coordinate}, {0.25, 0.25, -max_coordinate}), 0.5);
 }

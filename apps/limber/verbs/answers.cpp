@@ -46,12 +46,12 @@ void write_distance_lines(const DistanceResult& result, const std::optional<Foun
 
 Json to_json(Nesting nesting) {
   if (nesting == Nesting::none) return nullptr;
-  return nesting == Nesting::a_in_b ? "a_in_b" : "b_in_a";
+  return nesting == Nesting::a_inside_b ? "a_inside_b" : "b_inside_a";
 }
 
 void warn_about(Nesting nesting, const std::string& verb) {
   if (nesting == Nesting::none) return;
-  const char* const relation = nesting == Nesting::a_in_b ? "A lies inside B" : "B lies inside A";
+  const char* const relation = nesting == Nesting::a_inside_b ? "A lies inside B" : "B lies inside A";
   warn(verb, fmt::format("{} without touching it; models are surfaces, not solids, so they do not collide", relation));
 }
 

@@ -42,7 +42,7 @@ void write_distance_lines(const DistanceResult& result, const std::optional<Foun
 /// What csv_line() makes of them before the witness.
 inline constexpr const char* distance_columns = "status,lower,upper";
 
-/// "a_in_b" or "b_in_a", or null.
+/// "a_inside_b" or "b_inside_a", or null.
 Json to_json(Nesting nesting);
 /// Warns on standard error where one model lies inside the other.
 void warn_about(Nesting nesting, const std::string& verb);

@@ -45,10 +45,10 @@ std::string clash_line(Clash clash, const Relation& relation) {
   std::string line = to_text(clash);
   std::replace(line.begin(), line.end(), '_', ' ');
   if (relation.solids == SolidRelation::equal) return line + ": both volumes are equal";
-  if (relation.solids == SolidRelation::a_inside_b || relation.nesting == Nesting::a_in_b) {
+  if (relation.solids == SolidRelation::a_inside_b || relation.nesting == Nesting::a_inside_b) {
     return line + ": A is enclosed in B";
   }
-  if (relation.solids == SolidRelation::b_inside_a || relation.nesting == Nesting::b_in_a) {
+  if (relation.solids == SolidRelation::b_inside_a || relation.nesting == Nesting::b_inside_a) {
     return line + ": B is enclosed in A";
   }
   return line;

@@ -76,7 +76,7 @@ ExitCode run(const CollideArguments& arguments) {
   const std::string verb = arguments.max_distance ? "within" : "collide";
   const std::string fact = arguments.max_distance ? "within" : "collision";
   if (arguments.pair.json) {
-    Json json = {{"query", verb}, {fact, result.is_yes()}};
+    Json json = {{"query", verb}, {"is_yes", result.is_yes()}};
     if (arguments.max_distance) json["max_distance"] = *arguments.max_distance;
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);

@@ -92,7 +92,7 @@ into fans; faces are the file's own, counted from 0.
 --min-clearance is decided as for an exact distance, whatever the errors asked for.
 
 Distances are of surfaces: a model wholly inside the other is as far from it as their surfaces are apart. Where a closed
-model has the other inside, a warning says so, and inside in JSON and CSV is a_in_b or b_in_a.
+model has the other inside, a warning says so, and inside in JSON and CSV is a_inside_b or b_inside_a.
 )";
 
 constexpr const char* path_answer_help = R"(

@@ -203,16 +203,16 @@ std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedM
 
 Nesting nesting_of(const SolidRelationResult& solids) {
   if (solids.witness) return Nesting::none;
-  if (solids.relation == SolidRelation::b_inside_a) return Nesting::b_in_a;
-  return solids.relation == SolidRelation::a_inside_b ? Nesting::a_in_b : Nesting::none;
+  if (solids.relation == SolidRelation::b_inside_a) return Nesting::b_inside_a;
+  return solids.relation == SolidRelation::a_inside_b ? Nesting::a_inside_b : Nesting::none;
 }
 
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
   const bool b_may_be = is_in_box(b, a), a_may_be = is_in_box(a, b);
   if (!a_may_be && !b_may_be) return Nesting::none;
   if (const auto solids = solids_of(a, b)) return nesting_of(*solids);
-  if (b_may_be && is_inside(b, a)) return Nesting::b_in_a;
-  return a_may_be && is_inside(a, b) ? Nesting::a_in_b : Nesting::none;
+  if (b_may_be && is_inside(b, a)) return Nesting::b_inside_a;
+  return a_may_be && is_inside(a, b) ? Nesting::a_inside_b : Nesting::none;
 }
 
 void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model) {

@@ -122,7 +122,7 @@ std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedM
 
 /// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to
 /// them such a pair is apart.
-enum class Nesting { none, a_in_b, b_in_a };
+enum class Nesting { none, a_inside_b, b_inside_a };
 
 /// How two models are nested whose volumes lie like that.
 Nesting nesting_of(const SolidRelationResult& solids);

@@ -132,7 +132,7 @@ export class StudyView {
   private showThrough(): void {
     const isOn = byId<HTMLInputElement>('see-through').checked;
     const encloses = ['b_inside_a', 'a_inside_b'].indexOf(this.study.rows.solids[this.row] ?? '');
-    const inside = ['b_in_a', 'a_in_b'].indexOf(this.study.rows.inside[this.row] ?? '');
+    const inside = ['b_inside_a', 'a_inside_b'].indexOf(this.study.rows.inside[this.row] ?? '');
     this.view.surfaces.forEach((surface, side) => {
       surface.setOpacity(isOn || side === encloses || side === inside ? clearOpacity : 1);
     });

@@ -5,7 +5,7 @@
 
 export type Clash = 'hard_clash' | 'touching' | 'clearance' | 'clear' | 'surfaces_meet' | 'surfaces_apart';
 export type Solids = 'apart' | 'touching' | 'overlapping' | 'a_inside_b' | 'b_inside_a' | 'equal' | null;
-export type Inside = 'a_in_b' | 'b_in_a' | null;
+export type Inside = 'a_inside_b' | 'b_inside_a' | null;
 
 export const clashWords: Record<Clash, string> = {
   hard_clash: 'Hard clash',
@@ -18,8 +18,8 @@ export const clashWords: Record<Clash, string> = {
 
 /** How the models lie, besides their distance; empty where the word of the clash says it all. */
 export function placeOf({ clash, solids, inside }: { clash: Clash; solids: Solids; inside: Inside }): string {
-  if (solids === 'a_inside_b' || inside === 'a_in_b') return 'A is enclosed in B';
-  if (solids === 'b_inside_a' || inside === 'b_in_a') return 'B is enclosed in A';
+  if (solids === 'a_inside_b' || inside === 'a_inside_b') return 'A is enclosed in B';
+  if (solids === 'b_inside_a' || inside === 'b_inside_a') return 'B is enclosed in A';
   if (solids === 'equal') return 'both volumes are equal';
   if (clash === 'hard_clash') return 'the volumes overlap';
   if (clash === 'touching') return 'the volumes do not overlap';
