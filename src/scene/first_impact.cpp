@@ -5,7 +5,6 @@
 // by about its own size. Objects near a piece, which no earlier piece was near, are asked for all of the way that is
 // left; a hit ends that way.
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -89,11 +88,11 @@ void ImpactSearch::ask(ObjectId id) {
 ObjectImpact ImpactSearch::run() {
   const scene::LocalBounds local = scene::local_bounds(body_);
   const double size = std::max(2 * local.radius, std::numeric_limits<double>::min());
-  const double pieces = std::min(std::floor(path_.speed * of_pair_.max_time / size) + 1, most_pieces);
+  const int pieces = static_cast<int>(std::min(path_.speed * of_pair_.max_time / size, most_pieces - 1)) + 1;
   const double duration = of_pair_.max_time / pieces;
   // Times are rounded.
   const double reach = of_pair_.min_separation + path_.speed * (0.5 * duration + 0x1p-50);
-  for (double piece = 0; piece < pieces; ++piece) {
+  for (int piece = 0; piece < pieces; ++piece) {
     begin_ = piece * duration;
     if (begin_ > of_pair_.max_time) break;
     const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
