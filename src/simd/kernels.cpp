@@ -5,6 +5,10 @@
 // Differs   Whole kernels are dispatched, through one table, so the traversal exists once.
 #include "simd/kernels.h"
 
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__OPTIMIZE__)
+#error "GCC 12 loses vectors that functions return unless it optimizes: compile this file with -O1 or more"
+#endif
+
 #include <atomic>
 #include <vector>
 
