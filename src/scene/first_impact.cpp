@@ -20,7 +20,7 @@
 namespace limber {
 namespace {
 
-constexpr const char* function = "limber::Scene::time_of_impact";
+constexpr const char* time_of_impact_name = "limber::Scene::time_of_impact";
 
 class ImpactSearch {
  public:
@@ -96,7 +96,7 @@ ObjectImpact ImpactSearch::run() {
     begin_ = piece * duration;
     if (begin_ > of_pair_.max_time) break;
     const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
-    scene::check_placed(there, function);
+    scene::check_placed(there, time_of_impact_name);
     find_near(scene::world_bounds(local, there.pose), reach);
     for (const Near& object : near_) {
       ask(object.id);
@@ -111,8 +111,8 @@ ObjectImpact ImpactSearch::run() {
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::time_of_impact: objects or models have changed since the last commit");
-  scene::check_placed(Placed(body), function);
-  path::check_options({options.max_time, options.min_separation, options.distance_error}, function);
+  scene::check_placed(Placed(body), time_of_impact_name);
+  path::check_options({options.max_time, options.min_separation, options.distance_error}, time_of_impact_name);
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ ObjectImpact Scene::time_of_impact(const Body& body, const RigidPath& path, cons
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
-  path::check_speed(path.speed, function);
+  path::check_speed(path.speed, time_of_impact_name);
   return ImpactSearch(scene, body, path, options).run();
 }
 
