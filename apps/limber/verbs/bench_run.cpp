@@ -245,12 +245,15 @@ class Bench {
   /// A row for each question and situation that was measured, in the order in which questions were first put.
   BenchTable table() {
     std::map<std::string, std::size_t> first;
-    for (std::size_t i = 0; i < turns_.size(); ++i) first.emplace(turns_[i].question, i);
-    std::stable_sort(turns_.begin(), turns_.end(),
-                     [&](const Turn& s, const Turn& t) { return first.at(s.question) < first.at(t.question); });
+    std::vector<std::pair<std::size_t, std::size_t>> order;  // when its question was first put, and the turn
+    for (std::size_t i = 0; i < turns_.size(); ++i) {
+      order.emplace_back(first.emplace(turns_[i].question, i).first->second, i);
+    }
+    std::sort(order.begin(), order.end());
     BenchTable table{size_, {}};
     std::vector<std::vector<double>> times;  // of the poses of each row
-    for (Turn& turn : turns_) {
+    for (const auto& [question, i] : order) {
+      Turn& turn = turns_[i];
       if (turn.us.empty()) continue;
       const auto row = std::find_if(table.rows.begin(), table.rows.end(), [&](const BenchRow& r) {
         return r.question == turn.question && r.situation == turn.situation;
