@@ -85,8 +85,8 @@ struct [[nodiscard]] PathImpact {
   /// They are farther apart than the separation before `time`. For `contact` and `initial_contact` they are at most
   /// distance_error farther apart at `time`. Infinite for `clear`.
   double time = 0;
-  std::optional<Witness> witness;  ///< the closest points at `time`, if they touch
-  Vec3 normal;                     ///< from a to b, as contact_of() tells of the witness (gradients.h); 0 without one
+  std::optional<Witness> witness;  ///< the closest points at `time`, if they touch; any so near if the budget is spent
+  Vec3 normal;                     ///< that of contact_of() for the witness (gradients.h), from a to b; 0 without one
   std::uint64_t distances = 0;     ///< that were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};

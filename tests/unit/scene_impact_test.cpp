@@ -82,17 +82,17 @@ TEST(SceneImpact, NothingIsTouchedBefore) {
     scene.commit();
     const double size = rng.below(3) == 0 ? 0.01 : 1;
     const Model small(ball_of(size));
-    const RigidMotion motion(random_pose(rng, 8), random_pose(rng, 8), size * uniform_point(rng));
+    const RigidMotion motion{random_pose(rng, 8), random_pose(rng, 8), size * uniform_point(rng)};  // in this order
     ObjectImpactOptions options{.max_time = rng.below(2) == 0 ? 1 : rng.uniform(), .distance_error = 1e-4};
     if (rng.below(3) == 0) options.min_separation = rng.uniform();
     if (rng.below(3) == 0) options.filter = is_even;
-    const Body body(rng.below(4) == 0 ? models[rng.below(3)] : small, rng.below(4) == 0 ? 0.3 : 0);
+    const Body body{rng.below(4) == 0 ? models[rng.below(3)] : small, rng.below(4) == 0 ? 0.3 : 0};
     expect_first_impact(scene, body, motion, options, 1e-4 * (1 + 1e-9));
     const bool is_clear = scene.time_of_impact(body, motion, options).object == no_id;
     (is_clear ? clear : contacts) += 1;
   }
   EXPECT_GT(clear, 30U);
-  EXPECT_GT(contacts, 40U);
+  EXPECT_GT(contacts, 30U);
 }
 
 /// Balls of radius 0.4 in a row along x, each 1 from the next, whose ids do not rise along it.
