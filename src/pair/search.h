@@ -151,8 +151,10 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   const double root_bound = placed.root_bound(pruning.distance());
   if (root_bound >= pruning.distance()) return {root_bound};
   if (!collector.is_done() && placed.is_triangle(Side::a) && placed.is_triangle(Side::b)) {
+    // Nothing is left open, whatever error is allowed.
+    const double limit = pruning.cutoff();
     compare(0, 0, placed, collector, pruning, stats);
-    return {std::max(root_bound, pruning.cutoff())};
+    return {std::max(root_bound, limit)};
   }
   QueryCache::Impl* const last = cache == nullptr ? nullptr : &Access::impl(*cache);
   const bool has_pair = last != nullptr && placed.has_triangle(Side::a, last->triangle_a) &&

@@ -144,6 +144,23 @@ TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
   EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
 }
 
+TEST(Queries, OfTwoTrianglesAreExactWhateverErrorIsAllowed) {
+  const Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}).value());
+  const Placed a{model}, b{model, {{}, {0.25, 0.25, 3}}};
+  QueryCache cache;
+  for (const double error : {0.0, 0.1, 2.0}) {
+    for (QueryCache* const used : {static_cast<QueryCache*>(nullptr), &cache}) {
+      const DistanceResult found = distance(a, b, {.relative_error = error, .cache = used, .budget = {.max_steps = 1}});
+      EXPECT_EQ(found.lower, 3);
+      EXPECT_EQ(found.upper, 3);
+      EXPECT_EQ(found.status, DistanceStatus::exact);
+    }
+  }
+  const DistanceResult beyond = distance(a, b, {.relative_error = 1, .max_distance = 2.5});
+  EXPECT_EQ(beyond.status, DistanceStatus::beyond_limit);
+  EXPECT_EQ(beyond.lower, 2.5);
+}
+
 TEST(Queries, FarFromEachOtherKeepErrorsAndLimits) {
   const Model square(scenes::grid(16, 16, -4, -4, 0.5, 0.5)), ball(scenes::ball(16, 9));
   const Transform pose = scenes::ball_over_square(ball.mesh(), 64, 0);
