@@ -53,7 +53,7 @@ class MeshEdges {
   std::vector<std::array<VertexId, 2>> vertices_;
   std::vector<std::array<EdgeId, 3>> of_triangles_;
   std::vector<TriangleId> representatives_, vertex_representatives_;
-  std::vector<std::uint8_t> represented_;  // what each triangle owns: bit k is corner k, bit 3 + k the edge after it
+  std::vector<std::uint8_t> represented_;  // bit masks, one a triangle; Access::represented_by()
 };
 
 /// A vertex and a face that are close.

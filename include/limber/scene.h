@@ -107,7 +107,7 @@ struct [[nodiscard]] ClosestObject {
 /// The object of a scene that a moving body touches first.
 struct [[nodiscard]] ObjectImpact {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
-  PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` are those of all
+  PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` count all objects
 };
 
 /// The contacts of many pairs of objects.
@@ -378,7 +378,8 @@ class Scene {
   /// Budget   If it is spent first, the status is `undecided`, and nothing touches before the time.
   /// Throws   As time_of_impact() of two bodies, and unless the scene is committed; whatever the filter throws.
   /// Cost     For each piece of the way about as long as the body, that of visit_candidates(); that of time_of_impact()
-  ///          for each object near the way up to the first impact. On the calling thread. Allocates a bit for each id.
+  ///          for each object near the way up to the first impact. On the calling thread. Allocates a bit for each id,
+  ///          and 16 bytes for each object near a piece.
   LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidMotion& motion,
                                          const ObjectImpactOptions& options = {}) const;
   LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidPath& path,

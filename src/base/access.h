@@ -6,7 +6,7 @@
 
 namespace limber {
 
-/// What public classes keep for the library's own use.
+/// Gives the library access to private members of public classes.
 struct Access {
   /// Makes an object by a constructor that is not public.
   template <typename Class, typename... Arguments>
@@ -19,8 +19,8 @@ struct Access {
     return object.impl();
   }
 
-  /// What a triangle owns of MeshEdges, a bit mask: bit k is the vertex of corner k, bit 3 + k the edge from there to
-  /// the next one.
+  /// Bit mask of the elements that a triangle represents: bit k is the vertex of corner k, bit 3 + k is the edge from
+  /// corner k to the next corner.
   ///
   /// Pre      The triangle exists.
   template <typename Edges>

@@ -4,7 +4,7 @@
 
 #include "limber/path.h"
 
-/// What queries of two moving bodies and those of a body in a scene have in common.
+/// Functions that queries of two moving bodies share with the sweep of one body through a scene.
 namespace limber::path {
 
 /// Throws   std::invalid_argument, naming the function, unless the options are what their comments say.

@@ -56,7 +56,7 @@ import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writ
  *
  * @typedef {object} ObjectImpact
  * @property {number | null} object none exactly when the result has no witness
- * @property {PathImpact} result of the body and the object, in this order; `distances` and `stats` are those of all
+ * @property {PathImpact} result of the body and the object, in this order; `distances` and `stats` count all objects
  */
 
 /**

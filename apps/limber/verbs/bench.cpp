@@ -26,7 +26,7 @@ struct BenchArguments {
   bool json = false;
 };
 
-/// What the system calls the processor. Virtual machines leave the number out of its name, so family and model follow.
+/// The processor's name, family and model. Virtual machines leave the model number out of the name.
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   std::string name, parts, line;

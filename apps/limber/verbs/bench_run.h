@@ -11,7 +11,7 @@
 
 #include "limber/model.h"
 
-/// What queries and updates of some models take, at poses that are drawn at random.
+/// Measures how long queries and updates of two models take, at random poses.
 namespace limber::program {
 
 struct BenchOptions {
@@ -37,7 +37,7 @@ struct BenchTable {
 /// Throws   std::runtime_error naming the pose at which answers disagree.
 BenchTable run_bench(const Model& a, const Model& b, const BenchOptions& options);
 
-/// What was answered about one pose, in ways that must agree.
+/// The answers about one pose. Several of them are found in two ways, which must agree.
 struct BenchAnswers {
   double distance = 0, rough_lower = 0, rough_upper = 0;  ///< rough: with a relative error of 0.01
   bool collides = false, is_within = false;
